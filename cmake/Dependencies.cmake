@@ -1,0 +1,34 @@
+# What we stand on; every name is a package of tools/packages.txt.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(tl-expected REQUIRED)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(TBB REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+if(BUILD_TESTING)
+  find_package(GTest REQUIRED)
+endif()
+
+# libopencv-imgproc-dev has no CMake config of its own.
+find_path(OPENCV_INCLUDE opencv2/imgproc.hpp PATH_SUFFIXES opencv4 REQUIRED)
+find_library(OPENCV_CORE opencv_core REQUIRED)
+find_library(OPENCV_IMGPROC opencv_imgproc REQUIRED)
+add_library(moiregauge_opencv INTERFACE)
+target_include_directories(moiregauge_opencv SYSTEM INTERFACE ${OPENCV_INCLUDE})
+target_link_libraries(moiregauge_opencv INTERFACE ${OPENCV_IMGPROC} ${OPENCV_CORE})
+
+pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
+add_library(moiregauge_libav INTERFACE)
+target_link_libraries(moiregauge_libav INTERFACE PkgConfig::LIBAV Threads::Threads rt)
+
+pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
+add_library(moiregauge_cairo INTERFACE)
+target_link_libraries(moiregauge_cairo INTERFACE PkgConfig::CAIRO)
+
+pkg_check_modules(IMAGES REQUIRED IMPORTED_TARGET libpng libtiff-4 libcrypto)
+find_path(TOML11_INCLUDE toml.hpp PATH_SUFFIXES toml11 REQUIRED)
+add_library(moiregauge_images INTERFACE)
+target_link_libraries(moiregauge_images INTERFACE PkgConfig::IMAGES)
+target_include_directories(moiregauge_images SYSTEM INTERFACE ${TOML11_INCLUDE})

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pinhole camera with OpenCV's five-term lens model, in pixels.
+//   x = X/Z, y = Y/Z, r^2 = x^2 + y^2, radial = 1 + k1 r^2 + k2 r^4 + k3 r^6
+//   xd = x radial + 2 p1 x y + p2 (r^2 + 2 x^2),  yd = y radial + p1 (r^2 + 2 y^2) + 2 p2 x y
+//   u = fx xd + cx, v = fy yd + cy        (docs.opencv.org, calib3d; camera x right, y down, z forward)
+#pragma once
+
+#include "moiregauge/units/point.h"
+
+namespace moiregauge {
+
+struct Camera {
+  int width = 0;   // px; 0: not stated
+  int height = 0;
+  double fx = 1.0, fy = 1.0, cx = 0.0, cy = 0.0;
+  double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
+
+  // Where the lens puts an ideal (undistorted, same fx fy cx cy) point.
+  [[nodiscard]] ImagePoint distort(IdealPoint ideal) const;
+  // The inverse, by Newton iteration to 1e-12 px; exact inverse within the model's monotone range.
+  [[nodiscard]] IdealPoint undistort(ImagePoint seen) const;
+  [[nodiscard]] bool is_distortion_free() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
+};
+
+}  // namespace moiregauge

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of grey levels, owned (Image) and borrowed (ImageView). Pixel (0,0) is the CENTRE of the top-left pixel.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+namespace moiregauge {
+
+// A read-only window on somebody else's pixels; passed by value, never owns.
+template <typename Grey>
+struct ImageView {
+  const Grey* data = nullptr;
+  int width = 0;              // pixels
+  int height = 0;             // pixels
+  std::ptrdiff_t stride = 0;  // elements from one row to the next
+
+  [[nodiscard]] std::span<const Grey> row(int y) const {
+    return {data + y * stride, static_cast<std::size_t>(width)};
+  }
+  [[nodiscard]] Grey at(int x, int y) const { return data[y * stride + x]; }
+  // The part with top-left pixel (x0, y0); the caller keeps it inside the picture.
+  [[nodiscard]] ImageView part(int x0, int y0, int part_width, int part_height) const {
+    return {data + y0 * stride + x0, part_width, part_height, stride};
+  }
+};
+
+// A picture that owns its pixels, rows packed.
+template <typename Grey>
+class Image {
+ public:
+  Image() = default;
+  Image(int width, int height, Grey fill = Grey{})
+      : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] std::span<Grey> row(int y) { return {pixels_.data() + offset(y), static_cast<std::size_t>(width_)}; }
+  [[nodiscard]] std::span<const Grey> row(int y) const { return {pixels_.data() + offset(y), static_cast<std::size_t>(width_)}; }
+  [[nodiscard]] Grey& at(int x, int y) { return pixels_[offset(y) + static_cast<std::size_t>(x)]; }
+  [[nodiscard]] Grey at(int x, int y) const { return pixels_[offset(y) + static_cast<std::size_t>(x)]; }
+  [[nodiscard]] ImageView<Grey> view() const { return {pixels_.data(), width_, height_, width_}; }
+
+ private:
+  [[nodiscard]] std::size_t offset(int y) const { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_); }
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<Grey> pixels_;
+};
+
+// The luma plane of one frame at its native depth: 8-bit, or 9 to 16 bits in 16-bit words, value in the low bits.
+using LumaView = std::variant<ImageView<std::uint8_t>, ImageView<std::uint16_t>>;
+
+[[nodiscard]] inline int width_of(const LumaView& luma) {
+  return std::visit([](const auto& view) { return view.width; }, luma);
+}
+[[nodiscard]] inline int height_of(const LumaView& luma) {
+  return std::visit([](const auto& view) { return view.height; }, luma);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The door through which pictures come in. Implemented by io (folders of pictures, TIFF) and decoder (video files).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/image/image.h"
+
+namespace moiregauge {
+
+// run.json's `input` block.
+struct InputInfo {
+  std::string path;
+  std::string sha256;        // of the file's bytes; of a folder: over the pictures' bytes in order
+  long frames = -1;          // number of frames in the input; -1: not known before the end
+  int width = 0;             // px, as displayed
+  int height = 0;            // px, as displayed
+  int bits = 8;              // grey-level depth
+  double fps = 0.0;          // nominal; NaN when unknown
+  std::string codec;         // "png", "jpeg", "tiff", "ffv1", "h264" ...
+  int rotation_deg = 0;      // quarter turns clockwise that were applied to show the picture upright
+  std::string time_source;   // "stream", "fps-option", "none"
+  std::vector<std::string> warnings;
+};
+
+struct Frame {
+  long number = 0;           // index in the input, first = 0
+  double time_s = 0.0;       // from frame 0 by the stream's time stamps; NaN when unknown
+  bool damaged = false;      // the decoder reported an error in it
+  LumaView luma;             // valid until the next call of next()
+};
+
+enum class InputErrorKind { kUnreadable, kUnsupported, kDamaged };
+
+struct InputError {
+  InputErrorKind kind = InputErrorKind::kUnreadable;
+  std::string message;       // "what: where: what to do"
+};
+
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  [[nodiscard]] virtual const InputInfo& info() const = 0;
+  // The next frame in order; nullopt at the regular end; an error when the input breaks off (earlier frames stay valid).
+  [[nodiscard]] virtual tl::expected<std::optional<Frame>, InputError> next() = 0;
+};
+
+struct InputOptions {
+  std::optional<double> fps;  // --fps: time stamps of pictures; also overrides a stream's
+  bool sequence = false;      // --sequence: the path is a printf pattern
+};
+
+}  // namespace moiregauge

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/site/site.h"
+
+#include <array>
+#include <utility>
+
+namespace moiregauge {
+namespace {
+
+constexpr std::array<std::pair<Pattern, const char*>, 8> kPatternWords{{
+    {Pattern::kAuto, "auto"},
+    {Pattern::kGrid, "grid"},
+    {Pattern::kSquares, "squares"},
+    {Pattern::kDots, "dots"},
+    {Pattern::kLinesX, "lines-x"},
+    {Pattern::kLinesY, "lines-y"},
+    {Pattern::kCheckerboard, "checkerboard"},
+    {Pattern::kCosine, "cosine"},
+}};
+
+}  // namespace
+
+const char* word_for(Pattern pattern) {
+  for (const auto& [value, word] : kPatternWords) {
+    if (value == pattern) return word;
+  }
+  return "auto";
+}
+
+std::optional<Pattern> pattern_named(const std::string& word) {
+  for (const auto& [value, name] : kPatternWords) {
+    if (word == name) return value;
+  }
+  return std::nullopt;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is printed where: the place's markers in board millimetres (site.toml, docs/conventions.md). Values only.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "moiregauge/units/point.h"
+
+namespace moiregauge {
+
+enum class Pattern { kAuto, kGrid, kSquares, kDots, kLinesX, kLinesY, kCheckerboard, kCosine };
+enum class Role { kReference, kTarget };
+
+struct Circle {
+  BoardPoint centre;         // mm
+  double diameter_mm = 0.0;  // 0: not stated
+};
+
+// A periodic print. pitch_mm is the period along x (and y): line to line, centre to centre, TWO squares of a checkerboard.
+struct Grating {
+  BoardPoint centre;             // mm, a symmetry point of the print
+  double width_mm = 0.0;         // extent of the print along its own x
+  double height_mm = 0.0;        // and y
+  double pitch_mm = 0.0;
+  double angle_rad = 0.0;        // counter-clockwise from the board's x to the print's x
+  Pattern pattern = Pattern::kAuto;
+};
+
+// A marker has a circle, a grating, or both, and a name.
+struct Marker {
+  std::string name;
+  Role role = Role::kReference;
+  std::optional<Circle> circle;
+  std::optional<Grating> grating;
+  std::optional<double> z_mm;  // height above the reference plane; not stated: 0 for references, anything for targets
+};
+
+// How well the site is known: standard uncertainties (k = 1).
+struct KnownTo {
+  double position_mm = 1.0;
+  double rotation_rad = 0.3 * 3.14159265358979323846 / 180.0;
+  double height_mm = 3.0;
+  double print_scale = 0.0005;  // relative
+};
+
+struct Site {
+  std::vector<Marker> markers;  // references first, then targets, each in the file's order
+  KnownTo known_to;
+};
+
+// The word of site.toml and run.json for a pattern ("grid", "lines-x", ...), and back.
+[[nodiscard]] const char* word_for(Pattern pattern);
+[[nodiscard]] std::optional<Pattern> pattern_named(const std::string& word);
+
+}  // namespace moiregauge

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points carry the frame of reference they live in, so a board point never passes for an image point.
+#pragma once
+
+#include <cmath>
+
+namespace moiregauge {
+
+namespace frame {
+struct Image;    // px, the picture as displayed: (0,0) is the centre of the top-left pixel, x right, y down
+struct Ideal;    // px, the same picture through a lens without distortion
+struct Board;    // mm, the board's plane: x right, y up, z towards the camera
+}  // namespace frame
+
+// The difference of two points of one frame.
+template <typename Frame>
+struct Extent {
+  double x = 0.0;
+  double y = 0.0;
+  friend constexpr Extent operator+(Extent a, Extent b) { return {a.x + b.x, a.y + b.y}; }
+  friend constexpr Extent operator-(Extent a, Extent b) { return {a.x - b.x, a.y - b.y}; }
+  friend constexpr Extent operator*(double s, Extent a) { return {s * a.x, s * a.y}; }
+};
+
+template <typename Frame>
+struct Point {
+  double x = 0.0;
+  double y = 0.0;
+  friend constexpr Extent<Frame> operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y}; }
+  friend constexpr Point operator+(Point a, Extent<Frame> d) { return {a.x + d.x, a.y + d.y}; }
+};
+
+template <typename Frame>
+[[nodiscard]] inline double length(Extent<Frame> d) {
+  return std::hypot(d.x, d.y);
+}
+
+using ImagePoint = Point<frame::Image>;
+using IdealPoint = Point<frame::Ideal>;
+using BoardPoint = Point<frame::Board>;
+
+}  // namespace moiregauge

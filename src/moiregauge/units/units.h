@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Units as types at the doors of the library; inside a kernel, suffixed doubles (docs/conventions.md).
+#pragma once
+
+#include <cmath>
+#include <compare>
+#include <numbers>
+
+namespace moiregauge {
+
+// A number with a unit. Built only explicitly, so pixels never pass for millimetres.
+template <typename Unit>
+class Quantity {
+ public:
+  constexpr Quantity() = default;
+  constexpr explicit Quantity(double value) : value_(value) {}
+  [[nodiscard]] constexpr double value() const { return value_; }
+  constexpr auto operator<=>(const Quantity&) const = default;
+  constexpr Quantity operator-() const { return Quantity(-value_); }
+  friend constexpr Quantity operator+(Quantity a, Quantity b) { return Quantity(a.value_ + b.value_); }
+  friend constexpr Quantity operator-(Quantity a, Quantity b) { return Quantity(a.value_ - b.value_); }
+  friend constexpr Quantity operator*(double s, Quantity a) { return Quantity(s * a.value_); }
+  friend constexpr Quantity operator*(Quantity a, double s) { return Quantity(s * a.value_); }
+  friend constexpr Quantity operator/(Quantity a, double s) { return Quantity(a.value_ / s); }
+  friend constexpr double operator/(Quantity a, Quantity b) { return a.value_ / b.value_; }
+
+ private:
+  double value_ = 0.0;
+};
+
+using Pixels = Quantity<struct PixelUnit>;
+using Millimetres = Quantity<struct MillimetreUnit>;
+using Radians = Quantity<struct RadianUnit>;
+using Seconds = Quantity<struct SecondUnit>;
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kTurn = 2.0 * std::numbers::pi;  // radians
+
+[[nodiscard]] constexpr double radians_from_degrees(double degrees) { return degrees * (kPi / 180.0); }
+[[nodiscard]] constexpr double degrees_from_radians(double radians) { return radians * (180.0 / kPi); }
+
+// The same angle in [-pi, pi].
+[[nodiscard]] inline double wrapped(double radians) { return std::remainder(radians, kTurn); }
+
+// No number without its uncertainty.
+template <typename Unit>
+struct Measured {
+  Quantity<Unit> value;
+  Quantity<Unit> standard_uncertainty;  // k = 1
+};
+
+}  // namespace moiregauge
