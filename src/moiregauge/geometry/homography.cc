@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/geometry/homography.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace moiregauge::detail {
+namespace {
+
+using Points = std::span<const Eigen::Vector2d>;
+
+// Similarity that brings the points' centroid to 0 and their rms radius to sqrt 2 (Hartley 1997, doi:10.1109/34.601246).
+Matrix3 normaliser(Points points) {
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  for (const auto& p : points) centroid += p;
+  centroid /= static_cast<double>(points.size());
+  double sum = 0.0;
+  for (const auto& p : points) sum += (p - centroid).squaredNorm();
+  const double rms = std::sqrt(sum / static_cast<double>(points.size()));
+  const double s = rms > 0.0 ? std::sqrt(2.0) / rms : 1.0;
+  Matrix3 t;
+  t << s, 0, -s * centroid.x(), 0, s, -s * centroid.y(), 0, 0, 1;
+  return t;
+}
+
+std::vector<Eigen::Vector2d> mapped(const Matrix3& t, Points points) {
+  std::vector<Eigen::Vector2d> out;
+  out.reserve(points.size());
+  for (const auto& p : points) out.push_back((t * p.homogeneous()).hnormalized());
+  return out;
+}
+
+// Some four of the points must have no three on a line, else the map is not determined. On normalised points the
+// smallest singular value but one of the design matrix tells the same, whatever the number of points.
+constexpr double kDegenerate = 1e-7;  // of the largest singular value
+
+tl::expected<Matrix3, HomographyFailure> direct_linear_solution(Points from, Points to) {
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(std::max<std::size_t>(2 * from.size(), 9)), 9);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const auto r = static_cast<Eigen::Index>(2 * i);
+    const Eigen::RowVector3d p = from[i].homogeneous().transpose();
+    a.block<1, 3>(r, 0) = p;
+    a.block<1, 3>(r, 6) = -to[i].x() * p;
+    a.block<1, 3>(r + 1, 3) = p;
+    a.block<1, 3>(r + 1, 6) = -to[i].y() * p;
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeFullV);
+  if (svd.singularValues()(7) < kDegenerate * svd.singularValues()(0)) return tl::unexpected(HomographyFailure::kDegenerate);
+  const Eigen::VectorXd h = svd.matrixV().col(8);
+  Matrix3 m;
+  m << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), h(8);
+  return m;
+}
+
+// Gauss-Newton on the reprojection error; the step is orthogonal to h, which fixes the free scale.
+void refine(Matrix3& h, Points from, Points to) {
+  constexpr int kPasses = 5;  // fixed: same bits everywhere; converges quadratically from the linear solution
+  for (int pass = 0; pass < kPasses; ++pass) {
+    h /= h.norm();
+    Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+    Eigen::Matrix<double, 9, 1> rhs = Eigen::Matrix<double, 9, 1>::Zero();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const Eigen::Vector3d p = from[i].homogeneous();
+      const Eigen::Vector3d q = h * p;
+      const Eigen::Vector2d uv = q.hnormalized();
+      for (int c = 0; c < 2; ++c) {
+        Eigen::Matrix<double, 9, 1> row = Eigen::Matrix<double, 9, 1>::Zero();
+        row.segment<3>(3 * c) = p / q.z();
+        row.segment<3>(6) = -uv(c) * p / q.z();
+        normal += row * row.transpose();
+        rhs += row * (to[i](c) - uv(c));
+      }
+    }
+    Eigen::Matrix<double, 9, 1> flat;
+    flat << h(0, 0), h(0, 1), h(0, 2), h(1, 0), h(1, 1), h(1, 2), h(2, 0), h(2, 1), h(2, 2);
+    normal += flat * flat.transpose();
+    const Eigen::Matrix<double, 9, 1> step = normal.ldlt().solve(rhs);
+    h(0, 0) += step(0), h(0, 1) += step(1), h(0, 2) += step(2);
+    h(1, 0) += step(3), h(1, 1) += step(4), h(1, 2) += step(5);
+    h(2, 0) += step(6), h(2, 1) += step(7), h(2, 2) += step(8);
+  }
+}
+
+}  // namespace
+
+tl::expected<Matrix3, HomographyFailure> fit_homography(Points from, Points to) {
+  if (from.size() != to.size() || from.size() < 4) return tl::unexpected(HomographyFailure::kTooFewPoints);
+  const Matrix3 from_normaliser = normaliser(from);
+  const Matrix3 to_normaliser = normaliser(to);
+  const auto from_normal = mapped(from_normaliser, from);
+  const auto to_normal = mapped(to_normaliser, to);
+  auto h = direct_linear_solution(from_normal, to_normal);
+  if (!h) return h;
+  if (from.size() > 4) refine(*h, from_normal, to_normal);
+  Matrix3 result = to_normaliser.inverse() * *h * from_normaliser;
+  return result / result(2, 2);
+}
+
+}  // namespace moiregauge::detail
