@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <tl/expected.hpp>
 
 #include "moiregauge/units/point.h"

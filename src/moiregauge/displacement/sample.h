@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// A displacement of one target in one frame, with its uncertainty: one row of displacement.csv.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "moiregauge/units/point.h"
+
+namespace moiregauge {
+
+// The closed list of displacement.csv's `status` (docs/file-formats.md).
+enum class Status {
+  kOk,
+  // numbers may be present
+  kUntrusted,
+  kCameraMoved,
+  kBlurred,
+  kSaturated,
+  kPartlyCovered,
+  // numbers are NaN
+  kLost,
+  kReferenceLost,
+  kOrderUnproven,
+  kDecodeError,
+  kTooCoarse
+};
+
+[[nodiscard]] const char* word_for(Status status);
+[[nodiscard]] bool has_numbers(Status status);
+
+// Standard uncertainties (k = 1) along the board's x and y by cause, mm.
+struct Budget {
+  Extent<frame::Board> noise;            // of the target's own window in this frame
+  Extent<frame::Board> references;       // of the references' windows, through the homography
+  Extent<frame::Board> reference_frame;  // both of the above in the reference frame
+  Extent<frame::Board> model;            // what four points cannot absorb: lens, depth, a bent board
+};
+
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+struct Sample {
+  long frame = 0;
+  double time_s = kNotMeasured;
+  std::size_t marker = 0;                                        // index in the site
+  Extent<frame::Board> displacement{kNotMeasured, kNotMeasured};  // mm since the reference frame, x right, y up
+  Extent<frame::Board> u{kNotMeasured, kNotMeasured};             // mm, standard uncertainty, k = 1
+  Budget budget;
+  Status status = Status::kLost;
+};
+
+}  // namespace moiregauge

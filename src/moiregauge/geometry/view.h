@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// How one frame sees the board: a homography to ideal pixels, then the lens.
+#pragma once
+
+#include <cmath>
+
+#include "moiregauge/geometry/camera.h"
+#include "moiregauge/geometry/homography.h"
+
+namespace moiregauge {
+
+using IdealFromBoard = Homography<frame::Ideal, frame::Board>;
+
+struct View {
+  IdealFromBoard ideal_from_board;
+  Camera lens;  // without distortion: ideal and seen pixels are the same
+
+  [[nodiscard]] ImagePoint operator()(BoardPoint p) const {
+    const IdealPoint ideal = ideal_from_board(p);
+    return lens.is_distortion_free() ? ImagePoint{ideal.x, ideal.y} : lens.distort(ideal);
+  }
+  [[nodiscard]] BoardPoint board(ImagePoint p) const { return ideal_from_board.inverse()(lens.undistort(p)); }
+  // Millimetres of board per pixel of picture at p: the geometric mean over directions (the lens' own scale left out).
+  [[nodiscard]] double mm_per_px(BoardPoint p) const {
+    return 1.0 / std::sqrt(std::abs(ideal_from_board.jacobian(p).determinant()));
+  }
+};
+
+}  // namespace moiregauge

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+namespace moiregauge {
+namespace {
+
+// Rounding to whole grey levels alone is 1 / sqrt 12; no estimate may fall below it.
+constexpr double kRounding = 0.28867513459481287;
+
+template <typename Grey>
+PixelNoise noise_in(const ImageView<Grey>& p, int bits) {
+  PixelNoise noise;
+  const int top = (1 << bits) - 1;
+  long clipped = 0;
+  std::vector<int> responses;
+  for (int y = 1; y + 1 < p.height; ++y) {
+    const Grey* a = p.data + (y - 1) * p.stride;
+    const Grey* b = p.data + y * p.stride;
+    const Grey* c = p.data + (y + 1) * p.stride;
+    for (int x = 1; x + 1 < p.width; ++x) {
+      clipped += b[x] == 0 || b[x] >= top;
+      if ((x + y) % 2 != 0) continue;  // half the pixels tell as much as we need
+      responses.push_back(std::abs(a[x - 1] - 2 * a[x] + a[x + 1] - 2 * b[x - 1] + 4 * b[x] - 2 * b[x + 1] + c[x - 1] -
+                                   2 * c[x] + c[x + 1]));
+    }
+  }
+  if (responses.empty()) return {kRounding, 0.0};
+  const auto middle = responses.begin() + static_cast<std::ptrdiff_t>(responses.size() / 2);
+  std::nth_element(responses.begin(), middle, responses.end());
+  // The responses are whole numbers: place the median inside its step, or small noises come out in jumps.
+  const int m = *middle;
+  const auto below = std::count_if(responses.begin(), responses.end(), [m](int r) { return r < m; });
+  const auto equal = std::count(responses.begin(), responses.end(), m);
+  const double within = (0.5 * double(responses.size()) - double(below)) / double(std::max<std::ptrdiff_t>(equal, 1));
+  const double median = m == 0 ? 0.5 * within : m - 0.5 + within;
+  noise.sigma = std::max(kRounding, 1.4826 * median / 6.0);
+  noise.clipped_share = double(clipped) / (double(p.width - 2) * double(p.height - 2));
+  return noise;
+}
+
+}  // namespace
+
+PixelNoise pixel_noise(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
+  const int left = std::clamp(x0, 0, width_of(luma));
+  const int top = std::clamp(y0, 0, height_of(luma));
+  const int right = std::clamp(x0 + width, left, width_of(luma));
+  const int bottom = std::clamp(y0 + height, top, height_of(luma));
+  if (right - left < 3 || bottom - top < 3) return {kRounding, 0.0};
+  return std::visit([&](const auto& p) { return noise_in(p.part(left, top, right - left, bottom - top), bits); }, luma);
+}
+
+}  // namespace moiregauge

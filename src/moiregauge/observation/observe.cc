@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/observe.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moiregauge {
+namespace {
+
+struct Located {
+  std::vector<CirclePoint> points;
+  std::vector<std::optional<SeenCircle>> circles;  // one per site marker
+  std::string problem;
+};
+
+// Circles are first looked for near where the last frame saw them, within this share of their diameter, so that a
+// neighbour cannot be taken for them; if any is not there, the whole picture is searched.
+constexpr double kReach = 0.75;
+
+CircleSearch search_near(const Picture& picture, const Reference& reference, const IdealFromBoard& predicted) {
+  CircleSearch search;
+  const View view{predicted, reference.lens};
+  for (const CirclePoint& point : reference.circles) {
+    const double diameter = reference.seen.markers[point.marker].circle->diameter_px *
+                            reference.view.mm_per_px(point.board) / view.mm_per_px(point.board);
+    for (const SeenCircle& circle :
+         find_circles_near(picture.luma, view(point.board), diameter, kReach * diameter, reference.options.circles))
+      search.circles.push_back(circle);
+  }
+  return search;
+}
+
+Located located(const Reference& reference, const CircleSearch& search, const Identified& who) {
+  Located result;
+  result.points = circle_points(reference.site, reference.lens, search, who);
+  result.circles.resize(reference.site.markers.size());
+  for (std::size_t i = 0; i < result.circles.size(); ++i) {
+    if (who.circle_of_marker[i] >= 0)
+      result.circles[i] = search.circles[static_cast<std::size_t>(who.circle_of_marker[i])];
+  }
+  return result;
+}
+
+Located locate(const Picture& picture, const Reference& reference, const Prediction& prediction) {
+  const IdealFromBoard& last = prediction.view ? *prediction.view : reference.seen.stage1;
+  const PreviousCircles previous{Homography<frame::Image, frame::Board>(last.matrix()), 0.0};
+  if (prediction.view) {
+    const CircleSearch near = search_near(picture, reference, *prediction.view);
+    if (near.circles.size() >= reference.circles.size()) {
+      const auto who = identify_next(reference.site, near, previous);
+      if (who) {
+        Located result = located(reference, near, *who);
+        if (result.points.size() == reference.circles.size()) return result;
+      }
+    }
+  }
+  const CircleSearch whole = find_circles(picture.luma, reference.options.circles);
+  const auto who = identify_next(reference.site, whole, previous);
+  if (!who) return {{}, {}, who.error().reason};
+  return located(reference, whole, *who);
+}
+
+Loss loss_of(const PatchReading& patch) {
+  if (patch.valid) return Loss::kNone;
+  return patch.noise_sigma == 0.0 ? Loss::kOutsidePicture : Loss::kNoModulation;
+}
+
+// Whole pitches, along the raster's axes, nearest to where the target is expected: the window follows, the phase does not
+// notice.
+Extent<frame::Board> whole_pitches(const RasterPlan& plan, Extent<frame::Board> travel) {
+  const auto along = raster_from_board(plan, travel);
+  return board_from_raster(plan, std::round(along[0] / plan.pitch_mm) * plan.pitch_mm,
+                           std::round(along[1] / plan.pitch_mm) * plan.pitch_mm);
+}
+
+void read_marker(const Picture& picture, const Reference& reference, const View& view, std::size_t i,
+                 Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work) {
+  seen.loss = reference.plan_loss[i];
+  if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
+  seen.window_shift = whole_pitches(reference.plans[i], travel);
+  seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], seen.window_shift, work);
+  seen.loss = loss_of(seen.patch);
+}
+
+void read_markers(const Picture& picture, const Reference& reference, const IdealFromBoard& stage, Role role,
+                  const Prediction& prediction, Observation& observation, PatchWorkspace& work) {
+  const View view{stage, reference.lens};
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    if (reference.site.markers[i].role != role) continue;
+    const bool follows = role == Role::kTarget && i < prediction.travel.size();
+    read_marker(picture, reference, view, i, follows ? prediction.travel[i] : Extent<frame::Board>{},
+                observation.markers[i], work);
+  }
+}
+
+double zero_if_unknown(double d) { return std::isnan(d) ? 0.0 : d; }
+
+}  // namespace
+
+Observation observe_conventional(const Picture& picture, const Reference& reference, const Prediction&,
+                                 PatchWorkspace& work) {
+  Observation observation;
+  observation.references_seen = true;
+  observation.stage1 = observation.stage2 = reference.seen.stage1;
+  observation.markers.resize(reference.site.markers.size());
+  read_markers(picture, reference, observation.stage1, Role::kReference, {}, observation, work);
+  read_markers(picture, reference, observation.stage1, Role::kTarget, {}, observation, work);
+  return observation;
+}
+
+Observation observe_two_stage(const Picture& picture, const Reference& reference, const Prediction& prediction,
+                              PatchWorkspace& work) {
+  Observation observation;
+  observation.markers.resize(reference.site.markers.size());
+  // Step 1: circles, first homography.
+  const Located now = locate(picture, reference, prediction);
+  observation.reference_problem = now.problem;
+  const auto first = fit_circles(now.points);
+  if (!first) {
+    if (observation.reference_problem.empty()) observation.reference_problem = "fewer than four reference circles are seen";
+    return observation;
+  }
+  observation.stage1 = observation.stage2 = *first;
+  for (std::size_t i = 0; i < now.circles.size(); ++i) observation.markers[i].circle = now.circles[i];
+  // Step 2: the patches of the references; what they moved is added at their circles.
+  read_markers(picture, reference, *first, Role::kReference, {}, observation, work);
+  std::vector<BoardPoint> then, refined;
+  for (const CirclePoint& point : now.points) {
+    const MarkerObservation& seen = observation.markers[point.marker];
+    if (seen.loss != Loss::kNone) continue;
+    Extent<frame::Board> moved;
+    if (reference.site.markers[point.marker].grating)
+      moved = displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, seen.patch);
+    then.push_back(point.board);
+    refined.push_back(point.board + Extent<frame::Board>{zero_if_unknown(moved.x), zero_if_unknown(moved.y)});
+  }
+  const auto second = fit_homography<frame::Board, frame::Board>(then, refined);
+  if (!second) {
+    observation.reference_problem = "fewer than four references have a readable grating";
+    return observation;
+  }
+  observation.stage2 = *first * *second;
+  observation.references_seen = true;
+  // Step 3: the targets, through both.
+  read_markers(picture, reference, observation.stage2, Role::kTarget, prediction, observation, work);
+  return observation;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// One frame -> one Observation: the pixel side of the methods `conventional` and `two-stage`.
+#pragma once
+
+#include <vector>
+
+#include "moiregauge/observation/reference.h"
+
+namespace moiregauge {
+
+// What the past says about this frame. Only a hint for where to look: a wrong one costs time, not truth; but `travel`
+// decides the whole pitches of a target that has left its first half pitch.
+struct Prediction {
+  std::optional<IdealFromBoard> view;          // how the last frame saw the board
+  std::vector<Extent<frame::Board>> travel;    // of each site marker since the reference frame, mm
+};
+
+// Seed paper 2.1, camera assumed still: every window stays where it was in the reference frame.
+[[nodiscard]] Observation observe_conventional(const Picture& picture, const Reference& reference,
+                                               const Prediction& prediction, PatchWorkspace& work);
+
+// Seed paper 2.2, Fig. 5: circle centres -> homography -> patches of the references -> their displacements added at the
+// circles -> second homography -> target.
+[[nodiscard]] Observation observe_two_stage(const Picture& picture, const Reference& reference,
+                                            const Prediction& prediction, PatchWorkspace& work);
+
+}  // namespace moiregauge

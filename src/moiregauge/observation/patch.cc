@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/patch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "moiregauge/observation/noise.h"
+#include "moiregauge/phase/sampling_moire.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Below three times the noise of the fringe itself there is no phase to speak of.
+constexpr double kMinModulation = 1.0;  // grey levels
+
+PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const RasterPlan& plan, Extent<frame::Board> shift) {
+  const double half = 0.5 * plan.side_px * plan.step_mm;
+  const ImagePoint a = view(plan.centre + shift + Extent<frame::Board>{-half, half});
+  const ImagePoint b = view(plan.centre + shift + Extent<frame::Board>{half, -half});
+  const int x0 = static_cast<int>(std::min(a.x, b.x)), x1 = static_cast<int>(std::max(a.x, b.x));
+  const int y0 = static_cast<int>(std::min(a.y, b.y)), y1 = static_cast<int>(std::max(a.y, b.y));
+  return pixel_noise(luma, bits, x0, y0, x1 - x0, y1 - y0);
+}
+
+// A plane's slope over a side of n points with noise u of their mean: u sqrt(12) / n.
+double slope_uncertainty(double u_mean, double side) { return side > 1.0 ? u_mean * std::sqrt(12.0) / side : kNaN; }
+
+}  // namespace
+
+PatchReading read_patch(const LumaView& luma, int bits, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
+                        PatchWorkspace& work) {
+  PatchReading reading;
+  reading.phase_rad = reading.u_phase_rad = reading.modulation = {kNaN, kNaN};
+  reading.gradient = {{{kNaN, kNaN}, {kNaN, kNaN}}};
+  reading.u_gradient = kNaN;
+  if (!resample(luma, view, plan, shift, work.raster)) return reading;
+  const PixelNoise noise = noise_round(luma, bits, view, plan, shift);
+  reading.noise_sigma = noise.sigma;
+  reading.clipped_share = noise.clipped_share;
+  // The raster holds as much information as the picture's pixels under it, not as its own points.
+  const double step_px = plan.step_mm / view.mm_per_px(plan.centre + shift);
+  const double pitch_px = plan.pitch_mm / plan.step_mm;
+  const double mm_per_rad = plan.pitch_mm / kTurn;
+  reading.valid = true;
+  double straightness = 0.0;
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (!(a == 0 ? plan.reads_x : plan.reads_y)) continue;
+    const Axis axis = a == 0 ? Axis::kX : Axis::kY;
+    const RegionPhase region =
+        region_mean(sampling_moire(work.raster.view(), axis, plan.sampling_pitch_px), axis, pitch_px, plan.region_px);
+    if (!region.valid || region.modulation < kMinModulation) {
+      reading.valid = false;
+      continue;
+    }
+    reading.phase_rad[a] = region.phase_rad;
+    reading.modulation[a] = region.modulation;
+    reading.u_phase_rad[a] = region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px,
+                                                     plan.region_px) / step_px;
+    const double per_px = -mm_per_rad / plan.step_mm;
+    reading.gradient[a] = {per_px * region.gradient_x_rad_per_px, per_px * region.gradient_y_rad_per_px};
+    reading.u_gradient = slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad, plan.region_px * plan.step_mm);
+    straightness = std::max(straightness, region.straightness_rad * mm_per_rad);
+  }
+  reading.straightness_mm = straightness;
+  return reading;
+}
+
+Extent<frame::Board> board_from_raster(const RasterPlan& plan, double along_0, double along_1) {
+  const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
+  return {c * along_0 - s * along_1, s * along_0 + c * along_1};
+}
+
+std::array<double, 2> raster_from_board(const RasterPlan& plan, Extent<frame::Board> d) {
+  const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
+  return {c * d.x + s * d.y, -s * d.x + c * d.y};
+}
+
+Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchReading& from, const PatchReading& to) {
+  const double mm_per_rad = plan.pitch_mm / kTurn;
+  const double d0 = plan.reads_x ? -mm_per_rad * wrapped(to.phase_rad[0] - from.phase_rad[0]) : kNaN;
+  const double d1 = plan.reads_y ? -mm_per_rad * wrapped(to.phase_rad[1] - from.phase_rad[1]) : kNaN;
+  // A one-axis print that lies along the board's axes must not spoil the axis it does show.
+  if (std::isnan(d0) || std::isnan(d1)) {
+    const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
+    const double known = std::isnan(d0) ? d1 : d0;
+    const Extent<frame::Board> along = std::isnan(d0) ? Extent<frame::Board>{-s, c} : Extent<frame::Board>{c, s};
+    return {std::abs(along.x) > 0.99 ? known * along.x : kNaN, std::abs(along.y) > 0.99 ? known * along.y : kNaN};
+  }
+  return board_from_raster(plan, d0, d1);
+}
+
+}  // namespace moiregauge

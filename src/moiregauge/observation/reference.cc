@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "moiregauge/geometry/conic.h"
+#include "moiregauge/observation/site_check.h"
+
+namespace moiregauge {
+namespace {
+
+double diameter_mm(const Circle& circle, const SeenCircle& seen, const IdealFromBoard& h) {
+  if (circle.diameter_mm > 0.0) return circle.diameter_mm;
+  return seen.diameter_px * View{h, {}}.mm_per_px(circle.centre);
+}
+
+// Plans one raster per grating; says why where it cannot.
+void plan_rasters(Reference& reference) {
+  for (const Marker& marker : reference.site.markers) {
+    RasterPlan plan;
+    Loss loss = Loss::kNone;
+    if (marker.grating) {
+      const auto planned =
+          plan_raster(*marker.grating, reference.view.mm_per_px(marker.grating->centre), reference.options.raster);
+      if (planned) plan = *planned;
+      else loss = planned.error() == RasterFailure::kTooCoarse ? Loss::kTooCoarse : Loss::kNoModulation;
+    }
+    reference.plans.push_back(plan);
+    reference.plan_loss.push_back(loss);
+  }
+}
+
+std::string coarse_message(const Reference& reference, std::size_t i) {
+  const Marker& marker = reference.site.markers[i];
+  const double px = fundamental_pitch_mm(*marker.grating) / reference.view.mm_per_px(marker.grating->centre);
+  char text[200];
+  std::snprintf(text, sizeof text, "the pitch of marker '%s' is %.2f px in the picture, at least %.1f px are needed",
+                marker.name.c_str(), px, kMinPitchPx);
+  return text;
+}
+
+void read_patches(Reference& reference, const Picture& picture) {
+  PatchWorkspace work;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    MarkerObservation& seen = reference.seen.markers[i];
+    seen.loss = reference.plan_loss[i];
+    if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
+    seen.patch = read_patch(picture.luma, picture.bits, reference.view, reference.plans[i], {}, work);
+    if (!seen.patch.valid) seen.loss = Loss::kNoModulation;
+  }
+}
+
+std::optional<ReferenceFailure> problem_of(const Reference& reference) {
+  bool any_target = false;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const Marker& marker = reference.site.markers[i];
+    if (!marker.grating) continue;
+    const Loss loss = reference.seen.markers[i].loss;
+    if (loss == Loss::kTooCoarse)
+      return ReferenceFailure{ReferenceProblem::kTooCoarse, coarse_message(reference, i), reference.search};
+    if (loss != Loss::kNone && marker.role == Role::kReference)
+      return ReferenceFailure{ReferenceProblem::kNoGrating,
+                              "no grating is seen where the site puts that of reference '" + marker.name + "'",
+                              reference.search};
+    any_target |= marker.role == Role::kTarget && loss == Loss::kNone;
+  }
+  if (!any_target)
+    return ReferenceFailure{ReferenceProblem::kNoGrating, "no grating is seen where the site puts the targets",
+                            reference.search};
+  if (const auto disagreement = site_disagreement(reference))
+    return ReferenceFailure{ReferenceProblem::kSiteDisagrees, *disagreement, reference.search};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, const CircleSearch& search,
+                                       const Identified& who) {
+  std::vector<CirclePoint> points;
+  std::vector<double> diameters;
+  const IdealFromBoard rough(who.image_from_board.matrix());
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    const int found = who.circle_of_marker[i];
+    if (found < 0 || site.markers[i].role != Role::kReference) continue;
+    const SeenCircle& seen = search.circles[static_cast<std::size_t>(found)];
+    points.push_back({i, site.markers[i].circle->centre, lens.undistort(seen.centre), seen.u_centre_px});
+    diameters.push_back(diameter_mm(*site.markers[i].circle, seen, rough));
+  }
+  // The offset hardly depends on the homography's last digits: one pass with the rough one, one with the better.
+  const std::vector<CirclePoint> raw = points;
+  for (int pass = 0; pass < 2; ++pass) {
+    const auto h = fit_circles(points);
+    if (!h) break;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const auto offset = ellipse_centre(*h, raw[k].board, diameters[k]) - (*h)(raw[k].board);
+      points[k].ideal = raw[k].ideal + (-1.0) * offset;
+    }
+  }
+  return points;
+}
+
+tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<CirclePoint>& points) {
+  std::vector<BoardPoint> board;
+  std::vector<IdealPoint> ideal;
+  for (const CirclePoint& p : points) {
+    board.push_back(p.board);
+    ideal.push_back(p.ideal);
+  }
+  return fit_homography<frame::Ideal, frame::Board>(board, ideal);
+}
+
+tl::expected<Reference, ReferenceFailure> make_reference(const Picture& picture, const Site& site, const Camera& lens,
+                                                         const ObserveOptions& options) {
+  Reference reference;
+  reference.site = site;
+  reference.lens = lens;
+  reference.width = width_of(picture.luma);
+  reference.height = height_of(picture.luma);
+  reference.options = options;
+  reference.search = find_circles(picture.luma, options.circles);
+  const auto who = identify_first(site, reference.search);
+  if (!who) return tl::unexpected(ReferenceFailure{ReferenceProblem::kNotFound, who.error().reason, reference.search});
+  reference.circles = circle_points(site, lens, reference.search, *who);
+  const auto h = fit_circles(reference.circles);
+  if (!h)
+    return tl::unexpected(ReferenceFailure{ReferenceProblem::kNotFound,
+                                           "the reference circles lie on a line: no homography follows from them",
+                                           reference.search});
+  reference.view = {*h, lens};
+  reference.seen.references_seen = true;
+  reference.seen.stage1 = reference.seen.stage2 = *h;
+  reference.seen.markers.resize(site.markers.size());
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    const int found = who->circle_of_marker[i];
+    if (found >= 0) reference.seen.markers[i].circle = reference.search.circles[static_cast<std::size_t>(found)];
+  }
+  plan_rasters(reference);
+  read_patches(reference, picture);
+  if (auto problem = problem_of(reference)) return tl::unexpected(std::move(*problem));
+  return reference;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reference frame: where everything was when displacement was zero by definition.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/observation/observation.h"
+
+namespace moiregauge {
+
+struct ObserveOptions {
+  RasterOptions raster;
+  CircleOptions circles;
+};
+
+struct Picture {
+  LumaView luma;
+  int bits = 8;
+};
+
+// A circle's centre as a point of the homography: the lens and the perspective offset of the ellipse's centre taken out.
+struct CirclePoint {
+  std::size_t marker = 0;        // index in the site
+  BoardPoint board;              // mm, the site's circle centre
+  IdealPoint ideal;              // px
+  double u_px = 0.0;             // standard uncertainty of each coordinate
+};
+
+struct Reference {
+  Site site;
+  Camera lens;
+  int width = 0;                               // px, of the picture
+  int height = 0;
+  ObserveOptions options;
+  std::vector<CirclePoint> circles;            // of the reference markers, in the site's order
+  View view;                                   // the board as the circles of the reference frame show it
+  std::vector<RasterPlan> plans;               // one per site marker; pitch_mm = 0 where there is no grating
+  Observation seen;                            // the reference frame itself, patches in `view`
+  std::vector<Loss> plan_loss;                 // kTooCoarse etc., one per marker
+  CircleSearch search;                         // everything that looked like a circle, for the overlay
+};
+
+enum class ReferenceProblem { kNotFound, kTooCoarse, kNoGrating, kSiteDisagrees };
+
+struct ReferenceFailure {
+  ReferenceProblem problem = ReferenceProblem::kNotFound;
+  std::string message;
+  CircleSearch search;
+};
+
+// Finds circles and gratings by the site's layout in the picture that is to be the reference frame.
+[[nodiscard]] tl::expected<Reference, ReferenceFailure> make_reference(const Picture& picture, const Site& site,
+                                                                       const Camera& lens, const ObserveOptions& options);
+
+// The points of the reference circles among `seen`, given roughly how the frame sees the board.
+[[nodiscard]] std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, const CircleSearch& search,
+                                                     const Identified& who);
+
+// The homography of the circles (exact for four, least squares for more).
+[[nodiscard]] tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<CirclePoint>& points);
+
+}  // namespace moiregauge
