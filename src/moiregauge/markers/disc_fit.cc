@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/markers/disc_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "moiregauge/units/units.h"
+
+namespace moiregauge::markers_detail {
+namespace {
+
+constexpr double kMinBand = 2.0;      // px to either side of the edge
+constexpr double kMaxBand = 6.0;      // px
+constexpr double kBandInBlurs = 3.0;  // beyond three sigma a pixel knows nothing of the edge
+constexpr double kBandShare = 0.3;    // of the minor half axis on the outside: neighbours may be close
+constexpr double kMinBlur = 0.25;     // px: a box pixel alone has 0.29
+constexpr double kMaxBlur = 4.0;      // px
+constexpr double kMaxStray = 0.5;     // px from the traced centre
+constexpr std::size_t kMaxPixels = 6000;
+
+// lighter level and its slopes across the unit circle; q; sigma (relative); k0 .. k4 of Ellipse::corrected
+constexpr int kParameters = 10;
+using Vector = Eigen::Matrix<double, kParameters, 1>;
+using Normal = Eigen::Matrix<double, kParameters, kParameters>;
+
+struct BandPixel {
+  float x, y;
+  double grey;
+};
+
+struct State {
+  Ellipse ellipse;
+  double light = 0.0, slope_x = 0.0, slope_y = 0.0, q = 0.0, sigma = 1.0;
+  bool dark_disc = true;
+};
+
+template <typename Grey>
+std::vector<BandPixel> band_of(const ImageView<Grey>& view, const Ellipse& ellipse, double blur_px) {
+  const auto shape = ellipse.shape();
+  const double outside = std::clamp(kBandInBlurs * blur_px, kMinBand, std::clamp(2.0 * kBandShare * shape.minor_px, kMinBand, kMaxBand));
+  const double inside = outside;
+  const Eigen::Matrix2d inverse = ellipse.axes.inverse();
+  const Eigen::Vector2d half = (ellipse.axes * ellipse.axes).diagonal().cwiseSqrt().array() + outside + 1.0;
+  const int x0 = std::max(0, static_cast<int>(ellipse.centre.x() - half.x()));
+  const int x1 = std::min(view.width - 1, static_cast<int>(ellipse.centre.x() + half.x()) + 1);
+  const int y0 = std::max(0, static_cast<int>(ellipse.centre.y() - half.y()));
+  const int y1 = std::min(view.height - 1, static_cast<int>(ellipse.centre.y() + half.y()) + 1);
+  std::vector<BandPixel> band;
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const Eigen::Vector2d u = inverse * (Eigen::Vector2d(x, y) - ellipse.centre);
+      const double rho = u.norm();
+      if ((rho - 1.0) * shape.minor_px > outside || (1.0 - rho) * shape.major_px < -outside) continue;
+      if (rho < 1e-6) {
+        if (shape.minor_px < inside) band.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<double>(view.at(x, y))});
+        continue;
+      }
+      const double distance = (rho - 1.0) * rho / (inverse * u).norm();  // Sampson
+      if (distance > outside || distance < -inside) continue;
+      band.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<double>(view.at(x, y))});
+    }
+  }
+  return band;
+}
+
+struct Sums {
+  Normal normal = Normal::Zero();
+  Vector right = Vector::Zero();
+  double squares = 0.0;
+  std::size_t pixels = 0;
+};
+
+Sums accumulate(const std::vector<BandPixel>& band, const State& s, std::size_t stride) {
+  Sums sums;
+  const Eigen::Matrix2d inverse = s.ellipse.axes.inverse();
+  const double side = s.dark_disc ? 1.0 : -1.0;
+  Vector j;
+  for (std::size_t i = 0; i < band.size(); i += stride) {
+    const BandPixel& pixel = band[i];
+    const Eigen::Vector2d u =
+        inverse * Eigen::Vector2d(static_cast<double>(pixel.x) - s.ellipse.centre.x(), static_cast<double>(pixel.y) - s.ellipse.centre.y());
+    const double rho = std::max(u.norm(), 1e-6);
+    const Eigen::Vector2d gradient = inverse * u / rho;
+    const double per_px = 1.0 / std::max(gradient.norm(), 1e-9);
+    const double distance = (rho - 1.0) * per_px;
+    const double z = side * distance / s.sigma;
+    const double darkness = 0.5 * std::erfc(z * std::sqrt(0.5));  // 1 on the dark side
+    const double bell = std::exp(-0.5 * z * z) / std::sqrt(kTurn);
+    const double plane = s.light + s.slope_x * u.x() + s.slope_y * u.y();
+    const double rest = 1.0 - s.q * darkness;
+    const double residual = pixel.grey - plane * rest;
+    // d(darkness) = -bell dz; the outline moved outwards by k lessens the distance by k rho_local.
+    const double by_outline = -plane * s.q * bell * side / s.sigma * per_px;
+    const double c = u.x() / rho, sn = u.y() / rho;
+    j << rest, rest * u.x(), rest * u.y(), -plane * darkness, -plane * s.q * bell * z, by_outline, by_outline * c, by_outline * sn,
+        by_outline * (c * c - sn * sn), by_outline * 2.0 * c * sn;
+    sums.normal.selfadjointView<Eigen::Lower>().rankUpdate(j);
+    sums.right += j * residual;
+    sums.squares += residual * residual;
+    ++sums.pixels;
+  }
+  return sums;
+}
+
+// One Gauss-Newton step; false when it makes no sense.
+bool improve(const Sums& sums, State& s) {
+  const Eigen::LDLT<Normal> solver(Normal(sums.normal.selfadjointView<Eigen::Lower>()));
+  const Vector step = solver.solve(sums.right);
+  if (!step.allFinite() || step.tail<5>().norm() > 0.5) return false;
+  s.light += step[0];
+  s.slope_x += step[1];
+  s.slope_y += step[2];
+  s.q = std::clamp(s.q + step[3], 1e-3, 1.5);
+  s.sigma = std::clamp(s.sigma * (1.0 + std::clamp(step[4], -0.4, 0.4)), kMinBlur, kMaxBlur);
+  s.ellipse = s.ellipse.corrected(step.tail<5>());
+  return true;
+}
+
+template <typename Grey>
+std::optional<FittedDisc> fit(const ImageView<Grey>& view, const TracedOutline& outline) {
+  const double inside = outline.background + outline.contrast;
+  State s;
+  s.ellipse = outline.ellipse;
+  s.dark_disc = outline.contrast < 0.0;
+  s.light = std::max(inside, outline.background);
+  if (s.light <= 0.0) return std::nullopt;
+  s.q = std::clamp(std::abs(outline.contrast) / s.light, 1e-3, 1.2);
+  s.sigma = std::clamp(outline.blur_px, 0.5, 2.5);
+  const std::vector<BandPixel> band = band_of(view, s.ellipse, s.sigma);
+  if (band.size() < 3 * kParameters) return std::nullopt;
+  const std::size_t coarse = 1 + band.size() / 500;  // the first steps need direction, not precision
+  for (const std::size_t stride : {coarse, coarse, 1 + band.size() / kMaxPixels, 1 + band.size() / kMaxPixels}) {
+    if (!improve(accumulate(band, s, stride), s)) return std::nullopt;
+  }
+  const Sums last = accumulate(band, s, 1 + band.size() / kMaxPixels);
+  if ((s.ellipse.centre - outline.ellipse.centre).norm() > kMaxStray) return std::nullopt;
+  const double variance = last.squares / (static_cast<double>(last.pixels) - kParameters);
+  const Normal covariance = variance * Normal(last.normal.selfadjointView<Eigen::Lower>()).inverse();
+  const Eigen::Matrix2d centre = s.ellipse.axes * covariance.block<2, 2>(6, 6) * s.ellipse.axes.transpose();
+  return FittedDisc{s.ellipse, std::sqrt(0.5 * centre.trace()), std::sqrt(variance), s.sigma};
+}
+
+}  // namespace
+
+std::optional<FittedDisc> fit_disc(const LumaView& luma, const TracedOutline& outline) {
+  return std::visit([&](const auto& view) { return fit(view, outline); }, luma);
+}
+
+}  // namespace moiregauge::markers_detail
