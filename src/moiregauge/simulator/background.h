@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands behind the markers: a flat grey, a rough wall, look-alike circles. It belongs to the board and moves with it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "moiregauge/simulator/projection.h"
+#include "moiregauge/simulator/scenario.h"
+
+namespace moiregauge::simulator {
+
+class Background {
+ public:
+  Background(const Scenario& scenario, long frame);
+  // One row in grey levels.
+  void fill(int y, std::span<double> row) const;
+  [[nodiscard]] const std::vector<SceneMarker>& decoys() const { return decoys_; }
+
+ private:
+  [[nodiscard]] double roughness(double x_mm, double y_mm) const;
+
+  Camera camera_;
+  double grey_, texture_;
+  std::uint64_t seed_;
+  Matrix3 board_from_ray_;
+  std::vector<SceneMarker> decoys_;
+};
+
+}  // namespace moiregauge::simulator

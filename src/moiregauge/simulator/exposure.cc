@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/simulator/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "moiregauge/simulator/gaussian.h"
+
+namespace moiregauge::simulator {
+namespace {
+
+// A square cell stands in for by a Gaussian of its variance; what is left is its fourth moment, h^4 / 2880 of the fourth
+// derivative. With these the worst pixel is 5e-5 of the contrast off, at point spreads of 0.35 px and more.
+int cells_for(double psf_sigma_px) {
+  if (psf_sigma_px >= 0.6) return 2;
+  return psf_sigma_px >= 0.35 ? 4 : 8;
+}
+
+// A movement of one point spread is averaged well by two moments; each further one buys 0.8 px.
+int moments_for(double movement_px) {
+  if (movement_px < 0.02) return 1;
+  return std::min(200, 1 + static_cast<int>(std::ceil(movement_px / 0.8)));
+}
+
+std::vector<BoardPoint> outline(const PrintedMarker& print) {
+  constexpr int kSteps = 8;  // the lens bends the sides
+  const BoardPoint a = print.low(), b = print.high();
+  std::vector<BoardPoint> points;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double x = a.x + (b.x - a.x) * i / kSteps, y = a.y + (b.y - a.y) * i / kSteps;
+    points.insert(points.end(), {{x, a.y}, {x, b.y}, {a.x, y}, {b.x, y}});
+  }
+  return points;
+}
+
+}  // namespace
+
+ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame)
+    : print_(marker),
+      camera_(scenario.camera),
+      white_(scenario.light.white),
+      contrast_(scenario.light.white - scenario.light.black),
+      cells_(cells_for(scenario.sensor.psf_sigma_px)),
+      cell_variance_(scenario.sensor.psf_sigma_px * scenario.sensor.psf_sigma_px + 1.0 / (12.0 * cells_ * cells_)) {
+  choose_moments(scenario, marker, frame);
+  find_window(scenario, marker, frame);
+}
+
+void ExposedMarker::choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame) {
+  const double now = time_of(scenario, frame), exposure = scenario.sensor.exposure_s;
+  constexpr int kLegs = 8;
+  double movement = 0.0;
+  for (const BoardPoint corner : {print_.low(), print_.high()}) {
+    double path = 0.0;
+    ImagePoint before;
+    for (int i = 0; i <= kLegs; ++i) {
+      const double time = now + exposure * (static_cast<double>(i) / kLegs - 0.5);
+      const ImagePoint here = image_of(camera_, ray_of(camera_from_print(scenario, marker, time), corner));
+      if (i > 0) path += length(here - before);
+      before = here;
+    }
+    movement = std::max(movement, path);
+  }
+  for (const Node& node : gauss_legendre(moments_for(movement))) {
+    const Matrix3 seen = camera_from_print(scenario, marker, now + exposure * node.at);
+    moments_.push_back({inverse(seen), node.weight});
+  }
+}
+
+void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& marker, long frame) {
+  double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9;
+  for (const double share : {-0.5, 0.0, 0.5}) {
+    const double time = time_of(scenario, frame) + share * scenario.sensor.exposure_s;
+    const Matrix3 seen = camera_from_print(scenario, marker, time);
+    for (const BoardPoint point : outline(print_)) {
+      if (product(seen, Vector3{point.x, point.y, 1.0})[2] <= 1.0) return;  // beside or behind the camera
+      const ImagePoint pixel = image_of(camera_, ray_of(seen, point));
+      x0 = std::min(x0, pixel.x);
+      x1 = std::max(x1, pixel.x);
+      y0 = std::min(y0, pixel.y);
+      y1 = std::max(y1, pixel.y);
+    }
+  }
+  const double margin = 3.0 + kGaussianReach * std::sqrt(cell_variance_);
+  left_ = static_cast<int>(std::clamp(std::floor(x0 - margin), 0.0, static_cast<double>(camera_.width)));
+  right_ = static_cast<int>(std::clamp(std::ceil(x1 + margin), 0.0, static_cast<double>(camera_.width)));
+  top_ = static_cast<int>(std::clamp(std::floor(y0 - margin), 0.0, static_cast<double>(camera_.height)));
+  bottom_ = static_cast<int>(std::clamp(std::ceil(y1 + margin), 0.0, static_cast<double>(camera_.height)));
+}
+
+void ExposedMarker::lay_over(int y, std::span<double> row) const {
+  Ray start{(left_ - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy};
+  for (int x = left_; x < right_; ++x) {
+    const RayPatch sight = ray_through(camera_, {static_cast<double>(x), static_cast<double>(y)}, start);
+    start = {sight.ray.x + sight.dx_du, sight.ray.y + sight.dy_du};
+    double paper = 0.0, level = 0.0;
+    for (const Moment& moment : moments_) add_moment(moment, sight, paper, level);
+    double& grey = row[static_cast<std::size_t>(x)];
+    grey = grey * (1.0 - paper) + level;
+  }
+}
+
+void ExposedMarker::add_moment(const Moment& moment, const RayPatch& sight, double& paper, double& level) const {
+  const Matrix3& m = moment.print_from_ray;
+  const Vector3 w = product(m, Vector3{sight.ray.x, sight.ray.y, 1.0});
+  const double scale = 1.0 / w[2];
+  const BoardPoint centre{w[0] * scale, w[1] * scale};
+  // Millimetres of print per unit of ray, then per pixel.
+  const double xa = (m[0][0] - centre.x * m[2][0]) * scale, xb = (m[0][1] - centre.x * m[2][1]) * scale;
+  const double ya = (m[1][0] - centre.y * m[2][0]) * scale, yb = (m[1][1] - centre.y * m[2][1]) * scale;
+  const double xu = xa * sight.dx_du + xb * sight.dy_du, xv = xa * sight.dx_dv + xb * sight.dy_dv;
+  const double yu = ya * sight.dx_du + yb * sight.dy_du, yv = ya * sight.dx_dv + yb * sight.dy_dv;
+  const double xx = xu * xu + xv * xv, xy = xu * yu + xv * yv, yy = yu * yu + yv * yv;
+  const Blur blur{cell_variance_ * xx, cell_variance_ * xy, cell_variance_ * yy};
+  const auto add = [&](const Seen& seen, double weight) {
+    paper += weight * seen.paper;
+    level += weight * (seen.paper * white_ - seen.ink * contrast_);
+  };
+  const double longest = std::sqrt(0.5 * (xx + yy + std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)));
+  const double reach_px = kGaussianReach * std::sqrt(cell_variance_) + 0.71;  // and half a pixel's diagonal
+  if (print_.is_even(centre, reach_px * longest)) return add(print_.seen(centre, blur), moment.weight);
+  const double weight = moment.weight / (cells_ * cells_), step = 1.0 / cells_;
+  for (int j = 0; j < cells_; ++j) {
+    const double v = (j + 0.5) * step - 0.5;
+    for (int i = 0; i < cells_; ++i) {
+      const double u = (i + 0.5) * step - 0.5;
+      add(print_.seen({centre.x + xu * u + xv * v, centre.y + yu * u + yv * v}, blur), weight);
+    }
+  }
+}
+
+}  // namespace moiregauge::simulator

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// One marker during one exposure: its window in the picture, and what each pixel of it receives.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "moiregauge/simulator/print.h"
+#include "moiregauge/simulator/projection.h"
+#include "moiregauge/simulator/scenario.h"
+
+namespace moiregauge::simulator {
+
+class ExposedMarker {
+ public:
+  ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame);
+  // Half open; empty when the marker is out of sight.
+  [[nodiscard]] int left() const { return left_; }
+  [[nodiscard]] int right() const { return right_; }
+  [[nodiscard]] bool covers_row(int y) const { return y >= top_ && y < bottom_ && left_ < right_; }
+  // Lays the marker over the background of row y, in grey levels.
+  void lay_over(int y, std::span<double> row) const;
+
+ private:
+  struct Moment {
+    Matrix3 print_from_ray;
+    double weight;
+  };
+  void choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame);
+  void find_window(const Scenario& scenario, const SceneMarker& marker, long frame);
+  void add_moment(const Moment& moment, const RayPatch& sight, double& paper, double& level) const;
+
+  PrintedMarker print_;
+  Camera camera_;
+  double white_, contrast_;
+  int cells_;             // a pixel is cells x cells squares, each as good as a Gaussian
+  double cell_variance_;  // px^2, point spread and cell together
+  std::vector<Moment> moments_;
+  int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;
+};
+
+}  // namespace moiregauge::simulator

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The normal distribution by table, quadrature rules, and noise that depends on nothing but its address.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace moiregauge::simulator {
+
+inline constexpr double kGaussianReach = 5.0;  // beyond it 3e-7 of the area is left: 5e-5 grey levels of 170
+
+// Phi(t), to 3e-7 (cubic table).
+[[nodiscard]] double gaussian_below(double t);
+[[nodiscard]] inline double gaussian_density(double t) { return 0.3989422804014327 * std::exp(-0.5 * t * t); }
+
+struct Node {
+  double at = 0.0;
+  double weight = 0.0;
+};
+
+// Averages over a standard normal, with as many nodes as a shared part of this size needs.
+[[nodiscard]] std::span<const Node> gauss_hermite(double correlation);
+// Averages over [-1/2, 1/2]; weights add up to 1.
+[[nodiscard]] std::vector<Node> gauss_legendre(int count);
+
+// A standard normal number for (seed, frame, pixel): the same whoever asks, in whatever order.
+class Noise {
+ public:
+  Noise(std::uint64_t seed, long frame);
+  [[nodiscard]] double at(std::uint64_t pixel) const;
+
+ private:
+  std::uint64_t key_;
+  const float* quantiles_;
+};
+
+// A number in [0, 1) for an address; for textures and layouts.
+[[nodiscard]] double hashed_unit(std::uint64_t seed, std::uint64_t address);
+
+}  // namespace moiregauge::simulator

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/simulator/print.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "moiregauge/simulator/gaussian.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge::simulator {
+
+Stripes::Stripes(double period, double half, double offset, double reach) {
+  const int count = static_cast<int>(std::ceil(reach / period)) + 1;
+  for (int n = -count - 1; n <= count; ++n) {
+    const double middle = (n + offset) * period;
+    const double low = std::max(middle - half, -reach), high = std::min(middle + half, reach);
+    if (high <= low) continue;
+    edges_.push_back(low);
+    edges_.push_back(high);
+  }
+}
+
+Stripes Stripes::box(double reach) {
+  Stripes box;
+  box.edges_ = {-reach, reach};
+  return box;
+}
+
+double Stripes::seen(double x, double sigma) const {
+  const double reach = kGaussianReach * sigma;
+  auto edge = std::upper_bound(edges_.begin(), edges_.end(), x - reach);
+  bool is_rising = ((edge - edges_.begin()) & 1) == 0;
+  double sum = is_rising ? 0.0 : 1.0;
+  for (; edge != edges_.end() && *edge < x + reach; ++edge, is_rising = !is_rising) {
+    const double passed = gaussian_below((x - *edge) / sigma);
+    sum += is_rising ? passed : -passed;
+  }
+  return sum;
+}
+
+bool Stripes::is_even(double x, double distance) const {
+  const auto edge = std::upper_bound(edges_.begin(), edges_.end(), x - distance);
+  return edge == edges_.end() || *edge > x + distance;
+}
+
+double seen_disc(double x, double y, double radius, const Blur& blur) {
+  const double r = std::hypot(x, y), distance = r - radius;
+  if (r == 0.0) return 1.0;
+  const double nx = x / r, ny = y / r;
+  const double normal = nx * nx * blur.xx + 2.0 * nx * ny * blur.xy + ny * ny * blur.yy;
+  const double sigma = std::sqrt(normal), d = distance / sigma;
+  if (d > kGaussianReach) return 0.0;
+  if (d < -kGaussianReach) return 1.0;
+  // The rim is at normal offset -t^2 / 2R for tangential offset t: E[t^2] given that the rim is met.
+  const double cross = nx * ny * (blur.yy - blur.xx) + (nx * nx - ny * ny) * blur.xy;
+  const double tangential = ny * ny * blur.xx - 2.0 * nx * ny * blur.xy + nx * nx * blur.yy;
+  const double slant = cross / normal;
+  const double t2 = tangential - slant * cross + slant * slant * distance * distance;
+  return gaussian_below(-d) - gaussian_density(d) / sigma * t2 / (2.0 * radius);
+}
+
+PrintedGrating::PrintedGrating(const Grating& grating, bool inverted) : grating_(grating), inverted_(inverted) {
+  const double p = grating.pitch_mm, x = 0.5 * grating.width_mm, y = 0.5 * grating.height_mm;
+  extent_x_ = Stripes::box(x);
+  extent_y_ = Stripes::box(y);
+  dark_x_ = Stripes(p, 0.25 * p, 0.0, x);
+  dark_y_ = Stripes(p, 0.25 * p, 0.0, y);
+  light_x_ = Stripes(p, 0.25 * p, 0.5, x);
+  light_y_ = Stripes(p, 0.25 * p, 0.5, y);
+}
+
+double PrintedGrating::ink_uncorrelated(double x, double y, double sigma_x, double sigma_y) const {
+  const double inside = extent_x_.seen(x, sigma_x) * extent_y_.seen(y, sigma_y);
+  if (inside == 0.0) return 0.0;
+  double ink = 0.0;
+  switch (grating_.pattern) {
+    case Pattern::kSquares: ink = dark_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y); break;
+    case Pattern::kLinesX: ink = dark_x_.seen(x, sigma_x) * extent_y_.seen(y, sigma_y); break;
+    case Pattern::kLinesY: ink = extent_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y); break;
+    case Pattern::kCheckerboard:
+      ink = dark_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y) + light_x_.seen(x, sigma_x) * light_y_.seen(y, sigma_y);
+      break;
+    default: ink = inside - light_x_.seen(x, sigma_x) * light_y_.seen(y, sigma_y); break;
+  }
+  return inverted_ ? inside - ink : ink;
+}
+
+double PrintedGrating::cosine_ink(double x, double y, const Blur& blur) const {
+  const double k = kTurn / grating_.pitch_mm;
+  const double inside = extent_x_.seen(x, std::sqrt(blur.xx)) * extent_y_.seen(y, std::sqrt(blur.yy));
+  const double wave_x = std::exp(-0.5 * k * k * blur.xx) * std::cos(k * x);
+  const double wave_y = std::exp(-0.5 * k * k * blur.yy) * std::cos(k * y);
+  const double sign = inverted_ ? 1.0 : -1.0;  // the crest is light
+  return inside * (0.5 + sign * 0.25 * (wave_x + wave_y));
+}
+
+double PrintedGrating::dots_ink(double x, double y, const Blur& blur) const {
+  const double p = grating_.pitch_mm;
+  const double inside = extent_x_.seen(x, std::sqrt(blur.xx)) * extent_y_.seen(y, std::sqrt(blur.yy));
+  const double ink = inside * seen_disc(x - p * std::round(x / p), y - p * std::round(y / p), 0.25 * p, blur);
+  return inverted_ ? inside - ink : ink;
+}
+
+double PrintedGrating::ink(double x, double y, const Blur& blur) const {
+  if (grating_.pattern == Pattern::kCosine) return cosine_ink(x, y, blur);
+  if (grating_.pattern == Pattern::kDots) return dots_ink(x, y, blur);
+  const double sigma_x = std::sqrt(blur.xx), sigma_y = std::sqrt(blur.yy);
+  const double correlation = blur.xy / (sigma_x * sigma_y);
+  const bool is_corner = !is_even_x(x, sigma_x * kGaussianReach) && !is_even_y(y, sigma_y * kGaussianReach);
+  if (std::abs(correlation) < 1e-4 || !is_corner) return ink_uncorrelated(x, y, sigma_x, sigma_y);
+  // Two correlated Gaussians are two independent ones that share a third: average over the third.
+  const double shared = std::sqrt(std::abs(correlation)), own = std::sqrt(1.0 - std::abs(correlation));
+  const double step_x = shared * sigma_x, step_y = std::copysign(shared, correlation) * sigma_y;
+  double sum = 0.0;
+  for (const Node& node : gauss_hermite(std::abs(correlation))) {
+    sum += node.weight * ink_uncorrelated(x + node.at * step_x, y + node.at * step_y, own * sigma_x, own * sigma_y);
+  }
+  return sum;
+}
+
+bool PrintedGrating::is_even_x(double x, double distance) const {
+  if (grating_.pattern == Pattern::kLinesY) return extent_x_.is_even(x, distance);
+  return dark_x_.is_even(x, distance) && light_x_.is_even(x, distance);
+}
+
+bool PrintedGrating::is_even_y(double y, double distance) const {
+  if (grating_.pattern == Pattern::kLinesX) return extent_y_.is_even(y, distance);
+  return dark_y_.is_even(y, distance) && light_y_.is_even(y, distance);
+}
+
+bool PrintedGrating::is_even(double x, double y, double distance) const {
+  if (std::abs(x) > 0.5 * grating_.width_mm + distance || std::abs(y) > 0.5 * grating_.height_mm + distance) return true;
+  if (grating_.pattern == Pattern::kCosine) return false;
+  if (grating_.pattern == Pattern::kDots) {
+    const double p = grating_.pitch_mm;
+    const double r = std::hypot(x - p * std::round(x / p), y - p * std::round(y / p));
+    return std::abs(r - 0.25 * p) > distance && extent_x_.is_even(x, distance) && extent_y_.is_even(y, distance);
+  }
+  return is_even_x(x, distance) && is_even_y(y, distance);
+}
+
+}  // namespace moiregauge::simulator

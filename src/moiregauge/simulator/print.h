@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is printed, seen through a Gaussian: closed forms, so that pictures are exact far below a thousandth of a pixel.
+#pragma once
+
+#include <vector>
+
+#include "moiregauge/simulator/scenario.h"
+
+namespace moiregauge::simulator {
+
+// The Gaussian that blurs a board point, as covariance in mm^2.
+struct Blur {
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+};
+
+// Shares of what a blurred eye sees: paper against background, and ink (black) against paper.
+struct Seen {
+  double paper = 0.0;
+  double ink = 0.0;
+};
+
+// 0 and 1 alternating along one axis, symmetric about its zero.
+class Stripes {
+ public:
+  Stripes() = default;
+  // Every interval of half-width `half` about (n + offset) period, cut to [-reach, reach].
+  Stripes(double period, double half, double offset, double reach);
+  [[nodiscard]] static Stripes box(double reach);
+  [[nodiscard]] double seen(double x, double sigma) const;
+  // True when no edge is nearer than `distance`.
+  [[nodiscard]] bool is_even(double x, double distance) const;
+
+ private:
+  std::vector<double> edges_;  // rising; up, down, up, ...
+};
+
+// Share of a disc about the origin, seen from (x, y): a straight edge plus the first term of its curvature.
+[[nodiscard]] double seen_disc(double x, double y, double radius, const Blur& blur);
+
+// One grating in its own axes.
+class PrintedGrating {
+ public:
+  PrintedGrating(const Grating& grating, bool inverted);
+  [[nodiscard]] double ink(double x, double y, const Blur& blur) const;
+  // True when all within `distance` has the same ink.
+  [[nodiscard]] bool is_even(double x, double y, double distance) const;
+
+ private:
+  [[nodiscard]] double ink_uncorrelated(double x, double y, double sigma_x, double sigma_y) const;
+  [[nodiscard]] bool is_even_x(double x, double distance) const;
+  [[nodiscard]] bool is_even_y(double y, double distance) const;
+  [[nodiscard]] double cosine_ink(double x, double y, const Blur& blur) const;
+  [[nodiscard]] double dots_ink(double x, double y, const Blur& blur) const;
+
+  Grating grating_;
+  bool inverted_;
+  Stripes extent_x_, extent_y_, dark_x_, dark_y_, light_x_, light_y_;
+};
+
+// A marker's sheet: white paper, a grating, a disc.
+class PrintedMarker {
+ public:
+  explicit PrintedMarker(const SceneMarker& marker);
+  [[nodiscard]] Seen seen(BoardPoint point, const Blur& blur) const;
+  // True when everything within `distance` looks the same, so that blur does not matter.
+  [[nodiscard]] bool is_even(BoardPoint point, double distance) const;
+  // The sheet's corners: low, high.
+  [[nodiscard]] BoardPoint low() const { return low_; }
+  [[nodiscard]] BoardPoint high() const { return high_; }
+
+ private:
+  std::vector<PrintedGrating> grating_;  // none or one
+  Grating where_;
+  double cos_ = 1.0, sin_ = 0.0;
+  Circle circle_;                        // diameter 0: none
+  BoardPoint low_, high_;
+  Stripes paper_x_, paper_y_;
+};
+
+}  // namespace moiregauge::simulator

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/simulator/simulator.h"
+
+#include <algorithm>
+
+#include "moiregauge/simulator/projection.h"
+
+namespace moiregauge::simulator {
+
+LumaView view_of(const Picture& picture) {
+  return std::visit([](const auto& image) { return LumaView(image.view()); }, picture);
+}
+
+ImagePoint project(const Scenario& scenario, long frame, const SceneMarker& marker, BoardPoint point) {
+  const Matrix3 seen = camera_from_print(scenario, marker, time_of(scenario, frame));
+  return image_of(scenario.camera, ray_of(seen, point));
+}
+
+ImagePoint project(const Scenario& scenario, long frame, BoardPoint point) {
+  return project(scenario, frame, SceneMarker{}, point);
+}
+
+Truth truth(const Scenario& scenario, long frame, const SceneMarker& marker) {
+  const double half = 0.5 * scenario.sensor.exposure_s, now = time_of(scenario, frame);
+  return {marker.dx.mean(now - half, now + half) - marker.dx.mean(-half, half),
+          marker.dy.mean(now - half, now + half) - marker.dy.mean(-half, half)};
+}
+
+Site site_of(const Scenario& scenario) {
+  Site site;
+  for (const SceneMarker& marker : scenario.markers) {
+    if (marker.listed) site.markers.push_back(marker.print);
+  }
+  std::stable_sort(site.markers.begin(), site.markers.end(), [](const Marker& a, const Marker& b) {
+    return a.role == Role::kReference && b.role == Role::kTarget;
+  });
+  return site;
+}
+
+const SceneMarker* find_marker(const Scenario& scenario, const std::string& name) {
+  for (const SceneMarker& marker : scenario.markers) {
+    if (marker.print.name == name) return &marker;
+  }
+  return nullptr;
+}
+
+}  // namespace moiregauge::simulator

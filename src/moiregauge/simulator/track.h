@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// One quantity over time: straight lines between knots, plus one sine.
+#pragma once
+
+#include <vector>
+
+namespace moiregauge::simulator {
+
+struct Knot {
+  double time_s = 0.0;
+  double value = 0.0;
+};
+
+// offset + scale * (knots, held before the first and after the last) + amplitude * sin(2 pi f t + phase).
+struct Track {
+  std::vector<Knot> knots;  // rising in time
+  double scale = 1.0;
+  double offset = 0.0;
+  double amplitude = 0.0;
+  double frequency_hz = 0.0;
+  double phase_deg = 0.0;
+
+  [[nodiscard]] double at(double time_s) const;
+  // The exact mean over [from_s, to_s], which is what an exposure sees.
+  [[nodiscard]] double mean(double from_s, double to_s) const;
+  [[nodiscard]] bool moves() const { return knots.size() > 1 || (amplitude != 0.0 && frequency_hz != 0.0); }
+};
+
+}  // namespace moiregauge::simulator
