@@ -118,7 +118,8 @@ class Search {
 
  private:
   void refuse(const CandidateOutline& candidate, const TracedOutline& traced, std::string why) {
-    const double circularity = std::min(traced.circularity, 1.0);  // 0 when its outline could not be followed
+    // Rays see corners only as far as they reach: the digitised outline knows better when it is worse.
+    const double circularity = std::min(traced.circularity, candidate.circularity);
     if (circularity < kRejectedWorthNaming) return;
     const double diameter = candidate.ellipse.diameter();
     if (diameter < options_.min_diameter_px || diameter > options_.max_diameter_px) return;

@@ -191,6 +191,7 @@ TracedOutline trace(const ImageView<Grey>& view, const Ellipse& start) {
     const double growth = out.ellipse.diameter() / start.diameter();
     if (growth > kMaxGrowth || growth < 1.0 / kMaxGrowth || (out.ellipse.centre - start.centre).norm() > 0.5 * start.diameter()) {
       out.problem = "no outline where the threshold saw one";
+      out.circularity = 0.0;
       return out;
     }
     if (moved < kSettled) break;
