@@ -27,7 +27,11 @@ pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
 add_library(moiregauge_cairo INTERFACE)
 target_link_libraries(moiregauge_cairo INTERFACE PkgConfig::CAIRO)
 
-pkg_check_modules(IMAGES REQUIRED IMPORTED_TARGET libpng libtiff-4 libcrypto)
+pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET libcrypto)
+add_library(moiregauge_crypto INTERFACE)
+target_link_libraries(moiregauge_crypto INTERFACE PkgConfig::CRYPTO)
+
+pkg_check_modules(IMAGES REQUIRED IMPORTED_TARGET libpng libtiff-4 libjpeg)
 find_path(TOML11_INCLUDE toml.hpp PATH_SUFFIXES toml11 REQUIRED)
 add_library(moiregauge_images INTERFACE)
 target_link_libraries(moiregauge_images INTERFACE PkgConfig::IMAGES)

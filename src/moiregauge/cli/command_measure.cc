@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/command_measure.h"
+
+#include <csignal>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/measure_options.h"
+#include "moiregauge/cli/open_input.h"
+#include "moiregauge/cli/progress.h"
+#include "moiregauge/cli/report_lines.h"
+#include "moiregauge/drawing/overlay.h"
+#include "moiregauge/io/run_directory.h"
+#include "moiregauge/io/run_json.h"
+
+namespace moiregauge::cli {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void on_interrupt(int) { interrupted = 1; }
+
+// Ctrl-C ends the run after the frame at hand; a second one kills as usual.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    struct sigaction action {};
+    action.sa_handler = on_interrupt;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, &old_);
+  }
+  ~InterruptGuard() { sigaction(SIGINT, &old_, nullptr); }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  struct sigaction old_ {};
+};
+
+std::vector<std::uint8_t> overlay_of(const Measurement& m) {
+  const std::string caption = m.reference ? fmt::format("reference frame {}", m.reference->seen.frame) : m.refusal;
+  return draw_overlay({m.picture.grey.view(), &m.picture.circles, m.reference ? &*m.reference : nullptr, caption});
+}
+
+int run(const MeasureWords& words) {
+  const auto options = understood(words);
+  if (!options) return fail(Exit::kUsage, options.error().message);
+  const std::string output = words.output.empty() ? default_output(words.input) : words.output;
+  const InputOptions input_options{words.fps, words.sequence};
+  const auto open = [&] { return open_input(words.input, input_options); };
+  RunDirectory directory(output, overlay_of);
+  {
+    const auto probe = open();  // a taken folder is found before, not after, hours of measuring
+    if (!probe) return fail(Exit::kInputUnreadable, probe.error().message);
+    if (const auto free = directory.check((*probe)->info().sha256); !free) return fail(Exit::kUsage, free.error().message);
+  }
+  tl::expected<Measurement, InputError> measured;
+  {
+    const InterruptGuard guard;
+    Progress progress("measuring", words.quiet);
+    measured = measure(open, *options, [&](long done, long expected) {
+      progress.show(done, expected);
+      return interrupted == 0;
+    });
+  }
+  if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
+  if (const auto written = directory.write(*measured, *options); !written)
+    return fail(written.error().usage ? Exit::kUsage : Exit::kOutputUnwritable, written.error().message);
+  if (words.json) {
+    fmt::print("{}\n", run_json(*measured, *options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  } else if (!words.quiet) {
+    fmt::print("{}", report_lines(*measured, *options, output));
+  }
+  for (const std::string& warning : measured->warnings) {
+    if (!words.quiet) fmt::print(stderr, "warning: {}\n", warning);
+  }
+  if (measured->exit == Exit::kRefused)
+    return fail(Exit::kRefused, fmt::format("refused: {}: {}: see {}/overlay.png", words.input, measured->refusal, output));
+  return static_cast<int>(measured->exit);
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("measure", "Read displacement in millimetres from a video or a folder of pictures");
+  auto words = std::make_shared<MeasureWords>();
+  command->add_option("INPUT", words->input, "video, folder of pictures, multi-page TIFF, or printf pattern (--sequence)")
+      ->required();
+  command->add_option("--site", words->site, "site.toml: what is printed where")->type_name("FILE");
+  command->add_option("--pitch", words->pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
+      ->type_name("LENGTH");
+  std::string methods;
+  for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
+  command->add_option("--method", words->method, "how to measure [" + std::string(kDefaultMethod) + "]" + methods)
+      ->type_name("NAME");
+  command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command->add_option("--fps", words->fps, "frames per second of a folder of pictures")->type_name("N");
+  command->add_option("--reference-frame", words->reference_frame,
+                      "frame of zero displacement [first that can be measured]")->type_name("N");
+  command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")->type_name("A:B:STEP");
+  command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");
+  command->add_option("--threads", words->threads, "threads to use; never changes a result")->type_name("N");
+  command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");
+  command->add_flag("--quiet", words->quiet, "print nothing but errors");
+  command->add_flag("--json", words->json, "print run.json on stdout");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/measure_options.h"
+
+#include <charconv>
+#include <filesystem>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "moiregauge/io/camera_file.h"
+#include "moiregauge/io/length_text.h"
+#include "moiregauge/io/site_file.h"
+
+namespace moiregauge::cli {
+namespace {
+
+tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
+  return text;
+}
+
+bool parse_long(const std::string& text, long& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+std::string method_names() {
+  std::string names;
+  for (const Method& method : kMethods) names += fmt::format("{}{}", names.empty() ? "" : ", ", method.name);
+  return names;
+}
+
+}  // namespace
+
+tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
+  FrameRange range;
+  if (text.empty()) return range;
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ':') parts.emplace_back();
+    else parts.back() += c;
+  }
+  const auto wrong = [&] {
+    return usage(fmt::format("frame selection: --frames {}: write A:B or A:B:STEP, half open, e.g. 0:100:2", text));
+  };
+  if (parts.size() < 2 || parts.size() > 3) return wrong();
+  if (!parts[0].empty() && !parse_long(parts[0], range.first)) return wrong();
+  if (!parts[1].empty() && !parse_long(parts[1], range.end)) return wrong();
+  if (parts.size() == 3 && !parts[2].empty() && !parse_long(parts[2], range.step)) return wrong();
+  if (range.first < 0 || range.step < 1 || (!parts[1].empty() && range.end <= range.first)) return wrong();
+  return range;
+}
+
+std::string default_output(const std::string& input) {
+  namespace fs = std::filesystem;
+  fs::path path = fs::path(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  std::string name = path.filename().string();
+  if (name == "." || name == "..") name = fs::absolute(path).lexically_normal().filename().string();
+  if (const auto percent = name.find('%'); percent != std::string::npos) {
+    name.resize(percent);
+  } else if (std::error_code error; !fs::is_directory(input, error)) {
+    name = fs::path(name).stem().string();
+  }
+  while (!name.empty() && (name.back() == '_' || name.back() == '-')) name.pop_back();
+  return (name.empty() ? "run" : name) + "-moiregauge";
+}
+
+tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
+  MeasureOptions options;
+  options.method = method_named(words.method);
+  if (options.method == nullptr)
+    return usage(fmt::format("unknown method: --method {}: choose one of {}", words.method, method_names()));
+  if (!words.pitch.empty() && !words.site.empty())
+    return usage("--pitch and --site together: the site file states the pitch: leave one of them out");
+  if (!words.pitch.empty()) {
+    const auto pitch = length_mm(words.pitch);
+    if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", words.pitch, pitch.error()));
+  }
+  if (words.site.empty())
+    return usage("no site: --site FILE: state where the markers are (docs/file-formats.md); measuring without a site file "
+                 "comes with a later version");
+  auto site = read_site(words.site);
+  if (!site) return usage(joined(site.error()));
+  options.site = std::move(*site);
+  if (!words.camera.empty()) {
+    auto camera = read_camera(words.camera);
+    if (!camera) return usage(camera.error());
+    options.camera = *camera;
+  }
+  if (words.fps && !(*words.fps > 0.0)) return usage(fmt::format("frame rate: --fps {}: must be above 0", *words.fps));
+  auto range = frame_range(words.frames);
+  if (!range) return tl::unexpected(range.error());
+  options.frames = *range;
+  if (words.reference_frame && *words.reference_frame < 0)
+    return usage(fmt::format("reference frame: --reference-frame {}: frames count from 0", *words.reference_frame));
+  options.reference_frame = words.reference_frame;
+  return options;
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of `moiregauge measure`, and what they mean.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/run/measure.h"
+
+namespace moiregauge::cli {
+
+// As typed.
+struct MeasureWords {
+  std::string input;
+  std::string site;
+  std::string pitch;
+  std::string method{kDefaultMethod};
+  std::string camera;
+  std::optional<double> fps;
+  std::optional<long> reference_frame;
+  std::string frames;
+  std::string output;
+  bool sequence = false;
+  bool quiet = false;
+  bool json = false;
+  int threads = 0;
+};
+
+struct UsageError {
+  std::string message;  // may hold several lines: one per mistake of a site file
+};
+
+[[nodiscard]] tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words);
+[[nodiscard]] tl::expected<FrameRange, UsageError> frame_range(const std::string& text);
+
+// <input name without extension, or before %>-moiregauge, in the current directory.
+[[nodiscard]] std::string default_output(const std::string& input);
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program: a table of commands. Every command says what went wrong itself; what escapes it is our fault (exit 1).
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "moiregauge/cli/command_measure.h"
+#include "moiregauge/cli/command_simulate.h"
+#include "moiregauge/cli/exit_line.h"
+#include "moiregauge/version.h"
+
+namespace {
+
+using moiregauge::Exit;
+
+int run(int argc, char** argv) {
+  CLI::App app{"moiregauge: displacement in millimetres from a video of printed gratings, whatever the camera did"};
+  app.set_version_flag("--version", moiregauge::kVersion);
+  app.require_subcommand(1);
+  int exit_code = 0;
+  moiregauge::cli::add_measure(app, exit_code);
+  moiregauge::cli::add_simulate(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return app.exit(version);
+  } catch (const CLI::ParseError& error) {
+    return moiregauge::cli::fail(Exit::kUsage, fmt::format("usage: {}: see moiregauge --help", error.what()));
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    return moiregauge::cli::fail(Exit::kInternalError,
+                                 fmt::format("internal error: {}: please report it with the input", error.what()));
+  }
+}

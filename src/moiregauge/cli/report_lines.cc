@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/report_lines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace moiregauge::cli {
+namespace {
+
+std::string found_line(const Measurement& m, const MeasureOptions& options) {
+  if (!m.reference) return fmt::format("found: {}", m.refusal);
+  const auto references = m.reference->circles.size();
+  std::string targets;
+  for (const TargetSummary& t : m.targets)
+    targets += fmt::format("{}{}", targets.empty() ? "" : ", ", options.site.markers[t.marker].name);
+  return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}", references,
+                     m.targets.size() == 1 ? "1 target" : fmt::format("{} targets", m.targets.size()), targets,
+                     m.observations.size(), m.input.width, m.input.height, m.reference->seen.frame, options.method->name);
+}
+
+// Expanded uncertainty, k = 2, with as many digits of the result as it deserves.
+std::string axis(const char* name, double lowest, double highest, double last, double u) {
+  if (std::isnan(last) || std::isnan(u)) return fmt::format("{} not measured", name);
+  const double expanded = 2.0 * u;
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(expanded, 1e-6)))), 1, 6);
+  return fmt::format("{} {:+.{}f} mm (range {:+.{}f} to {:+.{}f}), U = {:.{}f} mm (k = 2)", name, last, digits, lowest,
+                     digits, highest, digits, expanded, digits);
+}
+
+std::string result_line(const Measurement& m, const MeasureOptions& options) {
+  std::string text;
+  for (const TargetSummary& t : m.targets) {
+    std::string counts;
+    for (const auto& [word, count] : t.status_counts) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, word);
+    text += fmt::format("{}{}: last {}; {}; rows: {}", text.empty() ? "result: " : "\n        ",
+                        options.site.markers[t.marker].name, axis("dx", t.lowest.x, t.highest.x, t.last.x, t.u.x),
+                        axis("dy", t.lowest.y, t.highest.y, t.last.y, t.u.y), counts);
+  }
+  return text.empty() ? "result: none" : text;
+}
+
+std::string next_line(const Measurement& m, const std::string& output) {
+  if (!m.reference) return fmt::format("next: look at {}/overlay.png: it shows what was seen; correct the site file or the view", output);
+  const bool untrusted = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kUntrusted; });
+  const bool moved = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kCameraMoved; });
+  if (moved) return "next: the camera moved, which `conventional` cannot take out: measure with --method two-stage";
+  if (untrusted)
+    return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE with the "
+           "lens's calibration";
+  if (m.exit == Exit::kIncomplete) return fmt::format("next: look for the rows that are not ok in {}/displacement.csv", output);
+  return fmt::format("next: {0}/displacement.csv holds every sample, {0}/overlay.png what was measured where", output);
+}
+
+}  // namespace
+
+std::string report_lines(const Measurement& measurement, const MeasureOptions& options, const std::string& output) {
+  return found_line(measurement, options) + "\n" + result_line(measurement, options) + "\n" + next_line(measurement, output) + "\n";
+}
+
+}  // namespace moiregauge::cli

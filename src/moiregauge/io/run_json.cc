@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/run_json.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/units/units.h"
+#include "moiregauge/version.h"
+
+namespace moiregauge {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json input_json(const InputInfo& input, long seen) {
+  return {{"path", input.path},
+          {"sha256", input.sha256},
+          {"frames", input.frames >= 0 ? input.frames : seen},
+          {"width", input.width},
+          {"height", input.height},
+          {"bits", input.bits},
+          {"fps", number(input.fps)},
+          {"codec", input.codec},
+          {"rotation_deg", input.rotation_deg},
+          {"time_source", input.time_source}};
+}
+
+Json config_json(const MeasureOptions& options) {
+  Json config{{"frames", {{"first", options.frames.first}, {"end", nullptr}, {"step", options.frames.step}}},
+              {"reference_frame", nullptr},
+              {"region_px", options.observe.raster.region_px},
+              {"sampling_pitch_px", nullptr},
+              {"min_circularity", options.observe.circles.min_circularity},
+              {"known_to",
+               {{"position_mm", options.site.known_to.position_mm},
+                {"rotation_deg", degrees_from_radians(options.site.known_to.rotation_rad)},
+                {"height_mm", options.site.known_to.height_mm},
+                {"print_scale", options.site.known_to.print_scale}}}};
+  if (options.frames.end >= 0) config["frames"]["end"] = options.frames.end;
+  if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
+  if (options.observe.raster.sampling_pitch_px > 0) config["sampling_pitch_px"] = options.observe.raster.sampling_pitch_px;
+  return config;
+}
+
+Json camera_json(const Measurement& measurement, const std::optional<Camera>& camera) {
+  Json json{{"model", camera ? "brown" : "none"}, {"width", measurement.input.width}, {"height", measurement.input.height}};
+  const Camera c = camera.value_or(Camera{});
+  const std::pair<const char*, double> keys[] = {{"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"k1", c.k1},
+                                                 {"k2", c.k2}, {"p1", c.p1}, {"p2", c.p2}, {"k3", c.k3}};
+  for (const auto& [key, value] : keys) json[key] = camera ? Json(value) : Json(nullptr);
+  json["u"] = Json::object();
+  return json;
+}
+
+Json marker_json(const Measurement& measurement, const Marker& marker, std::size_t i) {
+  const BoardPoint at = marker.grating ? marker.grating->centre : marker.circle->centre;
+  Json json{{"name", marker.name},
+            {"role", marker.role == Role::kReference ? "reference" : "target"},
+            {"x_mm", at.x},
+            {"y_mm", at.y},
+            {"z_mm", marker.z_mm ? Json(*marker.z_mm) : Json(nullptr)},
+            {"angle_deg", marker.grating ? Json(degrees_from_radians(marker.grating->angle_rad)) : Json(nullptr)},
+            {"pitch_px", nullptr},
+            {"modulation", nullptr},
+            {"u", Json::object()}};
+  if (measurement.reference && marker.grating && i < measurement.reference->seen.markers.size()) {
+    const Reference& reference = *measurement.reference;
+    json["pitch_px"] = number(marker.grating->pitch_mm / reference.view.mm_per_px(at));
+    const auto& modulation = reference.seen.markers[i].patch.modulation;
+    json["modulation"] = number(std::fmax(modulation[0], modulation[1]));
+  }
+  return json;
+}
+
+Json extent_json(const Extent<frame::Board>& e) { return {{"x_mm", number(e.x)}, {"y_mm", number(e.y)}}; }
+
+Json target_json(const Site& site, const TargetSummary& target) {
+  return {{"name", site.markers[target.marker].name},
+          {"frames", target.frames},
+          {"ok", target.ok},
+          {"status_counts", target.status_counts},
+          {"u_dx_mm", number(target.u.x)},
+          {"u_dy_mm", number(target.u.y)},
+          {"budget",
+           {{"noise", extent_json(target.budget.noise)},
+            {"references", extent_json(target.budget.references)},
+            {"reference_frame", extent_json(target.budget.reference_frame)},
+            {"model", extent_json(target.budget.model)}}}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOptions& options) {
+  Json json{{"moiregauge", kVersion}, {"schema", kRunSchema}};
+  json["input"] = input_json(measurement.input, static_cast<long>(measurement.observations.size()));
+  json["config"] = config_json(options);
+  json["method"] = std::string(options.method->name);
+  json["reference_frame"] = measurement.reference ? Json(measurement.reference->seen.frame) : Json(nullptr);
+  json["camera"] = camera_json(measurement, options.camera);
+  json["markers"] = Json::array();
+  for (std::size_t i = 0; i < options.site.markers.size(); ++i)
+    json["markers"].push_back(marker_json(measurement, options.site.markers[i], i));
+  json["scene"] = {{"model", "homography"}, {"chi2_dof", nullptr}, {"key_frames", Json::array()}};
+  json["targets"] = Json::array();
+  for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(options.site, target));
+  // Four references leave a homography no redundancy, and these methods do not test more of them against each other.
+  json["references_verified"] = false;
+  json["warnings"] = measurement.warnings;
+  json["exit_code"] = static_cast<int>(measurement.exit);
+  json["complete"] = !measurement.interrupted;
+  return json;
+}
+
+}  // namespace moiregauge

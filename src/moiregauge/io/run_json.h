@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "moiregauge/run/measure.h"
+
+namespace moiregauge {
+
+inline constexpr int kRunSchema = 1;
+
+// run.json (docs/file-formats.md, docs/schema/run.schema.json). What is not known is null.
+[[nodiscard]] nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOptions& options);
+
+}  // namespace moiregauge

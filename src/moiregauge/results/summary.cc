@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/results/summary.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moiregauge {
+namespace {
+
+using BoardExtent = Extent<frame::Board>;
+
+// Root mean square of the numbers that were measured.
+class Rms {
+ public:
+  void add(BoardExtent e) {
+    add(x_, e.x);
+    add(y_, e.y);
+  }
+  [[nodiscard]] BoardExtent value() const { return {of(x_), of(y_)}; }
+
+ private:
+  struct Sum {
+    double squares = 0.0;
+    long count = 0;
+  };
+  static void add(Sum& sum, double v) {
+    if (std::isnan(v)) return;
+    sum.squares += v * v;
+    ++sum.count;
+  }
+  static double of(const Sum& sum) {
+    return sum.count > 0 ? std::sqrt(sum.squares / double(sum.count)) : kNotMeasured;
+  }
+  Sum x_, y_;
+};
+
+struct Sums {
+  Rms u, noise, references, reference_frame, model;
+};
+
+void widen(double& lowest, double& highest, double v) {
+  lowest = std::fmin(lowest, v);  // fmin and fmax pass over NaN
+  highest = std::fmax(highest, v);
+}
+
+}  // namespace
+
+std::vector<TargetSummary> summarise(const Reference& reference, const Samples& samples) {
+  std::vector<TargetSummary> summaries;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    if (reference.site.markers[i].role != Role::kTarget) continue;
+    TargetSummary s;
+    s.marker = i;
+    s.lowest = s.highest = s.last = {kNotMeasured, kNotMeasured};
+    Sums sums;
+    for (const Sample& sample : samples) {
+      if (sample.marker != i) continue;
+      ++s.frames;
+      s.ok += sample.status == Status::kOk;
+      ++s.status_counts[word_for(sample.status)];
+      s.last_status = sample.status;
+      if (!has_numbers(sample.status)) continue;
+      s.last = sample.displacement;
+      widen(s.lowest.x, s.highest.x, sample.displacement.x);
+      widen(s.lowest.y, s.highest.y, sample.displacement.y);
+      if (sample.frame == reference.seen.frame) continue;
+      sums.u.add(sample.u);
+      sums.noise.add(sample.budget.noise);
+      sums.references.add(sample.budget.references);
+      sums.reference_frame.add(sample.budget.reference_frame);
+      sums.model.add(sample.budget.model);
+    }
+    s.u = sums.u.value();
+    s.budget = {sums.noise.value(), sums.references.value(), sums.reference_frame.value(), sums.model.value()};
+    summaries.push_back(std::move(s));
+  }
+  return summaries;
+}
+
+Exit exit_of(const Samples& samples, long reference_frame, bool input_damaged) {
+  long rows = 0, ok = 0;
+  for (const Sample& sample : samples) {
+    if (sample.frame == reference_frame) continue;
+    ++rows;
+    ok += sample.status == Status::kOk;
+  }
+  if (ok == 0) return Exit::kRefused;
+  if (input_damaged || double(rows - ok) > kNotOkShare * double(rows)) return Exit::kIncomplete;
+  return Exit::kMeasured;
+}
+
+}  // namespace moiregauge

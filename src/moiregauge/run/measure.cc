@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/run/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "moiregauge/displacement/follower.h"
+
+namespace moiregauge {
+namespace {
+
+KeptPicture kept(const LumaView& luma, int bits, CircleSearch circles) {
+  KeptPicture picture{Image<std::uint8_t>(width_of(luma), height_of(luma)), std::move(circles)};
+  std::visit(
+      [&](const auto& view) {
+        for (int y = 0; y < view.height; ++y) {
+          const auto from = view.row(y);
+          std::transform(from.begin(), from.end(), picture.grey.row(y).begin(),
+                         [bits](auto grey) { return static_cast<std::uint8_t>(grey >> (bits - 8)); });
+        }
+      },
+      luma);
+  return picture;
+}
+
+Observation unmeasured(const Frame& frame, std::size_t markers, std::string why) {
+  Observation observation;
+  observation.frame = frame.number;
+  observation.time_s = frame.time_s;
+  observation.decode_error = frame.damaged;
+  observation.reference_problem = std::move(why);
+  observation.markers.resize(markers);
+  return observation;
+}
+
+// The run's state while frames go by.
+class Run {
+ public:
+  Run(const MeasureOptions& options, Measurement& out) : options_(options), out_(out) {}
+
+  // Tries to make `frame` the reference frame; the failure is kept in words (the first one is the one to report).
+  bool refer_to(const Frame& frame) {
+    auto made = make_reference({frame.luma, out_.input.bits}, options_.site, options_.camera.value_or(Camera{}),
+                               options_.observe);
+    if (!made) {
+      if (out_.refusal.empty()) {
+        out_.refusal = made.error().message;
+        out_.picture = kept(frame.luma, out_.input.bits, std::move(made.error().search));
+      }
+      hopeless_ = made.error().problem == ReferenceProblem::kSiteDisagrees ||
+                  made.error().problem == ReferenceProblem::kTooCoarse;
+      return false;
+    }
+    out_.refusal.clear();
+    out_.reference = std::move(*made);
+    out_.reference->seen.frame = frame.number;
+    out_.reference->seen.time_s = frame.time_s;
+    out_.picture = kept(frame.luma, out_.input.bits, out_.reference->search);
+    follower_.emplace(*out_.reference);
+    return true;
+  }
+
+  void measure_frame(const Frame& frame) {
+    const std::size_t markers = options_.site.markers.size();
+    if (frame.damaged) {
+      out_.observations.push_back(unmeasured(frame, markers, "the decoder reported an error in this frame"));
+      return;
+    }
+    if (!out_.reference && !refer_to(frame)) {
+      out_.observations.push_back(unmeasured(frame, markers, out_.refusal));
+      return;
+    }
+    Observation seen = options_.method->observe({frame.luma, out_.input.bits}, *out_.reference, follower_->prediction(), work_);
+    seen.frame = frame.number;
+    seen.time_s = frame.time_s;
+    (void)follower_->follow(*out_.reference, seen);
+    out_.observations.push_back(std::move(seen));
+  }
+  [[nodiscard]] bool hopeless() const { return hopeless_; }
+
+ private:
+  const MeasureOptions& options_;
+  Measurement& out_;
+  std::optional<Follower> follower_;
+  PatchWorkspace work_;
+  bool hopeless_ = false;
+};
+
+void note_damage(Measurement& out, const InputError& error) {
+  out.input_damaged = true;
+  out.warnings.push_back(error.message);
+}
+
+// --reference-frame: read up to that frame through a source of its own; it may lie outside the selection.
+tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number, Run& run, Measurement& out) {
+  auto source = open();
+  if (!source) return tl::unexpected(source.error());
+  out.input = (*source)->info();
+  while (true) {
+    auto frame = (*source)->next();
+    if (!frame) return tl::unexpected(frame.error());
+    if (!*frame) {
+      out.refusal = fmt::format("reference frame {} is not in the input", number);
+      return {};
+    }
+    if ((*frame)->number < number) continue;
+    if ((*frame)->damaged) out.refusal = fmt::format("reference frame {} is damaged", number);
+    else if (!run.refer_to(**frame)) out.refusal = fmt::format("reference frame {}: {}", number, out.refusal);
+    return {};
+  }
+}
+
+long selected(const FrameRange& range, long frames) {
+  if (frames < 0 && range.end < 0) return -1;
+  const long end = frames < 0 ? range.end : range.end < 0 ? frames : std::min(range.end, frames);
+  return std::max(0L, (end - range.first + range.step - 1) / range.step);
+}
+
+tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, Run& run, Measurement& out,
+                                           const OnProgress& on_progress) {
+  const long expected = selected(options.frames, source.info().frames);
+  bool any = false;
+  while (true) {
+    auto frame = source.next();
+    if (!frame) {
+      if (!any) return tl::unexpected(frame.error());
+      note_damage(out, frame.error());
+      break;
+    }
+    if (!*frame) break;
+    any = true;
+    const Frame& now = **frame;
+    if (options.frames.end >= 0 && now.number >= options.frames.end) break;
+    if (!options.frames.holds(now.number)) continue;
+    run.measure_frame(now);
+    if (run.hopeless() && !out.reference) break;
+    if (on_progress && !on_progress(static_cast<long>(out.observations.size()), expected)) {
+      out.interrupted = true;
+      break;
+    }
+  }
+  if (!any) return tl::unexpected(InputError{InputErrorKind::kUnreadable, "no pictures: " + source.info().path + ": give a video or a folder of pictures"});
+  return {};
+}
+
+void conclude(const MeasureOptions& options, Measurement& out) {
+  for (const Observation& seen : out.observations) out.input_damaged |= seen.decode_error;
+  if (out.observations.empty() && out.refusal.empty()) out.refusal = "no frame of the input is selected by --frames";
+  if (!out.reference) {
+    out.exit = Exit::kRefused;
+    return;
+  }
+  out.samples = options.method->solve(*out.reference, out.observations);
+  out.targets = summarise(*out.reference, out.samples);
+  out.exit = out.interrupted ? Exit::kInterrupted : exit_of(out.samples, out.reference->seen.frame, out.input_damaged);
+  if (out.exit != Exit::kRefused) return;
+  std::map<std::string, long> counts;
+  for (const Sample& sample : out.samples) {
+    if (sample.frame != out.reference->seen.frame) ++counts[word_for(sample.status)];
+  }
+  std::string list;
+  for (const auto& [word, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, word);
+  out.refusal = counts.empty() ? "only the reference frame was measured; two frames are needed"
+                               : "no row is ok (" + list + ")";
+}
+
+}  // namespace
+
+tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
+                                              const OnProgress& on_progress) {
+  Measurement out;
+  Run run(options, out);
+  if (options.reference_frame) {
+    if (auto done = refer_to_frame(open, *options.reference_frame, run, out); !done) return tl::unexpected(done.error());
+  }
+  auto source = open();
+  if (!source) return tl::unexpected(source.error());
+  out.input = (*source)->info();
+  if (options.camera && options.camera->width > 0 &&
+      (options.camera->width != out.input.width || options.camera->height != out.input.height)) {
+    return tl::unexpected(InputError{
+        InputErrorKind::kUnsupported,
+        fmt::format("camera file is for {} x {} px, the pictures have {} x {}: {}: calibrate at the recording's size",
+                    options.camera->width, options.camera->height, out.input.width, out.input.height, out.input.path)});
+  }
+  if (out.reference || !options.reference_frame) {
+    if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
+    out.input = (*source)->info();
+  }
+  out.warnings.insert(out.warnings.begin(), out.input.warnings.begin(), out.input.warnings.end());
+  if (std::isnan(out.input.fps)) out.warnings.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");
+  conclude(options, out);
+  return out;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole run: frames in, observations kept, samples out. No files here: pictures come through a FrameSource.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/results/summary.h"
+#include "moiregauge/run/frame_source.h"
+
+namespace moiregauge {
+
+// --frames A:B:STEP, half open.
+struct FrameRange {
+  long first = 0;
+  long end = -1;  // -1: to the end
+  long step = 1;
+  [[nodiscard]] bool holds(long frame) const {
+    return frame >= first && (end < 0 || frame < end) && (frame - first) % step == 0;
+  }
+};
+
+struct MeasureOptions {
+  const Method* method = nullptr;
+  Site site;
+  std::optional<Camera> camera;
+  FrameRange frames;
+  std::optional<long> reference_frame;  // empty: the first frame of the selection that can be measured
+  ObserveOptions observe;
+};
+
+// A copy of the reference frame (or of the first frame looked at, when none could be measured), 8 bits, for the overlay.
+struct KeptPicture {
+  Image<std::uint8_t> grey;
+  CircleSearch circles;
+};
+
+struct Measurement {
+  InputInfo input;
+  std::optional<Reference> reference;   // empty: refused before anything was measured
+  std::vector<Observation> observations;
+  Samples samples;
+  std::vector<TargetSummary> targets;
+  KeptPicture picture;
+  std::vector<std::string> warnings;
+  std::string refusal;                  // why there is nothing `ok`, in words; empty otherwise
+  bool input_damaged = false;
+  bool interrupted = false;
+  Exit exit = Exit::kInternalError;
+};
+
+// Called after every frame: frames done, frames expected (-1: unknown). Returns false to stop (Ctrl-C).
+using OnProgress = std::function<bool(long done, long expected)>;
+using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, InputError>()>;
+
+// Fails only when the input gives no picture at all; every other trouble is part of the Measurement.
+[[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
+                                                            const OnProgress& on_progress);
+
+}  // namespace moiregauge
