@@ -20,9 +20,9 @@ using markers_detail::CandidateOutline;
 using markers_detail::TracedOutline;
 
 // rms distance from the ellipse: a square has 0.052 of its equivalent diameter, a hexagon 0.017, a roughly printed disc
-// 0.01; the pixel share is for discs of 10 px, whose outline noise blurs by a tenth of a pixel.
+// 0.01; the pixel share is for discs of 10 px, sharpened by a camera or rough by a pixel of the print.
 constexpr double kMaxResidualShare = 0.02;
-constexpr double kMaxResidualPx = 0.08;
+constexpr double kMaxResidualPx = 0.15;
 constexpr double kMinContrastInNoise = 3.0;     // of the fit's residual: below, the disc is not there
 constexpr double kSameCentreShare = 0.25;       // of the diameter: two candidates at one place,
 constexpr double kSameDiameterShare = 0.2;      // of about one size, are one outline seen at two scales
