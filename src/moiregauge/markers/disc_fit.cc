@@ -13,7 +13,7 @@ namespace {
 constexpr double kMinBand = 2.0;      // px to either side of the edge
 constexpr double kMaxBand = 6.0;      // px
 constexpr double kBandInBlurs = 3.0;  // beyond three sigma a pixel knows nothing of the edge
-constexpr double kBandShare = 0.3;    // of the minor half axis on the outside: neighbours may be close
+constexpr double kBandShare = 0.3;    // of the minor axis: neighbours may be close
 constexpr double kMinBlur = 0.25;     // px: a box pixel alone has 0.29
 constexpr double kMaxBlur = 4.0;      // px
 constexpr double kMaxStray = 0.5;     // px from the traced centre
@@ -38,10 +38,10 @@ struct State {
 template <typename Grey>
 std::vector<BandPixel> band_of(const ImageView<Grey>& view, const Ellipse& ellipse, double blur_px) {
   const auto shape = ellipse.shape();
-  const double outside = std::clamp(kBandInBlurs * blur_px, kMinBand, std::clamp(2.0 * kBandShare * shape.minor_px, kMinBand, kMaxBand));
-  const double inside = outside;
+  const double room = std::clamp(kBandShare * 2.0 * shape.minor_px, kMinBand, kMaxBand);
+  const double width = std::clamp(kBandInBlurs * blur_px, kMinBand, room);
   const Eigen::Matrix2d inverse = ellipse.axes.inverse();
-  const Eigen::Vector2d half = (ellipse.axes * ellipse.axes).diagonal().cwiseSqrt().array() + outside + 1.0;
+  const Eigen::Vector2d half = (ellipse.axes * ellipse.axes).diagonal().cwiseSqrt().array() + width + 1.0;
   const int x0 = std::max(0, static_cast<int>(ellipse.centre.x() - half.x()));
   const int x1 = std::min(view.width - 1, static_cast<int>(ellipse.centre.x() + half.x()) + 1);
   const int y0 = std::max(0, static_cast<int>(ellipse.centre.y() - half.y()));
@@ -51,13 +51,9 @@ std::vector<BandPixel> band_of(const ImageView<Grey>& view, const Ellipse& ellip
     for (int x = x0; x <= x1; ++x) {
       const Eigen::Vector2d u = inverse * (Eigen::Vector2d(x, y) - ellipse.centre);
       const double rho = u.norm();
-      if ((rho - 1.0) * shape.minor_px > outside || (1.0 - rho) * shape.major_px < -outside) continue;
-      if (rho < 1e-6) {
-        if (shape.minor_px < inside) band.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<double>(view.at(x, y))});
-        continue;
-      }
-      const double distance = (rho - 1.0) * rho / (inverse * u).norm();  // Sampson
-      if (distance > outside || distance < -inside) continue;
+      if ((rho - 1.0) * shape.minor_px > width || (1.0 - rho) * shape.minor_px > width) continue;
+      const double distance = (rho - 1.0) * rho / std::max((inverse * u).norm(), 1e-12);  // Sampson
+      if (std::abs(distance) > width) continue;
       band.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<double>(view.at(x, y))});
     }
   }
@@ -103,18 +99,18 @@ Sums accumulate(const std::vector<BandPixel>& band, const State& s, std::size_t 
   return sums;
 }
 
-// One Gauss-Newton step; false when it makes no sense.
-bool improve(const Sums& sums, State& s) {
+// One Gauss-Newton step; empty when it makes no sense.
+std::optional<Vector> improve(const Sums& sums, State& s) {
   const Eigen::LDLT<Normal> solver(Normal(sums.normal.selfadjointView<Eigen::Lower>()));
   const Vector step = solver.solve(sums.right);
-  if (!step.allFinite() || step.tail<5>().norm() > 0.5) return false;
+  if (!step.allFinite() || step.tail<5>().norm() > 0.5) return std::nullopt;
   s.light += step[0];
   s.slope_x += step[1];
   s.slope_y += step[2];
   s.q = std::clamp(s.q + step[3], 1e-3, 1.5);
   s.sigma = std::clamp(s.sigma * (1.0 + std::clamp(step[4], -0.4, 0.4)), kMinBlur, kMaxBlur);
   s.ellipse = s.ellipse.corrected(step.tail<5>());
-  return true;
+  return step;
 }
 
 template <typename Grey>
@@ -129,14 +125,19 @@ std::optional<FittedDisc> fit(const ImageView<Grey>& view, const TracedOutline& 
   s.sigma = std::clamp(outline.blur_px, 0.5, 2.5);
   const std::vector<BandPixel> band = band_of(view, s.ellipse, s.sigma);
   if (band.size() < 3 * kParameters) return std::nullopt;
-  const std::size_t coarse = 1 + band.size() / 500;  // the first steps need direction, not precision
-  for (const std::size_t stride : {coarse, coarse, 1 + band.size() / kMaxPixels, 1 + band.size() / kMaxPixels}) {
-    if (!improve(accumulate(band, s, stride), s)) return std::nullopt;
+  const std::size_t coarse = 1 + band.size() / 400, fine = 1 + band.size() / kMaxPixels;
+  Sums sums;
+  double gain = 0.0;
+  for (const std::size_t stride : {coarse, coarse, fine}) {  // the first steps need direction, not precision
+    sums = accumulate(band, s, stride);
+    const auto step = improve(sums, s);
+    if (!step) return std::nullopt;
+    gain = sums.right.dot(*step);  // by which the last step lessened the sum of squares, to first order
   }
-  const Sums last = accumulate(band, s, 1 + band.size() / kMaxPixels);
   if ((s.ellipse.centre - outline.ellipse.centre).norm() > kMaxStray) return std::nullopt;
-  const double variance = last.squares / (static_cast<double>(last.pixels) - kParameters);
-  const Normal covariance = variance * Normal(last.normal.selfadjointView<Eigen::Lower>()).inverse();
+  const double freedom = static_cast<double>(sums.pixels) - kParameters;
+  const double variance = std::max(sums.squares - gain, 0.0) / freedom;
+  const Normal covariance = variance * Normal(sums.normal.selfadjointView<Eigen::Lower>()).inverse();
   const Eigen::Matrix2d centre = s.ellipse.axes * covariance.block<2, 2>(6, 6) * s.ellipse.axes.transpose();
   return FittedDisc{s.ellipse, std::sqrt(0.5 * centre.trace()), std::sqrt(variance), s.sigma};
 }

@@ -19,6 +19,7 @@ using markers_detail::ReferenceCircle;
 
 constexpr double kDecisive = 12.0;        // difference of misfit that tells two assignments apart (1 in 400 by chance)
 constexpr double kSameRoll = 0.05;        // rad: two turns of one layout this near to each other in roll are a tie
+constexpr double kOtherTurn = 0.3;        // rad of roll: less is the same turn of the layout, seen through other outlines
 constexpr double kSamePlaceShare = 0.25;  // of the diameter: concentric outlines (disc in a ring) are one place
 constexpr std::size_t kCrowd = 40;        // circles of one size: a printed pattern of dots, not references
 constexpr double kCrowdSize = 0.15;       // relative, what "one size" means
@@ -76,6 +77,10 @@ bool same_places(const Assignment& a, const Assignment& b, const std::vector<See
                      [&](int i) { return i < 0 || at_a_place_of(i, b); });
 }
 
+bool other_turn(const Assignment& a, const Assignment& b) {
+  return std::abs(std::remainder(a.roll_rad - b.roll_rad, kTurn)) > kOtherTurn;
+}
+
 struct Ranked {
   const Assignment* assignment = nullptr;
   double cost = 0.0;      // misfit, and travel in later frames
@@ -96,12 +101,11 @@ const Assignment* decide(std::vector<Ranked> ranked, const std::vector<SeenCircl
                        best.cost, r.cost, kDecisive);
       return nullptr;
     }
-    if (r.distance < chosen->distance) chosen = &r;
+    // Only another turn competes by its distance; a concentric outline at the same place has to fit better.
+    if (other_turn(*r.assignment, *chosen->assignment) && r.distance < chosen->distance) chosen = &r;
   }
   for (const Ranked& r : ranked) {
-    if (r.cost > best.cost + kDecisive || &r == chosen) continue;
-    if (length(r.assignment->image_from_board(BoardPoint{1.0, 0.0}) - chosen->assignment->image_from_board(BoardPoint{1.0, 0.0})) < 1e-9) continue;
-    if (std::abs(std::remainder(r.assignment->roll_rad - chosen->assignment->roll_rad, kTurn)) < 0.3) continue;  // same turn
+    if (r.cost > best.cost + kDecisive || !other_turn(*r.assignment, *chosen->assignment)) continue;
     if (next == nullptr || r.distance < next->distance) next = &r;
   }
   if (next != nullptr && next->distance - chosen->distance < same_distance) {
