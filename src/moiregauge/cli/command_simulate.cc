@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/command_simulate.h"
+
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/progress.h"
+#include "moiregauge/io/png_file.h"
+#include "moiregauge/io/scenario_file.h"
+#include "moiregauge/io/site_file.h"
+#include "moiregauge/io/truth_file.h"
+#include "moiregauge/simulator/settings.h"
+#include "moiregauge/simulator/simulator.h"
+
+namespace moiregauge::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using simulator::Scenario;
+template <typename Value>
+using Expected = tl::expected<Value, std::string>;
+
+struct SimulateWords {
+  std::string scenario;
+  std::string output;
+  std::vector<std::string> settings;
+  std::optional<std::uint64_t> seed;
+  std::optional<long> frames;
+  int threads = 0;
+  bool markers_only = false;
+  bool list = false;
+  bool quiet = false;
+};
+
+std::string list_of_scenarios() {
+  std::string text;
+  for (const auto& entry : simulator::built_in_scenarios()) text += fmt::format("{:<11} {}\n", entry.name, entry.summary);
+  return text;
+}
+
+Expected<Scenario> scenario_of(const SimulateWords& words) {
+  Scenario scenario;
+  if (auto known = simulator::built_in(words.scenario)) {
+    scenario = *std::move(known);
+  } else if (!fs::is_regular_file(words.scenario)) {
+    return tl::unexpected(fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list",
+                                      words.scenario));
+  } else {
+    auto read = read_scenario(words.scenario);
+    if (!read) return tl::unexpected(fmt::format("{}", fmt::join(read.error(), "\nerror: ")));
+    scenario = *std::move(read);
+  }
+  for (const std::string& setting : words.settings) {
+    if (auto applied = apply_setting(scenario, setting); !applied) {
+      return tl::unexpected(fmt::format("bad setting: --set {}: {}", setting, applied.error()));
+    }
+  }
+  if (words.seed) scenario.seed = *words.seed;
+  if (words.frames) scenario.frames = *words.frames;
+  if (auto problem = simulator::problem_with(scenario)) {
+    return tl::unexpected(fmt::format("bad scenario: {}: {}", words.scenario, *problem));
+  }
+  return scenario;
+}
+
+// An earlier simulation is replaced; any other folder with something in it is not ours to touch.
+bool is_free(const fs::path& output) {
+  std::error_code ignored;
+  return !fs::exists(output, ignored) || (fs::is_directory(output, ignored) && fs::is_empty(output, ignored)) ||
+         fs::exists(output / "truth-camera.toml", ignored);
+}
+
+Expected<void> clear(const fs::path& output) {
+  std::error_code error;
+  fs::remove_all(output / "frames", error);
+  fs::remove(output / "truth.csv", error);
+  fs::create_directories(output / "frames", error);
+  if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
+  return {};
+}
+
+// Frames side by side: packing a PNG takes longer than drawing it. The first error stops the rest.
+Expected<void> write_frames(const Scenario& scenario, const SimulateWords& words, const fs::path& output) {
+  const simulator::RenderOptions options{
+      .threads = 1, .area = words.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame};
+  Progress progress("simulating", words.quiet);
+  std::mutex mutex;
+  std::optional<std::string> problem;
+  std::atomic<bool> failed{false};
+  long done = 0;
+  tbb::task_arena arena(words.threads > 0 ? words.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(0L, scenario.frames, [&](long frame) {
+      if (failed) return;
+      const auto picture = simulator::render(scenario, frame, options);
+      const auto path = output / "frames" / fmt::format("{:06d}.png", frame);
+      const auto written = write_png(path.string(), simulator::view_of(picture), scenario.sensor.bits);
+      const std::scoped_lock lock(mutex);
+      progress.show(++done, scenario.frames);
+      if (written) return;
+      failed = true;
+      if (!problem) problem = written.error();
+    });
+  });
+  if (problem) return tl::unexpected(*problem);
+  return {};
+}
+
+// The truth comes last: a folder with truth.csv in it is whole.
+Expected<void> write_all(const Scenario& scenario, const SimulateWords& words, const fs::path& output) {
+  return clear(output)
+      .and_then([&] { return write_text((output / "truth-camera.toml").string(), truth_camera_toml(scenario)); })
+      .and_then([&] { return write_text((output / "site.toml").string(), write_site(simulator::site_of(scenario))); })
+      .and_then([&] { return write_frames(scenario, words, output); })
+      .and_then([&] { return write_text((output / "truth.csv").string(), truth_csv(scenario)); });
+}
+
+// "rig-0.1x" is a name, not a file with an extension.
+fs::path default_folder(const std::string& scenario) {
+  const bool is_built_in = simulator::built_in(scenario).has_value();
+  return (is_built_in ? scenario : fs::path(scenario).stem().string()) + "-simulated";
+}
+
+int run(const SimulateWords& words) {
+  if (words.list) {
+    fmt::print("{}", list_of_scenarios());
+    return 0;
+  }
+  if (words.scenario.empty()) return fail(Exit::kUsage, "no scenario: simulate: name one of moiregauge simulate --list or a file");
+  const auto scenario = scenario_of(words);
+  if (!scenario) return fail(Exit::kUsage, scenario.error());
+  const fs::path output = words.output.empty() ? default_folder(words.scenario) : fs::path(words.output);
+  if (!is_free(output)) {
+    return fail(Exit::kUsage, fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
+                                          output.string()));
+  }
+  if (const auto written = write_all(*scenario, words, output); !written) {
+    return fail(Exit::kOutputUnwritable, fmt::format("cannot write: {}: make room or choose another folder with -o",
+                                                     written.error()));
+  }
+  if (!words.quiet) fmt::print("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string());
+  return 0;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  const auto words = std::make_shared<SimulateWords>();
+  CLI::App* command = app.add_subcommand("simulate", "Draw a recording with known truth");
+  command->add_option("SCENARIO", words->scenario, "Built-in name (see --list) or TOML file");
+  command->add_option("-o,--out", words->output, "Folder to write (default: SCENARIO-simulated)");
+  command->add_option("--set", words->settings, "Override one value, as in lens.k1=-0.0225; may be given again")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--seed", words->seed, "Another draw of the noise (default 1)");
+  command->add_option("--frames", words->frames, "Stop after so many frames");
+  command->add_option("--threads", words->threads, "Threads (default: all); never changes a byte")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--markers-only", words->markers_only, "Draw the markers' windows, the rest one flat grey");
+  command->add_flag("--list", words->list, "List the built-in scenarios");
+  command->add_flag("--quiet", words->quiet, "Say nothing but errors");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

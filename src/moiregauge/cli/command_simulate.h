@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace moiregauge::cli {
+
+// Registers `moiregauge simulate`; running it sets exit_code.
+void add_simulate(CLI::App& app, int& exit_code);
+
+}  // namespace moiregauge::cli
