@@ -13,19 +13,19 @@ namespace moiregauge::markers_detail {
 namespace {
 
 // Spread of what a circle tells about the map: print and lens (a few per cent over a picture), and the pixel.
-constexpr double kScaleSpread = 0.025;       // relative
-constexpr double kScaleSpreadPx = 0.25;      // px of diameter
-constexpr double kShapeSpread = 0.03;        // of ln(major / minor)
-constexpr double kShapeSpreadPx = 0.35;      // px of diameter
-constexpr double kLensSpread = 0.015;        // of the layout's size in the picture, positions
-constexpr double kPositionSlack = 0.05;      // of the layout's size: farther off is another circle
+constexpr double kScaleSpread = 0.025;   // relative
+constexpr double kScaleSpreadPx = 0.25;  // px of diameter
+constexpr double kShapeSpread = 0.03;    // of ln(major / minor)
+constexpr double kShapeSpreadPx = 0.35;  // px of diameter
+constexpr double kLensSpread = 0.015;    // of the layout's size in the picture, positions
+constexpr double kPositionSlack = 0.05;  // of the layout's size: farther off is another circle
 constexpr double kPositionSlackPx = 3.0;
-constexpr double kMaxMisfitPerCircle = 15.0; // size, and two of shape: three numbers of unit spread; beyond 1 in 500
-constexpr double kMissing = 25.0;            // misfit of a reference that is not seen (five spreads)
-constexpr double kDistanceSlack = 0.25;      // of a distance measured in neighbouring circles' sizes: perspective
-constexpr double kMaxSizeSpan = 2.2;         // sizes stated or not: the far side of a board is not smaller than this
-constexpr double kMinTilt = 0.4;             // axis ratio of the map: the paper's W ends at 0.5
-constexpr double kMaxScaleSpan = 2.0;        // across the references: more is no camera view of a board in focus
+constexpr double kMaxMisfitPerCircle = 15.0;  // size, and two of shape: three numbers of unit spread; beyond 1 in 500
+constexpr double kMissing = 25.0;             // misfit of a reference that is not seen (five spreads)
+constexpr double kDistanceSlack = 0.25;       // of a distance measured in neighbouring circles' sizes: perspective
+constexpr double kMaxSizeSpan = 2.2;          // sizes stated or not: the far side of a board is not smaller than this
+constexpr double kMinTilt = 0.4;              // axis ratio of the map: the paper's W ends at 0.5
+constexpr double kMaxScaleSpan = 2.0;         // across the references: more is no camera view of a board in focus
 constexpr std::size_t kMaxTries = 3'000'000;  // partial assignments, about a second
 constexpr std::size_t kMaxBases = 15;         // sets of four references that start a search
 
@@ -48,7 +48,8 @@ Gauge gauge_of(const SeenCircle& circle, double diameter_mm) {
   return gauge;
 }
 
-// Distance on the board of two circles, as their sizes tell it: the geometric mean takes out perspective to first order.
+// Distance on the board of two circles, as their sizes tell it: the geometric mean takes out perspective to first
+// order.
 double gauged_distance(const Gauge& a, const Gauge& b) {
   const Eigen::Vector2d d = b.centre - a.centre;
   return std::sqrt((a.board_from_px * d).norm() * (b.board_from_px * d).norm());
@@ -67,7 +68,8 @@ class Searcher {
   Searcher(const std::vector<ReferenceCircle>& references, const std::vector<SeenCircle>& seen, double position_mm,
            const std::function<bool(std::size_t, std::size_t)>& may_be)
       : references_(references), seen_(seen), position_mm_(position_mm) {
-    sizes_stated_ = std::all_of(references.begin(), references.end(), [](const auto& r) { return r.diameter_mm > 0.0; });
+    sizes_stated_ =
+        std::all_of(references.begin(), references.end(), [](const auto& r) { return r.diameter_mm > 0.0; });
     gauges_.resize(references.size());
     choices_.resize(references.size());
     for (std::size_t r = 0; r < references.size(); ++r) {
@@ -112,7 +114,8 @@ class Searcher {
     }
     for (std::size_t k = 0; k < depth; ++k) {
       if (picked[k] == picked[depth]) return false;
-      const double sizes = seen_[picked[k]].diameter_px / size_of(base[k]) * size_of(j) / seen_[picked[depth]].diameter_px;
+      const double sizes =
+          seen_[picked[k]].diameter_px / size_of(base[k]) * size_of(j) / seen_[picked[depth]].diameter_px;
       if (sizes > kMaxSizeSpan || sizes < 1.0 / kMaxSizeSpan) return false;
       if (!sizes_stated_ && depth == 1) continue;
       const double told = gauged_distance(gauges_[base[k]][picked[k]], b) / unit;
@@ -167,8 +170,8 @@ class Searcher {
     return h.has_value();
   }
 
-  // Seen from the front (no mirror image: board y is up, picture y down, so the determinant is negative), from one side of
-  // the horizon, with no more tilt and perspective than a camera that sees round circles can have.
+  // Seen from the front (no mirror image: board y is up, picture y down, so the determinant is negative), from one side
+  // of the horizon, with no more tilt and perspective than a camera that sees round circles can have.
   [[nodiscard]] bool plausible_view(Assignment& a) const {
     double smallest = 1e300, largest = 0.0, sign = 0.0;
     BoardPoint middle;
@@ -179,8 +182,8 @@ class Searcher {
       sign = w;
       const Matrix2 j = a.image_from_board.jacobian(r.centre);
       if (!(j.determinant() < 0.0)) return false;
-      const Eigen::JacobiSVD<Matrix2> svd(j);
-      if (svd.singularValues()[1] < kMinTilt * svd.singularValues()[0]) return false;
+      // r + 1 / r of the axis ratio r is the squared norm over the determinant; it falls with r.
+      if (j.squaredNorm() > (kMinTilt + 1.0 / kMinTilt) * -j.determinant()) return false;
       smallest = std::min(smallest, std::sqrt(-j.determinant()));
       largest = std::max(largest, std::sqrt(-j.determinant()));
       middle = middle + (1.0 / static_cast<double>(references_.size())) * (r.centre - BoardPoint{});
@@ -267,8 +270,8 @@ class Searcher {
   const std::vector<SeenCircle>& seen_;
   double position_mm_ = 0.0;
   bool sizes_stated_ = true;
-  std::vector<std::vector<Gauge>> gauges_;          // [reference][circle]
-  std::vector<std::vector<std::size_t>> choices_;   // [reference]
+  std::vector<std::vector<Gauge>> gauges_;         // [reference][circle]
+  std::vector<std::vector<std::size_t>> choices_;  // [reference]
   std::size_t tries_ = 0;
   AssignmentSearch out_;
 };

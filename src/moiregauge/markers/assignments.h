@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which seen circles can be which reference circles: every assignment the layout allows, with the evidence for it.
 //
-// A homography carries any four points to any other four, so positions alone prove nothing. The circles themselves do: the
-// ellipse of a circle of known size gives the local scale and tilt, which must agree with the map that the centres give.
+// A homography carries any four points to any other four, so positions alone prove nothing. The circles themselves do:
+// the ellipse of a circle of known size gives the local scale and tilt, which must agree with the map that the centres
+// give.
 #pragma once
 
 #include <functional>

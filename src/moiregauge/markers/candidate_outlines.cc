@@ -9,17 +9,17 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr int kLevels = 4;               // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
-constexpr int kTilePx = 4;               // threshold per tile, from the extremes of 3 x 3 tiles (as AprilTag 2, Wang 2016)
-constexpr int kMinContrast = 14;         // of 255: below it a neighbourhood is flat; > the range of 5 DN noise, smoothed
+constexpr int kLevels = 4;        // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
+constexpr int kTilePx = 4;        // threshold per tile, from the extremes of 3 x 3 tiles (as AprilTag 2, Wang 2016)
+constexpr int kMinContrast = 14;  // of 255: below it a neighbourhood is flat; > the range of 5 DN noise, smoothed
 constexpr double kMinRangeShare = 0.1;   // of full scale: a picture of less range is not stretched further (noise)
 constexpr double kMinLevelDiameter = 5;  // px of a level: fewer do not make an outline
 constexpr double kMaxLevelDiameter = 110;
 constexpr double kMinCircularity = 0.62;  // of the digitised outline; far below 0.84 since chain code errs by 5 - 10 %
 constexpr double kMinAxisRatio = 0.3;     // rounder than any circle W > 0.84 can pass (0.5)
 
-// The picture in 8 bits, stretched so that its range counts whatever its depth. The range is that of 4 x 4 means, so that
-// hot pixels have no say and a few small dark discs do.
+// The picture in 8 bits, stretched so that its range counts whatever its depth. The range is that of 4 x 4 means, so
+// that hot pixels have no say and a few small dark discs do.
 cv::Mat eight_bit(const cv::Mat& picture) {
   cv::Mat coarse;
   const cv::Size size(std::max(1, picture.cols / 4), std::max(1, picture.rows / 4));
@@ -76,8 +76,8 @@ void tile_extremes(const cv::Mat& picture, cv::Mat& low, cv::Mat& high) {
   static_assert(kTilePx == 4);
 }
 
-// 1 where the picture is darker than half-way between the extremes of its neighbourhood, 0 elsewhere and where it is flat.
-// Dark discs have outer outlines here, light ones are holes.
+// 1 where the picture is darker than half-way between the extremes of its neighbourhood, 0 elsewhere and where it is
+// flat. Dark discs have outer outlines here, light ones are holes.
 cv::Mat locally_dark(const cv::Mat& smooth) {
   cv::Mat low, high, dark(smooth.size(), CV_8U);
   tile_extremes(smooth, low, high);
@@ -136,14 +136,15 @@ void add_outlines(const cv::Mat& dark, double scale, DiameterRange level_px, std
   cv::findContours(dark, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
   for (const auto& outline : outlines) {
     const auto n = static_cast<double>(outline.size());
-    // A digitised circle has about 2.83 outline pixels per pixel of diameter, an ellipse or a ragged circle up to twice.
+    // A digitised circle has about 2.83 outline pixels per pixel of diameter, an ellipse or a ragged circle up to
+    // twice.
     if (n < 2.0 * level_px.min_px || n > 6.0 * level_px.max_px) continue;
     const cv::Rect box = cv::boundingRect(outline);
     if (std::min(box.width, box.height) < kMinAxisRatio * std::max(box.width, box.height)) continue;
     const Moments moments = moments_of(outline);
     if (moments.area <= 0.0) continue;
-    // The polygon runs through pixel centres, so half a pixel inside (outer outline) or outside (hole) the true edge: W is
-    // computed of the polygon itself, whose length the chain code gives.
+    // The polygon runs through pixel centres, so half a pixel inside (outer outline) or outside (hole) the true edge: W
+    // is computed of the polygon itself, whose length the chain code gives.
     const double length = chain_length(outline);
     const double circularity = 4.0 * CV_PI * moments.area / (length * length);
     if (circularity < kMinCircularity) continue;

@@ -20,8 +20,8 @@ struct DiameterRange {
   double max_px = 0.0;
 };
 
-// Outlines whose size lies in the range and that are not hopelessly long or ragged, both polarities, finest scale first.
-// The same circle is usually there once per scale.
+// Outlines whose size lies in the range and that are not hopelessly long or ragged, both polarities, finest scale
+// first. The same circle is usually there once per scale.
 [[nodiscard]] std::vector<CandidateOutline> candidate_outlines(const LumaView& luma, DiameterRange diameters);
 
 }  // namespace moiregauge::markers_detail

@@ -23,10 +23,10 @@ using markers_detail::TracedOutline;
 // 0.01; the pixel share is for discs of 10 px, sharpened by a camera or rough by a pixel of the print.
 constexpr double kMaxResidualShare = 0.02;
 constexpr double kMaxResidualPx = 0.15;
-constexpr double kMinContrastInNoise = 3.0;     // of the fit's residual: below, the disc is not there
-constexpr double kSameCentreShare = 0.25;       // of the diameter: two candidates at one place,
-constexpr double kSameDiameterShare = 0.2;      // of about one size, are one outline seen at two scales
-constexpr double kRejectedWorthNaming = 0.55;   // W below which nobody would have called it a circle
+constexpr double kMinContrastInNoise = 3.0;    // of the fit's residual: below, the disc is not there
+constexpr double kSameCentreShare = 0.25;      // of the diameter: two candidates at one place,
+constexpr double kSameDiameterShare = 0.2;     // of about one size, are one outline seen at two scales
+constexpr double kRejectedWorthNaming = 0.55;  // W below which nobody would have called it a circle
 constexpr std::size_t kMaxRejectedNamed = 64;
 
 std::string two_decimals(const char* before, double value, const char* between, double limit) {
@@ -43,9 +43,11 @@ class Places {
     const auto reach = static_cast<int>(std::ceil(kSameCentreShare * diameter / cell_px_));
     const auto [cy, cx] = cell(centre);
     for (int y = cy - reach; y <= cy + reach; ++y) {
-      for (auto it = places_.lower_bound({y, cx - reach}); it != places_.end() && it->first <= std::pair(y, cx + reach); ++it) {
+      for (auto it = places_.lower_bound({y, cx - reach}); it != places_.end() && it->first <= std::pair(y, cx + reach);
+           ++it) {
         const auto& [where, size] = it->second;
-        if ((where - centre).norm() < kSameCentreShare * diameter && std::abs(size - diameter) < kSameDiameterShare * diameter) {
+        if ((where - centre).norm() < kSameCentreShare * diameter &&
+            std::abs(size - diameter) < kSameDiameterShare * diameter) {
           return true;
         }
       }
@@ -67,27 +69,33 @@ class Places {
 std::string problem_with(const TracedOutline& traced, const CircleOptions& options) {
   const double diameter = traced.ellipse.diameter();
   if (!traced.problem.empty()) return traced.problem;
-  if (diameter < options.min_diameter_px) return two_decimals("diameter ", diameter, " px, need ", options.min_diameter_px);
-  if (diameter > options.max_diameter_px) return two_decimals("diameter ", diameter, " px, limit ", options.max_diameter_px);
+  if (diameter < options.min_diameter_px)
+    return two_decimals("diameter ", diameter, " px, need ", options.min_diameter_px);
+  if (diameter > options.max_diameter_px)
+    return two_decimals("diameter ", diameter, " px, limit ", options.max_diameter_px);
   if (!(traced.circularity > options.min_circularity)) {
     return two_decimals("W = ", traced.circularity, ", need > ", options.min_circularity);
   }
   const double limit = std::hypot(kMaxResidualShare * diameter, kMaxResidualPx);
-  if (traced.residual_px > limit) return two_decimals("not an ellipse: off by ", traced.residual_px, " px rms, limit ", limit);
+  if (traced.residual_px > limit)
+    return two_decimals("not an ellipse: off by ", traced.residual_px, " px rms, limit ", limit);
   return {};
 }
 
 class Search {
  public:
-  Search(const LumaView& luma, const CircleOptions& options) : luma_(luma), options_(options), known_(16.0), refused_(16.0) {}
+  Search(const LumaView& luma, const CircleOptions& options)
+      : luma_(luma), options_(options), known_(16.0), refused_(16.0) {}
 
   void look_at(const CandidateOutline& candidate) {
     if (known_.has(candidate.ellipse.centre, candidate.ellipse.diameter())) return;
     const TracedOutline traced = trace_outline(luma_, candidate.ellipse);
-    if (std::string why = problem_with(traced, options_); !why.empty()) return refuse(candidate, traced, std::move(why));
+    if (std::string why = problem_with(traced, options_); !why.empty())
+      return refuse(candidate, traced, std::move(why));
     const auto fitted = fit_disc(luma_, traced);
     if (!fitted) return refuse(candidate, traced, "its grey levels fit no disc");
-    if (std::abs(traced.contrast) < kMinContrastInNoise * fitted->residual) return refuse(candidate, traced, "lost in noise");
+    if (std::abs(traced.contrast) < kMinContrastInNoise * fitted->residual)
+      return refuse(candidate, traced, "lost in noise");
     const double diameter = fitted->ellipse.diameter();
     if (known_.has(fitted->ellipse.centre, diameter)) return;
     known_.add(fitted->ellipse.centre, diameter);
@@ -109,7 +117,9 @@ class Search {
     };
     std::sort(found_.circles.begin(), found_.circles.end(), by_row);
     // What one scale refused another may have found.
-    std::erase_if(found_.rejected, [this](const RejectedOutline& r) { return known_.has({r.centre.x, r.centre.y}, r.diameter_px); });
+    std::erase_if(found_.rejected, [this](const RejectedOutline& r) {
+      return known_.has({r.centre.x, r.centre.y}, r.diameter_px);
+    });
     std::stable_sort(found_.rejected.begin(), found_.rejected.end(),
                      [](const auto& a, const auto& b) { return a.circularity > b.circularity; });
     if (found_.rejected.size() > kMaxRejectedNamed) found_.rejected.resize(kMaxRejectedNamed);
@@ -125,7 +135,8 @@ class Search {
     if (diameter < options_.min_diameter_px || diameter > options_.max_diameter_px) return;
     if (refused_.has(candidate.ellipse.centre, diameter)) return;
     refused_.add(candidate.ellipse.centre, diameter);
-    found_.rejected.push_back({{candidate.ellipse.centre.x(), candidate.ellipse.centre.y()}, diameter, circularity, std::move(why)});
+    found_.rejected.push_back(
+        {{candidate.ellipse.centre.x(), candidate.ellipse.centre.y()}, diameter, circularity, std::move(why)});
   }
 
   const LumaView& luma_;
@@ -148,14 +159,15 @@ double CircleSearch::best_rejected_circularity() const {
 
 CircleSearch find_circles(const LumaView& luma, const CircleOptions& options) {
   Search search(luma, options);
-  for (const CandidateOutline& candidate : candidate_outlines(luma, {options.min_diameter_px, options.max_diameter_px})) {
+  for (const CandidateOutline& candidate :
+       candidate_outlines(luma, {options.min_diameter_px, options.max_diameter_px})) {
     search.look_at(candidate);
   }
   return search.finish();
 }
 
-std::vector<SeenCircle> find_circles_near(const LumaView& luma, ImagePoint predicted, double diameter_px, double reach_px,
-                                          const CircleOptions& options) {
+std::vector<SeenCircle> find_circles_near(const LumaView& luma, ImagePoint predicted, double diameter_px,
+                                          double reach_px, const CircleOptions& options) {
   constexpr double kSizeSlack = 1.5;  // between two frames a circle does not grow or shrink more
   const double half = reach_px + diameter_px + 4.0;
   const int x0 = std::max(0, static_cast<int>(std::floor(std::clamp(predicted.x - half, 0.0, 1e6))));

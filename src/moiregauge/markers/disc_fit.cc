@@ -74,8 +74,8 @@ Sums accumulate(const std::vector<BandPixel>& band, const State& s, std::size_t 
   Vector j;
   for (std::size_t i = 0; i < band.size(); i += stride) {
     const BandPixel& pixel = band[i];
-    const Eigen::Vector2d u =
-        inverse * Eigen::Vector2d(static_cast<double>(pixel.x) - s.ellipse.centre.x(), static_cast<double>(pixel.y) - s.ellipse.centre.y());
+    const Eigen::Vector2d u = inverse * Eigen::Vector2d(static_cast<double>(pixel.x) - s.ellipse.centre.x(),
+                                                        static_cast<double>(pixel.y) - s.ellipse.centre.y());
     const double rho = std::max(u.norm(), 1e-6);
     const Eigen::Vector2d gradient = inverse * u / rho;
     const double per_px = 1.0 / std::max(gradient.norm(), 1e-9);
@@ -89,8 +89,8 @@ Sums accumulate(const std::vector<BandPixel>& band, const State& s, std::size_t 
     // d(darkness) = -bell dz; the outline moved outwards by k lessens the distance by k rho_local.
     const double by_outline = -plane * s.q * bell * side / s.sigma * per_px;
     const double c = u.x() / rho, sn = u.y() / rho;
-    j << rest, rest * u.x(), rest * u.y(), -plane * darkness, -plane * s.q * bell * z, by_outline, by_outline * c, by_outline * sn,
-        by_outline * (c * c - sn * sn), by_outline * 2.0 * c * sn;
+    j << rest, rest * u.x(), rest * u.y(), -plane * darkness, -plane * s.q * bell * z, by_outline, by_outline * c,
+        by_outline * sn, by_outline * (c * c - sn * sn), by_outline * 2.0 * c * sn;
     sums.normal.selfadjointView<Eigen::Lower>().rankUpdate(j);
     sums.right += j * residual;
     sums.squares += residual * residual;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sub-pixel centre of a disc: least squares of the grey levels in the band round its edge.
 //
-// Model: the lighter side is a plane of grey (shading), the darker side the same plane times 1 - q (paint reflects a share
-// of the light that falls on it), and between the two an error function of the distance from the ellipse, of width sigma
-// (lens and pixel). Symmetric about the centre, so errors of the model itself do not move it.
+// Model: the lighter side is a plane of grey (shading), the darker side the same plane times 1 - q (paint reflects a
+// share of the light that falls on it), and between the two an error function of the distance from the ellipse, of
+// width sigma (lens and pixel). Symmetric about the centre, so errors of the model itself do not move it.
 #pragma once
 
 #include <optional>

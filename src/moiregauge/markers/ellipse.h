@@ -9,8 +9,8 @@
 namespace moiregauge::markers_detail {
 
 struct Ellipse {
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();      // px
-  Eigen::Matrix2d axes = Eigen::Matrix2d::Identity();    // px; symmetric, |axes^-1 (x - centre)| = 1 on the ellipse
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();    // px
+  Eigen::Matrix2d axes = Eigen::Matrix2d::Identity();  // px; symmetric, |axes^-1 (x - centre)| = 1 on the ellipse
 
   // From the area's second moments: a disc of radius r has variance r^2 / 4 along every direction.
   static Ellipse from_moments(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance) {
@@ -32,7 +32,8 @@ struct Ellipse {
     return {half.minCoeff() / half.maxCoeff(), std::atan(major.y() / major.x()), half.minCoeff(), half.maxCoeff()};
   }
 
-  // The outline moved outwards by k0 + k1 cos + k2 sin + k3 cos 2 + k4 sin 2 (of the unit circle's polar angle, in radii).
+  // The outline moved outwards by k0 + k1 cos + k2 sin + k3 cos 2 + k4 sin 2 (of the unit circle's polar angle, in
+  // radii).
   [[nodiscard]] Ellipse corrected(const Eigen::Matrix<double, 5, 1>& k) const {
     Eigen::Matrix2d stretch;
     stretch << 1.0 + k[0] + k[3], k[4], k[4], 1.0 + k[0] - k[3];

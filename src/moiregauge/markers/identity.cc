@@ -17,9 +17,9 @@ using markers_detail::AssignmentSearch;
 using markers_detail::find_assignments;
 using markers_detail::ReferenceCircle;
 
-constexpr double kDecisive = 12.0;        // difference of misfit that tells two assignments apart (1 in 400 by chance)
-constexpr double kSameRoll = 0.05;        // rad: two turns of one layout this near to each other in roll are a tie
-constexpr double kOtherTurn = 0.3;        // rad of roll: less is the same turn of the layout, seen through other outlines
+constexpr double kDecisive = 12.0;  // difference of misfit that tells two assignments apart (1 in 400 by chance)
+constexpr double kSameRoll = 0.05;  // rad: two turns of one layout this near to each other in roll are a tie
+constexpr double kOtherTurn = 0.3;  // rad of roll: less is the same turn of the layout, seen through other outlines
 constexpr double kSamePlaceShare = 0.25;  // of the diameter: concentric outlines (disc in a ring) are one place
 constexpr std::size_t kCrowd = 40;        // circles of one size: a printed pattern of dots, not references
 constexpr double kCrowdSize = 0.15;       // relative, what "one size" means
@@ -97,8 +97,9 @@ const Assignment* decide(std::vector<Ranked> ranked, const std::vector<SeenCircl
   for (const Ranked& r : ranked) {
     if (r.cost > best.cost + kDecisive) break;
     if (!same_places(*r.assignment, *best.assignment, seen)) {
-      reason = text_of("two sets of circles fit the layout equally well (misfit %.1f and %.1f, need a difference > %.0f)",
-                       best.cost, r.cost, kDecisive);
+      reason =
+          text_of("two sets of circles fit the layout equally well (misfit %.1f and %.1f, need a difference > %.0f)",
+                  best.cost, r.cost, kDecisive);
       return nullptr;
     }
     // Only another turn competes by its distance; a concentric outline at the same place has to fit better.
@@ -156,7 +157,8 @@ struct Preference {
   const char* nearest_to = "";
 };
 
-tl::expected<Identified, IdentityFailure> identify(const Site& site, const CircleSearch& search, const Preference& prefer) {
+tl::expected<Identified, IdentityFailure> identify(const Site& site, const CircleSearch& search,
+                                                   const Preference& prefer) {
   const References references = references_of(site);
   const std::vector<SeenCircle>& seen = search.circles;
   const auto n = static_cast<int>(references.circles.size());
@@ -167,20 +169,23 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
   if (n < 4) return fail(n, text_of("the site has %d reference circles, needs 4", n));
   if (seen.size() < 4) {
     const auto found = static_cast<int>(seen.size());
-    return fail(found, text_of("found %d of %d reference circles (best rejected outline: W = %.2f, need > 0.84)", found, n, best_rejected));
+    return fail(found, text_of("found %d of %d reference circles (best rejected outline: W = %.2f, need > 0.84)", found,
+                               n, best_rejected));
   }
   const std::vector<bool> crowd = crowd_of(seen);
-  AssignmentSearch options = find_assignments(references.circles, seen, site.known_to.position_mm, [&](std::size_t r, std::size_t i) {
-    return !crowd[i] && prefer.may_be(r, i);
-  });
+  AssignmentSearch options =
+      find_assignments(references.circles, seen, site.known_to.position_mm,
+                       [&](std::size_t r, std::size_t i) { return !crowd[i] && prefer.may_be(r, i); });
   if (options.assignments.empty() && !options.gave_up) {
     options = find_assignments(references.circles, seen, site.known_to.position_mm, prefer.may_be);
   }
-  if (options.gave_up) return fail(4, text_of("too many look-alikes among %zu circles to tell the references", seen.size()));
+  if (options.gave_up)
+    return fail(4, text_of("too many look-alikes among %zu circles to tell the references", seen.size()));
   if (options.assignments.empty()) {
-    return fail(std::min(static_cast<int>(seen.size()), n - 1),
-                text_of("no four of the %zu circles found fit the site's layout (best rejected outline: W = %.2f, need > 0.84)",
-                        seen.size(), best_rejected));
+    return fail(
+        std::min(static_cast<int>(seen.size()), n - 1),
+        text_of("no four of the %zu circles found fit the site's layout (best rejected outline: W = %.2f, need > 0.84)",
+                seen.size(), best_rejected));
   }
   std::vector<Ranked> ranked;
   for (const Assignment& a : options.assignments) {
@@ -194,7 +199,8 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
   Identified out;
   out.image_from_board = chosen->image_from_board;
   out.circle_of_marker.assign(site.markers.size(), -1);
-  for (std::size_t r = 0; r < references.marker.size(); ++r) out.circle_of_marker[references.marker[r]] = chosen->circle_of_reference[r];
+  for (std::size_t r = 0; r < references.marker.size(); ++r)
+    out.circle_of_marker[references.marker[r]] = chosen->circle_of_reference[r];
   add_targets(site, seen, kTargetReach * layout_px(references, out.image_from_board), out);
   return out;
 }
@@ -217,7 +223,9 @@ tl::expected<Identified, IdentityFailure> identify_next(const Site& site, const 
     return length(search.circles[circle].centre - previous.image_from_board(references.circles[r].centre));
   };
   Preference prefer;
-  prefer.may_be = [&](std::size_t r, std::size_t i) { return previous.max_travel_px <= 0.0 || travel(r, i) <= previous.max_travel_px; };
+  prefer.may_be = [&](std::size_t r, std::size_t i) {
+    return previous.max_travel_px <= 0.0 || travel(r, i) <= previous.max_travel_px;
+  };
   prefer.distance = [&](const Assignment& a) {
     double squares = 0.0, circles = 0.0;
     for (std::size_t r = 0; r < references.circles.size(); ++r) {

@@ -21,8 +21,8 @@ constexpr double kMaxReach = 6.0;      // px: no further than needed, neighbours
 constexpr double kReachShare = 0.22;   // of the diameter
 constexpr double kMaxMissing = 0.08;   // share of rays without an edge: dirt is forgiven, a corner's neighbour is not
 constexpr int kMaxRounds = 7;
-constexpr double kSettled = 0.003;     // px, movement of the outline between two rounds
-constexpr double kMaxGrowth = 1.6;     // from the candidate's size, either way
+constexpr double kSettled = 0.003;  // px, movement of the outline between two rounds
+constexpr double kMaxGrowth = 1.6;  // from the candidate's size, either way
 constexpr int kMaxSamples = 4 * 6 + 1;
 
 template <typename Grey>
@@ -36,9 +36,9 @@ double bilinear(const ImageView<Grey>& view, double x, double y) {
 }
 
 struct Ray {
-  Eigen::Vector2d unit;   // on the unit circle
-  double length = 0.0;    // px from the centre to the ellipse
-  double inside = 0.0;    // grey levels at the two ends
+  Eigen::Vector2d unit;  // on the unit circle
+  double length = 0.0;   // px from the centre to the ellipse
+  double inside = 0.0;   // grey levels at the two ends
   double outside = 0.0;
   std::array<double, kMaxSamples> profile{};
   std::optional<double> edge;  // px beyond the ellipse
@@ -99,8 +99,8 @@ void find_edge(Ray& ray, const Round& round, double step, double level) {
   }
 }
 
-// Half-way is each ray's own, so that shading does not shift the outline, but within reason, so that a neighbour touching
-// one ray does not.
+// Half-way is each ray's own, so that shading does not shift the outline, but within reason, so that a neighbour
+// touching one ray does not.
 int find_edges(Round& round, TracedOutline& out) {
   std::vector<double> inside, outside, slopes;
   for (const Ray& ray : round.rays) {
@@ -146,8 +146,8 @@ Correction correction_of(const Round& round) {
   return normal.ldlt().solve(right);
 }
 
-// Eq. (6) on the polygon through the edges. A regular n-gon inscribed in a circle has W = (pi / n) / tan(pi / n) < 1: that
-// factor is the sampling's, not the outline's, and is taken out.
+// Eq. (6) on the polygon through the edges. A regular n-gon inscribed in a circle has W = (pi / n) / tan(pi / n) < 1:
+// that factor is the sampling's, not the outline's, and is taken out.
 void judge(const Round& round, const Correction& k, TracedOutline& out) {
   std::vector<Eigen::Vector2d> points;
   double squares = 0.0;
@@ -189,7 +189,8 @@ TracedOutline trace(const ImageView<Grey>& view, const Ellipse& start) {
     // Far from the outline the correction is not small against 1 and must not turn the ellipse inside out.
     out.ellipse = out.ellipse.corrected(k * std::min(1.0, 0.4 / k.norm()));
     const double growth = out.ellipse.diameter() / start.diameter();
-    if (growth > kMaxGrowth || growth < 1.0 / kMaxGrowth || (out.ellipse.centre - start.centre).norm() > 0.5 * start.diameter()) {
+    if (growth > kMaxGrowth || growth < 1.0 / kMaxGrowth ||
+        (out.ellipse.centre - start.centre).norm() > 0.5 * start.diameter()) {
       out.problem = "no outline where the threshold saw one";
       out.circularity = 0.0;
       return out;

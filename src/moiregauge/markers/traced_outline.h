@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sub-pixel outline of one candidate: along rays from its centre, the place where the grey level is half-way between
-// inside and outside. Judges roundness; the final centre is disc_fit.h's.
+// The sub-pixel outline of one candidate: along rays from its centre, the place where the grey level is half-way
+// between inside and outside. Judges roundness; the final centre is disc_fit.h's.
 #pragma once
 
 #include <string>
