@@ -35,6 +35,21 @@ std::vector<BoardPoint> outline(const PrintedMarker& print) {
   return points;
 }
 
+// The exposure cut where anything starts or stops: quadrature is exact only between.
+std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) {
+  const Mount& m = scenario.mount;
+  std::vector<double> cuts{from_s, to_s};
+  for (const Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z, &marker.dx,
+                             &marker.dy, &marker.dz}) {
+    for (const Knot& knot : track->knots) {
+      if (knot.time_s > from_s && knot.time_s < to_s) cuts.push_back(knot.time_s);
+    }
+  }
+  std::sort(cuts.begin(), cuts.end());
+  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+  return cuts;
+}
+
 }  // namespace
 
 ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame)
@@ -49,24 +64,37 @@ ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker
 }
 
 void ExposedMarker::choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame) {
-  const double now = time_of(scenario, frame), exposure = scenario.sensor.exposure_s;
+  const double now = time_of(scenario, frame), half = 0.5 * scenario.sensor.exposure_s;
+  if (half == 0.0) return add_moment_at(scenario, marker, now, 1.0);
+  const std::vector<double> cuts = pieces_of(scenario, marker, now - half, now + half);
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double from = cuts[i - 1], length = cuts[i] - from;
+    for (const Node& node : gauss_legendre(moments_for(movement_px(scenario, marker, from, cuts[i])))) {
+      add_moment_at(scenario, marker, from + length * (0.5 + node.at), node.weight * length / (2.0 * half));
+    }
+  }
+}
+
+void ExposedMarker::add_moment_at(const Scenario& scenario, const SceneMarker& marker, double time_s, double weight) {
+  moments_.push_back({inverse(camera_from_print(scenario, marker, time_s)), weight});
+}
+
+// The longest way of two opposite corners.
+double ExposedMarker::movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) const {
   constexpr int kLegs = 8;
-  double movement = 0.0;
+  double longest = 0.0;
   for (const BoardPoint corner : {print_.low(), print_.high()}) {
-    double path = 0.0;
+    double way = 0.0;
     ImagePoint before;
     for (int i = 0; i <= kLegs; ++i) {
-      const double time = now + exposure * (static_cast<double>(i) / kLegs - 0.5);
+      const double time = from_s + (to_s - from_s) * i / kLegs;
       const ImagePoint here = image_of(camera_, ray_of(camera_from_print(scenario, marker, time), corner));
-      if (i > 0) path += length(here - before);
+      if (i > 0) way += length(here - before);
       before = here;
     }
-    movement = std::max(movement, path);
+    longest = std::max(longest, way);
   }
-  for (const Node& node : gauss_legendre(moments_for(movement))) {
-    const Matrix3 seen = camera_from_print(scenario, marker, now + exposure * node.at);
-    moments_.push_back({inverse(seen), node.weight});
-  }
+  return longest;
 }
 
 void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& marker, long frame) {
@@ -96,13 +124,13 @@ void ExposedMarker::lay_over(int y, std::span<double> row) const {
     const RayPatch sight = ray_through(camera_, {static_cast<double>(x), static_cast<double>(y)}, start);
     start = {sight.ray.x + sight.dx_du, sight.ray.y + sight.dy_du};
     double paper = 0.0, level = 0.0;
-    for (const Moment& moment : moments_) add_moment(moment, sight, paper, level);
+    for (const Moment& moment : moments_) see(moment, sight, paper, level);
     double& grey = row[static_cast<std::size_t>(x)];
     grey = grey * (1.0 - paper) + level;
   }
 }
 
-void ExposedMarker::add_moment(const Moment& moment, const RayPatch& sight, double& paper, double& level) const {
+void ExposedMarker::see(const Moment& moment, const RayPatch& sight, double& paper, double& level) const {
   const Matrix3& m = moment.print_from_ray;
   const Vector3 w = product(m, Vector3{sight.ray.x, sight.ray.y, 1.0});
   const double scale = 1.0 / w[2];

@@ -27,8 +27,10 @@ class ExposedMarker {
     double weight;
   };
   void choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame);
+  void add_moment_at(const Scenario& scenario, const SceneMarker& marker, double time_s, double weight);
+  [[nodiscard]] double movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) const;
   void find_window(const Scenario& scenario, const SceneMarker& marker, long frame);
-  void add_moment(const Moment& moment, const RayPatch& sight, double& paper, double& level) const;
+  void see(const Moment& moment, const RayPatch& sight, double& paper, double& level) const;
 
   PrintedMarker print_;
   Camera camera_;
