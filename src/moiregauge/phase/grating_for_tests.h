@@ -23,7 +23,8 @@ inline Image<double> crossed_cosine(int width, int height, const Grating& g) {
   Image<double> picture(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      picture.at(x, y) = g.background + g.amplitude * std::cos(kTurn * (x - 0.5 * (width - 1) - g.shift_x_px) / g.pitch_px) +
+      picture.at(x, y) = g.background +
+                         g.amplitude * std::cos(kTurn * (x - 0.5 * (width - 1) - g.shift_x_px) / g.pitch_px) +
                          g.amplitude * std::cos(kTurn * (y - 0.5 * (height - 1) - g.shift_y_px) / g.pitch_px);
     }
   }

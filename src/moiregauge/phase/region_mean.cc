@@ -41,7 +41,8 @@ double mean_amplitude(const Image<std::complex<double>>& fringe, const Region& r
 }
 
 // phi minus carrier, wrapped.
-Image<double> less_carrier(const Image<std::complex<double>>& fringe, const Region& region, Axis axis, double pitch_px) {
+Image<double> less_carrier(const Image<std::complex<double>>& fringe, const Region& region, Axis axis,
+                           double pitch_px) {
   Image<double> phase(region.width, region.height);
   for (int y = 0; y < region.height; ++y) {
     for (int x = 0; x < region.width; ++x) {
@@ -52,8 +53,8 @@ Image<double> less_carrier(const Image<std::complex<double>>& fringe, const Regi
   return phase;
 }
 
-// Continues the phase from the centre along its row, then from that row up and down every column. False when two neighbours
-// of different columns end up a turn apart: a dislocation, round which no continuation is right.
+// Continues the phase from the centre along its row, then from that row up and down every column. False when two
+// neighbours of different columns end up a turn apart: a dislocation, round which no continuation is right.
 bool continue_outwards(Image<double>& phase) {
   const int xc = phase.width() / 2;
   const int yc = phase.height() / 2;
@@ -115,9 +116,11 @@ RegionPhase region_mean(const FringeField& field, Axis axis, double pitch_px, in
   result.centre_y_px = field.margin + region.y0 + 0.5 * (region.height - 1);
   double least = 0.0;
   const double amplitude = mean_amplitude(field.fringe, region, least);
-  const double response = field.sampling_pitch_px > 0.0 ? window_response(field.sampling_pitch_px, 1.0 / pitch_px) : 1.0;
+  const double response =
+      field.sampling_pitch_px > 0.0 ? window_response(field.sampling_pitch_px, 1.0 / pitch_px) : 1.0;
   result.modulation = 2.0 * amplitude / std::abs(response);
-  if (!(least > kLeastRelativeModulation * amplitude)) return result;
+  // Written so that a NaN is refused too.
+  if (!(result.modulation > kLeastModulation && least > kLeastRelativeModulation * amplitude)) return result;
   Image<double> phase = less_carrier(field.fringe, region, axis, pitch_px);
   if (!continue_outwards(phase)) return result;
   fit_plane(phase, region, result);
@@ -129,8 +132,8 @@ RegionPhase measure_region(ImageView<double> picture, Axis axis, const Sampling&
   const int margin = window_margin(sampling.sampling_pitch_px);
   const int support = sampling.region_px + 2 * margin;
   const Region part = centred(picture.width, picture.height, support);
-  const FringeField field = sampling_moire(picture.part(part.x0, part.y0, part.width, part.height), axis,
-                                           sampling.sampling_pitch_px);
+  const FringeField field =
+      sampling_moire(picture.part(part.x0, part.y0, part.width, part.height), axis, sampling.sampling_pitch_px);
   RegionPhase result = region_mean(field, axis, sampling.pitch_px, sampling.region_px);
   result.centre_x_px += part.x0;
   result.centre_y_px += part.y0;
@@ -144,8 +147,8 @@ double phase_bound(double noise_sigma, double modulation, double pixels) {
 double region_mean_uncertainty(double noise_sigma, double modulation, double sampling_pitch_px, double pitch_px,
                                int region_px) {
   const SamplingWindow window(sampling_pitch_px);
-  // Weight of the pixel j px from the region's first: the taps of every window of the region that hold it, each turned to
-  // the phase of the pixel it is for.
+  // Weight of the pixel j px from the region's first: the taps of every window of the region that hold it, each turned
+  // to the phase of the pixel it is for.
   double along = 0.0, across = 0.0;
   for (int j = -window.margin; j < region_px + window.margin; ++j) {
     std::complex<double> weight_along;

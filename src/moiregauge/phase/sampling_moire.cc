@@ -27,8 +27,9 @@ Image<double> transposed(ImageView<double> in) {
 
 // Sum of n rows: out(y) = in(y) + ... + in(y + n - 1), three additions a pixel whatever n.
 //
-// Rows are taken in blocks of n. A sum that starts in one block is the tail of that block plus the head of the next; both
-// grow by one addition a row. Nothing is ever subtracted, so round-off stays that of n additions however long the picture.
+// Rows are taken in blocks of n. A sum that starts in one block is the tail of that block plus the head of the next;
+// both grow by one addition a row. Nothing is ever subtracted, so round-off stays that of n additions however long the
+// picture.
 Image<double> box_down(ImageView<double> in, int n) {
   Image<double> out(in.width, in.height - n + 1);
   std::vector<double> running(static_cast<std::size_t>(in.width));
@@ -71,8 +72,8 @@ std::complex<double> carrier(int s, double pitch_px) {
   return std::polar(1.0, -kTurn * (std::fmod(static_cast<double>(s), pitch_px) / pitch_px));
 }
 
-// Each row (real, one per step along the axis) times the carrier, side by side: real parts, imaginary parts and, where the
-// window leaks, the plain row.
+// Each row (real, one per step along the axis) times the carrier, side by side: real parts, imaginary parts and, where
+// the window leaks, the plain row.
 Image<double> demodulated(const Image<double>& rows, const SamplingWindow& window) {
   const auto width = static_cast<std::size_t>(rows.width());
   Image<double> out(rows.width() * (window.leak != 0.0 ? 3 : 2), rows.height());
@@ -88,7 +89,8 @@ Image<double> demodulated(const Image<double>& rows, const SamplingWindow& windo
 }
 
 // The averaged rows turned back by the carrier, so that the phase is Eq. (1)'s and not the moire's.
-Image<std::complex<double>> remodulated(const Image<double>& parts, int width, Axis axis, const SamplingWindow& window) {
+Image<std::complex<double>> remodulated(const Image<double>& parts, int width, Axis axis,
+                                        const SamplingWindow& window) {
   const bool along_x = axis == Axis::kX;
   Image<std::complex<double>> out(along_x ? parts.height() : width, along_x ? width : parts.height());
   for (int s = 0; s < parts.height(); ++s) {
@@ -111,8 +113,7 @@ FringeField sampling_moire(ImageView<double> picture, Axis axis, double sampling
   const SamplingWindow window(sampling_pitch_px);
   if (std::min(picture.width, picture.height) < 2 * window.margin + 1) return {};
   // Across first, while the picture is still real; then rows that run along the axis, one per step.
-  const Image<double> averaged =
-      triangle_down(axis == Axis::kX ? picture : transposed(picture).view(), window);
+  const Image<double> averaged = triangle_down(axis == Axis::kX ? picture : transposed(picture).view(), window);
   const Image<double> rows = transposed(averaged.view());
   const Image<double> parts = triangle_down(demodulated(rows, window).view(), window);
   return {remodulated(parts, rows.width(), axis, window), window.margin, sampling_pitch_px};

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "moiregauge/phase/grating_for_tests.h"
@@ -94,8 +95,8 @@ TEST(SamplingMoire, AnEvenlyLitSheetHasNoFringe) {
   }
 }
 
-// The sampled triangle of integer T answers exp(2 pi i f x) by (sin(pi T d) / (T sin(pi d)))^2, d = f - 1/T. At f = -1/P it
-// is sinc^2(1 + T/P) but for sin(pi d) against pi d, a relative (pi d)^2 / 3 at most to this order.
+// The sampled triangle of integer T answers exp(2 pi i f x) by (sin(pi T d) / (T sin(pi d)))^2, d = f - 1/T. At f =
+// -1/P it is sinc^2(1 + T/P) but for sin(pi d) against pi d, a relative (pi d)^2 / 3 at most to this order.
 TEST(SamplingMoire, TheMirrorTermIsAnsweredBySincSquared) {
   for (const int pitch : {25, 29, 31, 36}) {
     const double d = 1.0 / pitch + 1.0 / 29.3;
@@ -117,7 +118,8 @@ TEST(SamplingMoire, APureCosineComesOutAsFringeAndMirrorTermAndNothingElse) {
     const FringeField field = sampling_moire(picture.view(), Axis::kX, pitch);
     for (int x = 0; x < field.fringe.width(); ++x) {
       const std::complex<double> wave = std::polar(20.0, kTurn * (x + field.margin) / 29.3 + 0.7);
-      const auto expected = window_response(pitch, 1.0 / 29.3) * wave + window_response(pitch, -1.0 / 29.3) * std::conj(wave);
+      const auto expected =
+          window_response(pitch, 1.0 / 29.3) * wave + window_response(pitch, -1.0 / 29.3) * std::conj(wave);
       EXPECT_LT(std::abs(field.fringe.at(x, 0) - expected), 1e-12) << "T = " << pitch;
     }
   }

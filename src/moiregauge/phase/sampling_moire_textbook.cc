@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written as the seed paper writes it, picture by picture; slow on purpose, so that the fast form has something to agree with.
+// Written as the seed paper writes it, picture by picture; slow on purpose, so that the fast form has something to
+// agree with.
 #include <algorithm>
+#include <utility>
 
 #include "moiregauge/phase/sampling_moire.h"
 #include "moiregauge/units/units.h"
@@ -30,8 +32,8 @@ Image<double> mean_down(ImageView<double> in, int pitch) {
   return out;
 }
 
-// Eq. (3) along the rows: z_m = (1/T) sum_k f_m(k) (cos 2 pi k/T - i sin 2 pi k/T), whose argument is the moire phase; then
-// the carrier 2 pi x / T between the moire's phase and the grating's.
+// Eq. (3) along the rows: z_m = (1/T) sum_k f_m(k) (cos 2 pi k/T - i sin 2 pi k/T), whose argument is the moire phase;
+// then the carrier 2 pi x / T between the moire's phase and the grating's.
 Image<std::complex<double>> dft_right(ImageView<double> in, int pitch) {
   Image<std::complex<double>> out(in.width - 2 * (pitch - 1), in.height);
   for (int y = 0; y < out.height(); ++y) {

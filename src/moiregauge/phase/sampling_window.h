@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window that linear interpolation between every T-th pixel amounts to, shared by the estimator and its uncertainty.
+// The window that linear interpolation between every T-th pixel amounts to, shared by the estimator and its
+// uncertainty.
 #pragma once
 
 #include <cmath>
