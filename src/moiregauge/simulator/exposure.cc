@@ -58,7 +58,8 @@ ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker
       white_(scenario.light.white),
       contrast_(scenario.light.white - scenario.light.black),
       cells_(cells_for(scenario.sensor.psf_sigma_px)),
-      cell_variance_(scenario.sensor.psf_sigma_px * scenario.sensor.psf_sigma_px + 1.0 / (12.0 * cells_ * cells_)) {
+      cell_variance_(scenario.sensor.psf_sigma_px * scenario.sensor.psf_sigma_px + 1.0 / (12.0 * cells_ * cells_)),
+      reach_px_(kGaussianReach * std::sqrt(cell_variance_) + std::sqrt(0.5)) {
   choose_moments(scenario, marker, frame);
   find_window(scenario, marker, frame);
 }
@@ -142,21 +143,10 @@ void ExposedMarker::see(const Moment& moment, const RayPatch& sight, double& pap
   const double yu = ya * sight.dx_du + yb * sight.dy_du, yv = ya * sight.dx_dv + yb * sight.dy_dv;
   const double xx = xu * xu + xv * xv, xy = xu * yu + xv * yv, yy = yu * yu + yv * yv;
   const Blur blur{cell_variance_ * xx, cell_variance_ * xy, cell_variance_ * yy};
-  const auto add = [&](const Seen& seen, double weight) {
-    paper += weight * seen.paper;
-    level += weight * (seen.paper * white_ - seen.ink * contrast_);
-  };
   const double longest = std::sqrt(0.5 * (xx + yy + std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)));
-  const double reach_px = kGaussianReach * std::sqrt(cell_variance_) + 0.71;  // and half a pixel's diagonal
-  if (print_.is_even(centre, reach_px * longest)) return add(print_.seen(centre, blur), moment.weight);
-  const double weight = moment.weight / (cells_ * cells_), step = 1.0 / cells_;
-  for (int j = 0; j < cells_; ++j) {
-    const double v = (j + 0.5) * step - 0.5;
-    for (int i = 0; i < cells_; ++i) {
-      const double u = (i + 0.5) * step - 0.5;
-      add(print_.seen({centre.x + xu * u + xv * v, centre.y + yu * u + yv * v}, blur), weight);
-    }
-  }
+  const Seen seen = print_.seen({centre, xu, xv, yu, yv, cells_, reach_px_ * longest}, blur);
+  paper += moment.weight * seen.paper;
+  level += moment.weight * (seen.paper * white_ - seen.ink * contrast_);
 }
 
 }  // namespace moiregauge::simulator

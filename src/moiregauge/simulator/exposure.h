@@ -37,6 +37,7 @@ class ExposedMarker {
   double white_, contrast_;
   int cells_;             // a pixel is cells x cells squares, each as good as a Gaussian
   double cell_variance_;  // px^2, point spread and cell together
+  double reach_px_;       // of the blur, and half a pixel's diagonal
   std::vector<Moment> moments_;
   int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;
 };

@@ -11,7 +11,7 @@ namespace moiregauge::simulator {
 
 inline constexpr double kGaussianReach = 5.0;  // beyond it 3e-7 of the area is left: 5e-5 grey levels of 170
 
-// Phi(t), to 3e-7 (cubic table).
+// Phi(t), to 3e-7: a table, straight between its entries.
 [[nodiscard]] double gaussian_below(double t);
 [[nodiscard]] inline double gaussian_density(double t) { return 0.3989422804014327 * std::exp(-0.5 * t * t); }
 

@@ -89,24 +89,30 @@ double PrintedGrating::ink_uncorrelated(double x, double y, double sigma_x, doub
 
 double PrintedGrating::cosine_ink(double x, double y, const Blur& blur) const {
   const double k = kTurn / grating_.pitch_mm;
-  const double inside = extent_x_.seen(x, std::sqrt(blur.xx)) * extent_y_.seen(y, std::sqrt(blur.yy));
+  const double inside = extent_x_.seen(x, blur.sigma_x) * extent_y_.seen(y, blur.sigma_y);
   const double wave_x = std::exp(-0.5 * k * k * blur.xx) * std::cos(k * x);
   const double wave_y = std::exp(-0.5 * k * k * blur.yy) * std::cos(k * y);
   const double sign = inverted_ ? 1.0 : -1.0;  // the crest is light
   return inside * (0.5 + sign * 0.25 * (wave_x + wave_y));
 }
 
+// Whole dots only: a printer's pattern ends with its last whole element.
+double PrintedGrating::offset_from_dot(double at, double size_mm) const {
+  const double p = grating_.pitch_mm, last = std::floor((0.5 * size_mm - 0.25 * p) / p + 1e-9);
+  return at - p * std::clamp(std::round(at / p), -last, last);
+}
+
 double PrintedGrating::dots_ink(double x, double y, const Blur& blur) const {
-  const double p = grating_.pitch_mm;
-  const double inside = extent_x_.seen(x, std::sqrt(blur.xx)) * extent_y_.seen(y, std::sqrt(blur.yy));
-  const double ink = inside * seen_disc(x - p * std::round(x / p), y - p * std::round(y / p), 0.25 * p, blur);
-  return inverted_ ? inside - ink : ink;
+  const double dx = offset_from_dot(x, grating_.width_mm), dy = offset_from_dot(y, grating_.height_mm);
+  const double dot = seen_disc(dx, dy, 0.25 * grating_.pitch_mm, blur);
+  if (!inverted_) return dot;
+  return extent_x_.seen(x, blur.sigma_x) * extent_y_.seen(y, blur.sigma_y) - dot;
 }
 
 double PrintedGrating::ink(double x, double y, const Blur& blur) const {
   if (grating_.pattern == Pattern::kCosine) return cosine_ink(x, y, blur);
   if (grating_.pattern == Pattern::kDots) return dots_ink(x, y, blur);
-  const double sigma_x = std::sqrt(blur.xx), sigma_y = std::sqrt(blur.yy);
+  const double sigma_x = blur.sigma_x, sigma_y = blur.sigma_y;
   const double correlation = blur.xy / (sigma_x * sigma_y);
   const bool is_corner = !is_even_x(x, sigma_x * kGaussianReach) && !is_even_y(y, sigma_y * kGaussianReach);
   if (std::abs(correlation) < 1e-4 || !is_corner) return ink_uncorrelated(x, y, sigma_x, sigma_y);
@@ -135,7 +141,7 @@ bool PrintedGrating::is_even(double x, double y, double distance) const {
   if (grating_.pattern == Pattern::kCosine) return false;
   if (grating_.pattern == Pattern::kDots) {
     const double p = grating_.pitch_mm;
-    const double r = std::hypot(x - p * std::round(x / p), y - p * std::round(y / p));
+    const double r = std::hypot(offset_from_dot(x, grating_.width_mm), offset_from_dot(y, grating_.height_mm));
     return std::abs(r - 0.25 * p) > distance && extent_x_.is_even(x, distance) && extent_y_.is_even(y, distance);
   }
   return is_even_x(x, distance) && is_even_y(y, distance);

@@ -2,6 +2,7 @@
 // What is printed, seen through a Gaussian: closed forms, so that pictures are exact far below a thousandth of a pixel.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "moiregauge/simulator/scenario.h"
@@ -10,7 +11,18 @@ namespace moiregauge::simulator {
 
 // The Gaussian that blurs a board point, as covariance in mm^2.
 struct Blur {
-  double xx = 0.0, xy = 0.0, yy = 0.0;
+  Blur(double variance_x, double covariance, double variance_y)
+      : xx(variance_x), xy(covariance), yy(variance_y), sigma_x(std::sqrt(xx)), sigma_y(std::sqrt(yy)) {}
+  double xx, xy, yy;
+  double sigma_x, sigma_y;  // mm
+};
+
+// A square pixel on the print: its centre, the sides of its cells, and how far the blur reaches.
+struct Footprint {
+  BoardPoint centre;
+  double xu, xv, yu, yv;  // mm per pixel along u (right) and v (down)
+  int cells;              // per side
+  double reach_mm;        // beyond it nothing matters to any cell
 };
 
 // Shares of what a blurred eye sees: paper against background, and ink (black) against paper.
@@ -50,6 +62,7 @@ class PrintedGrating {
   [[nodiscard]] bool is_even_x(double x, double distance) const;
   [[nodiscard]] bool is_even_y(double y, double distance) const;
   [[nodiscard]] double cosine_ink(double x, double y, const Blur& blur) const;
+  [[nodiscard]] double offset_from_dot(double at, double size_mm) const;
   [[nodiscard]] double dots_ink(double x, double y, const Blur& blur) const;
 
   Grating grating_;
@@ -61,14 +74,17 @@ class PrintedGrating {
 class PrintedMarker {
  public:
   explicit PrintedMarker(const SceneMarker& marker);
-  [[nodiscard]] Seen seen(BoardPoint point, const Blur& blur) const;
-  // True when everything within `distance` looks the same, so that blur does not matter.
-  [[nodiscard]] bool is_even(BoardPoint point, double distance) const;
+  // What a pixel sees of the sheet: the mean over its cells, each blurred.
+  [[nodiscard]] Seen seen(const Footprint& pixel, const Blur& blur) const;
   // The sheet's corners: low, high.
   [[nodiscard]] BoardPoint low() const { return low_; }
   [[nodiscard]] BoardPoint high() const { return high_; }
 
  private:
+  [[nodiscard]] double seen_paper(const Footprint& pixel, const Blur& blur) const;
+  [[nodiscard]] double seen_circle(const Footprint& pixel, const Blur& blur) const;
+  [[nodiscard]] double seen_grating(const Footprint& pixel, const Blur& blur) const;
+
   std::vector<PrintedGrating> grating_;  // none or one
   Grating where_;
   double cos_ = 1.0, sin_ = 0.0;

@@ -34,37 +34,69 @@ PrintedMarker::PrintedMarker(const SceneMarker& marker) {
   paper_y_ = Stripes::box(0.5 * (high_.y - low_.y));
 }
 
-Seen PrintedMarker::seen(BoardPoint point, const Blur& blur) const {
-  const double px = point.x - 0.5 * (low_.x + high_.x), py = point.y - 0.5 * (low_.y + high_.y);
-  Seen seen;
-  seen.paper = paper_x_.seen(px, std::sqrt(blur.xx)) * paper_y_.seen(py, std::sqrt(blur.yy));
-  if (seen.paper == 0.0) return seen;
-  if (circle_.diameter_mm > 0.0) {
-    seen.ink = seen_disc(point.x - circle_.centre.x, point.y - circle_.centre.y, 0.5 * circle_.diameter_mm, blur);
+namespace {
+
+// The mean of `at(x, y)` over the cells of a pixel; one look at the centre where all is even.
+template <typename At>
+double mean_over(const Footprint& pixel, bool is_even, const At& at) {
+  if (is_even) return at(pixel.centre.x, pixel.centre.y);
+  const double step = 1.0 / pixel.cells;
+  double sum = 0.0;
+  for (int j = 0; j < pixel.cells; ++j) {
+    const double v = (j + 0.5) * step - 0.5;
+    for (int i = 0; i < pixel.cells; ++i) {
+      const double u = (i + 0.5) * step - 0.5;
+      sum += at(pixel.centre.x + pixel.xu * u + pixel.xv * v, pixel.centre.y + pixel.yu * u + pixel.yv * v);
+    }
   }
-  for (const PrintedGrating& grating : grating_) {
-    const double x = point.x - where_.centre.x, y = point.y - where_.centre.y;
-    const double c = cos_, s = sin_;
-    const Blur own{c * c * blur.xx + 2.0 * c * s * blur.xy + s * s * blur.yy,
-                   c * s * (blur.yy - blur.xx) + (c * c - s * s) * blur.xy,
-                   s * s * blur.xx - 2.0 * c * s * blur.xy + c * c * blur.yy};
-    seen.ink += grating.ink(c * x + s * y, -s * x + c * y, own);
-  }
-  return seen;
+  return sum * step * step;
 }
 
-bool PrintedMarker::is_even(BoardPoint point, double distance) const {
-  const double px = point.x - 0.5 * (low_.x + high_.x), py = point.y - 0.5 * (low_.y + high_.y);
-  if (!paper_x_.is_even(px, distance) || !paper_y_.is_even(py, distance)) return false;
-  if (circle_.diameter_mm > 0.0) {
-    const double r = std::hypot(point.x - circle_.centre.x, point.y - circle_.centre.y);
-    if (std::abs(r - 0.5 * circle_.diameter_mm) <= distance) return false;
-  }
-  const double x = point.x - where_.centre.x, y = point.y - where_.centre.y;
-  for (const PrintedGrating& grating : grating_) {
-    if (!grating.is_even(cos_ * x + sin_ * y, -sin_ * x + cos_ * y, distance)) return false;
-  }
-  return true;
+}  // namespace
+
+double PrintedMarker::seen_paper(const Footprint& pixel, const Blur& blur) const {
+  const double x0 = 0.5 * (low_.x + high_.x), y0 = 0.5 * (low_.y + high_.y);
+  const bool is_even = paper_x_.is_even(pixel.centre.x - x0, pixel.reach_mm) &&
+                       paper_y_.is_even(pixel.centre.y - y0, pixel.reach_mm);
+  return mean_over(pixel, is_even, [&](double x, double y) {
+    return paper_x_.seen(x - x0, blur.sigma_x) * paper_y_.seen(y - y0, blur.sigma_y);
+  });
+}
+
+double PrintedMarker::seen_circle(const Footprint& pixel, const Blur& blur) const {
+  const BoardPoint c = circle_.centre;
+  const double radius = 0.5 * circle_.diameter_mm, dx = pixel.centre.x - c.x, dy = pixel.centre.y - c.y;
+  const double outer = radius + pixel.reach_mm, inner = radius - pixel.reach_mm, r2 = dx * dx + dy * dy;
+  if (r2 > outer * outer) return 0.0;
+  if (inner > 0.0 && r2 < inner * inner) return 1.0;
+  return mean_over(pixel, false, [&](double x, double y) { return seen_disc(x - c.x, y - c.y, radius, blur); });
+}
+
+double PrintedMarker::seen_grating(const Footprint& pixel, const Blur& blur) const {
+  const PrintedGrating& grating = grating_.front();
+  const double c = cos_, s = sin_;
+  const auto in_own_axes = [&](double x, double y) {
+    return BoardPoint{c * (x - where_.centre.x) + s * (y - where_.centre.y),
+                      -s * (x - where_.centre.x) + c * (y - where_.centre.y)};
+  };
+  const BoardPoint own_centre = in_own_axes(pixel.centre.x, pixel.centre.y);
+  const bool is_even = grating.is_even(own_centre.x, own_centre.y, pixel.reach_mm);
+  const Blur own_blur(c * c * blur.xx + 2.0 * c * s * blur.xy + s * s * blur.yy,
+                      c * s * (blur.yy - blur.xx) + (c * c - s * s) * blur.xy,
+                      s * s * blur.xx - 2.0 * c * s * blur.xy + c * c * blur.yy);
+  return mean_over(pixel, is_even, [&](double x, double y) {
+    const BoardPoint own = in_own_axes(x, y);
+    return grating.ink(own.x, own.y, own_blur);
+  });
+}
+
+Seen PrintedMarker::seen(const Footprint& pixel, const Blur& blur) const {
+  Seen seen;
+  seen.paper = seen_paper(pixel, blur);
+  if (seen.paper == 0.0) return seen;
+  if (circle_.diameter_mm > 0.0) seen.ink += seen_circle(pixel, blur);
+  if (!grating_.empty()) seen.ink += seen_grating(pixel, blur);
+  return seen;
 }
 
 }  // namespace moiregauge::simulator

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -41,7 +42,8 @@ double grey_at(const Scenario& scenario, BoardPoint p) {
   if (grating.pattern == Pattern::kSquares) is_dark = is_line(x) && is_line(y);
   if (grating.pattern == Pattern::kCheckerboard) is_dark = is_line(x) == is_line(y);
   if (grating.pattern == Pattern::kDots) {
-    is_dark = std::hypot(x - 10.0 * std::round(x / 10.0), y - 10.0 * std::round(y / 10.0)) < 2.5;
+    const auto offset = [](double at) { return at - 10.0 * std::clamp(std::round(at / 10.0), -1.0, 1.0); };  // whole dots
+    is_dark = std::hypot(offset(x), offset(y)) < 2.5;
   }
   return is_dark ? scenario.light.black : scenario.light.white;
 }
