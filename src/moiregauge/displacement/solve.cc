@@ -19,6 +19,8 @@ constexpr double kBlurredModulation = 0.5;
 constexpr double kClippedShare = 0.05;
 // A model error of this many times the noise is no longer an uncertainty one can state.
 constexpr double kUntrusted = 10.0;
+// No print, lens or pixel is so good that noise alone could be below this share of a pitch (0.5 um of 10 mm).
+constexpr double kNoiseFloorPitches = 5e-5;
 // A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
 constexpr double kOrderLimit = 0.4;
 // The camera has moved when the references have, by more than noise and a 1/2000 pitch.
@@ -168,7 +170,9 @@ Samples solve_two_stage(const Reference& reference, const std::vector<Observatio
         budget.model = hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained), {});
         const BoardExtent noise = hypot3(budget.noise, budget.references, budget.reference_frame);
         sample.u = hypot3(noise, budget.model, {});
-        const bool beyond = budget.model.x > kUntrusted * noise.x || budget.model.y > kUntrusted * noise.y;
+        const double floor = kNoiseFloorPitches * reference.plans[i].pitch_mm;
+        const bool beyond = budget.model.x > kUntrusted * std::max(noise.x, floor) ||
+                            budget.model.y > kUntrusted * std::max(noise.y, floor);
         sample.status = beyond ? Status::kUntrusted : quality(then.patch, now.patch);
       }
       samples.push_back(sample);

@@ -2,6 +2,7 @@
 // How one frame sees the board: a homography to ideal pixels, then the lens.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "moiregauge/geometry/camera.h"
@@ -23,6 +24,12 @@ struct View {
   // Millimetres of board per pixel of picture at p: the geometric mean over directions (the lens' own scale left out).
   [[nodiscard]] double mm_per_px(BoardPoint p) const {
     return 1.0 / std::sqrt(std::abs(ideal_from_board.jacobian(p).determinant()));
+  }
+  // The same in the direction in which a pixel covers least of the board.
+  [[nodiscard]] double finest_mm_per_px(BoardPoint p) const {
+    const Matrix2 j = ideal_from_board.jacobian(p);
+    const double sum = 0.5 * j.squaredNorm(), det = j.determinant();  // of the squared singular values, halved
+    return 1.0 / std::sqrt(sum + std::sqrt(std::max(0.0, sum * sum - det * det)));
   }
 };
 

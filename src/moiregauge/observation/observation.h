@@ -17,7 +17,7 @@ enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kTooCoarse };
 struct MarkerObservation {
   std::optional<SeenCircle> circle;        // px, as displayed
   PatchReading patch;                      // in the raster of the method's last stage for this marker
-  Extent<frame::Board> window_shift;       // whole pitches by which the raster followed a travelling target, mm
+  Extent<frame::Board> window_shift;       // by which the raster followed a travelling target, mm
   Loss loss = Loss::kNone;
 };
 

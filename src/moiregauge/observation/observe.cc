@@ -65,20 +65,35 @@ Loss loss_of(const PatchReading& patch) {
   return patch.noise_sigma == 0.0 ? Loss::kOutsidePicture : Loss::kNoModulation;
 }
 
-// Whole pitches, along the raster's axes, nearest to where the target is expected: the window follows, the phase does not
-// notice.
-Extent<frame::Board> whole_pitches(const RasterPlan& plan, Extent<frame::Board> travel) {
-  const auto along = raster_from_board(plan, travel);
-  return board_from_raster(plan, std::round(along[0] / plan.pitch_mm) * plan.pitch_mm,
-                           std::round(along[1] / plan.pitch_mm) * plan.pitch_mm);
+// How far (in pitches) a print may stand from its window before the window is laid afresh: within its clear edge for the
+// usual prints, and far below what would change the phase of a sound window.
+constexpr double kRecentre = 0.02;
+
+bool off_centre(const RasterPlan& plan, Extent<frame::Board> rest) {
+  return std::abs(rest.x) > kRecentre * plan.pitch_mm || std::abs(rest.y) > kRecentre * plan.pitch_mm;
 }
 
+double zero_if_unknown(double d) { return std::isnan(d) ? 0.0 : d; }
+
+Extent<frame::Board> known_part(Extent<frame::Board> d) { return {zero_if_unknown(d.x), zero_if_unknown(d.y)}; }
+
+// The window goes with a travelling target: first to where the last frame left it, then to where this one finds it, or the
+// print's edge would come into the window before half a pitch is reached.
 void read_marker(const Picture& picture, const Reference& reference, const View& view, std::size_t i,
                  Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work) {
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
-  seen.window_shift = whole_pitches(reference.plans[i], travel);
-  seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], seen.window_shift, work);
+  const RasterPlan& plan = reference.plans[i];
+  seen.window_shift = off_centre(plan, travel) ? travel : Extent<frame::Board>{};
+  seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift, work);
+  const auto& then = reference.seen.markers[i].patch;
+  if (reference.site.markers[i].role == Role::kTarget && seen.patch.valid) {
+    const auto rest = known_part(displacement_at(plan, then, seen.patch, seen.window_shift) + (-1.0) * seen.window_shift);
+    if (off_centre(plan, rest)) {
+      seen.window_shift = seen.window_shift + rest;
+      seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift, work);
+    }
+  }
   seen.loss = loss_of(seen.patch);
 }
 
@@ -92,8 +107,6 @@ void read_markers(const Picture& picture, const Reference& reference, const Idea
                 observation.markers[i], work);
   }
 }
-
-double zero_if_unknown(double d) { return std::isnan(d) ? 0.0 : d; }
 
 }  // namespace
 
@@ -132,7 +145,7 @@ Observation observe_two_stage(const Picture& picture, const Reference& reference
     if (reference.site.markers[point.marker].grating)
       moved = displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, seen.patch);
     then.push_back(point.board);
-    refined.push_back(point.board + Extent<frame::Board>{zero_if_unknown(moved.x), zero_if_unknown(moved.y)});
+    refined.push_back(point.board + known_part(moved));
   }
   const auto second = fit_homography<frame::Board, frame::Board>(then, refined);
   if (!second) {

@@ -93,4 +93,10 @@ Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchRea
   return board_from_raster(plan, d0, d1);
 }
 
+Extent<frame::Board> displacement_at(const RasterPlan& plan, const PatchReading& from, const PatchReading& to,
+                                     Extent<frame::Board> shift) {
+  // The raster is the window's: it reads the print's displacement minus the window's own.
+  return shift + displacement_between(plan, from, to);
+}
+
 }  // namespace moiregauge

@@ -37,6 +37,11 @@ struct PatchWorkspace {
 [[nodiscard]] Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchReading& from,
                                                         const PatchReading& to);
 
+// The same when `to` was read in a window shifted by `shift`: of the displacements that differ by whole pitches, the one
+// nearest to `shift`.
+[[nodiscard]] Extent<frame::Board> displacement_at(const RasterPlan& plan, const PatchReading& from, const PatchReading& to,
+                                                   Extent<frame::Board> shift);
+
 // A vector along the raster's axes as one on the board, and back.
 [[nodiscard]] Extent<frame::Board> board_from_raster(const RasterPlan& plan, double along_0, double along_1);
 [[nodiscard]] std::array<double, 2> raster_from_board(const RasterPlan& plan, Extent<frame::Board> d);

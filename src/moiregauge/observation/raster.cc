@@ -14,13 +14,25 @@ double inscribed_side(double width, double height, double angle) {
   return std::min(width, height) / (std::abs(std::cos(angle)) + std::abs(std::sin(angle)));
 }
 
+// Cubic convolution, a = -1/2 (R. Keys 1981, doi:10.1109/TASSP.1981.1163711). The seed paper interpolates linearly; that
+// damps the fringe by up to omega^2 / 8 between pixels, a ripple which beats with an oblique pixel grid and costs 0.002 px
+// at 20 deg. Cubic damping is of order omega^4.
+struct CubicWeights {
+  double w[4];
+  explicit CubicWeights(double t)
+      : w{((-0.5 * t + 1.0) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1.0, ((-1.5 * t + 2.0) * t + 0.5) * t,
+          (0.5 * t - 0.5) * t * t} {}
+};
+
 template <typename Grey>
-double bilinear(const ImageView<Grey>& picture, int x, int y, double fx, double fy) {
-  const Grey* p = picture.data + y * picture.stride + x;
-  const Grey* q = p + picture.stride;
-  const double top = double(p[0]) + fx * (double(p[1]) - double(p[0]));
-  const double bottom = double(q[0]) + fx * (double(q[1]) - double(q[0]));
-  return top + fy * (bottom - top);
+double cubic(const ImageView<Grey>& picture, int x, int y, double fx, double fy) {
+  const CubicWeights across(fx), down(fy);
+  double sum = 0.0;
+  for (int j = 0; j < 4; ++j) {
+    const Grey* p = picture.data + (y + j - 1) * picture.stride + x - 1;
+    sum += down.w[j] * (across.w[0] * p[0] + across.w[1] * p[1] + across.w[2] * p[2] + across.w[3] * p[3]);
+  }
+  return sum;
 }
 
 template <typename Grey>
@@ -39,8 +51,8 @@ bool resample_from(const ImageView<Grey>& picture, const View& view, const Raste
       const ImagePoint p = view(BoardPoint{centre.x + c * u - s * v, centre.y + s * u + c * v});
       const int x = static_cast<int>(std::floor(p.x));
       const int y = static_cast<int>(std::floor(p.y));
-      if (!(p.x >= 0.0 && p.y >= 0.0 && x + 1 < picture.width && y + 1 < picture.height)) return false;
-      row[static_cast<std::size_t>(i)] = bilinear(picture, x, y, p.x - x, p.y - y);
+      if (!(x >= 1 && y >= 1 && x + 2 < picture.width && y + 2 < picture.height)) return false;
+      row[static_cast<std::size_t>(i)] = cubic(picture, x, y, p.x - x, p.y - y);
     }
   }
   return true;
@@ -62,18 +74,17 @@ tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, doub
   plan.reads_y = grating.pattern != Pattern::kLinesX;
   const double pitch_px = plan.pitch_mm / mm_per_px;
   if (!(pitch_px >= kMinPitchPx)) return tl::unexpected(RasterFailure::kTooCoarse);
-  plan.sampling_pitch_px =
-      options.sampling_pitch_px > 0 ? options.sampling_pitch_px : std::max(3, static_cast<int>(std::lround(pitch_px)));
-  plan.step_mm = plan.pitch_mm * (options.sampling_pitch_px > 0 ? 1.0 / pitch_px : 1.0 / plan.sampling_pitch_px);
+  const int given = options.sampling_pitch_px;
+  plan.sampling_pitch_px = kOversampling * (given > 0 ? given : std::max(3, static_cast<int>(std::lround(pitch_px))));
+  plan.step_mm = given > 0 ? mm_per_px / kOversampling : plan.pitch_mm / plan.sampling_pitch_px;
   const double print_px =
       inscribed_side(grating.width_mm, grating.height_mm, diagonal ? kPi / 4.0 : 0.0) / plan.step_mm;
   const int support = 2 * (plan.sampling_pitch_px - 1);
-  const double room = print_px - support - 2.0 * options.edge_px;
   // A print that holds the bare window but not its clear edge is still read: its outermost taps weigh next to nothing.
   if (print_px < support + 1) return tl::unexpected(RasterFailure::kPrintTooSmall);
-  plan.region_px = std::max(1, std::min(options.region_px, static_cast<int>(room)));
-  if ((plan.region_px + support) % 2 == 0) --plan.region_px;  // an odd raster has a centre pixel
-  plan.region_px = std::max(1, plan.region_px);
+  const double room = print_px - support - 2.0 * kOversampling * options.edge_px;
+  const int region = std::clamp(static_cast<int>(room), 1, kOversampling * options.region_px);
+  plan.region_px = region - (1 - region % 2);  // odd, so that the raster has a centre pixel
   plan.side_px = plan.region_px + support;
   return plan;
 }

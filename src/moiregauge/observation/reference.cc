@@ -23,7 +23,7 @@ void plan_rasters(Reference& reference) {
     Loss loss = Loss::kNone;
     if (marker.grating) {
       const auto planned =
-          plan_raster(*marker.grating, reference.view.mm_per_px(marker.grating->centre), reference.options.raster);
+          plan_raster(*marker.grating, reference.view.finest_mm_per_px(marker.grating->centre), reference.options.raster);
       if (planned) plan = *planned;
       else loss = planned.error() == RasterFailure::kTooCoarse ? Loss::kTooCoarse : Loss::kNoModulation;
     }

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulated recording measured in memory, and its errors against the simulator's truth.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "moiregauge/displacement/method.h"
+#include "moiregauge/simulator/simulator.h"
+
+namespace moiregauge::test {
+
+enum class Grain { kSensor, kNoiseFree };  // as the sensor stores it, or 16 bits without noise
+
+struct RunPlan {
+  std::string method = "two-stage";
+  Grain grain = Grain::kSensor;
+  long first = 0;
+  long step = 1;              // every step-th frame of the scenario
+  long frames = -1;           // at most so many; -1: to the end
+  long reference_frame = 0;
+  ObserveOptions observe;
+};
+
+struct MeasuredRun {
+  Reference reference;
+  std::vector<Observation> observations;
+  Samples samples;                       // of the first target only, reference frame left out
+  std::vector<double> error_x_um;        // measured minus true, since the reference frame; of samples with numbers
+  std::vector<double> error_y_um;
+  std::vector<double> u_x_um, u_y_um;
+  std::string problem;                   // empty, or why there is no reference frame
+};
+
+[[nodiscard]] MeasuredRun measured(const simulator::Scenario& scenario, const RunPlan& plan);
+
+[[nodiscard]] double rms(const std::vector<double>& values);
+[[nodiscard]] double scatter(const std::vector<double>& values);  // rms about the mean
+[[nodiscard]] double largest(const std::vector<double>& values);  // of the magnitudes
+
+}  // namespace moiregauge::test

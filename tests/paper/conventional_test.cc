@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The yardstick from below (paper Figs. 12-15 (b)): right when the camera stands still, wrong and saying so when it moves.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/simulated_run.h"
+
+namespace moiregauge {
+namespace {
+
+test::MeasuredRun conventional(simulator::Scenario scenario, long step, long reference = 0) {
+  test::RunPlan plan;
+  plan.method = "conventional";
+  plan.step = step;
+  plan.reference_frame = reference;
+  return test::measured(scenario, plan);
+}
+
+TEST(Conventional, ACameraThatStandsStillGivesTheTargetsMotion) {
+  auto scenario = *simulator::built_in("small-0.1x");
+  scenario.mount.rotation_x = {};
+  const auto run = conventional(scenario, 4);
+  ASSERT_TRUE(run.problem.empty()) << run.problem;
+  for (const Sample& s : run.samples) EXPECT_EQ(s.status, Status::kOk) << "frame " << s.frame;
+  // Noise alone: the largest of 40 is within 4 u.
+  EXPECT_LE(test::largest(run.error_y_um), 4.0 * test::rms(run.u_y_um));
+}
+
+TEST(Conventional, UnderRotationItIsWrongByTheImageShiftAndSaysSo) {
+  // 0.1 deg turns the picture by f tan(0.1 deg) = 6.07 px, and the pivot adds its lever: 2.1 + 0.17 mm.
+  const auto small = conventional(*simulator::built_in("rig-0.1x"), 8);
+  ASSERT_TRUE(small.problem.empty()) << small.problem;
+  EXPECT_NEAR(test::largest(small.error_y_um), 2270.0, 25.0);
+  for (const char* name : {"rig-0.1x", "rig-1x", "rig-1xyz"}) {
+    const auto run = conventional(*simulator::built_in(name), 8);
+    for (const Sample& s : run.samples)
+      EXPECT_TRUE(s.status == Status::kCameraMoved || s.status == Status::kLost) << name << " frame " << s.frame;
+  }
+}
+
+TEST(Conventional, BeyondHalfAPitchThePhaseJumps) {
+  const auto run = conventional(*simulator::built_in("rig-1x"), 8);
+  ASSERT_TRUE(run.problem.empty()) << run.problem;
+  for (const Sample& s : run.samples) {
+    if (has_numbers(s.status)) {
+      EXPECT_LE(std::abs(s.displacement.y), 5.0 + 1e-9);
+    }
+  }
+  EXPECT_GT(test::largest(run.error_y_um), 5000.0);  // 23 mm of apparent motion, read within half a pitch of 10 mm
+}
+
+}  // namespace
+}  // namespace moiregauge
