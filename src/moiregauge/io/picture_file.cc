@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/picture_file.h"
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "moiregauge/io/png_reader.h"
+
+namespace moiregauge {
+
+using std::string_view_literals::operator""sv;
+
+PictureKind picture_kind(const std::string& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  std::array<char, 8> head{};
+  if (!file) return PictureKind::kNone;
+  const std::string_view bytes(head.data(), std::fread(head.data(), 1, head.size(), file.get()));
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return PictureKind::kPng;
+  if (bytes.starts_with("\xff\xd8\xff"sv)) return PictureKind::kJpeg;
+  if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return PictureKind::kTiff;
+  if (bytes.starts_with("II+\0"sv) || bytes.starts_with("MM\0+"sv)) return PictureKind::kTiff;
+  return PictureKind::kNone;
+}
+
+PictureOrError read_picture(const std::string& path) {
+  switch (picture_kind(path)) {
+    case PictureKind::kPng: return read_png(path);
+    default: break;
+  }
+  return tl::unexpected(InputError{InputErrorKind::kUnsupported,
+                                   fmt::format("not a picture: {}: give PNG, TIFF or JPEG files", path)});
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/picture_source.h"
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "moiregauge/io/file_hash.h"
+#include "moiregauge/io/picture_file.h"
+#include "moiregauge/io/picture_list.h"
+
+namespace moiregauge {
+namespace {
+
+// Any numbered set of pictures: how many, how to read one, what to call it in a message.
+struct PictureSet {
+  long count = 0;
+  std::function<PictureOrError(long)> read;
+  std::function<std::string(long)> name;
+};
+
+bool is_of_same_shape(const LumaView& a, const LumaView& b) {
+  return a.index() == b.index() && width_of(a) == width_of(b) && height_of(a) == height_of(b);
+}
+
+std::string shape_text(const LumaView& luma) {
+  return fmt::format("{} x {}, {} bit", width_of(luma), height_of(luma), luma.index() == 0 ? "8" : "16");
+}
+
+class PictureSource final : public FrameSource {
+ public:
+  PictureSource(PictureSet set, Picture first, InputInfo info)
+      : set_(std::move(set)), info_(std::move(info)), picture_(std::move(first)) {}
+
+  [[nodiscard]] const InputInfo& info() const override { return info_; }
+
+  [[nodiscard]] tl::expected<std::optional<Frame>, InputError> next() override {
+    if (broken_off_) return tl::unexpected(*broken_off_);
+    if (number_ >= set_.count) return std::optional<Frame>();
+    bool damaged = false;
+    if (number_ > 0) {  // the first was read when the input was opened
+      auto read = set_.read(number_);
+      damaged = !read;
+      if (read && !is_of_same_shape(view_of(*read), view_of(picture_))) return break_off(view_of(*read));
+      if (read) picture_ = std::move(*read);
+      if (!read) show_nothing(read.error());
+    }
+    const double time_s = std::isnan(info_.fps) ? info_.fps : static_cast<double>(number_) / info_.fps;
+    return Frame{number_++, time_s, damaged, view_of(picture_)};
+  }
+
+ private:
+  tl::unexpected<InputError> break_off(const LumaView& changed) {
+    broken_off_ = InputError{InputErrorKind::kDamaged,
+                             fmt::format("the picture size changes: {}: {} instead of {}; measure the parts one by one",
+                                         set_.name(number_), shape_text(changed), shape_text(view_of(picture_)))};
+    return tl::unexpected(*broken_off_);
+  }
+
+  // Even grey: nothing of the frame before may pass for this one.
+  void show_nothing(const InputError& error) {
+    info_.warnings.push_back(fmt::format("frame {} counts as damaged: {}", number_, error.message));
+    std::visit([](auto& image) { image = std::decay_t<decltype(image)>(image.width(), image.height(), 128); }, picture_.grey);
+  }
+
+  PictureSet set_;
+  InputInfo info_;
+  Picture picture_;
+  long number_ = 0;
+  std::optional<InputError> broken_off_;
+};
+
+tl::unexpected<InputError> unreadable(const std::string& text) {
+  return tl::unexpected(InputError{InputErrorKind::kUnreadable, text});
+}
+
+tl::expected<std::vector<std::string>, InputError> files_of(const std::string& path, const InputOptions& options) {
+  if (options.sequence) return pictures_of_pattern(path);
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::exists(status)) {
+    const bool pattern = path.find('%') != std::string::npos;
+    return unreadable(fmt::format("no such file or folder: {}{}", path, pattern ? ": for a pattern add --sequence" : ""));
+  }
+  if (!std::filesystem::is_directory(status)) return std::vector<std::string>{path};
+  auto files = pictures_in_folder(path);
+  if (files && files->empty()) {
+    return unreadable(fmt::format("no picture: {}: neither the folder nor its frames/ holds PNG, TIFF or JPEG files", path));
+  }
+  return files;
+}
+
+PictureSet set_of_files(const std::vector<std::string>& files) {
+  return {static_cast<long>(files.size()), [files](long i) { return read_picture(files[static_cast<std::size_t>(i)]); },
+          [files](long i) { return files[static_cast<std::size_t>(i)]; }};
+}
+
+InputInfo info_of(const std::string& path, const PictureSet& set, const Picture& first, const InputOptions& options) {
+  InputInfo info;
+  info.path = path;
+  info.frames = set.count;
+  info.width = width_of(view_of(first));
+  info.height = height_of(view_of(first));
+  info.bits = first.bits;
+  info.fps = options.fps.value_or(std::numeric_limits<double>::quiet_NaN());
+  info.codec = first.codec;
+  info.rotation_deg = first.rotation_deg;
+  info.time_source = options.fps ? "fps-option" : "none";
+  return info;
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::string& path, const InputOptions& options) {
+  const auto files = files_of(path, options);
+  if (!files) return tl::unexpected(files.error());
+  PictureSet set = set_of_files(*files);
+  auto first = set.read(0);
+  if (!first) return tl::unexpected(first.error());
+  InputInfo info = info_of(path, set, *first, options);
+  info.sha256 = sha256_of_files(*files);
+  return std::make_unique<PictureSource>(std::move(set), std::move(*first), std::move(info));
+}
+
+}  // namespace moiregauge

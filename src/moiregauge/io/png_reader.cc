@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/png_reader.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include "moiregauge/image/luma_of_colour.h"
+
+namespace moiregauge {
+namespace {
+
+// libpng leaves by longjmp. Everything with a destructor lives here, outside the functions it may leap over.
+struct PngFile {
+  std::FILE* file = nullptr;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  std::vector<unsigned char> samples;
+  std::vector<png_bytep> rows;
+  std::string problem;
+  ~PngFile() {
+    if (png != nullptr) png_destroy_read_struct(&png, &info, nullptr);
+    if (file != nullptr) std::fclose(file);
+  }
+};
+
+void note_error(png_structp png, png_const_charp text) {
+  static_cast<PngFile*>(png_get_error_ptr(png))->problem = text;
+  png_longjmp(png, 1);
+}
+void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}
+
+struct PngHead {
+  png_uint_32 width = 0;
+  png_uint_32 height = 0;
+  int bits = 8;         // significant
+  int word_bits = 8;    // stored: 8 or 16
+  int channels = 1;     // 1 or 3 after the conversions below
+};
+
+// Significant bits of a 16-bit file. The high bits carry the value, so libpng shifts it down.
+int significant_bits(PngFile& in) {
+  png_color_8p sig = nullptr;
+  if (png_get_sBIT(in.png, in.info, &sig) == 0) return 16;
+  const bool colour = (png_get_color_type(in.png, in.info) & PNG_COLOR_MASK_COLOR) != 0;
+  const int bits = colour ? std::max({sig->red, sig->green, sig->blue}) : sig->gray;
+  return bits >= 9 && bits <= 16 ? bits : 16;
+}
+
+bool read_head(PngFile& in, PngHead& head) {
+  if (setjmp(png_jmpbuf(in.png)) != 0) return false;
+  png_init_io(in.png, in.file);
+  png_set_user_limits(in.png, 0x7fffffffU, 0x7fffffffU);  // ours is on pixels, below
+  png_read_info(in.png, in.info);
+  head.width = png_get_image_width(in.png, in.info);
+  head.height = png_get_image_height(in.png, in.info);
+  const int type = png_get_color_type(in.png, in.info);
+  head.word_bits = png_get_bit_depth(in.png, in.info) == 16 ? 16 : 8;
+  head.channels = (type & PNG_COLOR_MASK_COLOR) != 0 ? 3 : 1;
+  if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(in.png);
+  if (type == PNG_COLOR_TYPE_GRAY) png_set_expand_gray_1_2_4_to_8(in.png);
+  png_set_strip_alpha(in.png);
+  head.bits = head.word_bits == 16 ? significant_bits(in) : 8;
+  if (head.word_bits == 16) png_set_swap(in.png);  // PNG is big-endian, we are not
+  png_set_interlace_handling(in.png);
+  png_read_update_info(in.png, in.info);
+  return true;
+}
+
+bool read_rows(PngFile& in) {
+  if (setjmp(png_jmpbuf(in.png)) != 0) return false;
+  png_read_image(in.png, in.rows.data());
+  png_read_end(in.png, nullptr);
+  return true;
+}
+
+template <typename Grey>
+Image<Grey> grey_from(const PngFile& in, const PngHead& head) {
+  Image<Grey> image(static_cast<int>(head.width), static_cast<int>(head.height));
+  const int shift = head.word_bits - head.bits;
+  for (int y = 0; y < image.height(); ++y) {
+    const auto* from = reinterpret_cast<const Grey*>(in.rows[static_cast<std::size_t>(y)]);
+    for (Grey& grey : image.row(y)) {
+      const Grey stored = head.channels == 3 ? luma_of_colour<Grey>(from[0], from[1], from[2]) : from[0];
+      grey = static_cast<Grey>(stored >> shift);
+      from += head.channels;
+    }
+  }
+  return image;
+}
+
+tl::unexpected<InputError> failure(InputErrorKind kind, const std::string& text) {
+  return tl::unexpected(InputError{kind, text});
+}
+
+}  // namespace
+
+PictureOrError read_png(const std::string& path) {
+  PngFile in;
+  in.file = std::fopen(path.c_str(), "rb");
+  if (in.file == nullptr) {
+    return failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, std::strerror(errno)));
+  }
+  in.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &in, &note_error, &ignore_warning);
+  in.info = in.png == nullptr ? nullptr : png_create_info_struct(in.png);
+  if (in.info == nullptr) return failure(InputErrorKind::kUnreadable, fmt::format("no memory for picture: {}", path));
+  PngHead head;
+  if (!read_head(in, head)) {
+    return failure(InputErrorKind::kDamaged, fmt::format("not a readable PNG: {}: {}", path, in.problem));
+  }
+  if (!is_size_allowed(head.width, head.height)) {
+    return failure(InputErrorKind::kUnsupported,
+                   fmt::format("picture too large: {}: {} x {} pixels, at most 2^28 in all", path, head.width, head.height));
+  }
+  const std::size_t row_bytes = png_get_rowbytes(in.png, in.info);
+  in.samples.resize(row_bytes * head.height);
+  for (std::size_t y = 0; y < head.height; ++y) in.rows.push_back(in.samples.data() + y * row_bytes);
+  if (!read_rows(in)) {
+    return failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem));
+  }
+  Picture picture{{}, head.bits, 0, "png"};
+  if (head.word_bits == 16) picture.grey = grey_from<std::uint16_t>(in, head);
+  else picture.grey = grey_from<std::uint8_t>(in, head);
+  return picture;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "moiregauge/io/toml_table.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kDeepestNesting = 32;
+
+// A parser that calls itself for every bracket and dot can be made to run out of stack: refuse before it starts.
+// Strings are not told apart; nobody names a marker with 33 brackets.
+std::optional<std::size_t> line_nested_too_deep(const std::string& text) {
+  int brackets = 0;
+  int dots_in_key = 0;
+  bool in_key = true;
+  bool in_comment = false;
+  std::size_t line = 1;
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      dots_in_key = 0;
+      in_key = true;
+      in_comment = false;
+    }
+    if (c == '#') in_comment = true;
+    if (in_comment) continue;
+    if (c == '=') in_key = false;
+    if (c == ',' || c == '{') dots_in_key = 0;
+    if (c == '[' || c == '{') ++brackets;
+    if (c == ']' || c == '}') brackets = std::max(0, brackets - 1);
+    if (c == '.' && in_key) ++dots_in_key;
+    if (brackets > kDeepestNesting || dots_in_key > kDeepestNesting) return line;
+  }
+  return std::nullopt;
+}
+
+// toml11 explains over several lines with a drawing of the place; ours is one line.
+std::string first_line_of(const std::string& what) {
+  std::string line = what.substr(0, what.find('\n'));
+  for (const char* prefix : {"[error] ", "toml::", "detail::"}) {
+    if (line.rfind(prefix, 0) == 0) line.erase(0, std::strlen(prefix));
+  }
+  if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon) line.erase(0, colon + 2);
+  return line;
+}
+
+}  // namespace
+
+tl::expected<toml::value, std::string> parse_toml(const std::string& text, const std::string& path) {
+  if (text.size() > kTextFileLimit) {
+    return tl::unexpected(fmt::format("{}:1:1: the file is larger than 64 kB; is it the right one?", path));
+  }
+  if (text.find('\0') != std::string::npos) return tl::unexpected(fmt::format("{}:1:1: this is not a text file", path));
+  if (const auto line = line_nested_too_deep(text)) {
+    return tl::unexpected(fmt::format("{}:{}:1: brackets or dots nest deeper than {}", path, *line, kDeepestNesting));
+  }
+  try {
+    std::istringstream stream(text);
+    return toml::parse(stream, path);
+  } catch (const toml::exception& error) {
+    return tl::unexpected(fmt::format("{}:{}:{}: {}", path, error.location().line(), error.location().column(),
+                                      first_line_of(error.what())));
+  } catch (const std::exception& error) {
+    return tl::unexpected(fmt::format("{}:1:1: {}", path, first_line_of(error.what())));
+  }
+}
+
+tl::expected<std::string, std::string> read_small_file(const std::string& path, std::size_t limit_bytes) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  std::string text(limit_bytes + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  if (std::ferror(file.get()) != 0) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  if (text.size() > limit_bytes) {
+    return tl::unexpected(fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
+  }
+  return text;
+}
+
+}  // namespace moiregauge
