@@ -65,12 +65,14 @@ Loss loss_of(const PatchReading& patch) {
   return patch.noise_sigma == 0.0 ? Loss::kOutsidePicture : Loss::kNoModulation;
 }
 
-// How far (in pitches) a print may stand from its window before the window is laid afresh: within its clear edge for the
-// usual prints, and far below what would change the phase of a sound window.
-constexpr double kRecentre = 0.02;
+// A print whose window has no room to spare may stand so far (in pitches) off centre: the outermost taps weigh nothing.
+constexpr double kOffCentre = 0.02;
 
+// The window stays where it was, as in the paper, for as long as the print fills it: then displacement is counted in the
+// print's own pitches, whatever scale the homography has there. Beyond that it travels with the print.
 bool off_centre(const RasterPlan& plan, Extent<frame::Board> rest) {
-  return std::abs(rest.x) > kRecentre * plan.pitch_mm || std::abs(rest.y) > kRecentre * plan.pitch_mm;
+  const double room = std::max(plan.clearance_mm, kOffCentre * plan.pitch_mm);
+  return std::abs(rest.x) > room || std::abs(rest.y) > room;
 }
 
 double zero_if_unknown(double d) { return std::isnan(d) ? 0.0 : d; }
@@ -79,15 +81,15 @@ Extent<frame::Board> known_part(Extent<frame::Board> d) { return {zero_if_unknow
 
 // The window goes with a travelling target: first to where the last frame left it, then to where this one finds it, or the
 // print's edge would come into the window before half a pitch is reached.
-void read_marker(const Picture& picture, const Reference& reference, const View& view, std::size_t i,
-                 Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work) {
+void follow_marker(const Picture& picture, const Reference& reference, const View& view, std::size_t i,
+                   Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work) {
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
   const RasterPlan& plan = reference.plans[i];
   seen.window_shift = off_centre(plan, travel) ? travel : Extent<frame::Board>{};
   seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift, work);
   const auto& then = reference.seen.markers[i].patch;
-  if (reference.site.markers[i].role == Role::kTarget && seen.patch.valid) {
+  if (seen.patch.valid) {
     const auto rest = known_part(displacement_at(plan, then, seen.patch, seen.window_shift) + (-1.0) * seen.window_shift);
     if (off_centre(plan, rest)) {
       seen.window_shift = seen.window_shift + rest;
@@ -97,15 +99,12 @@ void read_marker(const Picture& picture, const Reference& reference, const View&
   seen.loss = loss_of(seen.patch);
 }
 
-void read_markers(const Picture& picture, const Reference& reference, const IdealFromBoard& stage, Role role,
-                  const Prediction& prediction, Observation& observation, PatchWorkspace& work) {
-  const View view{stage, reference.lens};
-  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
-    if (reference.site.markers[i].role != role) continue;
-    const bool follows = role == Role::kTarget && i < prediction.travel.size();
-    read_marker(picture, reference, view, i, follows ? prediction.travel[i] : Extent<frame::Board>{},
-                observation.markers[i], work);
-  }
+void read_marker(const Picture& picture, const Reference& reference, const View& view, std::size_t i,
+                 MarkerObservation& seen, PatchWorkspace& work) {
+  seen.loss = reference.plan_loss[i];
+  if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
+  seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], {}, work);
+  seen.loss = loss_of(seen.patch);
 }
 
 }  // namespace
@@ -116,8 +115,8 @@ Observation observe_conventional(const Picture& picture, const Reference& refere
   observation.references_seen = true;
   observation.stage1 = observation.stage2 = reference.seen.stage1;
   observation.markers.resize(reference.site.markers.size());
-  read_markers(picture, reference, observation.stage1, Role::kReference, {}, observation, work);
-  read_markers(picture, reference, observation.stage1, Role::kTarget, {}, observation, work);
+  for (std::size_t i = 0; i < observation.markers.size(); ++i)
+    read_marker(picture, reference, reference.view, i, observation.markers[i], work);
   return observation;
 }
 
@@ -136,7 +135,8 @@ Observation observe_two_stage(const Picture& picture, const Reference& reference
   observation.stage1 = observation.stage2 = *first;
   for (std::size_t i = 0; i < now.circles.size(); ++i) observation.markers[i].circle = now.circles[i];
   // Step 2: the patches of the references; what they moved is added at their circles.
-  read_markers(picture, reference, *first, Role::kReference, {}, observation, work);
+  for (const CirclePoint& point : now.points)
+    read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker], work);
   std::vector<BoardPoint> then, refined;
   for (const CirclePoint& point : now.points) {
     const MarkerObservation& seen = observation.markers[point.marker];
@@ -155,7 +155,11 @@ Observation observe_two_stage(const Picture& picture, const Reference& reference
   observation.stage2 = *first * *second;
   observation.references_seen = true;
   // Step 3: the targets, through both.
-  read_markers(picture, reference, observation.stage2, Role::kTarget, prediction, observation, work);
+  for (std::size_t i = 0; i < observation.markers.size(); ++i) {
+    if (reference.site.markers[i].role != Role::kTarget) continue;
+    const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
+    follow_marker(picture, reference, {observation.stage2, reference.lens}, i, travel, observation.markers[i], work);
+  }
   return observation;
 }
 

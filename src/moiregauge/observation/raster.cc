@@ -86,6 +86,7 @@ tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, doub
   const int region = std::clamp(static_cast<int>(room), 1, kOversampling * options.region_px);
   plan.region_px = region - (1 - region % 2);  // odd, so that the raster has a centre pixel
   plan.side_px = plan.region_px + support;
+  plan.clearance_mm = std::max(0.0, 0.5 * (print_px - plan.side_px) - kOversampling * options.edge_px) * plan.step_mm;
   return plan;
 }
 

@@ -21,6 +21,7 @@ struct RasterPlan {
   int sampling_pitch_px = 0;    // T, raster pixels
   int region_px = 0;            // side of the averaged region, raster pixels
   int side_px = 0;              // region + 2 (T - 1), odd
+  double clearance_mm = 0.0;    // how far the print may move before its edge comes into the raster
   bool reads_x = true;          // the print shows motion along raster axis 0
   bool reads_y = true;
 };
