@@ -26,7 +26,7 @@ Image<std::uint16_t> finely_quantised(const Image<double>& light) {
 struct Shot {
   simulator::Picture picture;
   int bits = 8;
-  [[nodiscard]] Picture view() const { return {simulator::view_of(picture), bits}; }
+  [[nodiscard]] GreyPicture view() const { return {simulator::view_of(picture), bits}; }
 };
 
 Shot shot(const Scenario& scenario, long frame, Grain grain) {

@@ -86,19 +86,15 @@ class KappaFit {
   [[nodiscard]] double kappa() const { return sum_ / weight_; }
   [[nodiscard]] double u(const std::vector<double>& u_shared) const {
     double variance = variance_;
-    for (std::size_t c = 0; c < shared_.size(); ++c) variance += shared_[c] * shared_[c] * u_shared[c] * u_shared[c];
+    for (std::size_t c = 0; c < shared_.size(); ++c) {
+      if (shared_[c] != 0.0) variance += shared_[c] * shared_[c] * u_shared[c] * u_shared[c];
+    }
     return std::sqrt(variance) / weight_;
   }
 
  private:
   double weight_, sum_ = 0.0, variance_ = 0.0;
   std::vector<double> shared_;
-};
-
-struct Patches {
-  std::vector<std::size_t> marker;      // references with a grating
-  std::vector<Vector2d> then_field;     // residual field at the patch in the reference frame
-  std::vector<Matrix2> then_gradient;
 };
 
 }  // namespace

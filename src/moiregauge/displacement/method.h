@@ -22,7 +22,7 @@ using Samples = std::vector<Sample>;  // by observation, then by target in the s
 struct Method {
   std::string_view name;
   std::string_view summary;
-  Observation (*observe)(const Picture&, const Reference&, const Prediction&, PatchWorkspace&);
+  Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
   Samples (*solve)(const Reference&, const std::vector<Observation>&);
 };
 

@@ -17,7 +17,7 @@ struct Located {
 // neighbour cannot be taken for them; if any is not there, the whole picture is searched.
 constexpr double kReach = 0.75;
 
-CircleSearch search_near(const Picture& picture, const Reference& reference, const IdealFromBoard& predicted) {
+CircleSearch search_near(const GreyPicture& picture, const Reference& reference, const IdealFromBoard& predicted) {
   CircleSearch search;
   const View view{predicted, reference.lens};
   for (const CirclePoint& point : reference.circles) {
@@ -41,7 +41,7 @@ Located located(const Reference& reference, const CircleSearch& search, const Id
   return result;
 }
 
-Located locate(const Picture& picture, const Reference& reference, const Prediction& prediction) {
+Located locate(const GreyPicture& picture, const Reference& reference, const Prediction& prediction) {
   const IdealFromBoard& last = prediction.view ? *prediction.view : reference.seen.stage1;
   const PreviousCircles previous{Homography<frame::Image, frame::Board>(last.matrix()), 0.0};
   if (prediction.view) {
@@ -81,7 +81,7 @@ Extent<frame::Board> known_part(Extent<frame::Board> d) { return {zero_if_unknow
 
 // The window goes with a travelling target: first to where the last frame left it, then to where this one finds it, or the
 // print's edge would come into the window before half a pitch is reached.
-void follow_marker(const Picture& picture, const Reference& reference, const View& view, std::size_t i,
+void follow_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                    Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work) {
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
@@ -99,7 +99,7 @@ void follow_marker(const Picture& picture, const Reference& reference, const Vie
   seen.loss = loss_of(seen.patch);
 }
 
-void read_marker(const Picture& picture, const Reference& reference, const View& view, std::size_t i,
+void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                  MarkerObservation& seen, PatchWorkspace& work) {
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
@@ -109,7 +109,7 @@ void read_marker(const Picture& picture, const Reference& reference, const View&
 
 }  // namespace
 
-Observation observe_conventional(const Picture& picture, const Reference& reference, const Prediction&,
+Observation observe_conventional(const GreyPicture& picture, const Reference& reference, const Prediction&,
                                  PatchWorkspace& work) {
   Observation observation;
   observation.references_seen = true;
@@ -120,7 +120,7 @@ Observation observe_conventional(const Picture& picture, const Reference& refere
   return observation;
 }
 
-Observation observe_two_stage(const Picture& picture, const Reference& reference, const Prediction& prediction,
+Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
                               PatchWorkspace& work) {
   Observation observation;
   observation.markers.resize(reference.site.markers.size());

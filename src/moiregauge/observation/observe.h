@@ -16,12 +16,12 @@ struct Prediction {
 };
 
 // Seed paper 2.1, camera assumed still: every window stays where it was in the reference frame.
-[[nodiscard]] Observation observe_conventional(const Picture& picture, const Reference& reference,
+[[nodiscard]] Observation observe_conventional(const GreyPicture& picture, const Reference& reference,
                                                const Prediction& prediction, PatchWorkspace& work);
 
 // Seed paper 2.2, Fig. 5: circle centres -> homography -> patches of the references -> their displacements added at the
 // circles -> second homography -> target.
-[[nodiscard]] Observation observe_two_stage(const Picture& picture, const Reference& reference,
+[[nodiscard]] Observation observe_two_stage(const GreyPicture& picture, const Reference& reference,
                                             const Prediction& prediction, PatchWorkspace& work);
 
 }  // namespace moiregauge

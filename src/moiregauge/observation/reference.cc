@@ -41,7 +41,7 @@ std::string coarse_message(const Reference& reference, std::size_t i) {
   return text;
 }
 
-void read_patches(Reference& reference, const Picture& picture) {
+void read_patches(Reference& reference, const GreyPicture& picture) {
   PatchWorkspace work;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     MarkerObservation& seen = reference.seen.markers[i];
@@ -111,7 +111,7 @@ tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<Ci
   return fit_homography<frame::Ideal, frame::Board>(board, ideal);
 }
 
-tl::expected<Reference, ReferenceFailure> make_reference(const Picture& picture, const Site& site, const Camera& lens,
+tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& picture, const Site& site, const Camera& lens,
                                                          const ObserveOptions& options) {
   Reference reference;
   reference.site = site;

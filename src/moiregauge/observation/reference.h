@@ -16,7 +16,7 @@ struct ObserveOptions {
   CircleOptions circles;
 };
 
-struct Picture {
+struct GreyPicture {
   LumaView luma;
   int bits = 8;
 };
@@ -52,7 +52,7 @@ struct ReferenceFailure {
 };
 
 // Finds circles and gratings by the site's layout in the picture that is to be the reference frame.
-[[nodiscard]] tl::expected<Reference, ReferenceFailure> make_reference(const Picture& picture, const Site& site,
+[[nodiscard]] tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& picture, const Site& site,
                                                                        const Camera& lens, const ObserveOptions& options);
 
 // The points of the reference circles among `seen`, given roughly how the frame sees the board.
