@@ -44,7 +44,8 @@ struct SimulateWords {
 
 std::string list_of_scenarios() {
   std::string text;
-  for (const auto& entry : simulator::built_in_scenarios()) text += fmt::format("{:<11} {}\n", entry.name, entry.summary);
+  for (const auto& entry : simulator::built_in_scenarios())
+    text += fmt::format("{:<11} {}\n", entry.name, entry.summary);
   return text;
 }
 
@@ -53,8 +54,8 @@ Expected<Scenario> scenario_of(const SimulateWords& words) {
   if (auto known = simulator::built_in(words.scenario)) {
     scenario = *std::move(known);
   } else if (!fs::is_regular_file(words.scenario)) {
-    return tl::unexpected(fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list",
-                                      words.scenario));
+    return tl::unexpected(
+        fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list", words.scenario));
   } else {
     auto read = read_scenario(words.scenario);
     if (!read) return tl::unexpected(fmt::format("{}", fmt::join(read.error(), "\nerror: ")));
@@ -136,17 +137,19 @@ int run(const SimulateWords& words) {
     fmt::print("{}", list_of_scenarios());
     return 0;
   }
-  if (words.scenario.empty()) return fail(Exit::kUsage, "no scenario: simulate: name one of moiregauge simulate --list or a file");
+  if (words.scenario.empty())
+    return fail(Exit::kUsage, "no scenario: simulate: name one of moiregauge simulate --list or a file");
   const auto scenario = scenario_of(words);
   if (!scenario) return fail(Exit::kUsage, scenario.error());
   const fs::path output = words.output.empty() ? default_folder(words.scenario) : fs::path(words.output);
   if (!is_free(output)) {
-    return fail(Exit::kUsage, fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
-                                          output.string()));
+    return fail(Exit::kUsage,
+                fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
+                            output.string()));
   }
   if (const auto written = write_all(*scenario, words, output); !written) {
-    return fail(Exit::kOutputUnwritable, fmt::format("cannot write: {}: make room or choose another folder with -o",
-                                                     written.error()));
+    return fail(Exit::kOutputUnwritable,
+                fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   }
   if (!words.quiet) fmt::print("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string());
   return 0;

@@ -36,14 +36,15 @@ void pack(std::span<const std::uint16_t> row, std::vector<png_byte>& bytes) {
 
 // False after any complaint of libpng, which leaves by longjmp: nothing with a destructor is born in here.
 template <typename Grey>
-bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view, int bits, std::vector<png_byte>& bytes) {
+bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view, int bits,
+                std::vector<png_byte>& bytes) {
   if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
   png_init_io(writer.png, file);
   png_set_compression_level(writer.png, 1);
   png_set_filter(writer.png, 0, PNG_FILTER_SUB);
   png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(view.width), static_cast<png_uint_32>(view.height),
-               8 * static_cast<int>(sizeof(Grey)), PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+               8 * static_cast<int>(sizeof(Grey)), PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_color_8 significant{};
   significant.gray = static_cast<png_byte>(bits);
   if (bits != 8 * static_cast<int>(sizeof(Grey))) png_set_sBIT(writer.png, writer.info, &significant);
@@ -69,9 +70,8 @@ tl::expected<void, std::string> write_png(const std::string& path, const LumaVie
   if (file == nullptr) return failed();
   PngWriter writer;
   std::vector<png_byte> bytes;
-  const bool wrote = writer.info != nullptr && std::visit([&](const auto& view) {
-    return write_rows(writer, file, view, bits, bytes);
-  }, picture);
+  const bool wrote = writer.info != nullptr &&
+                     std::visit([&](const auto& view) { return write_rows(writer, file, view, bits, bytes); }, picture);
   const bool closed = std::fclose(file) == 0;
   if (!wrote || !closed || std::rename(unfinished.c_str(), path.c_str()) != 0) return failed();
   return {};

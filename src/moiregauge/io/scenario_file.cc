@@ -44,7 +44,8 @@ void flatten(const toml::value& table, const std::string& prefix, std::vector<En
 }
 
 // The markers of the file take the place of the base's.
-void read_markers(const toml::value& list, simulator::Scenario& scenario, std::vector<Entry>& entries, TomlMistakes& wrong) {
+void read_markers(const toml::value& list, simulator::Scenario& scenario, std::vector<Entry>& entries,
+                  TomlMistakes& wrong) {
   if (!list.is_array()) return wrong.add_at(list, "marker must be written as [[marker]]");
   scenario.markers.clear();
   for (const toml::value& marker : list.as_array(std::nothrow)) {
@@ -68,7 +69,8 @@ int turn_of(const Entry& entry) {
   return entry.name.starts_with("grating.") ? 1 : 2;
 }
 
-std::optional<std::string> problem_applying(simulator::Scenario& scenario, const std::string& name, const std::string& text) {
+std::optional<std::string> problem_applying(simulator::Scenario& scenario, const std::string& name,
+                                            const std::string& text) {
   const auto settings = simulator::settings_of(scenario);
   std::vector<std::string_view> names;
   for (const auto& setting : settings) {
@@ -86,13 +88,15 @@ std::optional<simulator::Scenario> base_of(const toml::value& file, TomlMistakes
   const auto name = table.text("base");
   if (!name) return simulator::Scenario{};
   auto base = simulator::built_in(*name);
-  if (!base) table.mistake("base", fmt::format("there is no built-in scenario \"{}\"; see moiregauge simulate --list", *name));
+  if (!base)
+    table.mistake("base", fmt::format("there is no built-in scenario \"{}\"; see moiregauge simulate --list", *name));
   return base;
 }
 
 }  // namespace
 
-tl::expected<simulator::Scenario, std::vector<std::string>> parse_scenario(const std::string& text, const std::string& path) {
+tl::expected<simulator::Scenario, std::vector<std::string>> parse_scenario(const std::string& text,
+                                                                           const std::string& path) {
   const auto file = parse_toml(text, path);
   if (!file) return tl::unexpected(std::vector{file.error()});
   TomlMistakes wrong(path);
@@ -102,8 +106,10 @@ tl::expected<simulator::Scenario, std::vector<std::string>> parse_scenario(const
   std::vector<Entry> entries;
   flatten(*file, "", entries);
   std::erase_if(entries, [](const Entry& entry) { return entry.name == "base" || entry.name == "marker"; });
-  if (const toml::value* markers = TomlTable(*file, wrong).find("marker")) read_markers(*markers, *scenario, entries, wrong);
-  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return turn_of(a) < turn_of(b); });
+  if (const toml::value* markers = TomlTable(*file, wrong).find("marker"))
+    read_markers(*markers, *scenario, entries, wrong);
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return turn_of(a) < turn_of(b); });
   for (const Entry& entry : entries) {
     if (const auto problem = problem_applying(*scenario, entry.name, entry.text)) wrong.add_at(*entry.place, *problem);
   }
@@ -122,7 +128,8 @@ tl::expected<simulator::Scenario, std::vector<std::string>> read_scenario(const 
 
 tl::expected<void, std::string> apply_setting(simulator::Scenario& scenario, const std::string& assignment) {
   const auto equals = assignment.find('=');
-  if (equals == std::string::npos) return tl::unexpected(fmt::format("\"{}\" has no \"=\"; write KEY=VALUE", assignment));
+  if (equals == std::string::npos)
+    return tl::unexpected(fmt::format("\"{}\" has no \"=\"; write KEY=VALUE", assignment));
   if (auto problem = problem_applying(scenario, assignment.substr(0, equals), assignment.substr(equals + 1))) {
     return tl::unexpected(*std::move(problem));
   }

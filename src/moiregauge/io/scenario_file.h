@@ -17,6 +17,7 @@ namespace moiregauge {
                                                                                          const std::string& path);
 
 // "lens.k1=-0.0225"; the error says what is wrong and what may have been meant.
-[[nodiscard]] tl::expected<void, std::string> apply_setting(simulator::Scenario& scenario, const std::string& assignment);
+[[nodiscard]] tl::expected<void, std::string> apply_setting(simulator::Scenario& scenario,
+                                                            const std::string& assignment);
 
 }  // namespace moiregauge

@@ -69,7 +69,8 @@ std::string truth_camera_toml(const Scenario& scenario) {
   if (m.shift_x.moves() || m.shift_y.moves() || m.shift_z.moves()) {
     text += per_frame("shift_mm", scenario, m.shift_x, m.shift_y, m.shift_z);
   } else {
-    text += fmt::format("shift_mm = [[{}, {}, {}]]\n", real(m.shift_x.at(0)), real(m.shift_y.at(0)), real(m.shift_z.at(0)));
+    text +=
+        fmt::format("shift_mm = [[{}, {}, {}]]\n", real(m.shift_x.at(0)), real(m.shift_y.at(0)), real(m.shift_z.at(0)));
   }
   return text;
 }

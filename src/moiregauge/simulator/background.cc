@@ -37,7 +37,9 @@ std::vector<SceneMarker> strewn(const Scenario& scenario) {
   const double half_y = 0.5 * scenario.camera.height / scenario.camera.fy * scenario.mount.distance_mm;
   std::vector<SceneMarker> decoys;
   std::uint64_t draw = 0;
-  const auto between = [&](double low, double high) { return low + (high - low) * hashed_unit(scenario.seed + 77, draw++); };
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * hashed_unit(scenario.seed + 77, draw++);
+  };
   for (int tries = 0; tries < 50 * scenario.decoys && static_cast<int>(decoys.size()) < scenario.decoys; ++tries) {
     SceneMarker decoy;
     decoy.listed = false;
@@ -45,7 +47,8 @@ std::vector<SceneMarker> strewn(const Scenario& scenario) {
     const double x = between(-half_x, half_x), y = between(-half_y, half_y);
     decoy.print.circle = Circle{{x, y}, between(6.0, 24.0)};
     const PrintedMarker print(decoy);
-    if (std::any_of(taken.begin(), taken.end(), [&](const PrintedMarker& other) { return overlaps(print, other); })) continue;
+    if (std::any_of(taken.begin(), taken.end(), [&](const PrintedMarker& other) { return overlaps(print, other); }))
+      continue;
     taken.push_back(print);
     decoys.push_back(decoy);
   }

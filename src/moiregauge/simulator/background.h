@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands behind the markers: a flat grey, a rough wall, look-alike circles. It belongs to the board and moves with it.
+// What stands behind the markers: a flat grey, a rough wall, look-alike circles. It belongs to the board and moves with
+// it.
 #pragma once
 
 #include <span>

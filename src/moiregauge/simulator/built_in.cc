@@ -38,7 +38,8 @@ void place_markers(Scenario& scenario, const Layout& layout) {
   for (const Corner& corner : {Corner{"NW", -1, 1}, Corner{"NE", 1, 1}, Corner{"SW", -1, -1}, Corner{"SE", 1, -1}}) {
     SceneMarker marker;
     marker.print.name = corner.name;
-    marker.print.circle = Circle{{corner.x * layout.circle_x_mm, corner.y * layout.circle_y_mm}, layout.circle_diameter_mm};
+    marker.print.circle =
+        Circle{{corner.x * layout.circle_x_mm, corner.y * layout.circle_y_mm}, layout.circle_diameter_mm};
     marker.print.grating =
         crossed_lines({corner.x * layout.grating_x_mm, corner.y * layout.grating_y_mm}, layout.reference_mm);
     scenario.markers.push_back(marker);

@@ -10,8 +10,8 @@
 namespace moiregauge::simulator {
 namespace {
 
-// A square cell stands in for by a Gaussian of its variance; what is left is its fourth moment, h^4 / 2880 of the fourth
-// derivative. With these the worst pixel is 5e-5 of the contrast off, at point spreads of 0.35 px and more.
+// A square cell stands in for by a Gaussian of its variance; what is left is its fourth moment, h^4 / 2880 of the
+// fourth derivative. With these the worst pixel is 5e-5 of the contrast off, at point spreads of 0.35 px and more.
 int cells_for(double psf_sigma_px) {
   if (psf_sigma_px >= 0.6) return 2;
   return psf_sigma_px >= 0.35 ? 4 : 8;
@@ -39,8 +39,8 @@ std::vector<BoardPoint> outline(const PrintedMarker& print) {
 std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) {
   const Mount& m = scenario.mount;
   std::vector<double> cuts{from_s, to_s};
-  for (const Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z, &marker.dx,
-                             &marker.dy, &marker.dz}) {
+  for (const Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z,
+                             &marker.dx, &marker.dy, &marker.dz}) {
     for (const Knot& knot : track->knots) {
       if (knot.time_s > from_s && knot.time_s < to_s) cuts.push_back(knot.time_s);
     }
@@ -81,7 +81,8 @@ void ExposedMarker::add_moment_at(const Scenario& scenario, const SceneMarker& m
 }
 
 // The longest way of two opposite corners.
-double ExposedMarker::movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) const {
+double ExposedMarker::movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s,
+                                  double to_s) const {
   constexpr int kLegs = 8;
   double longest = 0.0;
   for (const BoardPoint corner : {print_.low(), print_.high()}) {

@@ -28,7 +28,8 @@ class ExposedMarker {
   };
   void choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame);
   void add_moment_at(const Scenario& scenario, const SceneMarker& marker, double time_s, double weight);
-  [[nodiscard]] double movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) const;
+  [[nodiscard]] double movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s,
+                                   double to_s) const;
   void find_window(const Scenario& scenario, const SceneMarker& marker, long frame);
   void see(const Moment& moment, const RayPatch& sight, double& paper, double& level) const;
 

@@ -9,13 +9,10 @@
 namespace moiregauge::simulator {
 namespace {
 
-constexpr int kStepsPerUnit = 512;
-constexpr int kHalf = 5 * kStepsPerUnit;
-
-std::array<double, 2 * kHalf + 2> make_below() {
-  std::array<double, 2 * kHalf + 2> table{};
+std::vector<double> make_below() {
+  std::vector<double> table(static_cast<std::size_t>(2.0 * kGaussianReach * kGaussianSteps) + 2);
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const double t = (static_cast<double>(i) - kHalf) / kStepsPerUnit;
+    const double t = static_cast<double>(i) / kGaussianSteps - kGaussianReach;
     table[i] = 0.5 * std::erfc(-t / std::numbers::sqrt2);
   }
   return table;
@@ -59,22 +56,16 @@ constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15U;
 
 }  // namespace
 
-double gaussian_below(double t) {
-  static const auto table = make_below();
-  const double at = (t + 5.0) * kStepsPerUnit;
-  if (at <= 0.0) return 0.0;
-  if (at >= 2 * kHalf) return 1.0;
-  const auto i = static_cast<std::size_t>(at);
-  const double share = at - static_cast<double>(i);
-  return table[i] + share * (table[i + 1] - table[i]);
-}
+const std::vector<double> kGaussianBelow = make_below();
 
 std::span<const Node> gauss_hermite(double correlation) {
   // Exact to degree 3, 5 and 9: the terms left out are of the order of correlation^2, ^3 and ^5.
   static constexpr std::array kTwo{Node{-1.0, 0.5}, Node{1.0, 0.5}};
-  static constexpr std::array kThree{Node{-1.7320508075688772, 1.0 / 6}, Node{0.0, 2.0 / 3}, Node{1.7320508075688772, 1.0 / 6}};
-  static constexpr std::array kFive{Node{-2.8569700138728056, 0.011257411327720691}, Node{-1.3556261799742659, 0.22207592200561263},
-                                    Node{0.0, 8.0 / 15}, Node{1.3556261799742659, 0.22207592200561263},
+  static constexpr std::array kThree{Node{-1.7320508075688772, 1.0 / 6}, Node{0.0, 2.0 / 3},
+                                     Node{1.7320508075688772, 1.0 / 6}};
+  static constexpr std::array kFive{Node{-2.8569700138728056, 0.011257411327720691},
+                                    Node{-1.3556261799742659, 0.22207592200561263}, Node{0.0, 8.0 / 15},
+                                    Node{1.3556261799742659, 0.22207592200561263},
                                     Node{2.8569700138728056, 0.011257411327720691}};
   if (correlation < 0.003) return kTwo;
   if (correlation < 0.1) return kThree;

@@ -3,16 +3,26 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace moiregauge::simulator {
 
-inline constexpr double kGaussianReach = 5.0;  // beyond it 3e-7 of the area is left: 5e-5 grey levels of 170
+inline constexpr double kGaussianReach = 4.5;  // beyond it 3e-6 of the area is left: 6e-4 grey levels of 170
 
-// Phi(t), to 3e-7: a table, straight between its entries.
-[[nodiscard]] double gaussian_below(double t);
+// Phi(t) within the reach (cut to 0 and 1 outside), to 3e-7: a table, straight between its entries.
+inline constexpr double kGaussianSteps = 512.0;  // per unit of t
+extern const std::vector<double> kGaussianBelow;
+[[nodiscard]] inline double gaussian_below(double t) {
+  const double at = (t + kGaussianReach) * kGaussianSteps;
+  if (at <= 0.0) return 0.0;
+  if (at >= 2.0 * kGaussianReach * kGaussianSteps) return 1.0;
+  const auto i = static_cast<std::size_t>(at);
+  const double low = kGaussianBelow[i];
+  return low + (at - static_cast<double>(i)) * (kGaussianBelow[i + 1] - low);
+}
 [[nodiscard]] inline double gaussian_density(double t) { return 0.3989422804014327 * std::exp(-0.5 * t * t); }
 
 struct Node {

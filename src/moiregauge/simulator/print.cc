@@ -20,29 +20,30 @@ Stripes::Stripes(double period, double half, double offset, double reach) {
     edges_.push_back(low);
     edges_.push_back(high);
   }
+  space();
 }
 
 Stripes Stripes::box(double reach) {
   Stripes box;
   box.edges_ = {-reach, reach};
+  box.space();
   return box;
 }
 
 double Stripes::seen(double x, double sigma) const {
-  const double reach = kGaussianReach * sigma;
-  auto edge = std::upper_bound(edges_.begin(), edges_.end(), x - reach);
-  bool is_rising = ((edge - edges_.begin()) & 1) == 0;
-  double sum = is_rising ? 0.0 : 1.0;
-  for (; edge != edges_.end() && *edge < x + reach; ++edge, is_rising = !is_rising) {
-    const double passed = gaussian_below((x - *edge) / sigma);
-    sum += is_rising ? passed : -passed;
+  const double reach = kGaussianReach * sigma, per_sigma = 1.0 / sigma;
+  std::size_t i = first_edge_after(x - reach);
+  double sum = static_cast<double>(i & 1U);  // what the edges already passed leave
+  for (; i < edges_.size() && edges_[i] < x + reach; ++i) {
+    const double passed = gaussian_below((x - edges_[i]) * per_sigma);
+    sum += (i & 1U) == 0 ? passed : -passed;
   }
   return sum;
 }
 
 bool Stripes::is_even(double x, double distance) const {
-  const auto edge = std::upper_bound(edges_.begin(), edges_.end(), x - distance);
-  return edge == edges_.end() || *edge > x + distance;
+  const std::size_t i = first_edge_after(x - distance);
+  return i == edges_.size() || edges_[i] > x + distance;
 }
 
 double seen_disc(double x, double y, double radius, const Blur& blur) {
@@ -76,13 +77,21 @@ double PrintedGrating::ink_uncorrelated(double x, double y, double sigma_x, doub
   if (inside == 0.0) return 0.0;
   double ink = 0.0;
   switch (grating_.pattern) {
-    case Pattern::kSquares: ink = dark_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y); break;
-    case Pattern::kLinesX: ink = dark_x_.seen(x, sigma_x) * extent_y_.seen(y, sigma_y); break;
-    case Pattern::kLinesY: ink = extent_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y); break;
+    case Pattern::kSquares:
+      ink = dark_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y);
+      break;
+    case Pattern::kLinesX:
+      ink = dark_x_.seen(x, sigma_x) * extent_y_.seen(y, sigma_y);
+      break;
+    case Pattern::kLinesY:
+      ink = extent_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y);
+      break;
     case Pattern::kCheckerboard:
       ink = dark_x_.seen(x, sigma_x) * dark_y_.seen(y, sigma_y) + light_x_.seen(x, sigma_x) * light_y_.seen(y, sigma_y);
       break;
-    default: ink = inside - light_x_.seen(x, sigma_x) * light_y_.seen(y, sigma_y); break;
+    default:
+      ink = inside - light_x_.seen(x, sigma_x) * light_y_.seen(y, sigma_y);
+      break;
   }
   return inverted_ ? inside - ink : ink;
 }
@@ -137,7 +146,8 @@ bool PrintedGrating::is_even_y(double y, double distance) const {
 }
 
 bool PrintedGrating::is_even(double x, double y, double distance) const {
-  if (std::abs(x) > 0.5 * grating_.width_mm + distance || std::abs(y) > 0.5 * grating_.height_mm + distance) return true;
+  if (std::abs(x) > 0.5 * grating_.width_mm + distance || std::abs(y) > 0.5 * grating_.height_mm + distance)
+    return true;
   if (grating_.pattern == Pattern::kCosine) return false;
   if (grating_.pattern == Pattern::kDots) {
     const double p = grating_.pitch_mm;

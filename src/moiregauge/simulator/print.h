@@ -2,7 +2,9 @@
 // What is printed, seen through a Gaussian: closed forms, so that pictures are exact far below a thousandth of a pixel.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "moiregauge/simulator/scenario.h"
@@ -43,7 +45,23 @@ class Stripes {
   [[nodiscard]] bool is_even(double x, double distance) const;
 
  private:
+  // The first edge beyond x: a guess from the even spacing, put right by looking.
+  [[nodiscard]] std::size_t first_edge_after(double x) const {
+    const std::size_t count = edges_.size();
+    if (count == 0) return 0;
+    const double guess = std::clamp((x - edges_.front()) * edges_per_mm_, 0.0, static_cast<double>(count));
+    auto i = static_cast<std::size_t>(guess);
+    while (i > 0 && edges_[i - 1] > x) --i;
+    while (i < count && edges_[i] <= x) ++i;
+    return i;
+  }
+  void space() {
+    const bool is_empty = edges_.empty();
+    edges_per_mm_ = is_empty ? 0.0 : static_cast<double>(edges_.size() - 1) / (edges_.back() - edges_.front());
+  }
+
   std::vector<double> edges_;  // rising; up, down, up, ...
+  double edges_per_mm_ = 0.0;
 };
 
 // Share of a disc about the origin, seen from (x, y): a straight edge plus the first term of its curvature.
@@ -88,7 +106,7 @@ class PrintedMarker {
   std::vector<PrintedGrating> grating_;  // none or one
   Grating where_;
   double cos_ = 1.0, sin_ = 0.0;
-  Circle circle_;                        // diameter 0: none
+  Circle circle_;  // diameter 0: none
   BoardPoint low_, high_;
   Stripes paper_x_, paper_y_;
 };

@@ -56,8 +56,8 @@ double mean_over(const Footprint& pixel, bool is_even, const At& at) {
 
 double PrintedMarker::seen_paper(const Footprint& pixel, const Blur& blur) const {
   const double x0 = 0.5 * (low_.x + high_.x), y0 = 0.5 * (low_.y + high_.y);
-  const bool is_even = paper_x_.is_even(pixel.centre.x - x0, pixel.reach_mm) &&
-                       paper_y_.is_even(pixel.centre.y - y0, pixel.reach_mm);
+  const bool is_even =
+      paper_x_.is_even(pixel.centre.x - x0, pixel.reach_mm) && paper_y_.is_even(pixel.centre.y - y0, pixel.reach_mm);
   return mean_over(pixel, is_even, [&](double x, double y) {
     return paper_x_.seen(x - x0, blur.sigma_x) * paper_y_.seen(y - y0, blur.sigma_y);
   });

@@ -49,8 +49,8 @@ Matrix3 rotation_xyz(double x_deg, double y_deg, double z_deg) {
 namespace {
 
 struct Distorted {
-  double x, y;           // where the lens bends the ray to
-  double xx, xy, yx, yy; // d(x, y) / d(ray)
+  double x, y;            // where the lens bends the ray to
+  double xx, xy, yx, yy;  // d(x, y) / d(ray)
 };
 
 // docs.opencv.org, calib3d: radial 1 + k1 r^2 + k2 r^4 + k3 r^6, tangential p1 p2.

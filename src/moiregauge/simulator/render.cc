@@ -69,7 +69,8 @@ class Rendering {
       return store(y, 0, scenario_.camera.width, light, out);
     }
     const double flat = scenario_.light.background * readout_.scale;
-    std::fill(out.begin(), out.end(), std::is_floating_point_v<Grey> ? Grey(flat / readout_.scale) : Grey(std::lround(flat)));
+    std::fill(out.begin(), out.end(),
+              std::is_floating_point_v<Grey> ? Grey(flat / readout_.scale) : Grey(std::lround(flat)));
     for (const ExposedMarker& marker : markers_) {
       if (marker.covers_row(y)) marker.lay_over(y, light);
     }

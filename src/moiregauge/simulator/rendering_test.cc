@@ -42,7 +42,9 @@ double grey_at(const Scenario& scenario, BoardPoint p) {
   if (grating.pattern == Pattern::kSquares) is_dark = is_line(x) && is_line(y);
   if (grating.pattern == Pattern::kCheckerboard) is_dark = is_line(x) == is_line(y);
   if (grating.pattern == Pattern::kDots) {
-    const auto offset = [](double at) { return at - 10.0 * std::clamp(std::round(at / 10.0), -1.0, 1.0); };  // whole dots
+    const auto offset = [](double at) {
+      return at - 10.0 * std::clamp(std::round(at / 10.0), -1.0, 1.0);
+    };  // whole dots
     is_dark = std::hypot(offset(x), offset(y)) < 2.5;
   }
   return is_dark ? scenario.light.black : scenario.light.white;

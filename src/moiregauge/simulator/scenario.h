@@ -19,8 +19,9 @@ struct Camera {
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
 };
 
-// Board point (x, y, z) at rest in the camera: B (x, -y, -z) + (0, 0, distance), B = Rx Ry Rz of the board's own angles.
-// The camera's movement takes that to X_cam = Rx Ry Rz (X - pivot) + pivot + shift, right-handed about camera axes.
+// Board point (x, y, z) at rest in the camera: B (x, -y, -z) + (0, 0, distance), B = Rx Ry Rz of the board's own
+// angles. The camera's movement takes that to X_cam = Rx Ry Rz (X - pivot) + pivot + shift, right-handed about camera
+// axes.
 struct Mount {
   double distance_mm = 1200.0;
   double board_x_deg = 0.0, board_y_deg = 0.0, board_z_deg = 0.0;
@@ -34,10 +35,10 @@ struct Light {
   double white = 210.0;
   double black = 40.0;
   double background = 110.0;
-  double texture = 0.0;      // rms of a rough background, grey levels
-  double vignetting = 0.0;   // relative loss at the corner of the picture, growing with r^2
-  double slope_x = 0.0;      // relative change of light from the centre to the right edge
-  double slope_y = 0.0;      // and to the lower edge
+  double texture = 0.0;     // rms of a rough background, grey levels
+  double vignetting = 0.0;  // relative loss at the corner of the picture, growing with r^2
+  double slope_x = 0.0;     // relative change of light from the centre to the right edge
+  double slope_y = 0.0;     // and to the lower edge
 };
 
 // EMVA 1288 in grey levels: variance = sigma^2 + gain * level. Quantisation comes on top.
@@ -53,14 +54,14 @@ struct Sensor {
 // What stands there. `print` is what site.toml says of it; `place` is by how much the truth differs from that.
 struct SceneMarker {
   Marker print;
-  bool inverted = false;           // white lines on black
-  double paper_margin_mm = 10.0;   // white paper around circle and grating
-  bool listed = true;              // false: a look-alike that site.toml does not know
+  bool inverted = false;          // white lines on black
+  double paper_margin_mm = 10.0;  // white paper around circle and grating
+  bool listed = true;             // false: a look-alike that site.toml does not know
   struct Place {
     double x_mm = 0.0, y_mm = 0.0, z_mm = 0.0;
-    double rotation_deg = 0.0;     // counter-clockwise about the marker's own centre
+    double rotation_deg = 0.0;  // counter-clockwise about the marker's own centre
   } place;
-  Track dx, dy, dz;                // mm
+  Track dx, dy, dz;  // mm
 };
 
 struct Scenario {
@@ -70,7 +71,7 @@ struct Scenario {
   Light light;
   Sensor sensor;
   std::vector<SceneMarker> markers;
-  int decoys = 0;                  // look-alike circles strewn over the background
+  int decoys = 0;  // look-alike circles strewn over the background
   long frames = 161;
   std::uint64_t seed = 1;
 };

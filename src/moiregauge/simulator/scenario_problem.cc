@@ -12,7 +12,8 @@ namespace {
 std::optional<std::string> problem_with_sensor(const Scenario& s) {
   const auto& [psf, sigma, gain, bits, fps, exposure] = s.sensor;
   if (s.camera.width < 16 || s.camera.height < 16 || s.camera.width > 20000 || s.camera.height > 20000) {
-    return fmt::format("a picture of {}x{} px: width and height must lie in 16 to 20000", s.camera.width, s.camera.height);
+    return fmt::format("a picture of {}x{} px: width and height must lie in 16 to 20000", s.camera.width,
+                       s.camera.height);
   }
   if (!(s.camera.fx > 0.0 && s.camera.fy > 0.0)) return "camera.fx and camera.fy must be greater than 0";
   if (!(s.mount.distance_mm > 0.0)) return "mount.distance_mm must be greater than 0";

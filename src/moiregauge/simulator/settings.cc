@@ -171,7 +171,8 @@ void add_print(Collector& all, Scenario& s) {
     };
   };
   all.number("grating.pitch_mm", for_each_grating([](Grating& g, double value) { g.pitch_mm = value; }));
-  all.number("grating.angle_deg", for_each_grating([](Grating& g, double v) { g.angle_rad = radians_from_degrees(v); }));
+  all.number("grating.angle_deg",
+             for_each_grating([](Grating& g, double v) { g.angle_rad = radians_from_degrees(v); }));
   all.text("grating.pattern", kPatterns, pattern_setter(markers));
   all.flag("grating.inverted", inverted);
 }

@@ -12,8 +12,8 @@
 namespace moiregauge::simulator {
 
 struct Setting {
-  std::string name;  // "lens.k1", "marker.mid.dy.scale"
-  std::string kind;  // "a number", for messages
+  std::string name;                             // "lens.k1", "marker.mid.dy.scale"
+  std::string kind;                             // "a number", for messages
   std::function<bool(const std::string&)> set;  // false: not of this kind
 };
 

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/scenario_file.h"
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/simulator/built_in.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr const char* kBeam = R"(
+base = "small-1x"
+frames = 50
+[lens]
+k1 = -0.1
+[grating]
+pitch_mm = 8.0
+pattern = "squares"
+[rotation.z]
+knots = [[0, 0], [5, 0.8]]
+[[marker]]
+name = "beam"
+role = "target"
+grating_mm = [1, 2]
+grating_size_mm = [40, 40]
+pattern = "dots"
+[marker.dy]
+knots = [[0, 0], [2, 1]]
+)";
+
+TEST(ScenarioFile, SaysWhatIsDifferentFromItsBase) {
+  const auto scenario = parse_scenario(kBeam, "beam.toml");
+  ASSERT_TRUE(scenario) << scenario.error().front();
+  EXPECT_EQ(scenario->frames, 50);
+  EXPECT_EQ(scenario->camera.k1, -0.1);
+  EXPECT_EQ(scenario->camera.fx, 3478.26);
+  EXPECT_EQ(scenario->mount.rotation_z.at(2.5), 0.4);
+  ASSERT_EQ(scenario->markers.size(), 1U);
+  const simulator::SceneMarker& beam = scenario->markers[0];
+  EXPECT_EQ(beam.print.role, Role::kTarget);
+  EXPECT_EQ(beam.print.grating->pitch_mm, 8.0);
+  EXPECT_EQ(beam.print.grating->pattern, Pattern::kDots) << "a marker's own word is the last";
+  EXPECT_EQ(beam.dy.at(1.0), 0.5);
+}
+
+TEST(ScenarioFile, ListsAllMistakesWithTheirPlaces) {
+  const auto scenario = parse_scenario("frames = 2.5\n[lens]\nk9 = 1\n", "bad.toml");
+  ASSERT_FALSE(scenario);
+  ASSERT_EQ(scenario.error().size(), 2U);
+  EXPECT_EQ(scenario.error()[0].substr(0, 11), "bad.toml:1:");
+  EXPECT_NE(scenario.error()[1].find("unknown key \"lens.k9\"; did you mean \"lens.k"), std::string::npos);
+}
+
+TEST(Setting, ChangesOneValue) {
+  auto scenario = *simulator::built_in("rig-1x");
+  EXPECT_TRUE(apply_setting(scenario, "lens.k1=-0.0225"));
+  EXPECT_EQ(scenario.camera.k1, -0.0225);
+  EXPECT_TRUE(apply_setting(scenario, "marker.mid.dy.scale=0"));
+  EXPECT_EQ(scenario.markers.back().dy.at(3.0), 0.0);
+  EXPECT_TRUE(apply_setting(scenario, "grating.pattern=cosine"));
+  EXPECT_EQ(scenario.markers.front().print.grating->pattern, Pattern::kCosine);
+}
+
+TEST(Setting, ThatMakesNoSenseIsRefused) {
+  auto scenario = *simulator::built_in("rig-1x");
+  EXPECT_FALSE(apply_setting(scenario, "lens.k1=much"));
+  EXPECT_FALSE(apply_setting(scenario, "lens.k1=nan"));
+  EXPECT_FALSE(apply_setting(scenario, "lens.k1"));
+  EXPECT_FALSE(apply_setting(scenario, "grating.pattern=auto"));
+  EXPECT_FALSE(apply_setting(scenario, "seed=-1"));
+}
+
+}  // namespace
+}  // namespace moiregauge
