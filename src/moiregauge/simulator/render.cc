@@ -122,7 +122,9 @@ Picture render(const Scenario& scenario, long frame, const RenderOptions& option
 }
 
 Image<std::uint8_t> render8(const Scenario& scenario, long frame, const RenderOptions& options) {
-  return rendered<std::uint8_t>(scenario, frame, options);
+  Scenario eight_bits = scenario;
+  eight_bits.sensor.bits = 8;
+  return rendered<std::uint8_t>(eight_bits, frame, options);
 }
 
 Image<double> render_ideal(const Scenario& scenario, long frame, const RenderOptions& options) {

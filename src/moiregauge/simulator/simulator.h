@@ -27,7 +27,7 @@ using Picture = std::variant<Image<std::uint8_t>, Image<std::uint16_t>>;
 
 // One frame as the sensor stores it.
 [[nodiscard]] Picture render(const Scenario& scenario, long frame, const RenderOptions& options = {});
-// The same for scenarios of 8 bits, without the variant.
+// The same in 8 bits whatever the scenario says, without the variant.
 [[nodiscard]] Image<std::uint8_t> render8(const Scenario& scenario, long frame, const RenderOptions& options = {});
 // The light itself in grey levels: no noise, no quantisation, no clipping.
 [[nodiscard]] Image<double> render_ideal(const Scenario& scenario, long frame, const RenderOptions& options = {});
