@@ -138,6 +138,15 @@ TEST(PngReader, TwelveSignificantBitsComeBackIntoTheLowBits) {
   EXPECT_EQ(std::get<1>(picture.grey).at(1, 0), 4095);
 }
 
+TEST(PngReader, TwelveBitsThatLieInTheLowBitsStayThere) {
+  const TestFolder folder;
+  write_test_png(folder / "12.png", {.width = 2, .height = 1, .depth = 16, .significant = 12}, {5, 4095});
+  const auto picture = read_png(folder / "12.png").value();
+  EXPECT_EQ(picture.bits, 12);
+  EXPECT_EQ(std::get<1>(picture.grey).at(0, 0), 5);
+  EXPECT_EQ(std::get<1>(picture.grey).at(1, 0), 4095);
+}
+
 TEST(PngReader, ColourBecomesLumaByTheOneFormula) {
   const TestFolder folder;
   write_test_png(folder / "c.png", {.width = 1, .height = 1, .colour = true}, {200, 100, 50});

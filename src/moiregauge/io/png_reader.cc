@@ -45,7 +45,7 @@ struct PngHead {
   int channels = 1;     // 1 or 3 after the conversions below
 };
 
-// Significant bits of a 16-bit file. The high bits carry the value, so libpng shifts it down.
+// Significant bits of a 16-bit file.
 int significant_bits(PngFile& in) {
   png_color_8p sig = nullptr;
   if (png_get_sBIT(in.png, in.info, &sig) == 0) return 16;
@@ -84,14 +84,18 @@ bool read_rows(PngFile& in) {
 template <typename Grey>
 Image<Grey> grey_from(const PngFile& in, const PngHead& head) {
   Image<Grey> image(static_cast<int>(head.width), static_cast<int>(head.height));
-  const int shift = head.word_bits - head.bits;
+  unsigned brightest = 0;
   for (int y = 0; y < image.height(); ++y) {
     const auto* from = reinterpret_cast<const Grey*>(in.rows[static_cast<std::size_t>(y)]);
     for (Grey& grey : image.row(y)) {
-      const Grey stored = head.channels == 3 ? luma_of_colour<Grey>(from[0], from[1], from[2]) : from[0];
-      grey = static_cast<Grey>(stored >> shift);
+      grey = head.channels == 3 ? luma_of_colour<Grey>(from[0], from[1], from[2]) : from[0];
+      brightest = std::max<unsigned>(brightest, grey);
       from += head.channels;
     }
+  }
+  if (brightest < 1U << head.bits) return image;
+  for (int y = 0; y < image.height(); ++y) {
+    for (Grey& grey : image.row(y)) grey = static_cast<Grey>(grey >> (head.word_bits - head.bits));
   }
   return image;
 }

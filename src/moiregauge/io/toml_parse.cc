@@ -55,9 +55,10 @@ std::string first_line_of(const std::string& what) {
 
 }  // namespace
 
-tl::expected<toml::value, std::string> parse_toml(const std::string& text, const std::string& path) {
-  if (text.size() > kTextFileLimit) {
-    return tl::unexpected(fmt::format("{}:1:1: the file is larger than 64 kB; is it the right one?", path));
+tl::expected<toml::value, std::string> parse_toml(const std::string& text, const std::string& path,
+                                                  std::size_t limit_bytes) {
+  if (text.size() > limit_bytes) {
+    return tl::unexpected(fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
   }
   if (text.find('\0') != std::string::npos) return tl::unexpected(fmt::format("{}:1:1: this is not a text file", path));
   if (const auto line = line_nested_too_deep(text)) {

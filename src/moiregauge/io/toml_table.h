@@ -57,12 +57,13 @@ class TomlTable {
   TomlMistakes* mistakes_;
 };
 
-// Parses after refusing what could exhaust the parser (over 64 kB, nesting over 32); never throws.
-[[nodiscard]] tl::expected<toml::value, std::string> parse_toml(const std::string& text, const std::string& path);
+inline constexpr std::size_t kTextFileLimit = 64 * 1024;  // bytes; a site of a hundred markers needs a quarter of it
+
+// Parses after refusing what could exhaust the parser (too long, nesting over 32); never throws.
+[[nodiscard]] tl::expected<toml::value, std::string> parse_toml(const std::string& text, const std::string& path,
+                                                                std::size_t limit_bytes = kTextFileLimit);
 
 // A file's bytes up to the limit, or why not, as "path: what is wrong".
 [[nodiscard]] tl::expected<std::string, std::string> read_small_file(const std::string& path, std::size_t limit_bytes);
-
-inline constexpr std::size_t kTextFileLimit = 64 * 1024;  // bytes; a site of a hundred markers needs a quarter of it
 
 }  // namespace moiregauge

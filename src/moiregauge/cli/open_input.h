@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/run/frame_source.h"
+
+namespace moiregauge {
+
+// Any INPUT: a folder of pictures, a printf pattern with --sequence, a picture or TIFF stack, else a video file.
+[[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
+                                                                               const InputOptions& options);
+
+}  // namespace moiregauge

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/camera_file.h"
+
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "moiregauge/io/camera_yaml.h"
+#include "moiregauge/io/toml_table.h"
+
+namespace moiregauge {
+namespace {
+
+// The simulator writes the truth of every frame behind its camera; that may be long.
+constexpr std::size_t kCameraFileLimit = 16 * 1024 * 1024;  // bytes
+
+int whole_number(const TomlTable& table, const std::string& key) {
+  const double read = table.number_not_negative(key).value_or(0.0);
+  if (read <= 1e6 && read == static_cast<double>(static_cast<int>(read))) return static_cast<int>(read);
+  table.mistake(key, fmt::format("{} must be a whole number of pixels", key));
+  return 0;
+}
+
+double required(const TomlTable& table, const std::string& key) {
+  if (!table.has(key)) table.mistake(key, fmt::format("[camera] needs {}, in pixels", key));
+  return key.front() == 'f' ? table.number_above_zero(key).value_or(1.0) : table.number(key).value_or(0.0);
+}
+
+Camera read_table(const TomlTable& table) {
+  table.refuse_keys_outside({"model", "width", "height", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "u"});
+  const std::string model = table.text("model").value_or("brown");
+  if (model != "brown" && model != "opencv" && model != "pinhole") {
+    table.mistake("model", fmt::format("model \"{}\" is not known: \"brown\" is, with k1 k2 p1 p2 k3", model));
+  }
+  Camera camera;
+  camera.width = whole_number(table, "width");
+  camera.height = whole_number(table, "height");
+  camera.fx = required(table, "fx");
+  camera.fy = required(table, "fy");
+  camera.cx = required(table, "cx");
+  camera.cy = required(table, "cy");
+  camera.k1 = table.number("k1").value_or(0.0);
+  camera.k2 = table.number("k2").value_or(0.0);
+  camera.p1 = table.number("p1").value_or(0.0);
+  camera.p2 = table.number("p2").value_or(0.0);
+  camera.k3 = table.number("k3").value_or(0.0);
+  return camera;
+}
+
+tl::expected<Camera, std::string> parse_camera_toml(const std::string& text, const std::string& path) {
+  const auto file = parse_toml(text, path, kCameraFileLimit);
+  if (!file) return tl::unexpected(file.error());
+  TomlMistakes mistakes(path);
+  const TomlTable top(*file, mistakes);
+  top.refuse_keys_outside({"camera", "truth"});  // [truth] is the simulator's (truth-camera.toml)
+  const toml::value* table = top.find("camera");
+  Camera camera;
+  if (table == nullptr || !table->is_table()) {
+    mistakes.add(1, 1, "no [camera] and no camera_matrix: give our TOML or a calibration YAML of OpenCV or ROS");
+  } else {
+    camera = read_table(TomlTable(*table, mistakes));
+  }
+  if (mistakes.empty()) return camera;
+  std::string lines;
+  for (const std::string& line : mistakes.lines()) lines += (lines.empty() ? "" : "\n") + line;
+  return tl::unexpected(lines);
+}
+
+bool is_yaml(const std::string& text) {
+  return text.rfind("%YAML", 0) == 0 || text.find("amera_matrix:") != std::string::npos ||
+         text.find("amera_Matrix:") != std::string::npos;
+}
+
+}  // namespace
+
+tl::expected<Camera, std::string> parse_camera(const std::string& text, const std::string& path) {
+  try {
+    return is_yaml(text) ? parse_camera_yaml(text, path) : parse_camera_toml(text, path);
+  } catch (const std::exception& error) {  // toml11 throws; what we ask of it should not, but it is not our code
+    return tl::unexpected(fmt::format("{}:1:1: {}", path, error.what()));
+  }
+}
+
+tl::expected<Camera, std::string> read_camera(const std::string& path) {
+  const auto text = read_small_file(path, kCameraFileLimit);
+  if (!text) return tl::unexpected(text.error());
+  return parse_camera(*text, path);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/camera_file.h"
+
+#include <gtest/gtest.h>
+
+namespace moiregauge {
+namespace {
+
+void expect_the_camera(const tl::expected<Camera, std::string>& read) {
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->width, 640);
+  EXPECT_EQ(read->height, 480);
+  EXPECT_EQ(read->fx, 534.5);
+  EXPECT_EQ(read->fy, 535.25);
+  EXPECT_EQ(read->cx, 320.5);
+  EXPECT_EQ(read->cy, 240.0);
+  EXPECT_EQ(read->k1, -0.25);
+  EXPECT_EQ(read->k2, 0.0625);
+  EXPECT_EQ(read->p1, 1e-3);
+  EXPECT_EQ(read->p2, -2e-4);
+  EXPECT_EQ(read->k3, 0.125);
+}
+
+TEST(CameraFile, OurTomlAndTheYamlOfOpencvAndOfRosGiveTheSameCamera) {
+  expect_the_camera(parse_camera(
+      "[camera]\nwidth = 640\nheight = 480\nfx = 534.5\nfy = 535.25\ncx = 320.5\ncy = 240\nk1 = -0.25\nk2 = 0.0625\n"
+      "p1 = 1e-3\np2 = -2e-4\nk3 = 0.125\n", "camera.toml"));
+  expect_the_camera(parse_camera(
+      "%YAML:1.0\n---\ncalibration_time: \"Tue 09 May 2023 10:11:12\"\nimage_width: 640\nimage_height: 480\n"
+      "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 5.345e+02, 0., 3.205e+02, 0.,\n"
+      "       5.3525e+02, 240., 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n"
+      "   data: [ -0.25, 6.25e-02,\n       1e-03, -2.e-04, 0.125 ]\navg_reprojection_error: 1.7e-01\n", "camera.yml"));
+  expect_the_camera(parse_camera(
+      "image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
+      "  data: [534.5, 0, 320.5, 0, 535.25, 240, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n"
+      "  rows: 1\n  cols: 5\n  data:\n  - -0.25\n  - 0.0625\n  - 0.001\n  - -0.0002\n  - 0.125\nrectification_matrix:\n"
+      "  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "camera.yaml"));
+}
+
+TEST(CameraFile, ALensThatFiveTermsCannotSayIsRefused) {
+  const std::string matrix = "camera_matrix: [[500, 0, 320], [0, 500, 240], [0, 0, 1]]\n";
+  EXPECT_TRUE(parse_camera(matrix, "c.yaml"));
+  EXPECT_TRUE(parse_camera(matrix + "distortion_coefficients: [1, 2, 3, 4, 5, 0, 0, 0]\n", "c.yaml"));
+  EXPECT_FALSE(parse_camera(matrix + "distortion_coefficients: [1, 2, 3, 4, 5, 6, 7, 8]\n", "c.yaml"));
+  EXPECT_FALSE(parse_camera(matrix + "distortion_model: equidistant\ndistortion_coefficients: [1, 2, 3, 4]\n", "c.yaml"));
+  EXPECT_FALSE(parse_camera("camera_matrix: [500, 0.5, 320, 0, 500, 240, 0, 0, 1]\n", "c.yaml")) << "skew";
+  EXPECT_FALSE(parse_camera("camera_matrix: [500, 0, 320]\n", "c.yaml"));
+  EXPECT_FALSE(parse_camera("camera_matrix: [a, b]\n", "c.yaml"));
+  EXPECT_FALSE(parse_camera("%YAML:1.0\n", "c.yaml"));
+}
+
+TEST(CameraFile, MistakesAreNamedWithTheirPlaces) {
+  const auto read = parse_camera("[camera]\nfx = -1.0\nfy = 500.0\ncx = 1.0\nk4 = 0.1\n", "c.toml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().find("c.toml:2:6: fx must be greater than 0"), std::string::npos) << read.error();
+  EXPECT_NE(read.error().find("needs cy"), std::string::npos) << read.error();
+  EXPECT_NE(read.error().find("unknown key \"k4\""), std::string::npos) << read.error();
+  EXPECT_NE(parse_camera("x = 1\n", "c.toml").error().find("no [camera]"), std::string::npos);
+  EXPECT_NE(read_camera("/nowhere/c.toml").error().find("/nowhere/c.toml: cannot be read"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace moiregauge

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/geometry/camera.h"
+
+namespace moiregauge {
+
+// Reads the few keys of a calibration file that a camera needs. Not a YAML reader: it knows OpenCV's FileStorage and
+// ROS's camera_info, each a key at the start of a line and its numbers in brackets or behind dashes.
+[[nodiscard]] tl::expected<Camera, std::string> parse_camera_yaml(const std::string& text, const std::string& path);
+
+}  // namespace moiregauge
