@@ -16,9 +16,11 @@ namespace {
 
 tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
 
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
+// One line says that the file is wrong, then one line per mistake, each with its place.
+std::string mistakes(const std::string& path, const std::vector<std::string>& lines) {
+  std::string text = fmt::format("site file: {}: correct {}", path,
+                                 lines.size() == 1 ? "this mistake:" : fmt::format("these {} mistakes:", lines.size()));
+  for (const std::string& line : lines) text += "\n" + line;
   return text;
 }
 
@@ -84,7 +86,7 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     return usage("no site: --site FILE: state where the markers are (docs/file-formats.md); measuring without a site file "
                  "comes with a later version");
   auto site = read_site(words.site);
-  if (!site) return usage(joined(site.error()));
+  if (!site) return usage(mistakes(words.site, site.error()));
   options.site = std::move(*site);
   if (!words.camera.empty()) {
     auto camera = read_camera(words.camera);

@@ -21,6 +21,8 @@ constexpr double kClippedShare = 0.05;
 constexpr double kUntrusted = 10.0;
 // No print, lens or pixel is so good that noise alone could be below this share of a pitch (0.5 um of 10 mm).
 constexpr double kNoiseFloorPitches = 5e-5;
+// A circle alone, without a grating to refine it: how well a printed disc's outline is its centre's, on real prints.
+constexpr double kPrintedCirclePx = 0.03;
 // A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
 constexpr double kOrderLimit = 0.4;
 // The camera has moved when the references have, by more than noise and a 1/2000 pitch.
@@ -43,7 +45,7 @@ BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch) {
 std::vector<BoardExtent> reference_noise(const Reference& reference, const Observation& seen) {
   std::vector<BoardExtent> u;
   for (const CirclePoint& point : reference.circles) {
-    const double circle = point.u_px * reference.view.mm_per_px(point.board);
+    const double circle = std::hypot(point.u_px, kPrintedCirclePx) * reference.view.mm_per_px(point.board);
     u.push_back(reference.site.markers[point.marker].grating
                     ? noise_mm(reference.plans[point.marker], seen.markers[point.marker].patch)
                     : BoardExtent{circle, circle});

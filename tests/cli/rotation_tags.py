@@ -1,0 +1,26 @@
+"""A telephone clip carries its frames as the sensor saw them and a tag that says how to hold them: the displacement is that
+of the picture as displayed, whatever the tag."""
+import numpy
+
+from pictures import read_png, write_png
+from runs import insist, rows, run, simulate, start
+
+program, work, _ = start()
+simulate(program, work / "run")
+site = work / "run/site.toml"
+run([program, "measure", work / "run/frames", "--site", site, "--fps", "10", "-o", work / "upright"])
+expected = rows(work / "upright", ("frame", "marker", "dx_mm", "dy_mm", "status"))
+for tag in [0, 90, 180, 270]:
+    stored = work / f"stored{tag}"
+    stored.mkdir()
+    for path in sorted((work / "run/frames").glob("*.png")):
+        # Shown after a turn by `tag` clockwise, so stored turned by as much the other way.
+        write_png(stored / path.name, numpy.ascontiguousarray(numpy.rot90(read_png(path), tag // 90)))
+    run(["ffmpeg", "-loglevel", "error", "-framerate", "10", "-i", stored / "%06d.png", "-c:v", "libx264", "-qp", "0",
+         "-pix_fmt", "gray", work / f"plain{tag}.mp4"])
+    # ffmpeg's `rotate` metadata counts counter-clockwise turns that were made; the display matrix then turns them back.
+    run(["ffmpeg", "-loglevel", "error", "-i", work / f"plain{tag}.mp4", "-c", "copy", "-metadata:s:v:0", f"rotate={tag}",
+         work / f"tagged{tag}.mp4"])
+    run([program, "measure", work / f"tagged{tag}.mp4", "--site", site, "-o", work / f"out{tag}"])
+    got = rows(work / f"out{tag}", ("frame", "marker", "dx_mm", "dy_mm", "status"))
+    insist(got == expected, f"tag {tag}:\n{got}\n{expected}")

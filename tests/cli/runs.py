@@ -1,0 +1,35 @@
+"""Shared by the scripts of this folder: run the program, read what it wrote."""
+import csv
+import pathlib
+import shutil
+import subprocess
+import sys
+
+
+def start():
+    """The program, an empty folder to work in, the source tree: from the command line."""
+    program, work, source = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    return program, work, source
+
+
+def run(command, expected=0):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
+    if done.returncode != expected:
+        sys.exit(f"exit {done.returncode}, expected {expected}: {' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def simulate(program, where, scenario="small-1xyz", frames=4, *more):
+    run([program, "simulate", scenario, "--frames", frames, "--markers-only", "-o", where, *more])
+
+
+def rows(folder, keep=("frame", "marker", "dx_mm", "dy_mm", "u_dx_mm", "u_dy_mm", "status")):
+    with open(folder / "displacement.csv", newline="") as file:
+        return [tuple(row[name] for name in keep) for row in csv.DictReader(file)]
+
+
+def insist(condition, message):
+    if not condition:
+        sys.exit(message)

@@ -1,0 +1,20 @@
+"""Threads change nothing; a selection of frames changes no number of those selected; a run may be repeated in place."""
+from runs import insist, rows, run, simulate, start
+
+program, work, _ = start()
+simulate(program, work / "run", "small-1xyz", 9)
+simulate(program, work / "again", "small-1xyz", 9, "--threads", "1")
+for path in sorted((work / "run/frames").iterdir()):
+    insist(path.read_bytes() == (work / "again/frames" / path.name).read_bytes(), f"{path.name} depends on threads")
+base = [program, "measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", "10"]
+run([*base, "-o", work / "all"])
+run([*base, "--threads", "1", "-o", work / "one"])
+insist((work / "all/displacement.csv").read_bytes() == (work / "one/displacement.csv").read_bytes(), "threads change the CSV")
+run([*base, "-o", work / "all"])  # the same input: replaced as a whole
+short = ("frame", "dx_mm", "dy_mm")
+run([*base, "--frames", "0:9:4", "-o", work / "some"])
+wanted = [row for row in rows(work / "all", short) if int(row[0]) % 4 == 0]
+insist(rows(work / "some", short) == wanted, f"{rows(work / 'some', short)} is not {wanted}")
+run([*base, "--reference-frame", "8", "-o", work / "last"])
+last = {row[0]: row for row in rows(work / "last", ("frame", "dx_mm", "dy_mm", "status"))}
+insist(last["8"] == ("8", "0.000000", "0.000000", "ok"), f"the reference frame is not zero: {last['8']}")
