@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// The photographs of tests/real/data, and runs on them. Their boards are rigid: every displacement measured is an error.
+#pragma once
+
+#include <string>
+
+#include "moiregauge/io/picture.h"
+#include "moiregauge/run/measure.h"
+#include "moiregauge/site/site.h"
+
+namespace moiregauge::test {
+
+[[nodiscard]] Site real_site(const std::string& set);
+[[nodiscard]] Picture real_picture(const std::string& set, const std::string& file);
+[[nodiscard]] Measurement real_run(const std::string& set, const std::string& method);
+
+// Length of the first target's displacement in the second view, px of the picture (a null: the truth is zero).
+[[nodiscard]] double null_px(const Measurement& measurement);
+[[nodiscard]] const Sample& second_view(const Measurement& measurement);
+
+}  // namespace moiregauge::test
