@@ -81,6 +81,7 @@ class Pen {
     cairo_set_source_rgb(cr_, colour_.r, colour_.g, colour_.b);
     cairo_move_to(cr_, x, y);
     cairo_show_text(cr_, text.c_str());
+    cairo_new_path(cr_);
   }
 
  private:
@@ -153,7 +154,8 @@ std::vector<std::uint8_t> draw_overlay(const OverlayContents& contents) {
   const double unit = std::max(1.0, std::max(width, height) / 1400.0);  // lines and letters grow with the picture
   Pen pen(context.get(), unit);
   constexpr std::size_t kMostRejected = 60;  // more would hide the picture
-  if (contents.circles != nullptr) {
+  // What was turned down matters only where something is missing.
+  if (contents.circles != nullptr && contents.reference == nullptr) {
     const auto& rejected = contents.circles->rejected;
     for (std::size_t i = 0; i < std::min(rejected.size(), kMostRejected); ++i) {
       if (rejected[i].diameter_px < 10.0) continue;

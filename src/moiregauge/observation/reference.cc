@@ -111,6 +111,22 @@ tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<Ci
   return fit_homography<frame::Ideal, frame::Board>(board, ideal);
 }
 
+namespace {
+
+// A wrong diameter in the site must be named, not end in "not found": without their diameters the circles may fit.
+tl::expected<Identified, IdentityFailure> identify(const Site& site, const CircleSearch& search) {
+  auto who = identify_first(site, search);
+  if (who) return who;
+  Site unsized = site;
+  for (Marker& marker : unsized.markers) {
+    if (marker.circle) marker.circle->diameter_mm = 0.0;
+  }
+  const auto without = identify_first(unsized, search);
+  return without ? tl::expected<Identified, IdentityFailure>(*without) : who;
+}
+
+}  // namespace
+
 tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& picture, const Site& site, const Camera& lens,
                                                          const ObserveOptions& options) {
   Reference reference;
@@ -120,7 +136,7 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
   reference.height = height_of(picture.luma);
   reference.options = options;
   reference.search = find_circles(picture.luma, options.circles);
-  const auto who = identify_first(site, reference.search);
+  const auto who = identify(site, reference.search);
   if (!who) return tl::unexpected(ReferenceFailure{ReferenceProblem::kNotFound, who.error().reason, reference.search});
   reference.circles = circle_points(site, lens, reference.search, *who);
   const auto h = fit_circles(reference.circles);

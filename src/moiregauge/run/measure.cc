@@ -179,13 +179,6 @@ tl::expected<Measurement, InputError> measure(const OpenInput& open, const Measu
   auto source = open();
   if (!source) return tl::unexpected(source.error());
   out.input = (*source)->info();
-  if (options.camera && options.camera->width > 0 &&
-      (options.camera->width != out.input.width || options.camera->height != out.input.height)) {
-    return tl::unexpected(InputError{
-        InputErrorKind::kUnsupported,
-        fmt::format("camera file is for {} x {} px, the pictures have {} x {}: {}: calibrate at the recording's size",
-                    options.camera->width, options.camera->height, out.input.width, out.input.height, out.input.path)});
-  }
   if (out.reference || !options.reference_frame) {
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
     out.input = (*source)->info();
