@@ -113,16 +113,13 @@ tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<Ci
 
 namespace {
 
-// A wrong diameter in the site must be named, not end in "not found": without their diameters the circles may fit.
-tl::expected<Identified, IdentityFailure> identify(const Site& site, const CircleSearch& search) {
-  auto who = identify_first(site, search);
-  if (who) return who;
-  Site unsized = site;
-  for (Marker& marker : unsized.markers) {
+// A wrong diameter in the site must be named, not end in "not found": without their diameters the circles may fit. Such
+// a fit is good for naming the mistake only, never for measuring.
+tl::expected<Identified, IdentityFailure> identify_without_diameters(Site site, const CircleSearch& search) {
+  for (Marker& marker : site.markers) {
     if (marker.circle) marker.circle->diameter_mm = 0.0;
   }
-  const auto without = identify_first(unsized, search);
-  return without ? tl::expected<Identified, IdentityFailure>(*without) : who;
+  return identify_first(site, search);
 }
 
 }  // namespace
@@ -136,8 +133,12 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
   reference.height = height_of(picture.luma);
   reference.options = options;
   reference.search = find_circles(picture.luma, options.circles);
-  const auto who = identify(site, reference.search);
-  if (!who) return tl::unexpected(ReferenceFailure{ReferenceProblem::kNotFound, who.error().reason, reference.search});
+  const auto sized = identify_first(site, reference.search);
+  const auto who = sized ? sized : identify_without_diameters(site, reference.search);
+  const auto not_found = [&] {
+    return tl::unexpected(ReferenceFailure{ReferenceProblem::kNotFound, sized.error().reason, reference.search});
+  };
+  if (!who) return not_found();
   reference.circles = circle_points(site, lens, reference.search, *who);
   const auto h = fit_circles(reference.circles);
   if (!h)
@@ -155,6 +156,7 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
   plan_rasters(reference);
   read_patches(reference, picture);
   if (auto problem = problem_of(reference)) return tl::unexpected(std::move(*problem));
+  if (!sized) return not_found();
   return reference;
 }
 
