@@ -1,45 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small picture files and a folder that goes away, for the tests of this module. Written with libpng itself, not with
+// Small picture files for the tests of this module. Written with libpng itself, not with
 // the simulator's writer: a mistake shared by writer and reader would cancel out.
 #pragma once
 
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <png.h>
-#include <unistd.h>
+
+#include "moiregauge/io/test_folder.h"
 
 namespace moiregauge {
-
-class TestFolder {
- public:
-  TestFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "moiregauge-test-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  TestFolder(const TestFolder&) = delete;
-  TestFolder& operator=(const TestFolder&) = delete;
-  ~TestFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  [[nodiscard]] std::string path() const { return path_; }
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline void write_text(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
-
-inline std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 struct TestPng {
   int width = 4;

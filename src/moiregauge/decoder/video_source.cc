@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/decoder/video_source.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "moiregauge/decoder/child_process.h"
+#include "moiregauge/run/sha256.h"
+
+namespace moiregauge {
+namespace {
+
+using wire::Kind;
+using wire::Record;
+
+constexpr const char* kDecoderAdvice = "what came before it counts; convert the video with ffmpeg and try again";
+
+class OpenFile {
+ public:
+  explicit OpenFile(const std::string& path) : file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  [[nodiscard]] int number() const { return file_; }
+
+ private:
+  int file_;
+};
+
+InputError error_of(InputErrorKind kind, const std::string& what, const std::string& where, const std::string& advice) {
+  return {kind, fmt::format("{}: {}: {}", what, where, advice)};
+}
+
+// The child's words as an error; an error kind it has no right to becomes kDamaged.
+InputError error_in(const Record& record, const std::string& path) {
+  const bool known = record.error >= 0 && record.error <= static_cast<int>(InputErrorKind::kDamaged);
+  const auto kind = known ? static_cast<InputErrorKind>(record.error) : InputErrorKind::kDamaged;
+  return error_of(kind, wire::get(record.what), path, wire::get(record.advice));
+}
+
+std::string sha256_of(int file) {
+  Sha256 sum;
+  std::vector<std::byte> block(std::size_t{1} << 20);
+  off_t at = 0;
+  while (true) {
+    const ssize_t read = ::pread(file, block.data(), block.size(), at);
+    if (read < 0 && errno == EINTR) continue;
+    if (read <= 0) return sum.hex();
+    sum.add({block.data(), static_cast<std::size_t>(read)});
+    at += read;
+  }
+}
+
+class VideoSource final : public FrameSource {
+ public:
+  VideoSource(ChildProcess child, InputInfo info, const InputOptions& options, std::chrono::milliseconds watchdog)
+      : child_(std::move(child)), info_(std::move(info)), fps_(options.fps), watchdog_(watchdog) {}
+
+  [[nodiscard]] const InputInfo& info() const override { return info_; }
+
+  // Waits for the child's opening words; the rest of info() is known after it.
+  [[nodiscard]] tl::expected<void, InputError> open() {
+    const auto record = child_.receive(watchdog_);
+    if (!record) return tl::unexpected(error_of(InputErrorKind::kDamaged, record.error(), info_.path, kDecoderAdvice));
+    if (record->kind == Kind::kFailed) return tl::unexpected(error_in(*record, info_.path));
+    if (!is_sane(*record)) return tl::unexpected(nonsense());
+    info_.frames = record->frames;
+    info_.width = record->width;
+    info_.height = record->height;
+    info_.bits = record->bits;
+    info_.rotation_deg = record->rotation_deg;
+    info_.codec = wire::get(record->what);
+    info_.fps = fps_.value_or(record->fps);
+    info_.time_source = fps_ ? "fps-option" : "stream";
+    slots_ = record->slots;
+    slot_bytes_ = wire::slot_bytes(info_.width, info_.height, info_.bits);
+    memory_ = child_.map(slot_bytes_ * static_cast<std::size_t>(slots_));
+    if (memory_ == nullptr) return tl::unexpected(nonsense());
+    return {};
+  }
+
+  [[nodiscard]] tl::expected<std::optional<Frame>, InputError> next() override {
+    if (ended_) return std::optional<Frame>();
+    if (broken_off_) return tl::unexpected(*broken_off_);
+    if (held_slot_ >= 0) child_.release(std::exchange(held_slot_, -1));
+    while (true) {
+      const auto record = child_.receive(watchdog_);
+      if (!record) return break_off(error_of(InputErrorKind::kDamaged, record.error(), place(), kDecoderAdvice));
+      if (record->kind == Kind::kFailed) return break_off(error_in(*record, info_.path));
+      if (record->kind == Kind::kWarning) {
+        if (info_.warnings.size() < 100) info_.warnings.push_back(wire::get(record->what));
+        continue;
+      }
+      ended_ = record->kind == Kind::kEnd;
+      if (ended_) return std::optional<Frame>();
+      if (record->kind != Kind::kFrame || record->slot < 0 || record->slot >= slots_ || record->number != number_) {
+        return break_off(nonsense());
+      }
+      return frame_in(*record);
+    }
+  }
+
+ private:
+  [[nodiscard]] static bool is_sane(const Record& record) {
+    return record.kind == Kind::kOpened && record.width > 0 && record.height > 0 &&
+           record.width <= wire::kMostPixels / record.height && record.bits >= 8 && record.bits <= 16 &&
+           record.slots > 0 && record.slots <= wire::kMostSlots;
+  }
+
+  [[nodiscard]] std::string place() const { return fmt::format("{} at frame {}", info_.path, number_); }
+  [[nodiscard]] InputError nonsense() const {
+    return error_of(InputErrorKind::kDamaged, "the decoder lost its senses", place(), kDecoderAdvice);
+  }
+  tl::unexpected<InputError> break_off(InputError error) {
+    broken_off_ = std::move(error);
+    return tl::unexpected(*broken_off_);
+  }
+
+  [[nodiscard]] Frame frame_in(const Record& record) {
+    held_slot_ = record.slot;
+    const std::byte* pixels = memory_ + static_cast<std::size_t>(record.slot) * slot_bytes_;
+    const double time_s = fps_ ? static_cast<double>(number_) / *fps_ : record.time_s;
+    Frame frame{number_++, time_s, record.damaged != 0, {}};
+    const auto view = [&]<typename Grey>(const Grey* data) {
+      frame.luma = ImageView<Grey>{data, info_.width, info_.height, info_.width};
+    };
+    if (info_.bits == 8) view(reinterpret_cast<const std::uint8_t*>(pixels));
+    else view(reinterpret_cast<const std::uint16_t*>(pixels));
+    return frame;
+  }
+
+  ChildProcess child_;
+  InputInfo info_;
+  std::optional<double> fps_;
+  std::chrono::milliseconds watchdog_;
+  const std::byte* memory_ = nullptr;
+  std::size_t slot_bytes_ = 0;
+  int slots_ = 0;
+  int held_slot_ = -1;
+  long number_ = 0;
+  bool ended_ = false;
+  std::optional<InputError> broken_off_;
+};
+
+}  // namespace
+
+tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::string& path, const InputOptions& options,
+                                                                  const DecoderOptions& decoder) {
+  const auto unreadable = [&](const std::string& what, const std::string& advice) {
+    return tl::unexpected(error_of(InputErrorKind::kUnreadable, what, path, advice));
+  };
+  const OpenFile file(path);
+  struct stat about {};
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) {
+    return unreadable(fmt::format("cannot open the video ({})", std::strerror(errno)), "check the name and your rights");
+  }
+  if (!S_ISREG(about.st_mode)) return unreadable("not a file", "give a video file");
+  if (about.st_size == 0) return unreadable("the file is empty", "record or copy it again");
+  auto child = ChildProcess::start(decoder.child_program, file.number());
+  if (!child) return unreadable(fmt::format("no decoder could be started ({})", child.error()), "free memory or processes");
+  InputInfo info;
+  info.path = path;
+  info.sha256 = sha256_of(file.number());  // while the child opens the file
+  auto source = std::make_unique<VideoSource>(std::move(*child), std::move(info), options, decoder.watchdog);
+  if (auto opened = source->open(); !opened) return tl::unexpected(opened.error());
+  return source;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/decoder/video_stream.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+extern "C" {
+#include <libavutil/display.h>
+}
+
+namespace moiregauge {
+namespace {
+
+// Containers of one file. No playlists, no concatenations, no picture sequences: those name other files.
+constexpr const char* kContainers = "mov,matroska,avi,mpegts,yuv4mpegpipe";
+constexpr int kReadBlock = 1 << 18;  // bytes
+
+int refuse_to_open(AVFormatContext* /*container*/, AVIOContext** /*bytes*/, const char* /*url*/, int /*flags*/,
+                   AVDictionary** /*options*/) {
+  return AVERROR(EPERM);
+}
+
+}  // namespace
+
+int read_bytes(void* self, std::uint8_t* out, int size) {
+  auto& stream = *static_cast<VideoStream*>(self);
+  const ssize_t read = ::pread(stream.file_, out, static_cast<std::size_t>(size), stream.position_);
+  if (read < 0) return AVERROR(errno);
+  stream.position_ += read;
+  return read == 0 ? AVERROR_EOF : static_cast<int>(read);
+}
+
+std::int64_t seek_bytes(void* self, std::int64_t offset, int whence) {
+  auto& stream = *static_cast<VideoStream*>(self);
+  struct stat about {};
+  if (::fstat(stream.file_, &about) != 0) return AVERROR(errno);
+  whence &= ~AVSEEK_FORCE;
+  if (whence == AVSEEK_SIZE) return about.st_size;
+  const std::int64_t from = whence == SEEK_CUR ? stream.position_ : whence == SEEK_END ? about.st_size : 0;
+  if (offset < 0 ? from < -offset : from > std::numeric_limits<std::int64_t>::max() - offset) return AVERROR(EINVAL);
+  return stream.position_ = from + offset;
+}
+
+tl::expected<std::unique_ptr<VideoStream>, VideoProblem> VideoStream::open(int file) {
+  std::unique_ptr<VideoStream> stream(new VideoStream);
+  if (!stream->open_container(file)) {
+    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "no video",
+                                       "give a whole mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of pictures"});
+  }
+  if (!stream->open_decoder()) {
+    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "no decoder for " + stream->codec(),
+                                       "convert the video to H.264 or FFV1"});
+  }
+  stream->errors_seen_ = errors_logged();
+  return stream;
+}
+
+VideoStream::~VideoStream() {
+  avcodec_free_context(&decoder_);
+  avformat_close_input(&container_);
+  if (bytes_ != nullptr) av_freep(&bytes_->buffer);
+  avio_context_free(&bytes_);
+  av_frame_free(&frame_);
+  av_packet_free(&packet_);
+}
+
+bool VideoStream::open_container(int file) {
+  file_ = file;
+  frame_ = av_frame_alloc();
+  packet_ = av_packet_alloc();
+  auto* buffer = static_cast<unsigned char*>(av_malloc(kReadBlock));
+  bytes_ = avio_alloc_context(buffer, kReadBlock, 0, this, &read_bytes, nullptr, &seek_bytes);
+  container_ = avformat_alloc_context();
+  container_->pb = bytes_;
+  container_->flags |= AVFMT_FLAG_CUSTOM_IO;
+  container_->io_open = &refuse_to_open;
+  container_->error_recognition = AV_EF_CRCCHECK;
+  container_->format_whitelist = av_strdup(kContainers);
+  container_->protocol_whitelist = av_strdup("");
+  if (avformat_open_input(&container_, "", nullptr, nullptr) < 0) return false;
+  if (avformat_find_stream_info(container_, nullptr) < 0) return false;
+  const int best = av_find_best_stream(container_, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  if (best < 0) return false;
+  stream_ = container_->streams[best];
+  for (unsigned i = 0; i < container_->nb_streams; ++i) {
+    if (container_->streams[i] != stream_) container_->streams[i]->discard = AVDISCARD_ALL;
+  }
+  return (stream_->disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;  // the cover of a piece of music
+}
+
+bool VideoStream::open_decoder() {
+  const AVCodec* codec = avcodec_find_decoder(stream_->codecpar->codec_id);
+  decoder_ = codec == nullptr ? nullptr : avcodec_alloc_context3(codec);
+  if (decoder_ == nullptr || avcodec_parameters_to_context(decoder_, stream_->codecpar) < 0) return false;
+  decoder_->pkt_timebase = stream_->time_base;
+  // Slices, not frames, in parallel: a complaint then belongs to the packet just sent.
+  decoder_->thread_type = FF_THREAD_SLICE;
+  decoder_->thread_count = 0;
+  decoder_->err_recognition = AV_EF_CRCCHECK;
+  decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // marked by us, not swallowed: the others keep their numbers
+  decoder_->max_pixels = std::int64_t{1} << 28;
+  return avcodec_open2(decoder_, codec, nullptr) >= 0;
+}
+
+void VideoStream::note_complaints(std::int64_t packet) {
+  const long now = errors_logged();
+  if (now != errors_seen_) damage_.complaint(packet);
+  errors_seen_ = now;
+}
+
+bool VideoStream::read_packet() {
+  const long before = errors_logged();
+  int read = 0;
+  do {
+    av_packet_unref(packet_);
+    read = av_read_frame(container_, packet_);
+  } while (read >= 0 && packet_->stream_index != stream_->index);
+  if (read < 0) {  // a complaint about the end says nothing about the packets that came
+    last_read_complained_ = last_read_complained_ || read != AVERROR_EOF || errors_logged() != before;
+    errors_seen_ = errors_logged();
+    return false;
+  }
+  ++packets_;
+  if ((packet_->flags & AV_PKT_FLAG_KEY) != 0) damage_.key_packet(packets_);
+  last_read_complained_ = (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0;
+  if (last_read_complained_) damage_.complaint(packets_);
+  note_complaints(packets_);
+  return true;
+}
+
+bool VideoStream::send_packet() {
+  decoder_->reordered_opaque = packets_;
+  const int sent = avcodec_send_packet(decoder_, packet_);
+  note_complaints(packets_);
+  if (sent >= 0) return true;
+  damage_.complaint(packets_);
+  return false;
+}
+
+Decoded VideoStream::next() {
+  while (true) {
+    const int received = avcodec_receive_frame(decoder_, frame_);
+    note_complaints(packets_);
+    if (received >= 0) {
+      const std::int64_t packet = frame_->reordered_opaque > 0 ? frame_->reordered_opaque : packets_;
+      if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) damage_.complaint(packet);
+      damaged_ = damage_.touches(packet) || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
+      timestamp_ = frame_->best_effort_timestamp;
+      return Decoded::kFrame;
+    }
+    if (received == AVERROR_EOF) return ended_early() ? Decoded::kEndedEarly : Decoded::kEnd;
+    if (received != AVERROR(EAGAIN)) damage_.complaint(packets_);
+    if (draining_ && received != AVERROR(EAGAIN)) continue;
+    if (!read_packet()) {
+      draining_ = true;
+      avcodec_send_packet(decoder_, nullptr);
+    } else if (!send_packet() && decoder_->has_b_frames == 0) {  // with reordering its place is not known
+      damaged_ = true;
+      timestamp_ = packet_->pts;
+      return Decoded::kLost;
+    }
+  }
+}
+
+// The index of an mp4 knows its packets, the head of an avi its frames; elsewhere only the reader's own complaint tells.
+bool VideoStream::ended_early() const { return last_read_complained_ || packets_ < frames(); }
+
+long VideoStream::frames() const {
+  const bool is_mov = std::strncmp(container_->iformat->name, "mov", 3) == 0;
+  if (is_mov && avformat_index_get_entries_count(stream_) > 0) return avformat_index_get_entries_count(stream_);
+  return stream_->nb_frames > 0 ? static_cast<long>(stream_->nb_frames) : -1;
+}
+
+double VideoStream::time_s() const {
+  if (timestamp_ == AV_NOPTS_VALUE) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(timestamp_) * stream_->time_base.num / stream_->time_base.den;
+}
+
+double VideoStream::fps() const {
+  const AVRational rate = stream_->avg_frame_rate.num > 0 ? stream_->avg_frame_rate : stream_->r_frame_rate;
+  return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string VideoStream::codec() const { return avcodec_get_name(stream_->codecpar->codec_id); }
+
+tl::expected<int, VideoProblem> VideoStream::rotation_deg() const {
+  std::size_t size = 0;
+  const auto* data = av_stream_get_side_data(stream_, AV_PKT_DATA_DISPLAYMATRIX, &size);
+  if (data == nullptr || size < 9 * sizeof(std::int32_t)) return 0;
+  std::int32_t matrix[9];
+  std::memcpy(matrix, data, sizeof matrix);
+  const double mirror = double{1} * matrix[0] * matrix[4] - double{1} * matrix[1] * matrix[3];
+  const double clockwise = -av_display_rotation_get(matrix);
+  const double quarters = std::round(clockwise / 90.0);
+  if (!(mirror > 0.0) || !(std::fabs(clockwise - 90.0 * quarters) < 0.5)) {
+    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "the picture is mirrored or turned askew by its display tag",
+                                       "store it upright or in quarter turns"});
+  }
+  return ((static_cast<int>(quarters) % 4 + 4) % 4) * 90;
+}
+
+}  // namespace moiregauge

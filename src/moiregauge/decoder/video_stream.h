@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// One video stream of one open file, decoded frame by frame. Runs in the child only.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/decoder/damage.h"
+#include "moiregauge/run/frame_source.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+namespace moiregauge {
+
+struct VideoProblem {
+  InputErrorKind kind = InputErrorKind::kUnsupported;
+  std::string what;
+  std::string advice;
+};
+
+enum class Decoded { kFrame, kLost, kEnd, kEndedEarly };
+
+class VideoStream {
+ public:
+  // Reads through `file` alone: libav gets no name and no protocol, and every further opening is refused.
+  [[nodiscard]] static tl::expected<std::unique_ptr<VideoStream>, VideoProblem> open(int file);
+  VideoStream(const VideoStream&) = delete;
+  VideoStream& operator=(const VideoStream&) = delete;
+  ~VideoStream();
+
+  // kFrame: frame() holds the next one. kLost: a packet gave none, its place in the order is here.
+  [[nodiscard]] Decoded next();
+  [[nodiscard]] const AVFrame& frame() const { return *frame_; }
+  [[nodiscard]] bool damaged() const { return damaged_; }
+  [[nodiscard]] double time_s() const;       // of the frame or the lost packet, in the stream's own count; NaN: none
+
+  [[nodiscard]] long frames() const;         // -1: the container does not say
+  [[nodiscard]] double fps() const;          // NaN: not known
+  [[nodiscard]] std::string codec() const;
+  // Clockwise quarters that show the picture upright; an error when it is mirrored or askew.
+  [[nodiscard]] tl::expected<int, VideoProblem> rotation_deg() const;
+
+ private:
+  VideoStream() = default;
+  [[nodiscard]] bool open_container(int file);
+  [[nodiscard]] bool open_decoder();
+  [[nodiscard]] bool read_packet();
+  [[nodiscard]] bool send_packet();
+  void note_complaints(std::int64_t packet);
+  [[nodiscard]] bool ended_early() const;
+
+  int file_ = -1;
+  std::int64_t position_ = 0;  // bytes; ours, as the descriptor's own may be shared
+  AVFormatContext* container_ = nullptr;
+  AVIOContext* bytes_ = nullptr;
+  AVCodecContext* decoder_ = nullptr;
+  AVStream* stream_ = nullptr;
+  AVFrame* frame_ = nullptr;
+  AVPacket* packet_ = nullptr;
+  Damage damage_;
+  long errors_seen_ = 0;
+  std::int64_t packets_ = 0;
+  bool draining_ = false;
+  bool last_read_complained_ = false;
+  bool damaged_ = false;
+  std::int64_t timestamp_ = AV_NOPTS_VALUE;
+
+  friend int read_bytes(void* self, std::uint8_t* out, int size);
+  friend std::int64_t seek_bytes(void* self, std::int64_t offset, int whence);
+};
+
+}  // namespace moiregauge

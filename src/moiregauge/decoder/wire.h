@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What parent and decoding child say to each other: records of fixed size over a socket that keeps them whole
+// (SOCK_SEQPACKET), pixels in slots of shared memory. The child is not trusted: the parent checks every number.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+
+namespace moiregauge::wire {
+
+// File descriptors of the child.
+inline constexpr int kInputFile = 3;
+inline constexpr int kMemoryFile = 4;
+inline constexpr int kSocket = 5;
+inline constexpr int kFirstUnusedFile = 6;
+
+inline constexpr const char* kChildMode = "--decode-child";
+inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
+inline constexpr int kMostSlots = 8;
+
+enum class Kind : std::int32_t { kOpened, kFrame, kWarning, kEnd, kFailed };
+
+using Text = std::array<char, 192>;
+
+inline void put(Text& text, const std::string& value) {
+  text.fill('\0');
+  std::copy_n(value.begin(), std::min(value.size(), text.size() - 1), text.begin());
+}
+inline std::string get(const Text& text) { return {text.begin(), std::find(text.begin(), text.end(), '\0')}; }
+
+// Child to parent.
+struct Record {
+  Kind kind = Kind::kEnd;
+  // kOpened
+  std::int32_t width = 0;       // px, as displayed
+  std::int32_t height = 0;
+  std::int32_t bits = 8;
+  std::int32_t rotation_deg = 0;
+  std::int32_t slots = 0;
+  std::int64_t frames = -1;
+  double fps = 0.0;             // NaN: not known
+  // kFrame
+  std::int32_t slot = 0;
+  std::int32_t damaged = 0;
+  std::int64_t number = 0;
+  double time_s = 0.0;
+  // kFailed
+  std::int32_t error = 0;       // an InputErrorKind
+  std::int32_t unused = 0;
+  Text what{};                  // kOpened: the codec; kWarning, kFailed: what is wrong
+  Text advice{};                // kFailed: what to do
+};
+static_assert(std::is_trivially_copyable_v<Record>);
+
+// Parent to child: this slot may be written again.
+struct Release {
+  std::int32_t slot = 0;
+};
+
+[[nodiscard]] inline std::size_t word_bytes(int bits) { return bits > 8 ? 2 : 1; }
+
+// Bytes of one slot: whole pages.
+[[nodiscard]] inline std::size_t slot_bytes(int width, int height, int bits) {
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  return (pixels * word_bytes(bits) + 4095) / 4096 * 4096;
+}
+
+}  // namespace moiregauge::wire
