@@ -14,11 +14,11 @@ for tag in [0, 90, 180, 270]:
     stored = work / f"stored{tag}"
     stored.mkdir()
     for path in sorted((work / "run/frames").glob("*.png")):
-        # Shown after a turn by `tag` clockwise, so stored turned by as much the other way.
-        write_png(stored / path.name, numpy.ascontiguousarray(numpy.rot90(read_png(path), tag // 90)))
+        # ffmpeg 5.1 writes `rotate=90` as a display matrix that turns the stored picture 90 degrees COUNTER-clockwise (its
+        # own player does that), so the picture is stored turned as much clockwise.
+        write_png(stored / path.name, numpy.ascontiguousarray(numpy.rot90(read_png(path), -tag // 90)))
     run(["ffmpeg", "-loglevel", "error", "-framerate", "10", "-i", stored / "%06d.png", "-c:v", "libx264", "-qp", "0",
          "-pix_fmt", "gray", work / f"plain{tag}.mp4"])
-    # ffmpeg's `rotate` metadata counts counter-clockwise turns that were made; the display matrix then turns them back.
     run(["ffmpeg", "-loglevel", "error", "-i", work / f"plain{tag}.mp4", "-c", "copy", "-metadata:s:v:0", f"rotate={tag}",
          work / f"tagged{tag}.mp4"])
     run([program, "measure", work / f"tagged{tag}.mp4", "--site", site, "-o", work / f"out{tag}"])
