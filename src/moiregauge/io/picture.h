@@ -18,7 +18,7 @@ struct Picture {
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;
   int bits = 8;          // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
   int rotation_deg = 0;  // clockwise, already applied
-  std::string codec;     // "png", "jpeg", "tiff", "pgm"
+  std::string codec;     // "png", "jpeg", "tiff"
 };
 
 using PictureOrError = tl::expected<Picture, InputError>;

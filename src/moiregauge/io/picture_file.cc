@@ -10,7 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/io/jpeg_reader.h"
 #include "moiregauge/io/png_reader.h"
+#include "moiregauge/io/tiff_reader.h"
 
 namespace moiregauge {
 
@@ -31,7 +33,13 @@ PictureKind picture_kind(const std::string& path) {
 PictureOrError read_picture(const std::string& path) {
   switch (picture_kind(path)) {
     case PictureKind::kPng: return read_png(path);
-    default: break;
+    case PictureKind::kJpeg: return read_jpeg(path);
+    case PictureKind::kTiff: return TiffStack::open(path).and_then([](const auto& stack) { return stack->read(0); });
+    case PictureKind::kNone: break;
+  }
+  if (const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose); !file) {
+    return tl::unexpected(InputError{InputErrorKind::kUnreadable,
+                                     fmt::format("cannot open picture: {}: {}", path, std::strerror(errno))});
   }
   return tl::unexpected(InputError{InputErrorKind::kUnsupported,
                                    fmt::format("not a picture: {}: give PNG, TIFF or JPEG files", path)});

@@ -8,7 +8,7 @@
 
 namespace moiregauge {
 
-enum class PictureKind { kNone, kPng, kJpeg, kTiff, kPgm };
+enum class PictureKind { kNone, kPng, kJpeg, kTiff };
 
 [[nodiscard]] PictureKind picture_kind(const std::string& path);
 

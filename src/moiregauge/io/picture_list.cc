@@ -36,7 +36,7 @@ bool is_picture_name(const fs::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  constexpr std::array kEndings{".png", ".tif", ".tiff", ".jpg", ".jpeg", ".pgm"};
+  constexpr std::array kEndings{".png", ".tif", ".tiff", ".jpg", ".jpeg"};
   return path.filename().string().front() != '.' && std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 

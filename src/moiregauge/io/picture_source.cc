@@ -13,6 +13,7 @@
 #include "moiregauge/io/file_hash.h"
 #include "moiregauge/io/picture_file.h"
 #include "moiregauge/io/picture_list.h"
+#include "moiregauge/io/tiff_reader.h"
 
 namespace moiregauge {
 namespace {
@@ -100,6 +101,19 @@ PictureSet set_of_files(const std::vector<std::string>& files) {
           [files](long i) { return files[static_cast<std::size_t>(i)]; }};
 }
 
+// One file that is a TIFF: every page a picture.
+tl::expected<PictureSet, InputError> set_of_pages(const std::string& path) {
+  const auto stack = TiffStack::open(path);
+  if (!stack) return tl::unexpected(stack.error());
+  return PictureSet{(*stack)->pages(), [stack = *stack](long i) { return stack->read(i); },
+                    [path](long i) { return fmt::format("{} page {}", path, i); }};
+}
+
+tl::expected<PictureSet, InputError> set_of(const std::vector<std::string>& files) {
+  if (files.size() == 1 && picture_kind(files.front()) == PictureKind::kTiff) return set_of_pages(files.front());
+  return set_of_files(files);
+}
+
 InputInfo info_of(const std::string& path, const PictureSet& set, const Picture& first, const InputOptions& options) {
   InputInfo info;
   info.path = path;
@@ -119,12 +133,13 @@ InputInfo info_of(const std::string& path, const PictureSet& set, const Picture&
 tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::string& path, const InputOptions& options) {
   const auto files = files_of(path, options);
   if (!files) return tl::unexpected(files.error());
-  PictureSet set = set_of_files(*files);
-  auto first = set.read(0);
+  auto set = set_of(*files);
+  if (!set) return tl::unexpected(set.error());
+  auto first = set->read(0);
   if (!first) return tl::unexpected(first.error());
-  InputInfo info = info_of(path, set, *first, options);
+  InputInfo info = info_of(path, *set, *first, options);
   info.sha256 = sha256_of_files(*files);
-  return std::make_unique<PictureSource>(std::move(set), std::move(*first), std::move(info));
+  return std::make_unique<PictureSource>(std::move(*set), std::move(*first), std::move(info));
 }
 
 }  // namespace moiregauge

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// TIFF files, of which the pages are pictures.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/io/picture.h"
+
+namespace moiregauge {
+
+// Grey or RGB pages of 8 or 16 bits, in strips, any compression libtiff knows. White-is-zero pages are turned to
+// black-is-zero; a page's orientation is applied. Pages are cheap in order, slower at random.
+class TiffStack {
+ public:
+  [[nodiscard]] static tl::expected<std::shared_ptr<TiffStack>, InputError> open(const std::string& path);
+  ~TiffStack();
+  TiffStack(const TiffStack&) = delete;
+  TiffStack& operator=(const TiffStack&) = delete;
+  [[nodiscard]] long pages() const { return pages_; }
+  // fails      kUnsupported (tiles, other depths, palettes, too many pixels, mirrored), kDamaged
+  [[nodiscard]] PictureOrError read(long page);
+
+ private:
+  struct State;
+  TiffStack();
+  std::unique_ptr<State> state_;
+  std::string path_;
+  long pages_ = 0;
+};
+
+}  // namespace moiregauge
