@@ -10,7 +10,8 @@
 
 namespace moiregauge {
 
-tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path, const InputOptions& options) {
+tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
+                                                                  const InputOptions& options) {
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(path, ignored);
   const bool is_video = !options.sequence && is_file && picture_kind(path) == PictureKind::kNone;

@@ -12,6 +12,6 @@ namespace moiregauge {
 
 // Any INPUT: a folder of pictures, a printf pattern with --sequence, a picture or TIFF stack, else a video file.
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
-                                                                               const InputOptions& options);
+                                                                                const InputOptions& options);
 
 }  // namespace moiregauge

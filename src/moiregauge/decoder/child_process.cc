@@ -112,7 +112,8 @@ tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milli
     if (ready < 0 && errno == EINTR) continue;
     if (ready > 0) break;
     ::kill(process_, SIGKILL);
-    return tl::unexpected(fmt::format("the decoder was silent for {} s", std::chrono::duration<double>(watchdog).count()));
+    return tl::unexpected(
+        fmt::format("the decoder was silent for {} s", std::chrono::duration<double>(watchdog).count()));
   }
   wire::Record record;
   const ssize_t got = ::recv(socket_, &record, sizeof record, 0);

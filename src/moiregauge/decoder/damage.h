@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which frames to distrust. The flags of libav cover a quarter of the frames that really differ; what it complains about
-// in its log, carried on to the next key frame, covers nearly all. (Bit flips inside MJPEG stay silent: nothing here
-// sees them.)
+// Which frames to distrust. The flags of libav cover a quarter of the frames that really differ; what it complains
+// about in its log, carried on to the next key frame, covers nearly all. (Bit flips inside MJPEG stay silent: nothing
+// here sees them.)
 #pragma once
 
 #include <algorithm>

@@ -89,11 +89,13 @@ tl::expected<void, VideoProblem> Child::settle_shape(const VideoStream& stream) 
   if (!rotation) return tl::unexpected(rotation.error());
   if (!layout) {
     const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));
-    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, fmt::format("no luma in pixels of kind {}", name ? name : "?"),
+    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported,
+                                       fmt::format("no luma in pixels of kind {}", name ? name : "?"),
                                        "convert the video to grey or YUV"});
   }
   if (frame.width <= 0 || frame.height <= 0 || frame.width > wire::kMostPixels / frame.height) {
-    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "the picture has more than 2^28 pixels", "crop it"});
+    return tl::unexpected(
+        VideoProblem{InputErrorKind::kUnsupported, "the picture has more than 2^28 pixels", "crop it"});
   }
   shape_ = {frame.width, frame.height, frame.format, *layout, *rotation};
   return {};
@@ -141,11 +143,14 @@ void Child::write_picture(const AVFrame& frame, std::byte* out) {
   upright_.resize(slot_bytes_);
   copy_luma(frame, shape_.layout, upright_.data());
   const auto turned = [&]<typename Grey>(Grey* to) {
-    const ImageView<Grey> stored{reinterpret_cast<const Grey*>(upright_.data()), shape_.width, shape_.height, shape_.width};
+    const ImageView<Grey> stored{reinterpret_cast<const Grey*>(upright_.data()), shape_.width, shape_.height,
+                                 shape_.width};
     turn_clockwise(stored, shape_.rotation_deg, to);
   };
-  if (shape_.layout.bits == 8) turned(reinterpret_cast<std::uint8_t*>(out));
-  else turned(reinterpret_cast<std::uint16_t*>(out));
+  if (shape_.layout.bits == 8)
+    turned(reinterpret_cast<std::uint8_t*>(out));
+  else
+    turned(reinterpret_cast<std::uint16_t*>(out));
 }
 
 void Child::watch(const VideoStream& stream) {
@@ -155,7 +160,8 @@ void Child::watch(const VideoStream& stream) {
   }
   last_s_ = time_s;
   if (stream.frame().interlaced_frame != 0) {
-    warn_once(warned_fields_, "the video is interlaced: the odd and even lines of a frame were seen at different times");
+    warn_once(warned_fields_,
+              "the video is interlaced: the odd and even lines of a frame were seen at different times");
   }
 }
 
@@ -166,8 +172,10 @@ void Child::send_frame(const VideoStream& stream, bool lost) {
   record.kind = Kind::kFrame;
   record.slot = free_slot();
   std::byte* out = memory_ + static_cast<std::size_t>(record.slot) * slot_bytes_;
-  if (lost) std::memset(out, 0, slot_bytes_);  // nothing of an older frame may pass for this one
-  else write_picture(stream.frame(), out);
+  if (lost)
+    std::memset(out, 0, slot_bytes_);  // nothing of an older frame may pass for this one
+  else
+    write_picture(stream.frame(), out);
   record.damaged = lost || stream.damaged() ? 1 : 0;
   record.number = number_++;
   record.time_s = stream.time_s() - start_s_;
@@ -185,7 +193,8 @@ int Child::run() {
       return fail({InputErrorKind::kDamaged, "no frame can be decoded", "record or copy the video again"});
     }
     if (decoded == Decoded::kEndedEarly) {
-      return fail({InputErrorKind::kDamaged, fmt::format("the file ends early, after {} frames", number_), "copy it again"});
+      return fail(
+          {InputErrorKind::kDamaged, fmt::format("the file ends early, after {} frames", number_), "copy it again"});
     }
     if (decoded == Decoded::kLost) {
       if (memory_ != nullptr) send_frame(stream, true);
@@ -194,7 +203,8 @@ int Child::run() {
     const AVFrame& frame = stream.frame();
     if (memory_ == nullptr) {
       if (const auto settled = settle_shape(stream); !settled) return fail(settled.error());
-      if (!make_slots(stream)) return fail({InputErrorKind::kUnreadable, "no memory for the pictures", "free some memory"});
+      if (!make_slots(stream))
+        return fail({InputErrorKind::kUnreadable, "no memory for the pictures", "free some memory"});
     } else if (frame.width != shape_.width || frame.height != shape_.height || frame.format != shape_.format) {
       return fail({InputErrorKind::kDamaged,
                    fmt::format("the picture changes to {} x {} at frame {}", frame.width, frame.height, number_),

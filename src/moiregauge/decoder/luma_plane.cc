@@ -45,7 +45,8 @@ void copy_rows(const AVFrame& frame, const LumaLayout& layout, Grey* out) {
       const std::uint8_t* b = row_of(frame, second, y);
       const std::uint8_t* c = row_of(frame, third, y);
       for (std::size_t x = 0; x < width; ++x, a += first.step, b += second.step, c += third.step) {
-        out[x] = luma_of_colour<Grey>(sample_at<Grey>(a, first, layout.big_endian), sample_at<Grey>(b, second, layout.big_endian),
+        out[x] = luma_of_colour<Grey>(sample_at<Grey>(a, first, layout.big_endian),
+                                      sample_at<Grey>(b, second, layout.big_endian),
                                       sample_at<Grey>(c, third, layout.big_endian));
       }
     }
@@ -76,8 +77,10 @@ std::optional<LumaLayout> luma_layout(AVPixelFormat format) {
 }
 
 void copy_luma(const AVFrame& frame, const LumaLayout& layout, std::byte* out) {
-  if (layout.bits == 8) copy_rows(frame, layout, reinterpret_cast<std::uint8_t*>(out));
-  else copy_rows(frame, layout, reinterpret_cast<std::uint16_t*>(out));
+  if (layout.bits == 8)
+    copy_rows(frame, layout, reinterpret_cast<std::uint8_t*>(out));
+  else
+    copy_rows(frame, layout, reinterpret_cast<std::uint16_t*>(out));
 }
 
 }  // namespace moiregauge

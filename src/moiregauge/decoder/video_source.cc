@@ -135,8 +135,10 @@ class VideoSource final : public FrameSource {
     const auto view = [&]<typename Grey>(const Grey* data) {
       frame.luma = ImageView<Grey>{data, info_.width, info_.height, info_.width};
     };
-    if (info_.bits == 8) view(reinterpret_cast<const std::uint8_t*>(pixels));
-    else view(reinterpret_cast<const std::uint16_t*>(pixels));
+    if (info_.bits == 8)
+      view(reinterpret_cast<const std::uint8_t*>(pixels));
+    else
+      view(reinterpret_cast<const std::uint16_t*>(pixels));
     return frame;
   }
 
@@ -163,12 +165,14 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::str
   const OpenFile file(path);
   struct stat about {};
   if (file.number() < 0 || ::fstat(file.number(), &about) != 0) {
-    return unreadable(fmt::format("cannot open the video ({})", std::strerror(errno)), "check the name and your rights");
+    return unreadable(fmt::format("cannot open the video ({})", std::strerror(errno)),
+                      "check the name and your rights");
   }
   if (!S_ISREG(about.st_mode)) return unreadable("not a file", "give a video file");
   if (about.st_size == 0) return unreadable("the file is empty", "record or copy it again");
   auto child = ChildProcess::start(decoder.child_program, file.number());
-  if (!child) return unreadable(fmt::format("no decoder could be started ({})", child.error()), "free memory or processes");
+  if (!child)
+    return unreadable(fmt::format("no decoder could be started ({})", child.error()), "free memory or processes");
   InputInfo info;
   info.path = path;
   info.sha256 = sha256_of(file.number());  // while the child opens the file

@@ -26,7 +26,7 @@ struct DecoderOptions {
 // fails      kUnreadable (missing, empty), kUnsupported (no such video, unknown layout of pixels, mirrored);
 //            next(): kDamaged (the file ends early, the picture changes its size, the decoder died or hung)
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::string& path,
-                                                                               const InputOptions& options,
-                                                                               const DecoderOptions& decoder = {});
+                                                                                const InputOptions& options,
+                                                                                const DecoderOptions& decoder = {});
 
 }  // namespace moiregauge

@@ -48,7 +48,8 @@ void ffmpeg(const std::string& words) {
 std::string make_video(const TestFolder& folder, const std::string& name, int bits, const std::string& how) {
   write_raw(folder / "raw", bits);
   const std::string kind = bits == 8 ? "gray" : fmt::format("gray{}le", bits);
-  ffmpeg(fmt::format("-f rawvideo -pix_fmt {} -s {}x{} -r 25 -i {} {} {}", kind, kWidth, kHeight, folder / "raw", how, folder / name));
+  ffmpeg(fmt::format("-f rawvideo -pix_fmt {} -s {}x{} -r 25 -i {} {} {}", kind, kWidth, kHeight, folder / "raw", how,
+                     folder / name));
   return folder / name;
 }
 
@@ -111,8 +112,9 @@ TEST(VideoSource, EveryGreyLevelArrivesAtItsNativeDepth) {
 }
 
 TEST(VideoSource, LumaOfAnyLayoutIsTakenAsStored) {
-  for (const char* how : {"-pix_fmt yuv420p -c:v libx264 -qp 0", "-pix_fmt yuv444p -c:v ffv1", "-pix_fmt yuyv422 -c:v rawvideo",
-                          "-pix_fmt nv12 -c:v rawvideo", "-pix_fmt yuvj420p -c:v mjpeg -q:v 1", "-pix_fmt yuv422p10le -c:v ffv1"}) {
+  for (const char* how :
+       {"-pix_fmt yuv420p -c:v libx264 -qp 0", "-pix_fmt yuv444p -c:v ffv1", "-pix_fmt yuyv422 -c:v rawvideo",
+        "-pix_fmt nv12 -c:v rawvideo", "-pix_fmt yuvj420p -c:v mjpeg -q:v 1", "-pix_fmt yuv422p10le -c:v ffv1"}) {
     const TestFolder folder;
     const std::string video = make_video(folder, "a.avi", 8, how);
     ffmpeg(fmt::format("-i {} -vf extractplanes=y -f rawvideo {}", video, folder / "luma"));
@@ -136,10 +138,12 @@ TEST(VideoSource, LumaOfAnyLayoutIsTakenAsStored) {
 
 TEST(VideoSource, ColourPicturesBecomeLumaByTheOneFormula) {
   const TestFolder folder;
-  ffmpeg(fmt::format("-f lavfi -i color=c=0xC86432:s=16x16:d=0.2,format=gbrp -pix_fmt gbrp -c:v ffv1 {}", folder / "a.mkv"));
+  ffmpeg(fmt::format("-f lavfi -i color=c=0xC86432:s=16x16:d=0.2,format=gbrp -pix_fmt gbrp -c:v ffv1 {}",
+                     folder / "a.mkv"));
   auto source = opened(folder / "a.mkv");
   ASSERT_NE(source, nullptr);
-  EXPECT_EQ(level(source->next().value()->luma, 3, 3), static_cast<unsigned>((77 * 200 + 150 * 100 + 29 * 50 + 128) >> 8));
+  EXPECT_EQ(level(source->next().value()->luma, 3, 3),
+            static_cast<unsigned>((77 * 200 + 150 * 100 + 29 * 50 + 128) >> 8));
 }
 
 TEST(VideoSource, APictureIsShownUprightWithoutTouchingAGreyLevel) {
@@ -147,7 +151,8 @@ TEST(VideoSource, APictureIsShownUprightWithoutTouchingAGreyLevel) {
     const TestFolder folder;
     make_video(folder, "plain.mp4", 8, "-pix_fmt yuv420p -c:v libx264 -qp 0");
     ffmpeg(fmt::format("-i {} -c copy -metadata:s:v rotate={} {}", folder / "plain.mp4", degrees, folder / "a.mp4"));
-    ffmpeg(fmt::format("-i {} -vf extractplanes=y -f rawvideo {}", folder / "a.mp4", folder / "shown"));  // ffmpeg turns it
+    ffmpeg(fmt::format("-i {} -vf extractplanes=y -f rawvideo {}", folder / "a.mp4",
+                       folder / "shown"));  // ffmpeg turns it
     const std::string shown = text_of(folder / "shown");
     auto source = opened(folder / "a.mp4");
     ASSERT_NE(source, nullptr);
@@ -188,7 +193,8 @@ TEST(VideoSource, FramesPerSecondOfTheUserReplaceTheStreamsTime) {
 TEST(VideoSource, AWholeFileWithReorderedFramesHasNoDamage) {
   const TestFolder folder;
   for (const char* name : {"a.mp4", "a.mkv", "a.ts", "a.mov"}) {
-    ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=2 -pix_fmt yuv420p -c:v libx264 -bf 3 -g 12 {}", folder / name));
+    ffmpeg(
+        fmt::format("-f lavfi -i testsrc2=s=320x240:d=2 -pix_fmt yuv420p -c:v libx264 -bf 3 -g 12 {}", folder / name));
     auto source = opened(folder / name);
     ASSERT_NE(source, nullptr);
     const Seen seen = all_of(*source);
@@ -201,7 +207,8 @@ TEST(VideoSource, AWholeFileWithReorderedFramesHasNoDamage) {
 TEST(VideoSource, AFileCutShortGivesItsGoodFramesAndThenSaysSo) {
   const TestFolder folder;
   for (const char* name : {"a.mp4", "a.mkv", "a.avi"}) {
-    ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=2 -pix_fmt yuv420p -c:v libx264 -movflags faststart {}", folder / name));
+    ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=2 -pix_fmt yuv420p -c:v libx264 -movflags faststart {}",
+                       folder / name));
     const std::string whole = text_of(folder / name);
     write_text(folder / name, whole.substr(0, whole.size() * 6 / 10));
     auto source = opened(folder / name);
@@ -218,7 +225,8 @@ TEST(VideoSource, AFileCutShortGivesItsGoodFramesAndThenSaysSo) {
 
 TEST(VideoSource, DamageIsMarkedUntilTheNextKeyFrame) {
   const TestFolder folder;
-  ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=4 -pix_fmt yuv420p -c:v libx264 -g 25 -bf 2 {}", folder / "whole.mkv"));
+  ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=4 -pix_fmt yuv420p -c:v libx264 -g 25 -bf 2 {}",
+                     folder / "whole.mkv"));
   std::string bytes = text_of(folder / "whole.mkv");
   for (std::size_t i = 0; i < 400; ++i) bytes[bytes.size() / 2 + i] = static_cast<char>(i * 37);
   write_text(folder / "hit.mkv", bytes);
@@ -270,7 +278,8 @@ TEST(VideoSource, WhatIsNoVideoIsRefusedInOneSentence) {
 TEST(VideoSource, AVideoThatNamesOtherFilesOpensNoneOfThem) {
   const TestFolder folder;
   make_video(folder, "real.ts", 8, "-c:v libx264 -pix_fmt yuv420p");
-  write_text(folder / "list.mp4", "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:1,\n" + folder / "real.ts" + "\n#EXT-X-ENDLIST\n");
+  write_text(folder / "list.mp4",
+             "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:1,\n" + folder / "real.ts" + "\n#EXT-X-ENDLIST\n");
   write_text(folder / "concat.mp4", "ffconcat version 1.0\nfile '" + folder / "real.ts" + "'\n");
   EXPECT_EQ(refusal(folder / "list.mp4").kind, InputErrorKind::kUnsupported);
   EXPECT_EQ(refusal(folder / "concat.mp4").kind, InputErrorKind::kUnsupported);

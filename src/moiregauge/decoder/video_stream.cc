@@ -49,8 +49,9 @@ std::int64_t seek_bytes(void* self, std::int64_t offset, int whence) {
 tl::expected<std::unique_ptr<VideoStream>, VideoProblem> VideoStream::open(int file) {
   std::unique_ptr<VideoStream> stream(new VideoStream);
   if (!stream->open_container(file)) {
-    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "no video",
-                                       "give a whole mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of pictures"});
+    return tl::unexpected(
+        VideoProblem{InputErrorKind::kUnsupported, "no video",
+                     "give a whole mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of pictures"});
   }
   if (!stream->open_decoder()) {
     return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "no decoder for " + stream->codec(),
@@ -149,7 +150,8 @@ Decoded VideoStream::next() {
     if (received >= 0) {
       const std::int64_t packet = frame_->reordered_opaque > 0 ? frame_->reordered_opaque : packets_;
       if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) damage_.complaint(packet);
-      damaged_ = damage_.touches(packet) || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
+      damaged_ =
+          damage_.touches(packet) || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
       timestamp_ = frame_->best_effort_timestamp;
       return Decoded::kFrame;
     }
@@ -167,7 +169,8 @@ Decoded VideoStream::next() {
   }
 }
 
-// The index of an mp4 knows its packets, the head of an avi its frames; elsewhere only the reader's own complaint tells.
+// The index of an mp4 knows its packets, the head of an avi its frames; elsewhere only the reader's own complaint
+// tells.
 bool VideoStream::ended_early() const { return last_read_complained_ || packets_ < frames(); }
 
 long VideoStream::frames() const {
@@ -198,7 +201,8 @@ tl::expected<int, VideoProblem> VideoStream::rotation_deg() const {
   const double clockwise = -av_display_rotation_get(matrix);
   const double quarters = std::round(clockwise / 90.0);
   if (!(mirror > 0.0) || !(std::fabs(clockwise - 90.0 * quarters) < 0.5)) {
-    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "the picture is mirrored or turned askew by its display tag",
+    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported,
+                                       "the picture is mirrored or turned askew by its display tag",
                                        "store it upright or in quarter turns"});
   }
   return ((static_cast<int>(quarters) % 4 + 4) % 4) * 90;

@@ -38,10 +38,10 @@ class VideoStream {
   [[nodiscard]] Decoded next();
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
   [[nodiscard]] bool damaged() const { return damaged_; }
-  [[nodiscard]] double time_s() const;       // of the frame or the lost packet, in the stream's own count; NaN: none
+  [[nodiscard]] double time_s() const;  // of the frame or the lost packet, in the stream's own count; NaN: none
 
-  [[nodiscard]] long frames() const;         // -1: the container does not say
-  [[nodiscard]] double fps() const;          // NaN: not known
+  [[nodiscard]] long frames() const;  // -1: the container does not say
+  [[nodiscard]] double fps() const;   // NaN: not known
   [[nodiscard]] std::string codec() const;
   // Clockwise quarters that show the picture upright; an error when it is mirrored or askew.
   [[nodiscard]] tl::expected<int, VideoProblem> rotation_deg() const;

@@ -36,23 +36,23 @@ inline std::string get(const Text& text) { return {text.begin(), std::find(text.
 struct Record {
   Kind kind = Kind::kEnd;
   // kOpened
-  std::int32_t width = 0;       // px, as displayed
+  std::int32_t width = 0;  // px, as displayed
   std::int32_t height = 0;
   std::int32_t bits = 8;
   std::int32_t rotation_deg = 0;
   std::int32_t slots = 0;
   std::int64_t frames = -1;
-  double fps = 0.0;             // NaN: not known
+  double fps = 0.0;  // NaN: not known
   // kFrame
   std::int32_t slot = 0;
   std::int32_t damaged = 0;
   std::int64_t number = 0;
   double time_s = 0.0;
   // kFailed
-  std::int32_t error = 0;       // an InputErrorKind
+  std::int32_t error = 0;  // an InputErrorKind
   std::int32_t unused = 0;
-  Text what{};                  // kOpened: the codec; kWarning, kFailed: what is wrong
-  Text advice{};                // kFailed: what to do
+  Text what{};    // kOpened: the codec; kWarning, kFailed: what is wrong
+  Text advice{};  // kFailed: what to do
 };
 static_assert(std::is_trivially_copyable_v<Record>);
 

@@ -9,7 +9,8 @@ namespace moiregauge {
 // Weights 0.301, 0.586, 0.113 of 256; at 16 bits the sum stays below 2^24.
 template <typename Grey>
 [[nodiscard]] constexpr Grey luma_of_colour(Grey red, Grey green, Grey blue) {
-  return static_cast<Grey>((77U * std::uint32_t{red} + 150U * std::uint32_t{green} + 29U * std::uint32_t{blue} + 128U) >> 8U);
+  return static_cast<Grey>(
+      (77U * std::uint32_t{red} + 150U * std::uint32_t{green} + 29U * std::uint32_t{blue} + 128U) >> 8U);
 }
 static_assert(luma_of_colour<std::uint8_t>(255, 255, 255) == 255, "white stays white");
 

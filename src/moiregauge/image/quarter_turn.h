@@ -17,10 +17,14 @@ void turn_clockwise(ImageView<Grey> stored, int degrees, Grey* out) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x, ++out) {
       // Where the shown pixel lay: after a quarter clockwise the stored left column is the top row, bottom end first.
-      if (degrees == 90) *out = stored.at(y, width - 1 - x);
-      else if (degrees == 180) *out = stored.at(width - 1 - x, height - 1 - y);
-      else if (degrees == 270) *out = stored.at(height - 1 - y, x);
-      else *out = stored.at(x, y);
+      if (degrees == 90)
+        *out = stored.at(y, width - 1 - x);
+      else if (degrees == 180)
+        *out = stored.at(width - 1 - x, height - 1 - y);
+      else if (degrees == 270)
+        *out = stored.at(height - 1 - y, x);
+      else
+        *out = stored.at(x, y);
     }
   }
 }

@@ -24,17 +24,21 @@ void expect_the_camera(const tl::expected<Camera, std::string>& read) {
 TEST(CameraFile, OurTomlAndTheYamlOfOpencvAndOfRosGiveTheSameCamera) {
   expect_the_camera(parse_camera(
       "[camera]\nwidth = 640\nheight = 480\nfx = 534.5\nfy = 535.25\ncx = 320.5\ncy = 240\nk1 = -0.25\nk2 = 0.0625\n"
-      "p1 = 1e-3\np2 = -2e-4\nk3 = 0.125\n", "camera.toml"));
+      "p1 = 1e-3\np2 = -2e-4\nk3 = 0.125\n",
+      "camera.toml"));
   expect_the_camera(parse_camera(
       "%YAML:1.0\n---\ncalibration_time: \"Tue 09 May 2023 10:11:12\"\nimage_width: 640\nimage_height: 480\n"
       "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 5.345e+02, 0., 3.205e+02, 0.,\n"
-      "       5.3525e+02, 240., 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n"
-      "   data: [ -0.25, 6.25e-02,\n       1e-03, -2.e-04, 0.125 ]\navg_reprojection_error: 1.7e-01\n", "camera.yml"));
+      "       5.3525e+02, 240., 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: "
+      "d\n"
+      "   data: [ -0.25, 6.25e-02,\n       1e-03, -2.e-04, 0.125 ]\navg_reprojection_error: 1.7e-01\n",
+      "camera.yml"));
   expect_the_camera(parse_camera(
       "image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
       "  data: [534.5, 0, 320.5, 0, 535.25, 240, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n"
       "  rows: 1\n  cols: 5\n  data:\n  - -0.25\n  - 0.0625\n  - 0.001\n  - -0.0002\n  - 0.125\nrectification_matrix:\n"
-      "  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "camera.yaml"));
+      "  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n",
+      "camera.yaml"));
 }
 
 TEST(CameraFile, ALensThatFiveTermsCannotSayIsRefused) {
@@ -42,7 +46,8 @@ TEST(CameraFile, ALensThatFiveTermsCannotSayIsRefused) {
   EXPECT_TRUE(parse_camera(matrix, "c.yaml"));
   EXPECT_TRUE(parse_camera(matrix + "distortion_coefficients: [1, 2, 3, 4, 5, 0, 0, 0]\n", "c.yaml"));
   EXPECT_FALSE(parse_camera(matrix + "distortion_coefficients: [1, 2, 3, 4, 5, 6, 7, 8]\n", "c.yaml"));
-  EXPECT_FALSE(parse_camera(matrix + "distortion_model: equidistant\ndistortion_coefficients: [1, 2, 3, 4]\n", "c.yaml"));
+  EXPECT_FALSE(
+      parse_camera(matrix + "distortion_model: equidistant\ndistortion_coefficients: [1, 2, 3, 4]\n", "c.yaml"));
   EXPECT_FALSE(parse_camera("camera_matrix: [500, 0.5, 320, 0, 500, 240, 0, 0, 1]\n", "c.yaml")) << "skew";
   EXPECT_FALSE(parse_camera("camera_matrix: [500, 0, 320]\n", "c.yaml"));
   EXPECT_FALSE(parse_camera("camera_matrix: [a, b]\n", "c.yaml"));

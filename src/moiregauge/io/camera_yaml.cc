@@ -113,13 +113,23 @@ tl::expected<Camera, std::string> parse_camera_yaml(const std::string& text, con
   const auto lens = states_lens ? matrix(text, "distortion_coefficients") : std::vector<double>{};
   if (!lens) return tl::unexpected(fmt::format("{}: no readable distortion_coefficients", path));
   const std::string model = model_in(text);
-  if (model == "equidistant" || model == "fisheye" || block_of(text, "fisheye_model").value_or(" 0").find('1') != std::string::npos) {
+  if (model == "equidistant" || model == "fisheye" ||
+      block_of(text, "fisheye_model").value_or(" 0").find('1') != std::string::npos) {
     return tl::unexpected(fmt::format("{}: a fisheye lens; only the five-term model k1 k2 p1 p2 k3 is known", path));
   }
   if (const auto problem = problem_with(*found, *lens)) return tl::unexpected(fmt::format("{}: {}", path, *problem));
   const auto term = [&](std::size_t i) { return i < lens->size() ? (*lens)[i] : 0.0; };
-  return Camera{size_in(text, "image_width"), size_in(text, "image_height"), (*found)[0], (*found)[4], (*found)[2],
-                (*found)[5], term(0), term(1), term(2), term(3), term(4)};
+  return Camera{size_in(text, "image_width"),
+                size_in(text, "image_height"),
+                (*found)[0],
+                (*found)[4],
+                (*found)[2],
+                (*found)[5],
+                term(0),
+                term(1),
+                term(2),
+                term(3),
+                term(4)};
 }
 
 }  // namespace moiregauge

@@ -38,11 +38,19 @@ int exif_orientation(std::span<const std::uint8_t> app1) {
 
 std::optional<int> rotation_of_orientation(int orientation) {
   switch (orientation) {
-    case 2: case 4: case 5: case 7: return std::nullopt;
-    case 3: return 180;
-    case 6: return 90;
-    case 8: return 270;
-    default: return 0;  // 1, and values the standard does not know
+    case 2:
+    case 4:
+    case 5:
+    case 7:
+      return std::nullopt;
+    case 3:
+      return 180;
+    case 6:
+      return 90;
+    case 8:
+      return 270;
+    default:
+      return 0;  // 1, and values the standard does not know
   }
 }
 

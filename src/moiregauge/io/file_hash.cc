@@ -14,7 +14,8 @@ std::string sha256_of_files(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) continue;
-    while (const std::size_t read = std::fread(block.data(), 1, block.size(), file.get())) sum.add({block.data(), read});
+    while (const std::size_t read = std::fread(block.data(), 1, block.size(), file.get()))
+      sum.add({block.data(), read});
   }
   return sum.hex();
 }

@@ -102,13 +102,16 @@ PictureOrError read_jpeg(const std::string& path) {
     return failure(InputErrorKind::kDamaged, fmt::format("not a readable JPEG: {}: {}", path, in.problem.data()));
   }
   if (in.jpeg.jpeg_color_space == JCS_CMYK || in.jpeg.jpeg_color_space == JCS_YCCK || in.jpeg.data_precision != 8) {
-    return failure(InputErrorKind::kUnsupported, fmt::format("unknown colours: {}: store it as grey or YCbCr, 8 bit", path));
+    return failure(InputErrorKind::kUnsupported,
+                   fmt::format("unknown colours: {}: store it as grey or YCbCr, 8 bit", path));
   }
   const auto rotation = rotation_of_orientation(orientation_of(in));
-  if (!rotation) return failure(InputErrorKind::kUnsupported, fmt::format("mirrored picture: {}: store it unmirrored", path));
+  if (!rotation)
+    return failure(InputErrorKind::kUnsupported, fmt::format("mirrored picture: {}: store it unmirrored", path));
   if (!is_size_allowed(in.jpeg.image_width, in.jpeg.image_height)) {
-    return failure(InputErrorKind::kUnsupported, fmt::format("picture too large: {}: {} x {} pixels, at most 2^28 in all", path,
-                                                             in.jpeg.image_width, in.jpeg.image_height));
+    return failure(InputErrorKind::kUnsupported,
+                   fmt::format("picture too large: {}: {} x {} pixels, at most 2^28 in all", path, in.jpeg.image_width,
+                               in.jpeg.image_height));
   }
   in.image = Image<std::uint8_t>(static_cast<int>(in.jpeg.image_width), static_cast<int>(in.jpeg.image_height));
   in.row.resize(std::size_t{3} * in.jpeg.image_width);

@@ -22,8 +22,8 @@ constexpr std::array<LengthUnit, 7> kUnits{{{"mm", 1.0, 1.0},
                                             {"cm", 10.0, 1.0},
                                             {"m", 1000.0, 1.0},
                                             {"um", 1.0, 1000.0},
-                                            {"\xc2\xb5m", 1.0, 1000.0},   // U+00B5, micro sign
-                                            {"\xce\xbcm", 1.0, 1000.0},   // U+03BC, Greek mu
+                                            {"\xc2\xb5m", 1.0, 1000.0},  // U+00B5, micro sign
+                                            {"\xce\xbcm", 1.0, 1000.0},  // U+03BC, Greek mu
                                             {"in", 25.4, 1.0}}};
 
 std::string_view trimmed(std::string_view text) {

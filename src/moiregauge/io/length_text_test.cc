@@ -7,7 +7,8 @@ namespace moiregauge {
 namespace {
 
 TEST(LengthText, TheSameLengthInAnyUnitIsTheSameNumber) {
-  for (const char* text : {"10mm", "1cm", "0.01m", "10000um", "10000 \xc2\xb5m", "10000\xce\xbcm", " 10 mm ", "1e1mm"}) {
+  for (const char* text :
+       {"10mm", "1cm", "0.01m", "10000um", "10000 \xc2\xb5m", "10000\xce\xbcm", " 10 mm ", "1e1mm"}) {
     ASSERT_TRUE(length_mm(text)) << text;
     EXPECT_EQ(*length_mm(text), 10.0) << text;
   }

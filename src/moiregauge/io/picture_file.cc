@@ -32,17 +32,21 @@ PictureKind picture_kind(const std::string& path) {
 
 PictureOrError read_picture(const std::string& path) {
   switch (picture_kind(path)) {
-    case PictureKind::kPng: return read_png(path);
-    case PictureKind::kJpeg: return read_jpeg(path);
-    case PictureKind::kTiff: return TiffStack::open(path).and_then([](const auto& stack) { return stack->read(0); });
-    case PictureKind::kNone: break;
+    case PictureKind::kPng:
+      return read_png(path);
+    case PictureKind::kJpeg:
+      return read_jpeg(path);
+    case PictureKind::kTiff:
+      return TiffStack::open(path).and_then([](const auto& stack) { return stack->read(0); });
+    case PictureKind::kNone:
+      break;
   }
   if (const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose); !file) {
     return tl::unexpected(InputError{InputErrorKind::kUnreadable,
                                      fmt::format("cannot open picture: {}: {}", path, std::strerror(errno))});
   }
-  return tl::unexpected(InputError{InputErrorKind::kUnsupported,
-                                   fmt::format("not a picture: {}: give PNG, TIFF or JPEG files", path)});
+  return tl::unexpected(
+      InputError{InputErrorKind::kUnsupported, fmt::format("not a picture: {}: give PNG, TIFF or JPEG files", path)});
 }
 
 }  // namespace moiregauge

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/picture_file.h"
 
-
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,8 +29,10 @@ void write_tiff(const std::string& path, int pages, int bits, int samples, unsig
     TIFFSetField(tiff, TIFFTAG_ORIENTATION, orientation);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_LZW);
     for (unsigned y = 0; y < 2; ++y) {
-      std::vector<std::uint8_t> bytes(static_cast<std::size_t>(3 * samples), static_cast<std::uint8_t>(first + static_cast<unsigned>(page)));
-      std::vector<std::uint16_t> words(static_cast<std::size_t>(3 * samples), static_cast<std::uint16_t>(first + static_cast<unsigned>(page)));
+      std::vector<std::uint8_t> bytes(static_cast<std::size_t>(3 * samples),
+                                      static_cast<std::uint8_t>(first + static_cast<unsigned>(page)));
+      std::vector<std::uint16_t> words(static_cast<std::size_t>(3 * samples),
+                                       static_cast<std::uint16_t>(first + static_cast<unsigned>(page)));
       void* row = bits == 8 ? static_cast<void*>(bytes.data()) : static_cast<void*>(words.data());
       TIFFWriteScanline(tiff, row, y, 0);
     }
@@ -56,7 +57,8 @@ void write_jpeg(const std::string& path, const std::string& exif) {
   jpeg_set_quality(&jpeg, 100, TRUE);
   jpeg_start_compress(&jpeg, TRUE);
   if (!exif.empty()) {
-    jpeg_write_marker(&jpeg, JPEG_APP0 + 1, reinterpret_cast<const JOCTET*>(exif.data()), static_cast<unsigned>(exif.size()));
+    jpeg_write_marker(&jpeg, JPEG_APP0 + 1, reinterpret_cast<const JOCTET*>(exif.data()),
+                      static_cast<unsigned>(exif.size()));
   }
   std::vector<JSAMPLE> row(16, 40);
   std::fill(row.begin() + 8, row.end(), JSAMPLE{200});

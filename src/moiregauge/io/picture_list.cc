@@ -37,7 +37,8 @@ bool is_picture_name(const fs::path& path) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   constexpr std::array kEndings{".png", ".tif", ".tiff", ".jpg", ".jpeg"};
-  return path.filename().string().front() != '.' && std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+  return path.filename().string().front() != '.' &&
+         std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
 tl::expected<std::vector<std::string>, InputError> names_in(const fs::path& folder) {
@@ -129,7 +130,8 @@ tl::expected<std::vector<std::string>, InputError> pictures_of_pattern(const std
   const fs::path path(pattern);
   const auto parsed = parsed_pattern(path.filename().string());
   if (!parsed) {
-    return unreadable(fmt::format("not a pattern: {}: give one %d or %0Nd in the file name, as in img_%04d.png", pattern));
+    return unreadable(
+        fmt::format("not a pattern: {}: give one %d or %0Nd in the file name, as in img_%04d.png", pattern));
   }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   const auto names = names_in(folder);

@@ -66,7 +66,8 @@ class PictureSource final : public FrameSource {
   // Even grey: nothing of the frame before may pass for this one.
   void show_nothing(const InputError& error) {
     info_.warnings.push_back(fmt::format("frame {} counts as damaged: {}", number_, error.message));
-    std::visit([](auto& image) { image = std::decay_t<decltype(image)>(image.width(), image.height(), 128); }, picture_.grey);
+    std::visit([](auto& image) { image = std::decay_t<decltype(image)>(image.width(), image.height(), 128); },
+               picture_.grey);
   }
 
   PictureSet set_;
@@ -86,12 +87,14 @@ tl::expected<std::vector<std::string>, InputError> files_of(const std::string& p
   const auto status = std::filesystem::status(path, ignored);
   if (!std::filesystem::exists(status)) {
     const bool pattern = path.find('%') != std::string::npos;
-    return unreadable(fmt::format("no such file or folder: {}{}", path, pattern ? ": for a pattern add --sequence" : ""));
+    return unreadable(
+        fmt::format("no such file or folder: {}{}", path, pattern ? ": for a pattern add --sequence" : ""));
   }
   if (!std::filesystem::is_directory(status)) return std::vector<std::string>{path};
   auto files = pictures_in_folder(path);
   if (files && files->empty()) {
-    return unreadable(fmt::format("no picture: {}: neither the folder nor its frames/ holds PNG, TIFF or JPEG files", path));
+    return unreadable(
+        fmt::format("no picture: {}: neither the folder nor its frames/ holds PNG, TIFF or JPEG files", path));
   }
   return files;
 }
@@ -130,7 +133,8 @@ InputInfo info_of(const std::string& path, const PictureSet& set, const Picture&
 
 }  // namespace
 
-tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::string& path, const InputOptions& options) {
+tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::string& path,
+                                                                     const InputOptions& options) {
   const auto files = files_of(path, options);
   if (!files) return tl::unexpected(files.error());
   auto set = set_of(*files);

@@ -13,6 +13,6 @@ namespace moiregauge {
 // cannot be read becomes a damaged frame of even grey, so that the frames after it keep their numbers.
 // fails      kUnreadable (no such place, no picture in it), kUnsupported, kDamaged (the first picture cannot be read)
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::string& path,
-                                                                                  const InputOptions& options);
+                                                                                   const InputOptions& options);
 
 }  // namespace moiregauge

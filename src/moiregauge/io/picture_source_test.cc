@@ -23,7 +23,8 @@ int first_grey(const LumaView& luma) {
 
 TEST(PictureSource, PicturesComeInTheOrderPeopleCountThem) {
   const TestFolder folder;
-  for (const int i : {10, 9, 1, 2}) write_grey(folder / ("frame" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
+  for (const int i : {10, 9, 1, 2})
+    write_grey(folder / ("frame" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
   write_text(folder / "notes.txt", "no picture");
   write_text(folder / ".hidden.png", "no picture");
   auto source = open_pictures(folder.path(), {}).value();
@@ -85,7 +86,8 @@ TEST(PictureSource, APictureOfAnotherSizeEndsTheInputThere) {
 
 TEST(PictureSource, AMissingNumberKeepsTheOthersTheirPlaceInTime) {
   const TestFolder folder;
-  for (const int i : {8, 10, 11}) write_grey(folder / ("img_" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
+  for (const int i : {8, 10, 11})
+    write_grey(folder / ("img_" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
   write_grey(folder / "img_007.png", 99);
   auto source = open_pictures(folder / "img_%d.png", {.fps = 1.0, .sequence = true}).value();
   ASSERT_EQ(source->info().frames, 4);
@@ -131,7 +133,8 @@ TEST(PngReader, GreyLevelsComeAsStoredAtTheirDepth) {
 TEST(PngReader, TwelveSignificantBitsComeBackIntoTheLowBits) {
   const TestFolder folder;
   const auto stored = [](unsigned value) { return static_cast<std::uint16_t>(value << 4 | value >> 8); };  // PNG 13.12
-  write_test_png(folder / "12.png", {.width = 2, .height = 1, .depth = 16, .significant = 12}, {stored(5), stored(4095)});
+  write_test_png(folder / "12.png", {.width = 2, .height = 1, .depth = 16, .significant = 12},
+                 {stored(5), stored(4095)});
   const auto picture = read_png(folder / "12.png").value();
   EXPECT_EQ(picture.bits, 12);
   EXPECT_EQ(std::get<1>(picture.grey).at(0, 0), 5);

@@ -40,9 +40,9 @@ void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}
 struct PngHead {
   png_uint_32 width = 0;
   png_uint_32 height = 0;
-  int bits = 8;         // significant
-  int word_bits = 8;    // stored: 8 or 16
-  int channels = 1;     // 1 or 3 after the conversions below
+  int bits = 8;       // significant
+  int word_bits = 8;  // stored: 8 or 16
+  int channels = 1;   // 1 or 3 after the conversions below
 };
 
 // Significant bits of a 16-bit file.
@@ -120,8 +120,9 @@ PictureOrError read_png(const std::string& path) {
     return failure(InputErrorKind::kDamaged, fmt::format("not a readable PNG: {}: {}", path, in.problem));
   }
   if (!is_size_allowed(head.width, head.height)) {
-    return failure(InputErrorKind::kUnsupported,
-                   fmt::format("picture too large: {}: {} x {} pixels, at most 2^28 in all", path, head.width, head.height));
+    return failure(
+        InputErrorKind::kUnsupported,
+        fmt::format("picture too large: {}: {} x {} pixels, at most 2^28 in all", path, head.width, head.height));
   }
   const std::size_t row_bytes = png_get_rowbytes(in.png, in.info);
   in.samples.resize(row_bytes * head.height);
@@ -130,8 +131,10 @@ PictureOrError read_png(const std::string& path) {
     return failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem));
   }
   Picture picture{{}, head.bits, 0, "png"};
-  if (head.word_bits == 16) picture.grey = grey_from<std::uint16_t>(in, head);
-  else picture.grey = grey_from<std::uint8_t>(in, head);
+  if (head.word_bits == 16)
+    picture.grey = grey_from<std::uint16_t>(in, head);
+  else
+    picture.grey = grey_from<std::uint8_t>(in, head);
   return picture;
 }
 

@@ -32,7 +32,8 @@ Print read_print(const TomlTable& table, Print print) {
     if (pattern) print.pattern = *pattern;
     if (!pattern) {
       table.mistake("pattern", fmt::format("pattern \"{}\" is none of auto, grid, squares, dots, lines-x, lines-y, "
-                                           "checkerboard, cosine", *word));
+                                           "checkerboard, cosine",
+                                           *word));
     }
   }
   return print;
@@ -68,7 +69,8 @@ std::optional<Grating> read_grating(const TomlTable& table, const Print& general
     }
     return std::nullopt;
   }
-  if (!table.has("grating_size_mm")) table.mistake("grating_mm", "grating_mm without grating_size_mm: how large is it?");
+  if (!table.has("grating_size_mm"))
+    table.mistake("grating_mm", "grating_mm without grating_size_mm: how large is it?");
   if (!print.pitch_mm && !print.pitch_is_wrong) {
     table.mistake("grating_mm", "no pitch: give pitch_mm in [grating] or in this marker");
   }
@@ -87,7 +89,8 @@ std::string read_name(const TomlTable& table, const std::string& fallback) {
   bool control = false;
   for (const char c : name) control = control || (static_cast<unsigned char>(c) < 0x20);
   if (!plain || !printable || control) {
-    table.mistake("name", "name must be 1 to 64 characters without comma, semicolon, quote, slash or control character");
+    table.mistake("name",
+                  "name must be 1 to 64 characters without comma, semicolon, quote, slash or control character");
   }
   return name;
 }
@@ -128,7 +131,8 @@ void read_markers(const TomlTable& top, Role role, const Print& general, Site& s
     site.markers.push_back(read_marker(entry, role, general, fallback, mistakes));
     for (std::size_t i = 0; i + 1 < site.markers.size(); ++i) {
       if (site.markers[i].name != site.markers.back().name) continue;
-      TomlTable(entry, mistakes).mistake("name", fmt::format("a marker named \"{}\" already exists", site.markers[i].name));
+      TomlTable(entry, mistakes)
+          .mistake("name", fmt::format("a marker named \"{}\" already exists", site.markers[i].name));
     }
   }
 }
@@ -179,7 +183,8 @@ tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::st
     Site site = read_top(*file, mistakes);
     if (!mistakes.empty()) return tl::unexpected(mistakes.lines());
     return site;
-  } catch (const std::exception& error) {  // toml11 throws where a value is not what was asked; asked for above, but it is not our code
+  } catch (const std::exception&
+               error) {  // toml11 throws where a value is not what was asked; asked for above, but it is not our code
     return tl::unexpected(SiteErrors{fmt::format("{}:1:1: {}", path, error.what())});
   }
 }

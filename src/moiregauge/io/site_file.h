@@ -14,8 +14,8 @@ namespace moiregauge {
 // One entry per mistake, each "file:line:column: what is wrong", in the order of the file.
 using SiteErrors = std::vector<std::string>;
 
-// Everything the file says, or everything that is wrong with it. A mistake of syntax ends the reading, so it comes alone;
-// mistakes of meaning (unknown keys, wrong types, impossible values) come all at once.
+// Everything the file says, or everything that is wrong with it. A mistake of syntax ends the reading, so it comes
+// alone; mistakes of meaning (unknown keys, wrong types, impossible values) come all at once.
 //
 // How many references a method needs is not asked here: the method says so.
 [[nodiscard]] tl::expected<Site, SiteErrors> read_site(const std::string& path);

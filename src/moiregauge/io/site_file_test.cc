@@ -99,8 +99,9 @@ TEST(SiteFile, AMarkerWithoutAnyPitchIsRefusedAndACircleNeedsNone) {
 }
 
 TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPlace) {
-  for (const char* text : {"[", "[\n", "a = 10,0\n", "a = 1\na = 2\n", "[grating]\npitch_mm = 1\n[grating]\n", "x = \"open",
-                           "=", "a = [1, 2", "\xff\xfe", "a.b = 1\na = 2\n", "[[target]]\n[target]\n", "a = 99999999999999999999\n"}) {
+  for (const char* text :
+       {"[", "[\n", "a = 10,0\n", "a = 1\na = 2\n", "[grating]\npitch_mm = 1\n[grating]\n", "x = \"open", "=",
+        "a = [1, 2", "\xff\xfe", "a.b = 1\na = 2\n", "[[target]]\n[target]\n", "a = 99999999999999999999\n"}) {
     const auto site = parse_site(text, "site.toml");
     ASSERT_FALSE(site) << text;
     EXPECT_EQ(site.error()[0].rfind("site.toml:", 0), 0U) << site.error()[0];
@@ -110,7 +111,8 @@ TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPlace) {
 
 TEST(SiteFile, WhatCouldExhaustTheParserIsRefusedBeforeItStarts) {
   EXPECT_NE(all(parse_site("a = " + std::string(1000, '['), "s")).find("nest deeper than 32"), std::string::npos);
-  EXPECT_NE(all(parse_site(std::string(3000, 'a') + " = 1\n" + "a" + std::string(40, '.'), "s")).find("nest"), std::string::npos);
+  EXPECT_NE(all(parse_site(std::string(3000, 'a') + " = 1\n" + "a" + std::string(40, '.'), "s")).find("nest"),
+            std::string::npos);
   EXPECT_NE(all(parse_site(std::string(65 * 1024, ' '), "s")).find("64 kB"), std::string::npos);
 }
 

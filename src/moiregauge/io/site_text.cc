@@ -41,7 +41,8 @@ std::string marker_text(const Marker& marker) {
                                  quoted(marker.name));
   if (marker.circle) {
     text += fmt::format("circle_mm = {}\n", pair(marker.circle->centre.x, marker.circle->centre.y));
-    if (marker.circle->diameter_mm > 0.0) text += fmt::format("circle_diameter_mm = {}\n", real(marker.circle->diameter_mm));
+    if (marker.circle->diameter_mm > 0.0)
+      text += fmt::format("circle_diameter_mm = {}\n", real(marker.circle->diameter_mm));
   }
   if (marker.grating) {
     const Grating& grating = *marker.grating;

@@ -30,7 +30,9 @@ class TestFolder {
   std::filesystem::path path_;
 };
 
-inline void write_text(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+inline void write_text(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
 
 inline std::string text_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

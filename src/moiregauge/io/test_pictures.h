@@ -17,8 +17,8 @@ namespace moiregauge {
 struct TestPng {
   int width = 4;
   int height = 2;
-  int depth = 8;           // 8 or 16
-  int significant = 0;     // 0: no sBIT chunk
+  int depth = 8;        // 8 or 16
+  int significant = 0;  // 0: no sBIT chunk
   bool colour = false;
 };
 
@@ -29,8 +29,8 @@ inline void write_test_png(const std::string& path, const TestPng& shape, const 
   std::FILE* file = std::fopen(path.c_str(), "wb");
   png_init_io(png, file);
   png_set_IHDR(png, info, static_cast<png_uint_32>(shape.width), static_cast<png_uint_32>(shape.height), shape.depth,
-               shape.colour ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+               shape.colour ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_color_8 significant{};
   significant.gray = significant.red = significant.green = significant.blue = static_cast<png_byte>(shape.significant);
   if (shape.significant > 0) png_set_sBIT(png, info, &significant);

@@ -40,7 +40,8 @@ int note_error(TIFF* /*tiff*/, void* state, const char* /*module*/, const char* 
   static_cast<std::string*>(state)->assign(text.data());
   return 1;
 }
-int ignore_warning(TIFF* /*tiff*/, void* /*state*/, const char* /*module*/, const char* /*format*/, va_list /*values*/) {
+int ignore_warning(TIFF* /*tiff*/, void* /*state*/, const char* /*module*/, const char* /*format*/,
+                   va_list /*values*/) {
   return 1;
 }
 
@@ -65,7 +66,8 @@ std::string problem_with(const PageHead& head) {
   const bool colour = head.photometric == PHOTOMETRIC_RGB && head.samples >= 3;
   if (!is_size_allowed(head.width, head.height)) return "it must have 1 to 2^28 pixels";
   if (!grey && !colour) return "store it as grey or RGB";
-  if (head.word_bits != 8 && head.word_bits != 16) return fmt::format("{} bits a sample; store 8 or 16", head.word_bits);
+  if (head.word_bits != 8 && head.word_bits != 16)
+    return fmt::format("{} bits a sample; store 8 or 16", head.word_bits);
   if (head.format != SAMPLEFORMAT_UINT) return "store whole numbers without sign";
   if (head.planar != PLANARCONFIG_CONTIG && head.samples > 1) return "store the colours of a pixel together";
   if (head.tiled) return "store it in strips, not tiles";
@@ -116,8 +118,8 @@ tl::expected<std::shared_ptr<TiffStack>, InputError> TiffStack::open(const std::
   stack->state_->tiff = TIFFOpenExt(path.c_str(), "r", options);
   TIFFOpenOptionsFree(options);
   if (stack->state_->tiff == nullptr) {
-    return tl::unexpected(InputError{InputErrorKind::kDamaged,
-                                     fmt::format("not a readable TIFF: {}: {}", path, stack->state_->problem)});
+    return tl::unexpected(
+        InputError{InputErrorKind::kDamaged, fmt::format("not a readable TIFF: {}: {}", path, stack->state_->problem)});
   }
   stack->pages_ = static_cast<long>(TIFFNumberOfDirectories(stack->state_->tiff));
   return stack;
@@ -139,8 +141,10 @@ PictureOrError TiffStack::read(long page) {
   }
   Picture picture{{}, significant_bits(head), 0, "tiff"};
   bool read = false;
-  if (head.word_bits == 8) read = read_rows(tiff, head, picture.grey.emplace<0>());
-  else read = read_rows(tiff, head, picture.grey.emplace<1>());
+  if (head.word_bits == 8)
+    read = read_rows(tiff, head, picture.grey.emplace<0>());
+  else
+    read = read_rows(tiff, head, picture.grey.emplace<1>());
   if (!read) return failure(InputErrorKind::kDamaged, "damaged picture", state_->problem);
   turn(picture, *rotation_of_orientation(head.orientation));
   return picture;

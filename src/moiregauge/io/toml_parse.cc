@@ -49,7 +49,8 @@ std::string first_line_of(const std::string& what) {
   for (const char* prefix : {"[error] ", "toml::", "detail::"}) {
     if (line.rfind(prefix, 0) == 0) line.erase(0, std::strlen(prefix));
   }
-  if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon) line.erase(0, colon + 2);
+  if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon)
+    line.erase(0, colon + 2);
   return line;
 }
 
@@ -58,7 +59,8 @@ std::string first_line_of(const std::string& what) {
 tl::expected<toml::value, std::string> parse_toml(const std::string& text, const std::string& path,
                                                   std::size_t limit_bytes) {
   if (text.size() > limit_bytes) {
-    return tl::unexpected(fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
+    return tl::unexpected(
+        fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
   }
   if (text.find('\0') != std::string::npos) return tl::unexpected(fmt::format("{}:1:1: this is not a text file", path));
   if (const auto line = line_nested_too_deep(text)) {
@@ -80,9 +82,11 @@ tl::expected<std::string, std::string> read_small_file(const std::string& path, 
   if (!file) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   std::string text(limit_bytes + 1, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()) != 0) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  if (std::ferror(file.get()) != 0)
+    return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   if (text.size() > limit_bytes) {
-    return tl::unexpected(fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
+    return tl::unexpected(
+        fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
   }
   return text;
 }
