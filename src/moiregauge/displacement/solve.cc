@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/layout.h"
@@ -25,6 +26,10 @@ constexpr double kNoiseFloorPitches = 5e-5;
 constexpr double kPrintedCirclePx = 0.03;
 // A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
 constexpr double kOrderLimit = 0.4;
+// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands off
+// their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
+constexpr double kOffPlane = 0.005;
+constexpr double kStretchNoise = 5.0;
 // The camera has moved when the references have, by more than noise and a 1/2000 pitch.
 constexpr double kCameraMovedPitches = 0.0005;
 constexpr double kCameraMovedNoise = 5.0;
@@ -53,9 +58,40 @@ std::vector<BoardExtent> reference_noise(const Reference& reference, const Obser
   return u;
 }
 
+// How much larger than the references' prints a target's looks, relative, in the reference frame: what stands off the
+// plane looks so. Half the trace of the displacement gradient; nullopt where a region of few pixels cannot tell.
+std::optional<double> looks_larger(const Reference& reference, std::size_t target) {
+  const auto stretch = [&](std::size_t i) {
+    const auto& g = reference.seen.markers[i].patch.gradient;
+    return 0.5 * (g[0][0] + g[1][1]);
+  };
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    if (reference.site.markers[i].role != Role::kReference || !reference.site.markers[i].grating) continue;
+    sum += stretch(i);
+    ++count;
+  }
+  const double larger = stretch(target) - (count > 0 ? sum / count : 0.0);
+  const double noise = kStretchNoise * reference.seen.markers[target].patch.u_gradient;
+  if (!(std::abs(larger) > kOffPlane + noise)) return std::nullopt;
+  return larger;
+}
+
+// A target off the plane by dz seen by a camera that travels by t moves by dz t / (Z + dz) on the board. dz / Z is how much
+// larger it looks; of t only the bound is known that all of the picture's motion there was travel.
+BoardExtent parallax_bound(const Reference& reference, const Observation& seen, std::size_t target) {
+  const auto larger = looks_larger(reference, target);
+  if (!larger) return {};
+  const BoardPoint p = reference.site.markers[target].grating->centre;
+  const auto moved = reference.view.ideal_from_board.inverse()(seen.stage2(p)) - p;
+  return {std::abs(*larger * moved.x), std::abs(*larger * moved.y)};
+}
+
 Status status_of_loss(Loss loss) { return loss == Loss::kTooCoarse ? Status::kTooCoarse : Status::kLost; }
 
-Status quality(const PatchReading& then, const PatchReading& now) {
+Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
+  if (is_bent(plan, then, now)) return Status::kPartlyCovered;
   if (now.clipped_share > kClippedShare) return Status::kSaturated;
   for (std::size_t a = 0; a < 2; ++a) {
     if (now.modulation[a] < kBlurredModulation * then.modulation[a]) return Status::kBlurred;
@@ -125,7 +161,7 @@ Samples solve_conventional(const Reference& reference, const std::vector<Observa
         sample.budget.noise = noise_mm(reference.plans[i], now.patch);
         sample.budget.reference_frame = noise_mm(reference.plans[i], then);
         sample.u = hypot3(sample.budget.noise, sample.budget.reference_frame, {});
-        sample.status = moved ? Status::kCameraMoved : quality(then, now.patch);
+        sample.status = moved ? Status::kCameraMoved : quality(reference.plans[i], then, now.patch);
       }
       samples.push_back(sample);
     }
@@ -169,13 +205,14 @@ Samples solve_two_stage(const Reference& reference, const std::vector<Observatio
         const std::vector<BoardExtent> unexplained(circles.size(), {lens.unexplained_mm[n], lens.unexplained_mm[n]});
         const double kappa = std::hypot(lens.kappa_px, lens.u_kappa_px);
         const BoardExtent& e = lens.sensitivity[n][i];
-        budget.model = hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained), {});
+        budget.model = hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained),
+                              parallax_bound(reference, seen, i));
         const BoardExtent noise = hypot3(budget.noise, budget.references, budget.reference_frame);
         sample.u = hypot3(noise, budget.model, {});
         const double floor = kNoiseFloorPitches * reference.plans[i].pitch_mm;
         const bool beyond = budget.model.x > kUntrusted * std::max(noise.x, floor) ||
                             budget.model.y > kUntrusted * std::max(noise.y, floor);
-        sample.status = beyond ? Status::kUntrusted : quality(then.patch, now.patch);
+        sample.status = beyond ? Status::kUntrusted : quality(reference.plans[i], then.patch, now.patch);
       }
       samples.push_back(sample);
     }

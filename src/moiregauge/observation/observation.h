@@ -12,7 +12,7 @@
 namespace moiregauge {
 
 // Why a marker has no reading in a frame. The words of displacement.csv's `status` are made of these by `displacement`.
-enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kTooCoarse };
+enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kCovered, kTooCoarse };
 
 struct MarkerObservation {
   std::optional<SeenCircle> circle;        // px, as displayed

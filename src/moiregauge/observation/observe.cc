@@ -60,8 +60,8 @@ Located locate(const GreyPicture& picture, const Reference& reference, const Pre
   return located(reference, whole, *who);
 }
 
-Loss loss_of(const PatchReading& patch) {
-  if (patch.valid) return Loss::kNone;
+Loss loss_of(const PatchReading& then, const PatchReading& patch) {
+  if (patch.valid) return is_gone(then, patch) ? Loss::kNoModulation : Loss::kNone;
   return patch.noise_sigma == 0.0 ? Loss::kOutsidePicture : Loss::kNoModulation;
 }
 
@@ -96,7 +96,7 @@ void follow_marker(const GreyPicture& picture, const Reference& reference, const
       seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift, work);
     }
   }
-  seen.loss = loss_of(seen.patch);
+  seen.loss = loss_of(then, seen.patch);
 }
 
 void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
@@ -104,7 +104,7 @@ void read_marker(const GreyPicture& picture, const Reference& reference, const V
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
   seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], {}, work);
-  seen.loss = loss_of(seen.patch);
+  seen.loss = loss_of(reference.seen.markers[i].patch, seen.patch);
 }
 
 }  // namespace
@@ -139,7 +139,12 @@ Observation observe_two_stage(const GreyPicture& picture, const Reference& refer
     read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker], work);
   std::vector<BoardPoint> then, refined;
   for (const CirclePoint& point : now.points) {
-    const MarkerObservation& seen = observation.markers[point.marker];
+    MarkerObservation& seen = observation.markers[point.marker];
+    const auto& at_rest = reference.seen.markers[point.marker].patch;
+    // A target's half reading may be told with its status; a reference's would spoil every target.
+    if (seen.loss == Loss::kNone && reference.site.markers[point.marker].grating &&
+        is_bent(reference.plans[point.marker], at_rest, seen.patch))
+      seen.loss = Loss::kCovered;
     if (seen.loss != Loss::kNone) continue;
     Extent<frame::Board> moved;
     if (reference.site.markers[point.marker].grating)

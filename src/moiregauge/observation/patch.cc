@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Below three times the noise of the fringe itself there is no phase to speak of.
-constexpr double kMinModulation = 1.0;  // grey levels
+// What is no better than this is noise, not a fringe: pure noise has a phase uncertainty of about 1 rad.
+constexpr double kMaxPhaseUncertainty = 0.1;  // rad
 
 PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const RasterPlan& plan, Extent<frame::Board> shift) {
   const double half = 0.5 * plan.side_px * plan.step_mm;
@@ -52,21 +52,44 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
     const Axis axis = a == 0 ? Axis::kX : Axis::kY;
     const RegionPhase region =
         region_mean(sampling_moire(work.raster.view(), axis, plan.sampling_pitch_px), axis, pitch_px, plan.region_px);
-    if (!region.valid || region.modulation < kMinModulation) {
+    const double u = region.valid ? region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px,
+                                                            plan.region_px) / step_px
+                                  : kNaN;
+    if (!(u < kMaxPhaseUncertainty)) {
       reading.valid = false;
       continue;
     }
     reading.phase_rad[a] = region.phase_rad;
     reading.modulation[a] = region.modulation;
-    reading.u_phase_rad[a] = region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px,
-                                                     plan.region_px) / step_px;
+    reading.u_phase_rad[a] = u;
     const double per_px = -mm_per_rad / plan.step_mm;
     reading.gradient[a] = {per_px * region.gradient_x_rad_per_px, per_px * region.gradient_y_rad_per_px};
     reading.u_gradient = slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad, plan.region_px * plan.step_mm);
+    reading.u_straightness_mm =
+        mm_per_rad / step_px *
+        region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px, 1);
     straightness = std::max(straightness, region.straightness_rad * mm_per_rad);
   }
   reading.straightness_mm = straightness;
   return reading;
+}
+
+bool is_gone(const PatchReading& then, const PatchReading& now) {
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (now.modulation[a] < kLostModulation * then.modulation[a]) return true;
+  }
+  return false;
+}
+
+bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
+  if (now.straightness_mm > kBentLattice * plan.pitch_mm + then.straightness_mm + 5.0 * now.u_straightness_mm) return true;
+  const double allowed = kStretchedLattice + 5.0 * std::hypot(then.u_gradient, now.u_gradient);
+  for (std::size_t a = 0; a < 2; ++a) {
+    for (std::size_t b = 0; b < 2; ++b) {
+      if (std::abs(now.gradient[a][b] - then.gradient[a][b]) > allowed) return true;  // NaN where nothing is known: not bent
+    }
+  }
+  return false;
 }
 
 Extent<frame::Board> board_from_raster(const RasterPlan& plan, double along_0, double along_1) {

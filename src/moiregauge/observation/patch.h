@@ -20,6 +20,7 @@ struct PatchReading {
   std::array<std::array<double, 2>, 2> gradient{};
   double u_gradient = 0.0;                 // from the pixel noise
   double straightness_mm = 0.0;            // rms departure of the lattice lines from straight
+  double u_straightness_mm = 0.0;          // what the pixel noise alone makes of it
   double noise_sigma = 0.0;                // grey levels
   double clipped_share = 0.0;
 };
@@ -31,6 +32,16 @@ struct PatchWorkspace {
 
 [[nodiscard]] PatchReading read_patch(const LumaView& luma, int bits, const View& view, const RasterPlan& plan,
                                       Extent<frame::Board> shift, PatchWorkspace& work);
+
+// The share of the reference frame's modulation below which the print is gone, not merely dim or blurred.
+inline constexpr double kLostModulation = 0.15;
+[[nodiscard]] bool is_gone(const PatchReading& then, const PatchReading& now);
+
+// A lattice that is bent, stretched or turned against its state in the reference frame, beyond five times its noise, is not
+// all there: something covers a part of it. A lens of -2 % at 8 deg stretches a patch by 1e-3.
+inline constexpr double kBentLattice = 0.001;      // of the pitch, rms
+inline constexpr double kStretchedLattice = 0.003;  // relative
+[[nodiscard]] bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 
 // Displacement on the board (mm, seed paper Eq. (4)) that turns phase `from` into phase `to`; each raster axis is brought
 // to within half a pitch. An axis the print cannot show is NaN.

@@ -62,12 +62,12 @@ std::optional<ReferenceFailure> problem_of(const Reference& reference) {
       return ReferenceFailure{ReferenceProblem::kTooCoarse, coarse_message(reference, i), reference.search};
     if (loss != Loss::kNone && marker.role == Role::kReference)
       return ReferenceFailure{ReferenceProblem::kNoGrating,
-                              "no grating is seen where the site puts that of reference '" + marker.name + "'",
+                              "no grating of the stated pitch is seen where the site puts that of reference '" + marker.name + "'",
                               reference.search};
     any_target |= marker.role == Role::kTarget && loss == Loss::kNone;
   }
   if (!any_target)
-    return ReferenceFailure{ReferenceProblem::kNoGrating, "no grating is seen where the site puts the targets",
+    return ReferenceFailure{ReferenceProblem::kNoGrating, "no grating of the stated pitch is seen where the site puts the targets",
                             reference.search};
   if (const auto disagreement = site_disagreement(reference))
     return ReferenceFailure{ReferenceProblem::kSiteDisagrees, *disagreement, reference.search};

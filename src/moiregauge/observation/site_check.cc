@@ -24,7 +24,8 @@ std::optional<std::string> pitch_disagreement(const Reference& reference, std::s
   if (axes == 0) return std::nullopt;
   stretch /= axes;
   // A region of a few pixels tells no scale: ask three times its noise, too.
-  if (std::abs(stretch) <= kSiteTolerance + 3.0 * patch.u_gradient || !std::isfinite(patch.u_gradient)) return std::nullopt;
+  const double allowed = marker.role == Role::kTarget ? kTargetTolerance : kSiteTolerance;
+  if (std::abs(stretch) <= allowed + 3.0 * patch.u_gradient || !std::isfinite(patch.u_gradient)) return std::nullopt;
   char text[240];
   std::snprintf(text, sizeof text,
                 "pitch_mm = %.4g of marker '%s' disagrees with the spacing of the reference circles, by which it is %.4g mm",
