@@ -19,6 +19,12 @@ constexpr double kMaxBlur = 4.0;      // px
 constexpr double kMaxStray = 0.5;     // px from the traced centre
 constexpr std::size_t kMaxPixels = 6000;
 
+// The same disc must have the same centre however the outline was traced (in a window, in the whole picture, from 8 or 16
+// bits): the last passes run to convergence on a band of pixels that forgets the trace, being laid on a coarse grid.
+constexpr double kSnap = 0.25;  // px
+constexpr int kCoarsePasses = 2;
+constexpr int kFinePasses = 4;
+
 // lighter level and its slopes across the unit circle; q; sigma (relative); k0 .. k4 of Ellipse::corrected
 constexpr int kParameters = 10;
 using Vector = Eigen::Matrix<double, kParameters, 1>;
@@ -58,6 +64,13 @@ std::vector<BandPixel> band_of(const ImageView<Grey>& view, const Ellipse& ellip
     }
   }
   return band;
+}
+
+Ellipse snapped(Ellipse ellipse) {
+  const auto to_grid = [](double v) { return std::round(v / kSnap) * kSnap; };
+  ellipse.centre = ellipse.centre.unaryExpr(to_grid);
+  ellipse.axes = ellipse.axes.unaryExpr(to_grid);
+  return ellipse;
 }
 
 struct Sums {
@@ -123,13 +136,19 @@ std::optional<FittedDisc> fit(const ImageView<Grey>& view, const TracedOutline& 
   if (s.light <= 0.0) return std::nullopt;
   s.q = std::clamp(std::abs(outline.contrast) / s.light, 1e-3, 1.2);
   s.sigma = std::clamp(outline.blur_px, 0.5, 2.5);
-  const std::vector<BandPixel> band = band_of(view, s.ellipse, s.sigma);
+  std::vector<BandPixel> band = band_of(view, s.ellipse, s.sigma);
   if (band.size() < 3 * kParameters) return std::nullopt;
-  const std::size_t coarse = 1 + band.size() / 400, fine = 1 + band.size() / kMaxPixels;
+  const std::size_t coarse = 1 + band.size() / 400;
+  for (int pass = 0; pass < kCoarsePasses; ++pass) {  // the first steps need direction, not precision
+    if (!improve(accumulate(band, s, coarse), s)) return std::nullopt;
+  }
+  band = band_of(view, snapped(s.ellipse), std::ceil(s.sigma / kSnap) * kSnap);
+  if (band.size() < 3 * kParameters) return std::nullopt;
+  const std::size_t fine = 1 + band.size() / kMaxPixels;
   Sums sums;
   double gain = 0.0;
-  for (const std::size_t stride : {coarse, coarse, fine}) {  // the first steps need direction, not precision
-    sums = accumulate(band, s, stride);
+  for (int pass = 0; pass < kFinePasses; ++pass) {
+    sums = accumulate(band, s, fine);
     const auto step = improve(sums, s);
     if (!step) return std::nullopt;
     gain = sums.right.dot(*step);  // by which the last step lessened the sum of squares, to first order
