@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/cli/command_measure.h"
+#include "moiregauge/cli/command_reproduce.h"
 #include "moiregauge/cli/command_simulate.h"
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/version.h"
@@ -21,6 +22,7 @@ int run(int argc, char** argv) {
   int exit_code = 0;
   moiregauge::cli::add_measure(app, exit_code);
   moiregauge::cli::add_simulate(app, exit_code);
+  moiregauge::cli::add_reproduce(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/command_reproduce.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/progress.h"
+#include "moiregauge/cli/reproduce_figures.h"
+#include "moiregauge/cli/reproduce_table.h"
+#include "moiregauge/io/atomic_file.h"
+
+namespace moiregauge::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Written = tl::expected<void, std::string>;
+
+struct ReproduceWords {
+  std::string output = "reproduced";
+  int threads = 0;
+  bool quick = false;
+  bool quiet = false;
+};
+
+// An earlier table.md marks a folder of ours; any other folder with something in it is not ours to touch.
+bool is_free(const fs::path& output) {
+  std::error_code ignored;
+  return !fs::exists(output, ignored) || (fs::is_directory(output, ignored) && fs::is_empty(output, ignored)) ||
+         fs::exists(output / "table.md", ignored);
+}
+
+// Before minutes of measuring, not after them. The old table goes first: a folder that has one is whole.
+Written make_ready(const fs::path& output) {
+  std::error_code error;
+  fs::create_directories(output, error);
+  if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
+  return write_file_atomically((output / "table.md").string(), "Not finished.\n");
+}
+
+Written write_figures(const std::vector<FigureJob>& jobs, const ReproduceWords& words) {
+  Progress progress("drawing", words.quiet);
+  long done = 0;
+  for (const FigureJob& job : jobs) {
+    const figure::FigureFiles files = job.make();
+    const auto write = [&](const char* kind, std::string_view bytes) -> Written {
+      const std::string path = (fs::path(words.output) / fmt::format("{}.{}", job.name, kind)).string();
+      if (bytes.empty()) return tl::unexpected(path + ": out of memory");
+      return write_file_atomically(path, bytes);
+    };
+    auto written = write("png", files.png).and_then([&] { return write("svg", files.svg); }).and_then([&] {
+      return write("pdf", files.pdf);
+    });
+    if (!written) return written;
+    progress.show(++done, static_cast<long>(jobs.size()));
+  }
+  return {};
+}
+
+int fail_to_write(const std::string& why) {
+  return fail(Exit::kOutputUnwritable,
+              fmt::format("cannot write: {}: make room or choose another folder with -o", why));
+}
+
+tl::expected<std::vector<CellRun>, std::string> measured(const ReproducePlan& plan, bool quiet) {
+  Progress progress("measuring", quiet);
+  const long cells = static_cast<long>(plan.cases.size() * plan.lenses.size());
+  return run_plan(plan, [&](long done) { progress.show(done, cells); });
+}
+
+int run(const ReproduceWords& words) {
+  const fs::path output = words.output;
+  if (!is_free(output)) {
+    return fail(Exit::kUsage,
+                fmt::format("folder in use: {}: it holds something else than a reproduction; choose another with -o",
+                            output.string()));
+  }
+  if (const auto ready = make_ready(output); !ready) return fail_to_write(ready.error());
+  ReproducePlan plan = words.quick ? quick_plan() : paper_plan();
+  plan.threads = words.threads;
+  const auto cells = measured(plan, words.quiet);
+  if (!cells) return fail(Exit::kInternalError, fmt::format("internal error: {}: please report it", cells.error()));
+  const std::string table = reproduce_table(plan, *cells, words.quick);
+  const auto written = write_figures(figure_jobs(plan, *cells), words).and_then([&] {
+    return write_file_atomically((output / "table.md").string(), table);
+  });
+  if (!written) return fail_to_write(written.error());
+  fmt::print("{}", table);
+  if (!words.quiet) fmt::print(stderr, "Table and figures in {}\n", output.string());
+  return 0;
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app, int& exit_code) {
+  const auto words = std::make_shared<ReproduceWords>();
+  CLI::App* command =
+      app.add_subcommand("reproduce", "Repeat the paper's section 3 on simulated recordings: table and figures");
+  command->add_option("-o,--out", words->output, "Folder to write")->capture_default_str();
+  command->add_flag("--quick", words->quick, "The small rig and a few frames: seconds instead of minutes");
+  command->add_option("--threads", words->threads, "Threads (default: all); never changes a number")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--quiet", words->quiet, "Say nothing but the table and errors");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace moiregauge::cli {
+
+// Adds `moiregauge reproduce` (docs/cli/reproduce.md). The exit code of a run is left in exit_code, which must outlive
+// app.
+void add_reproduce(CLI::App& app, int& exit_code);
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The counterparts of the paper's figures, from simulated pictures and what was measured.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "moiregauge/cli/reproduce_run.h"
+#include "moiregauge/drawing/canvas.h"
+
+namespace moiregauge::cli {
+
+// A figure still to be made: making it may take seconds, and its pictures live only while it is drawn.
+struct FigureJob {
+  std::string name;  // "fig02"
+  std::function<figure::FigureFiles()> make;
+};
+
+// The jobs refer to plan and cells.
+[[nodiscard]] std::vector<FigureJob> figure_jobs(const ReproducePlan& plan, const std::vector<CellRun>& cells);
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/drawing/canvas.h"
+
+#include <cmath>
+#include <memory>
+
+#include <cairo.h>
+
+#include "moiregauge/units/units.h"
+
+namespace moiregauge::figure {
+namespace {
+
+using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+
+Surface surface_of(ImageView<std::uint8_t> pixels) {
+  Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels.width, pixels.height), cairo_surface_destroy);
+  cairo_surface_flush(surface.get());
+  unsigned char* data = cairo_image_surface_get_data(surface.get());
+  if (data == nullptr) return surface;
+  const int stride = cairo_image_surface_get_stride(surface.get());
+  for (int y = 0; y < pixels.height; ++y) {
+    auto* row = reinterpret_cast<std::uint32_t*>(data + static_cast<std::ptrdiff_t>(y) * stride);
+    for (int x = 0; x < pixels.width; ++x) row[x] = 0x010101u * pixels.at(x, y);
+  }
+  cairo_surface_mark_dirty(surface.get());
+  return surface;
+}
+
+void choose_font(cairo_t* cr, const Letters& letters) {
+  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         letters.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cr, letters.size);
+}
+
+}  // namespace
+
+void Canvas::pen(Stroke stroke) {
+  constexpr double kDashes[] = {3.0, 2.0};
+  cairo_set_dash(cr_, kDashes, stroke.dashed ? 2 : 0, 0.0);
+  cairo_set_line_width(cr_, stroke.width);
+  cairo_set_source_rgb(cr_, stroke.colour.r, stroke.colour.g, stroke.colour.b);
+  cairo_stroke(cr_);
+}
+
+// A point that is not a number interrupts the line.
+void Canvas::line(const std::vector<Spot>& points, Stroke stroke) {
+  bool is_down = false;
+  for (const Spot& p : points) {
+    const bool is_number = std::isfinite(p.x) && std::isfinite(p.y);
+    if (is_number && is_down) cairo_line_to(cr_, p.x, p.y);
+    if (is_number && !is_down) cairo_move_to(cr_, p.x, p.y);
+    is_down = is_number;
+  }
+  pen(stroke);
+}
+
+void Canvas::dot(Spot at, double radius, Colour colour) {
+  if (!std::isfinite(at.x) || !std::isfinite(at.y)) return;
+  cairo_new_sub_path(cr_);
+  cairo_arc(cr_, at.x, at.y, radius, 0, kTurn);
+  cairo_set_source_rgb(cr_, colour.r, colour.g, colour.b);
+  cairo_fill(cr_);
+}
+
+void Canvas::frame(Box box, Stroke stroke) {
+  cairo_rectangle(cr_, box.x, box.y, box.width, box.height);
+  pen(stroke);
+}
+
+void Canvas::fill(Box box, Colour colour) {
+  cairo_rectangle(cr_, box.x, box.y, box.width, box.height);
+  cairo_set_source_rgb(cr_, colour.r, colour.g, colour.b);
+  cairo_fill(cr_);
+}
+
+void Canvas::ellipse(Spot centre, double a, double b, double angle_rad, Stroke stroke) {
+  cairo_save(cr_);
+  cairo_translate(cr_, centre.x, centre.y);
+  cairo_rotate(cr_, angle_rad);
+  cairo_scale(cr_, a, b);
+  cairo_new_sub_path(cr_);
+  cairo_arc(cr_, 0, 0, 1, 0, kTurn);
+  cairo_restore(cr_);
+  pen(stroke);
+}
+
+double Canvas::text_width(const std::string& words, const Letters& letters) {
+  choose_font(cr_, letters);
+  cairo_text_extents_t box;
+  cairo_text_extents(cr_, words.c_str(), &box);
+  return box.x_advance;
+}
+
+void Canvas::text(Spot at, const std::string& words, const Letters& letters) {
+  const double width = text_width(words, letters);
+  cairo_save(cr_);
+  cairo_translate(cr_, at.x, at.y);
+  cairo_rotate(cr_, letters.angle_rad);
+  cairo_move_to(cr_,
+                letters.align == Align::kLeft     ? 0.0
+                : letters.align == Align::kCentre ? -0.5 * width
+                                                  : -width,
+                0.0);
+  cairo_set_source_rgb(cr_, letters.colour.r, letters.colour.g, letters.colour.b);
+  cairo_show_text(cr_, words.c_str());
+  cairo_restore(cr_);
+  cairo_new_path(cr_);
+}
+
+void Canvas::picture(ImageView<std::uint8_t> pixels, Box box) {
+  const Surface surface = surface_of(pixels);
+  cairo_save(cr_);
+  cairo_rectangle(cr_, box.x, box.y, box.width, box.height);
+  cairo_clip(cr_);
+  cairo_translate(cr_, box.x, box.y);
+  cairo_scale(cr_, box.width / pixels.width, box.height / pixels.height);
+  cairo_set_source_surface(cr_, surface.get(), 0, 0);
+  cairo_pattern_set_extend(cairo_get_source(cr_), CAIRO_EXTEND_PAD);  // no pale rim
+  cairo_paint(cr_);
+  cairo_restore(cr_);
+}
+
+void Canvas::clip(Box box) {
+  cairo_save(cr_);
+  cairo_rectangle(cr_, box.x, box.y, box.width, box.height);
+  cairo_clip(cr_);
+}
+
+void Canvas::unclip() { cairo_restore(cr_); }
+
+}  // namespace moiregauge::figure

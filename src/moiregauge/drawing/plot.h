@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Curves over an axis: one panel of a figure.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "moiregauge/drawing/canvas.h"
+#include "moiregauge/drawing/ticks.h"
+
+namespace moiregauge::figure {
+
+enum class Mark { kLine, kDashed, kDots };
+
+struct Series {
+  std::string name{};  // in the legend; empty: not there
+  std::vector<double> x{}, y{};
+  Colour colour = kBlack;
+  Mark mark = Mark::kLine;
+  double width = 0.9;
+  bool on_right_axis = false;
+};
+
+struct Panel {
+  std::string letter{};  // "(a)"
+  std::string title{};
+  std::string x_label{};  // with its unit; empty: no numbers under the axis either
+  std::string y_label{};
+  std::string right_label{};  // empty: no right axis
+  std::vector<Series> series{};
+  std::optional<Range> x_range{}, y_range{};  // else what the series need
+};
+
+// Room round the axes inside the box given to draw_panel.
+inline constexpr double kLeftRoom = 34.0, kRightRoom = 8.0, kRightAxisRoom = 32.0;
+
+void draw_panel(Canvas& canvas, Box box, const Panel& panel);
+
+}  // namespace moiregauge::figure
