@@ -22,7 +22,7 @@ Range extent_of(const std::vector<Series>& series, bool right, bool of_x) {
     }
   }
   if (range.low > range.high) return {0.0, 1.0};
-  const double rim = of_x ? 0.0 : kRim * (range.high - range.low);  // so that no point lies on the frame
+  const double rim = of_x || right ? 0.0 : kRim * (range.high - range.low);  // so that no point lies on the frame
   return {range.low - rim, range.high + rim};
 }
 
