@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/sample_parts.h"
+
+#include <cmath>
+
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+// Below this share of the reference frame's modulation the fringe is smeared, not merely dimmer.
+constexpr double kBlurredModulation = 0.5;
+// More clipped pixels than this in a window bend the fringe's shape.
+constexpr double kClippedShare = 0.05;
+
+}  // namespace
+
+BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c) {
+  return {std::hypot(a.x, b.x, c.x), std::hypot(a.y, b.y, c.y)};
+}
+
+BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch) {
+  const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
+  const double u0 = plan.pitch_mm / kTurn * (plan.reads_x ? patch.u_phase_rad[0] : 0.0);
+  const double u1 = plan.pitch_mm / kTurn * (plan.reads_y ? patch.u_phase_rad[1] : 0.0);
+  return {std::hypot(c * u0, s * u1), std::hypot(s * u0, c * u1)};
+}
+
+Status status_of_loss(Loss loss) { return loss == Loss::kTooCoarse ? Status::kTooCoarse : Status::kLost; }
+
+Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
+  if (is_bent(plan, then, now)) return Status::kPartlyCovered;
+  if (now.clipped_share > kClippedShare) return Status::kSaturated;
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (now.modulation[a] < kBlurredModulation * then.modulation[a]) return Status::kBlurred;
+  }
+  return Status::kOk;
+}
+
+bool is_target(const Reference& reference, std::size_t i) {
+  return reference.site.markers[i].role == Role::kTarget && reference.site.markers[i].grating.has_value();
+}
+
+Sample begun_sample(const Reference& reference, const Observation& seen, std::size_t marker) {
+  if (seen.frame == reference.seen.frame) return {seen.frame, seen.time_s, marker, {0.0, 0.0}, {0.0, 0.0}, {}, Status::kOk};
+  Sample sample;
+  sample.frame = seen.frame;
+  sample.time_s = seen.time_s;
+  sample.marker = marker;
+  return sample;
+}
+
+}  // namespace moiregauge

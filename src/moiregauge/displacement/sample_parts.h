@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the methods' solvers share: the noise of a patch as millimetres, and the status of a reading.
+#pragma once
+
+#include <optional>
+
+#include "moiregauge/displacement/sample.h"
+#include "moiregauge/observation/reference.h"
+
+namespace moiregauge {
+
+using BoardExtent = Extent<frame::Board>;
+
+[[nodiscard]] BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c);
+
+// Noise of a patch along the board's axes, mm.
+[[nodiscard]] BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch);
+
+[[nodiscard]] Status status_of_loss(Loss loss);
+
+// Is the print whole, sharp and within the sensor's range? kOk, or what is wrong with it.
+[[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
+
+[[nodiscard]] bool is_target(const Reference& reference, std::size_t marker);
+
+// The row to begin with: zero in the reference frame (by definition, and finished), else nothing measured.
+[[nodiscard]] Sample begun_sample(const Reference& reference, const Observation& seen, std::size_t marker);
+
+}  // namespace moiregauge

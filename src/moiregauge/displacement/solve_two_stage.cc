@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "moiregauge/displacement/follower.h"
+#include "moiregauge/displacement/layout.h"
+#include "moiregauge/displacement/lens_evidence.h"
+#include "moiregauge/displacement/method.h"
+#include "moiregauge/displacement/sample_parts.h"
+
+namespace moiregauge {
+namespace {
+
+// A model error of this many times the noise is no longer an uncertainty one can state.
+constexpr double kUntrusted = 10.0;
+// No print, lens or pixel is so good that noise alone could be below this share of a pitch (0.5 um of 10 mm).
+constexpr double kNoiseFloorPitches = 5e-5;
+// A circle alone, without a grating to refine it: how well a printed disc's outline is its centre's, on real prints.
+constexpr double kPrintedCirclePx = 0.03;
+// A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
+constexpr double kOrderLimit = 0.4;
+// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands off
+// their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
+constexpr double kOffPlane = 0.005;
+constexpr double kStretchNoise = 5.0;
+
+// Noise of every reference as a point of the second homography.
+std::vector<BoardExtent> reference_noise(const Reference& reference, const Observation& seen) {
+  std::vector<BoardExtent> u;
+  for (const CirclePoint& point : reference.circles) {
+    const double circle = std::hypot(point.u_px, kPrintedCirclePx) * reference.view.mm_per_px(point.board);
+    u.push_back(reference.site.markers[point.marker].grating
+                    ? noise_mm(reference.plans[point.marker], seen.markers[point.marker].patch)
+                    : BoardExtent{circle, circle});
+  }
+  return u;
+}
+
+// How much larger than the references' prints a target's looks, relative, in the reference frame: what stands off the
+// plane looks so. Half the trace of the displacement gradient; nullopt where a region of few pixels cannot tell.
+std::optional<double> looks_larger(const Reference& reference, std::size_t target) {
+  const auto stretch = [&](std::size_t i) {
+    const auto& g = reference.seen.markers[i].patch.gradient;
+    return 0.5 * (g[0][0] + g[1][1]);
+  };
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    if (reference.site.markers[i].role != Role::kReference || !reference.site.markers[i].grating) continue;
+    sum += stretch(i);
+    ++count;
+  }
+  const double larger = stretch(target) - (count > 0 ? sum / count : 0.0);
+  const double noise = kStretchNoise * reference.seen.markers[target].patch.u_gradient;
+  if (!(std::abs(larger) > kOffPlane + noise)) return std::nullopt;
+  return larger;
+}
+
+// A target off the plane by dz seen by a camera that travels by t moves by dz t / (Z + dz) on the board. dz / Z is how much
+// larger it looks; of t only the bound is known that all of the picture's motion there was travel.
+BoardExtent parallax_bound(const Reference& reference, const Observation& seen, std::size_t target) {
+  const auto larger = looks_larger(reference, target);
+  if (!larger) return {};
+  const BoardPoint p = reference.site.markers[target].grating->centre;
+  const auto moved = reference.view.ideal_from_board.inverse()(seen.stage2(p)) - p;
+  return {std::abs(*larger * moved.x), std::abs(*larger * moved.y)};
+}
+
+// Any reference grating so far from its place that its lattice line is in doubt?
+bool order_in_doubt(const Reference& reference, const Observation& seen) {
+  for (const CirclePoint& point : reference.circles) {
+    const std::size_t i = point.marker;
+    if (!reference.site.markers[i].grating || seen.markers[i].loss != Loss::kNone) continue;
+    const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
+    const auto along = raster_from_board(reference.plans[i], moved);
+    for (const double d : along) {
+      if (std::abs(d) > kOrderLimit * reference.plans[i].pitch_mm) return true;
+    }
+  }
+  return false;
+}
+
+// What the whole run knows when one frame is turned into samples.
+struct RunEvidence {
+  const Reference& reference;
+  LensEvidence lens;
+  std::vector<BoardPoint> circles;
+  std::vector<BoardExtent> then_noise;  // of the references in the reference frame
+};
+
+void measure(const RunEvidence& run, const Observation& seen, std::size_t n, BoardExtent travel, Sample& sample) {
+  const Reference& reference = run.reference;
+  const std::size_t i = sample.marker;
+  const RasterPlan& plan = reference.plans[i];
+  const MarkerObservation& now = seen.markers[i];
+  const PatchReading& then = reference.seen.markers[i].patch;
+  const auto weights =
+      reference_weights(run.circles, reference.site.markers[i].grating->centre + now.window_shift);
+  sample.displacement = travel;
+  Budget& budget = sample.budget;
+  budget.noise = noise_mm(plan, now.patch);
+  budget.references = through_references(weights, reference_noise(reference, seen));
+  budget.reference_frame = hypot3(noise_mm(plan, then), through_references(weights, run.then_noise), {});
+  const double left = run.lens.unexplained_mm[n];
+  const std::vector<BoardExtent> unexplained(run.circles.size(), {left, left});
+  const double kappa = std::hypot(run.lens.kappa_px, run.lens.u_kappa_px);
+  const BoardExtent& e = run.lens.sensitivity[n][i];
+  budget.model = hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained),
+                        parallax_bound(reference, seen, i));
+  const BoardExtent noise = hypot3(budget.noise, budget.references, budget.reference_frame);
+  sample.u = hypot3(noise, budget.model, {});
+  const double floor = kNoiseFloorPitches * plan.pitch_mm;
+  const bool beyond = budget.model.x > kUntrusted * std::max(noise.x, floor) ||
+                      budget.model.y > kUntrusted * std::max(noise.y, floor);
+  sample.status = beyond ? Status::kUntrusted : quality(plan, then, now.patch);
+}
+
+}  // namespace
+
+Samples solve_two_stage(const Reference& reference, const std::vector<Observation>& observations) {
+  RunEvidence run{reference, lens_evidence(reference, observations), {}, reference_noise(reference, reference.seen)};
+  for (const CirclePoint& point : reference.circles) run.circles.push_back(point.board);
+  Follower follower(reference);
+  Samples samples;
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    const Observation& seen = observations[n];
+    const auto travel = follower.follow(reference, seen);
+    const bool doubtful = seen.references_seen && order_in_doubt(reference, seen);
+    for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+      if (!is_target(reference, i)) continue;
+      Sample sample = begun_sample(reference, seen, i);
+      if (seen.frame != reference.seen.frame) {
+        if (seen.decode_error) sample.status = Status::kDecodeError;
+        else if (!seen.references_seen) sample.status = Status::kReferenceLost;
+        else if (seen.markers[i].loss != Loss::kNone) sample.status = status_of_loss(seen.markers[i].loss);
+        else if (doubtful) sample.status = Status::kOrderUnproven;
+        else measure(run, seen, n, travel[i], sample);
+      }
+      samples.push_back(sample);
+    }
+  }
+  return samples;
+}
+
+}  // namespace moiregauge
