@@ -103,6 +103,8 @@ void add_measure(CLI::App& app, int& exit_code) {
   command->add_option("--site", words->site, "site.toml: what is printed where")->type_name("FILE");
   command->add_option("--pitch", words->pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
+  command->add_option("--axes", words->axes, "without a site file, x lies along: print (the references' gratings) or image [print]")
+      ->type_name("NAME");
   std::string methods;
   for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
   command->add_option("--method", words->method, "how to measure [" + std::string(kDefaultMethod) + "]" + methods)

@@ -78,16 +78,24 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     return usage(fmt::format("unknown method: --method {}: choose one of {}", words.method, method_names()));
   if (!words.pitch.empty() && !words.site.empty())
     return usage("--pitch and --site together: the site file states the pitch: leave one of them out");
+  if (!words.axes.empty() && words.pitch.empty())
+    return usage("--axes without --pitch: the site file states the axes: leave --axes out");
+  if (!words.axes.empty() && words.axes != "print" && words.axes != "image")
+    return usage(fmt::format("unknown axes: --axes {}: choose one of print, image", words.axes));
+  if (words.axes == "image") options.axes = BoardAxes::kImage;
   if (!words.pitch.empty()) {
     const auto pitch = length_mm(words.pitch);
     if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", words.pitch, pitch.error()));
+    options.pitch_mm = *pitch;
   }
-  if (words.site.empty())
-    return usage("no site: --site FILE: state where the markers are (docs/file-formats.md); measuring without a site file "
-                 "comes with a later version");
-  auto site = read_site(words.site);
-  if (!site) return usage(mistakes(words.site, site.error()));
-  options.site = std::move(*site);
+  if (words.site.empty() && words.pitch.empty())
+    return usage("no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or a site file "
+                 "(docs/file-formats.md)");
+  if (!words.site.empty()) {
+    auto site = read_site(words.site);
+    if (!site) return usage(mistakes(words.site, site.error()));
+    options.site = std::move(*site);
+  }
   if (!words.camera.empty()) {
     auto camera = read_camera(words.camera);
     if (!camera) return usage(camera.error());

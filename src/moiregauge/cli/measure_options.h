@@ -16,6 +16,7 @@ struct MeasureWords {
   std::string input;
   std::string site;
   std::string pitch;
+  std::string axes;
   std::string method{kDefaultMethod};
   std::string camera;
   std::optional<double> fps;

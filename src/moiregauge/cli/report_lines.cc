@@ -14,7 +14,7 @@ std::string found_line(const Measurement& m, const MeasureOptions& options) {
   const auto references = m.reference->circles.size();
   std::string targets;
   for (const TargetSummary& t : m.targets)
-    targets += fmt::format("{}{}", targets.empty() ? "" : ", ", options.site.markers[t.marker].name);
+    targets += fmt::format("{}{}", targets.empty() ? "" : ", ", site_of(m, options).markers[t.marker].name);
   return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}", references,
                      m.targets.size() == 1 ? "1 target" : fmt::format("{} targets", m.targets.size()), targets,
                      m.observations.size(), m.input.width, m.input.height, m.reference->seen.frame, options.method->name);
@@ -35,7 +35,7 @@ std::string result_line(const Measurement& m, const MeasureOptions& options) {
     std::string counts;
     for (const auto& [word, count] : t.status_counts) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, word);
     text += fmt::format("{}{}: last {}; {}; rows: {}", text.empty() ? "result: " : "\n        ",
-                        options.site.markers[t.marker].name, axis("dx", t.lowest.x, t.highest.x, t.last.x, t.u.x),
+                        site_of(m, options).markers[t.marker].name, axis("dx", t.lowest.x, t.highest.x, t.last.x, t.u.x),
                         axis("dy", t.lowest.y, t.highest.y, t.last.y, t.u.y), counts);
   }
   return text.empty() ? "result: none" : text;

@@ -53,7 +53,7 @@ std::string sha256_of_run(const fs::path& dir) {
 
 tl::expected<void, OutputError> put_all(const fs::path& dir, const Measurement& measurement, const MeasureOptions& options,
                                         const DrawOverlay& draw_overlay) {
-  const std::string csv = displacement_csv(options.site, measurement.samples);
+  const std::string csv = displacement_csv(site_of(measurement, options), measurement.samples);
   if (measurement.reference) {
     if (auto done = put(dir / "displacement.csv", csv.data(), csv.size()); !done) return done;
   }

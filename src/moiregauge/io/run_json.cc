@@ -28,17 +28,20 @@ Json input_json(const InputInfo& input, long seen) {
           {"time_source", input.time_source}};
 }
 
-Json config_json(const MeasureOptions& options) {
+Json config_json(const Measurement& measurement, const MeasureOptions& options) {
+  const KnownTo& known_to = site_of(measurement, options).known_to;
   Json config{{"frames", {{"first", options.frames.first}, {"end", nullptr}, {"step", options.frames.step}}},
               {"reference_frame", nullptr},
               {"region_px", options.observe.raster.region_px},
               {"sampling_pitch_px", nullptr},
               {"min_circularity", options.observe.circles.min_circularity},
               {"known_to",
-               {{"position_mm", options.site.known_to.position_mm},
-                {"rotation_deg", degrees_from_radians(options.site.known_to.rotation_rad)},
-                {"height_mm", options.site.known_to.height_mm},
-                {"print_scale", options.site.known_to.print_scale}}}};
+               {{"position_mm", known_to.position_mm},
+                {"rotation_deg", degrees_from_radians(known_to.rotation_rad)},
+                {"height_mm", known_to.height_mm},
+                {"print_scale", known_to.print_scale}}}};
+  config["pitch_mm"] = options.pitch_mm ? Json(*options.pitch_mm) : Json(nullptr);
+  config["axes"] = options.axes == BoardAxes::kPrint ? "print" : "image";
   if (options.frames.end >= 0) config["frames"]["end"] = options.frames.end;
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
   if (options.observe.raster.sampling_pitch_px > 0) config["sampling_pitch_px"] = options.observe.raster.sampling_pitch_px;
@@ -96,16 +99,17 @@ Json target_json(const Site& site, const TargetSummary& target) {
 nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOptions& options) {
   Json json{{"moiregauge", kVersion}, {"schema", kRunSchema}};
   json["input"] = input_json(measurement.input, static_cast<long>(measurement.observations.size()));
-  json["config"] = config_json(options);
+  json["config"] = config_json(measurement, options);
   json["method"] = std::string(options.method->name);
   json["reference_frame"] = measurement.reference ? Json(measurement.reference->seen.frame) : Json(nullptr);
   json["camera"] = camera_json(measurement, options.camera);
   json["markers"] = Json::array();
-  for (std::size_t i = 0; i < options.site.markers.size(); ++i)
-    json["markers"].push_back(marker_json(measurement, options.site.markers[i], i));
+  const Site& site = site_of(measurement, options);
+  for (std::size_t i = 0; i < site.markers.size(); ++i)
+    json["markers"].push_back(marker_json(measurement, site.markers[i], i));
   json["scene"] = {{"model", "homography"}, {"chi2_dof", nullptr}, {"key_frames", Json::array()}};
   json["targets"] = Json::array();
-  for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(options.site, target));
+  for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(site, target));
   // Four references leave a homography no redundancy, and these methods do not test more of them against each other.
   json["references_verified"] = false;
   json["warnings"] = measurement.warnings;

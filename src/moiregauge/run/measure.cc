@@ -36,6 +36,14 @@ Observation unmeasured(const Frame& frame, std::size_t markers, std::string why)
   return observation;
 }
 
+tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& picture, const MeasureOptions& options) {
+  const Camera lens = options.camera.value_or(Camera{});
+  if (!options.pitch_mm) return make_reference(picture, options.site, lens, options.observe);
+  auto site = site_from_picture(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles});
+  if (!site) return tl::unexpected(std::move(site.error()));
+  return make_reference(picture, *site, lens, options.observe);
+}
+
 // The run's state while frames go by.
 class Run {
  public:
@@ -43,8 +51,7 @@ class Run {
 
   // Tries to make `frame` the reference frame; the failure is kept in words (the first one is the one to report).
   bool refer_to(const Frame& frame) {
-    auto made = make_reference({frame.luma, out_.input.bits}, options_.site, options_.camera.value_or(Camera{}),
-                               options_.observe);
+    auto made = reference_of({frame.luma, out_.input.bits}, options_);
     if (!made) {
       if (out_.refusal.empty()) {
         out_.refusal = made.error().message;
@@ -64,7 +71,7 @@ class Run {
   }
 
   void measure_frame(const Frame& frame) {
-    const std::size_t markers = options_.site.markers.size();
+    const std::size_t markers = site_of(out_, options_).markers.size();
     if (frame.damaged) {
       out_.observations.push_back(unmeasured(frame, markers, "the decoder reported an error in this frame"));
       return;
@@ -168,6 +175,10 @@ void conclude(const MeasureOptions& options, Measurement& out) {
 }
 
 }  // namespace
+
+const Site& site_of(const Measurement& measurement, const MeasureOptions& options) {
+  return measurement.reference ? measurement.reference->site : options.site;
+}
 
 tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                               const OnProgress& on_progress) {

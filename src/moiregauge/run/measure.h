@@ -10,6 +10,7 @@
 
 #include <tl/expected.hpp>
 
+#include "moiregauge/observation/site_from_picture.h"
 #include "moiregauge/results/summary.h"
 #include "moiregauge/run/frame_source.h"
 
@@ -27,7 +28,9 @@ struct FrameRange {
 
 struct MeasureOptions {
   const Method* method = nullptr;
-  Site site;
+  Site site;                       // not used when pitch_mm is given
+  std::optional<double> pitch_mm;  // no site file: the site is made from the reference frame
+  BoardAxes axes = BoardAxes::kPrint;
   std::optional<Camera> camera;
   FrameRange frames;
   std::optional<long> reference_frame;  // empty: the first frame of the selection that can be measured
@@ -53,6 +56,9 @@ struct Measurement {
   bool interrupted = false;
   Exit exit = Exit::kInternalError;
 };
+
+// The site measured by: the reference frame's, where there is one; otherwise what the user gave.
+[[nodiscard]] const Site& site_of(const Measurement& measurement, const MeasureOptions& options);
 
 // Called after every frame: frames done, frames expected (-1: unknown). Returns false to stop (Ctrl-C).
 using OnProgress = std::function<bool(long done, long expected)>;

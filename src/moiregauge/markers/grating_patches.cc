@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/markers/grating_patches.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "moiregauge/markers/patch_growth.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::size_t kMostAttempts = 300;  // seeds of a picture full of texture
+constexpr double kEdge_px = 1.0;            // the last strip that belongs may be cut by the edge, and the lattice is not exact
+
+// In grey levels of 8 bits, whatever the depth.
+Image<float> grey_of(const LumaView& luma, int bits) {
+  Image<float> out(width_of(luma), height_of(luma));
+  const auto scale = static_cast<float>(std::ldexp(1.0, 8 - bits));
+  std::visit(
+      [&](const auto& view) {
+        for (int y = 0; y < view.height; ++y) {
+          const auto from = view.row(y);
+          std::transform(from.begin(), from.end(), out.row(y).begin(),
+                         [scale](auto grey) { return scale * static_cast<float>(grey); });
+        }
+      },
+      luma);
+  return out;
+}
+
+ImageExtent extent(const Eigen::RowVector2d& k) { return {k.x(), k.y()}; }
+
+SeenPatch seen_patch(const GrownPatch& grown) {
+  const Lattice& lattice = grown.model.lattice;
+  const auto k_at = [&](ImagePoint p) -> Eigen::Matrix2d { return grown.to_phi.inverse() * lattice.jacobian(p); };
+  SeenPatch patch;
+  PhiBox box = grown.box;
+  const Eigen::Matrix2d rough = grown.to_phi.inverse() * lattice.k;
+  for (int axis = 0; axis < 2; ++axis) {
+    box.low[axis] += kEdge_px * rough.row(axis).norm();
+    box.high[axis] -= kEdge_px * rough.row(axis).norm();
+  }
+  const auto point = [&](double x, double y) { return lattice.at(grown.to_phi * Eigen::Vector2d(x, y)); };
+  patch.centre = point(0.5 * (box.low.x() + box.high.x()), 0.5 * (box.low.y() + box.high.y()));
+  patch.outline = {point(box.low.x(), box.low.y()), point(box.high.x(), box.low.y()), point(box.high.x(), box.high.y()),
+                   point(box.low.x(), box.high.y())};
+  const Eigen::Matrix2d k = k_at(patch.centre);
+  patch.k_x = extent(k.row(0));
+  patch.k_y = extent(k.row(1));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Matrix2d corner = k_at(patch.outline[i]);
+    patch.k_corners[i] = {extent(corner.row(0)), extent(corner.row(1))};
+  }
+  patch.periods_x = box.high.x() - box.low.x();
+  patch.periods_y = box.high.y() - box.low.y();
+  patch.pattern = grown.pattern;
+  patch.modulation = std::max(grown.model.amplitude(1, 0), grown.model.amplitude(0, 1));
+  patch.noise = grown.model.residual;
+  // The series' mean against the middle of its extremes.
+  double low = 1e9, high = -1e9;
+  for (int i = 0; i < 256; ++i) {
+    const double grey = grown.model.grey(Eigen::Vector2d(i % 16, i / 16) / 16.0);
+    low = std::min(low, grey);
+    high = std::max(high, grey);
+  }
+  patch.dark_on_light = grown.model.coefficients[0] > 0.5 * (low + high);
+  return patch;
+}
+
+// Which side of the line a -> b the point is on, and how far.
+double beside(ImagePoint a, ImagePoint b, ImagePoint p) {
+  const auto ab = b - a, ap = p - a;
+  return (ab.x * ap.y - ab.y * ap.x) / std::max(length(ab), 1e-12);
+}
+
+bool overlap(const SeenPatch& a, const SeenPatch& b) {
+  if (holds(a, b.centre) || holds(b, a.centre)) return true;
+  return std::any_of(a.outline.begin(), a.outline.end(), [&](ImagePoint p) { return holds(b, p); }) ||
+         std::any_of(b.outline.begin(), b.outline.end(), [&](ImagePoint p) { return holds(a, p); });
+}
+
+}  // namespace
+
+bool holds(const SeenPatch& patch, ImagePoint p) {
+  int sign = 0;
+  for (std::size_t i = 0; i < 4; ++i) sign += beside(patch.outline[i], patch.outline[(i + 1) % 4], p) > 0.0 ? 1 : -1;
+  return std::abs(sign) == 4;
+}
+
+double distance_px(const SeenPatch& patch, ImagePoint p) {
+  if (holds(patch, p)) return 0.0;
+  double nearest = 1e300;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ImagePoint a = patch.outline[i], b = patch.outline[(i + 1) % 4];
+    const auto ab = b - a, ap = p - a;
+    const double t = std::clamp((ab.x * ap.x + ab.y * ap.y) / std::max(ab.x * ab.x + ab.y * ab.y, 1e-12), 0.0, 1.0);
+    nearest = std::min(nearest, length(p - (a + t * ab)));
+  }
+  return nearest;
+}
+
+std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingSearchOptions& options) {
+  const Image<float> grey = grey_of(luma, options.bits);
+  std::vector<SeenPatch> patches;
+  std::size_t attempts = 0;
+  for (const LatticeSeed& seed : find_lattice_seeds(grey, options.min_modulation)) {
+    const bool known = std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) {
+      return distance_px(p, seed.centre) < 1.0 / seed.k1.norm();
+    });
+    if (known) continue;
+    if (++attempts > kMostAttempts) break;
+    const auto grown = grow_patch(grey, seed, {options.min_periods, options.min_explained, options.min_modulation});
+    if (!grown) continue;
+    const SeenPatch patch = seen_patch(*grown);
+    // Where two overlap, the first, whose seed was the stronger, is the print; the other is a harmonic or a piece of it.
+    const bool taken = std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) { return overlap(p, patch); });
+    if (!taken) patches.push_back(patch);
+  }
+  return patches;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a picture is locally periodic: spectra of small tiles at several scales.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "moiregauge/image/image.h"
+#include "moiregauge/units/point.h"
+
+namespace moiregauge {
+
+// A tile whose spectrum is one lattice.
+struct LatticeSeed {
+  ImagePoint centre;           // px
+  Eigen::Vector2d k1{0, 0};    // fundamental harmonics, cycles per px
+  Eigen::Vector2d k2{0, 0};    // zero: lines only
+  double score = 0.0;          // grey levels squared that the fundamentals hold
+};
+
+// The best tile of each neighbourhood, best first. min_modulation: grey levels, below which a tile counts as flat.
+[[nodiscard]] std::vector<LatticeSeed> find_lattice_seeds(const Image<float>& grey, double min_modulation);
+
+}  // namespace moiregauge

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/markers/outermost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace moiregauge {
+namespace {
+
+constexpr double kOneSize = 0.25;        // relative; perspective makes far ones smaller
+constexpr double kConcentric = 0.3;      // of the diameter
+constexpr double kNearHull = 0.5;        // diameters
+
+double cross(ImagePoint o, ImagePoint a, ImagePoint b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
+
+// Andrew's monotone chain; counter-clockwise in a y-up sense, without repeats.
+std::vector<ImagePoint> hull_of(std::vector<ImagePoint> p) {
+  std::sort(p.begin(), p.end(), [](ImagePoint a, ImagePoint b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  std::vector<ImagePoint> hull;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t base = hull.size();
+    for (const ImagePoint& q : p) {
+      while (hull.size() >= base + 2 && cross(hull[hull.size() - 2], hull.back(), q) <= 0) hull.pop_back();
+      hull.push_back(q);
+    }
+    hull.pop_back();
+    std::reverse(p.begin(), p.end());
+  }
+  return hull;
+}
+
+std::vector<SeenCircle> candidates(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+  std::vector<SeenCircle> out;
+  for (const SeenCircle& c : circles) {
+    // A patch's outline is cautious: its outermost elements may reach half a pitch beyond.
+    const bool element = std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) {
+      return distance_px(p, c.centre) < 0.5 / std::hypot(p.k_x.x, p.k_x.y);
+    });
+    if (!element) out.push_back(c);
+  }
+  return out;
+}
+
+// Those of c's size, one at each place.
+std::vector<SeenCircle> like(const SeenCircle& c, const std::vector<SeenCircle>& all) {
+  std::vector<SeenCircle> out;
+  for (const SeenCircle& o : all) {
+    if (std::abs(std::log(o.diameter_px / c.diameter_px)) > kOneSize) continue;
+    const auto same = std::find_if(out.begin(), out.end(), [&](const SeenCircle& k) {
+      return length(o.centre - k.centre) < kConcentric * k.diameter_px;
+    });
+    if (same == out.end()) out.push_back(o);
+    else if (std::abs(o.contrast) > std::abs(same->contrast)) *same = o;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slack) {
+  std::vector<std::size_t> out(points.size());
+  std::iota(out.begin(), out.end(), 0U);
+  if (points.size() < 4) return out;
+  const std::vector<ImagePoint> hull = hull_of({points.begin(), points.end()});
+  std::erase_if(out, [&](std::size_t i) {
+    double nearest = 1e300;
+    for (std::size_t k = 0; k < hull.size(); ++k) {
+      const ImagePoint a = hull[k], b = hull[(k + 1) % hull.size()];
+      nearest = std::min(nearest, std::abs(cross(a, b, points[i])) / std::max(length(b - a), 1e-12));
+    }
+    return nearest > slack;
+  });
+  return out;
+}
+
+std::vector<SeenCircle> outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+  const std::vector<SeenCircle> all = candidates(circles, patches);
+  std::vector<SeenCircle> best;
+  for (const SeenCircle& c : all) {
+    std::vector<SeenCircle> group = like(c, all);
+    if (group.size() > best.size() || (group.size() == best.size() && c.diameter_px > best.front().diameter_px))
+      best = std::move(group);
+  }
+  std::vector<ImagePoint> places;
+  double diameter = 0.0;
+  for (const SeenCircle& c : best) {
+    places.push_back(c.centre);
+    diameter = std::max(diameter, c.diameter_px);
+  }
+  std::vector<SeenCircle> out;
+  for (const std::size_t i : on_hull(places, kNearHull * diameter)) out.push_back(best[i]);
+  return out;
+}
+
+}  // namespace moiregauge
