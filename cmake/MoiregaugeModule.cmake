@@ -21,6 +21,7 @@ function(moiregauge_module)
     add_executable(${ARG_NAME}_test ${tests})
     target_link_libraries(${ARG_NAME}_test PRIVATE ${lib} ${ARG_TEST_LINK} moiregauge_warnings GTest::gtest_main)
     target_compile_definitions(${ARG_NAME}_test PRIVATE MOIREGAUGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-    gtest_discover_tests(${ARG_NAME}_test TEST_PREFIX "${ARG_NAME}." PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
+    gtest_discover_tests(${ARG_NAME}_test TEST_PREFIX "${ARG_NAME}." DISCOVERY_TIMEOUT 60 PROPERTIES LABELS unit
+                         ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0")
   endif()
 endfunction()
