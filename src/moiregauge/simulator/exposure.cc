@@ -17,11 +17,14 @@ int cells_for(double psf_sigma_px) {
   return psf_sigma_px >= 0.35 ? 4 : 8;
 }
 
-// A movement of one point spread is averaged well by two moments; each further one buys 0.8 px. One alone is for what
-// stands still: where a movement starts or stops, even the mean of a thousandth of a pixel is not that of mid-exposure.
-int moments_for(double movement_px) {
-  if (movement_px < 1e-6) return 1;
-  return std::min(200, 1 + static_cast<int>(std::ceil(movement_px / 0.8)));
+// A movement of one point spread is averaged well by two moments; each further one buys 0.8 px. One alone is for what is
+// short (its smear widens the point spread by less than 1e-3) and straight: its mean is then the middle.
+constexpr double kShort_px = 0.1;
+constexpr double kStraight_px = 1e-4;
+
+int moments_for(Movement movement) {
+  if (movement.way_px < kShort_px && movement.sag_px < kStraight_px) return 1;
+  return std::min(200, 1 + static_cast<int>(std::ceil(movement.way_px / 0.8)));
 }
 
 std::vector<BoardPoint> outline(const PrintedMarker& print) {
@@ -70,7 +73,7 @@ void ExposedMarker::choose_moments(const Scenario& scenario, const SceneMarker& 
   const std::vector<double> cuts = pieces_of(scenario, marker, now - half, now + half);
   for (std::size_t i = 1; i < cuts.size(); ++i) {
     const double from = cuts[i - 1], length = cuts[i] - from;
-    for (const Node& node : gauss_legendre(moments_for(movement_px(scenario, marker, from, cuts[i])))) {
+    for (const Node& node : gauss_legendre(moments_for(movement(scenario, marker, from, cuts[i])))) {
       add_moment_at(scenario, marker, from + length * (0.5 + node.at), node.weight * length / (2.0 * half));
     }
   }
@@ -80,21 +83,25 @@ void ExposedMarker::add_moment_at(const Scenario& scenario, const SceneMarker& m
   moments_.push_back({inverse(camera_from_print(scenario, marker, time_s)), weight});
 }
 
-// The longest way of two opposite corners.
-double ExposedMarker::movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s,
-                                  double to_s) const {
+// The longest way of two opposite corners, and the largest distance of the middle from the chord.
+Movement ExposedMarker::movement(const Scenario& scenario, const SceneMarker& marker, double from_s,
+                                 double to_s) const {
   constexpr int kLegs = 8;
-  double longest = 0.0;
+  Movement longest;
   for (const BoardPoint corner : {print_.low(), print_.high()}) {
     double way = 0.0;
-    ImagePoint before;
+    ImagePoint first, middle, before;
     for (int i = 0; i <= kLegs; ++i) {
       const double time = from_s + (to_s - from_s) * i / kLegs;
       const ImagePoint here = image_of(camera_, ray_of(camera_from_print(scenario, marker, time), corner));
       if (i > 0) way += length(here - before);
+      if (i == 0) first = here;
+      if (i == kLegs / 2) middle = here;
       before = here;
     }
-    longest = std::max(longest, way);
+    const ImagePoint chord{0.5 * (first.x + before.x), 0.5 * (first.y + before.y)};
+    longest.way_px = std::max(longest.way_px, way);
+    longest.sag_px = std::max(longest.sag_px, length(middle - chord));
   }
   return longest;
 }

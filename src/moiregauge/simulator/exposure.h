@@ -11,6 +11,12 @@
 
 namespace moiregauge::simulator {
 
+// A marker's movement on the sensor over a part of an exposure, px.
+struct Movement {
+  double way_px = 0.0;
+  double sag_px = 0.0;  // of the middle from the straight line
+};
+
 class ExposedMarker {
  public:
   ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame);
@@ -28,8 +34,7 @@ class ExposedMarker {
   };
   void choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame);
   void add_moment_at(const Scenario& scenario, const SceneMarker& marker, double time_s, double weight);
-  [[nodiscard]] double movement_px(const Scenario& scenario, const SceneMarker& marker, double from_s,
-                                   double to_s) const;
+  [[nodiscard]] Movement movement(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) const;
   void find_window(const Scenario& scenario, const SceneMarker& marker, long frame);
   void see(const Moment& moment, const RayPatch& sight, double& paper, double& level) const;
 
