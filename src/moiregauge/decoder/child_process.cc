@@ -116,7 +116,10 @@ tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milli
         fmt::format("the decoder was silent for {} s", std::chrono::duration<double>(watchdog).count()));
   }
   wire::Record record;
-  const ssize_t got = ::recv(socket_, &record, sizeof record, 0);
+  ssize_t got = ::recv(socket_, &record, sizeof record, 0);
+  // A child that ended with our releases unread resets the connection, which is reported once and before the records
+  // it had sent: they still count.
+  if (got < 0 && errno == ECONNRESET) got = ::recv(socket_, &record, sizeof record, 0);
   if (got == sizeof record) return record;
   ::kill(process_, SIGKILL);  // it may have closed the socket only; SIGKILL leaves an earlier death as it was
   return tl::unexpected(last_words());
