@@ -11,15 +11,12 @@
 #include "common/simulated_run.h"
 #include "paper/exact_points.h"
 #include "real/real_pictures.h"
+#include "studies/residual_causes.h"
 
 namespace moiregauge {
 namespace {
 
-struct Case {
-  const char* scenario;
-  const char* paper;
-  long reference_frame;
-};
+using Case = test::PaperCase;
 // The 8 deg case is measured against the frame in which the camera faces the board, as the paper did.
 constexpr Case kCases[] = {{"rig-0.1x", "~0.02 mm", 0}, {"rig-1x", "0.248 mm", 0}, {"rig-1xyz", "0.311 mm", 0}, {"rig-8xyz", "1.861 mm", 80}};
 
@@ -136,5 +133,6 @@ int main(int argc, char** argv) {
   moiregauge::with_noise(seeds);
   std::fflush(stdout);
   moiregauge::through_lenses();
+  moiregauge::test::print_residual_causes(moiregauge::kCases);
   moiregauge::photographs();
 }

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the published method must leave, in closed form (docs/methods/two-stage.md): the errors of its own, not of
+// pixels.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "paper/exact_points.h"
+
+namespace moiregauge {
+namespace {
+
+using simulator::Scenario;
+
+constexpr double kMinusOnePercent = -0.0225;  // k1 of the rig's lens, by its distortion at the full sensor's corner
+
+// The rig under 0.1 degree about x, of one instant, its target at rest, the optical axis through the board's middle.
+Scenario small_turn(double pivot_behind_mm) {
+  auto scenario = *simulator::built_in("rig-0.1x");
+  scenario.sensor.exposure_s = 1e-6;
+  scenario.mount.pivot_z_mm = -pivot_behind_mm;
+  scenario.camera.cx = 2051.5, scenario.camera.cy = 505.5;
+  for (auto& marker : scenario.markers) marker.dx = marker.dy = {};
+  return scenario;
+}
+
+// References at (+-x, +-y), circle and grating each in its own ring.
+void place_references(Scenario& scenario, double circle_x, double grating_x, double y) {
+  for (auto& marker : scenario.markers) {
+    if (marker.print.role != Role::kReference) continue;
+    const auto& c = marker.print.circle->centre;
+    const double sx = c.x < 0 ? -1 : 1, sy = c.y < 0 ? -1 : 1;
+    marker.print.circle->centre = {sx * circle_x, sy * y};
+    marker.print.grating->centre = {sx * grating_x, sy * y};
+  }
+}
+
+double error_mm(const Scenario& scenario, test::Stages stages) {
+  return std::abs(test::exact_error(scenario, scenario.frames - 1, 0, stages).y);
+}
+
+// Shift of the board's middle in the picture, as millimetres of board.
+double shift_mm(const Scenario& scenario) {
+  const double px =
+      project(scenario, scenario.frames - 1, BoardPoint{0, 0}).y - project(scenario, 0, BoardPoint{0, 0}).y;
+  return px * scenario.mount.distance_mm / scenario.camera.fy;
+}
+
+double radial_error_mm(double k1, double shift_mm, double x_mm, double y_mm, double distance_mm) {
+  return std::abs(k1 * shift_mm * (x_mm * x_mm + y_mm * y_mm) / (distance_mm * distance_mm));
+}
+
+// e = k s R^2 in four layouts, R that of the circles; the target on the axis, the turn small.
+TEST(ClosedForms, CirclesAloneLeaveKSRSquaredOfTheCircles) {
+  for (const auto& [x, y] : {std::pair{380.0, 28.0}, {150.0, 45.0}, {200.0, 100.0}, {100.0, 100.0}}) {
+    auto scenario = small_turn(0.0);
+    scenario.camera.k1 = kMinusOnePercent;
+    place_references(scenario, x, 0.9 * x, y);
+    const double expected = radial_error_mm(kMinusOnePercent, shift_mm(scenario), x, y, scenario.mount.distance_mm);
+    EXPECT_NEAR(error_mm(scenario, test::Stages::kCirclesOnly) / expected, 1.0, 0.02) << x << " x " << y;
+  }
+}
+
+// The second stage makes the gratings the points that do not move: R becomes theirs. Neglected: that what a grating has
+// moved is added at its circle, not at itself, of relative size (distance of the two) / R in one direction per side,
+// which cancels over the four.
+TEST(ClosedForms, TheSecondStageLeavesKSRSquaredOfTheGratings) {
+  for (const auto& [circle, grating] : {std::pair{380.0, 340.0}, {300.0, 340.0}, {200.0, 180.0}}) {
+    auto scenario = small_turn(0.0);
+    scenario.camera.k1 = kMinusOnePercent;
+    place_references(scenario, circle, grating, 28.0);
+    const double expected =
+        radial_error_mm(kMinusOnePercent, shift_mm(scenario), grating, 28.0, scenario.mount.distance_mm);
+    EXPECT_NEAR(error_mm(scenario, test::Stages::kBoth) / expected, 1.0, 0.02) << circle << ", " << grating;
+  }
+}
+
+// A target dz behind the plane, a camera centre that travels by t: dz t / Z in the millimetres of its own print,
+// whatever the turn.
+TEST(ClosedForms, ATargetOffThePlaneShiftsByTheCamerasTravel) {
+  for (const double behind : {1.0, 10.0, 30.0, 100.0}) {
+    for (const double pivot : {0.0, 100.0, 170.0}) {
+      auto scenario = small_turn(pivot);
+      for (auto& marker : scenario.markers) {
+        if (marker.print.role == Role::kTarget) marker.place.z_mm = -behind;
+      }
+      const double travel = pivot * std::sin(0.1 * std::numbers::pi / 180.0);
+      const double expected = behind * travel / scenario.mount.distance_mm;
+      EXPECT_NEAR(error_mm(scenario, test::Stages::kBoth), expected, 0.01 * expected + 1e-7) << behind << ", " << pivot;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace moiregauge
