@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/phase/print_template.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+using Complex = std::complex<double>;
+
+// Table points per period of the highest harmonic.
+constexpr int kPointsPerPeriod = 16;
+constexpr int kLeastSide = 64;
+
+std::size_t index_of(int order, int m, int n) {
+  return static_cast<std::size_t>((n + order) * (2 * order + 1) + m + order);
+}
+
+// exp(2 pi i k / side), k = 0 .. side - 1.
+std::vector<Complex> turns(int side) {
+  std::vector<Complex> out;
+  for (int k = 0; k < side; ++k) out.push_back(std::polar(1.0, kTurn * k / side));
+  return out;
+}
+
+// Weights of the four neighbours at t in [0, 1), and their derivatives by t (cubic convolution, a = -1/2).
+struct Weights {
+  std::array<double, 4> w, d;
+  explicit Weights(double t)
+      : w{((-0.5 * t + 1.0) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1.0, ((-1.5 * t + 2.0) * t + 0.5) * t,
+          (0.5 * t - 0.5) * t * t},
+        d{(-1.5 * t + 2.0) * t - 0.5, (4.5 * t - 5.0) * t, (-4.5 * t + 4.0) * t + 0.5, (1.5 * t - 1.0) * t} {}
+};
+
+}  // namespace
+
+PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : order_(order), series_(series.size()) {
+  for (int n = -order; n <= order; ++n) {
+    for (int m = -order; m <= order; ++m) {
+      series_[index_of(order, m, n)] =
+          0.5 * (series[index_of(order, m, n)] + std::conj(series[index_of(order, -m, -n)]));
+    }
+  }
+  series_[index_of(order, 0, 0)] = 0.0;
+  side_ = std::max(kLeastSide, kPointsPerPeriod * order);
+  // Rows of the series summed over m for every table column, then over n for every table row.
+  const auto turn = turns(side_);
+  const auto at = [&](int k, int step) { return turn[static_cast<std::size_t>(((k * step) % side_ + side_) % side_)]; };
+  std::vector<Complex> partial(static_cast<std::size_t>((2 * order + 1) * side_));
+  for (int n = -order; n <= order; ++n) {
+    for (int i = 0; i < side_; ++i) {
+      Complex sum = 0.0;
+      for (int m = -order; m <= order; ++m) sum += series_[index_of(order, m, n)] * at(m, i);
+      partial[static_cast<std::size_t>((n + order) * side_ + i)] = sum;
+    }
+  }
+  const int wide = side_ + 3;
+  table_.resize(static_cast<std::size_t>(wide * wide));
+  for (int j = 0; j < wide; ++j) {
+    for (int i = 0; i < wide; ++i) {
+      const int column = (i - 1 + side_) % side_;
+      Complex sum = 0.0;
+      for (int n = -order; n <= order; ++n)
+        sum += partial[static_cast<std::size_t>((n + order) * side_ + column)] * at(n, j - 1);
+      table_[static_cast<std::size_t>(j * wide + i)] = static_cast<float>(sum.real());
+    }
+  }
+}
+
+PrintTemplate PrintTemplate::cosine(double amplitude_x, double amplitude_y) {
+  std::array<Complex, 9> series{};
+  series[index_of(1, 1, 0)] = series[index_of(1, -1, 0)] = 0.5 * amplitude_x;
+  series[index_of(1, 0, 1)] = series[index_of(1, 0, -1)] = 0.5 * amplitude_y;
+  return {1, series};
+}
+
+PrintLevel PrintTemplate::at(PrintPoint p) const {
+  const double u = (p.x - std::floor(p.x)) * side_, v = (p.y - std::floor(p.y)) * side_;
+  const int i = std::min(static_cast<int>(u), side_ - 1), j = std::min(static_cast<int>(v), side_ - 1);
+  const Weights across(u - i), up(v - j);
+  const int wide = side_ + 3;
+  PrintLevel level;
+  for (int row = 0; row < 4; ++row) {
+    const float* t = table_.data() + (j + row) * wide + i;
+    double value = 0.0, slope = 0.0;
+    for (int column = 0; column < 4; ++column) {
+      value += across.w[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
+      slope += across.d[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
+    }
+    level.t += up.w[static_cast<std::size_t>(row)] * value;
+    level.dx += up.w[static_cast<std::size_t>(row)] * slope;
+    level.dy += up.d[static_cast<std::size_t>(row)] * value;
+  }
+  level.dx *= side_;
+  level.dy *= side_;
+  return level;
+}
+
+Complex PrintTemplate::coefficient(int m, int n) const {
+  if (std::abs(m) > order_ || std::abs(n) > order_) return 0.0;
+  return series_[index_of(order_, m, n)];
+}
+
+double PrintTemplate::slope_power_x() const {
+  double sum = 0.0;
+  for (int n = -order_; n <= order_; ++n) {
+    for (int m = -order_; m <= order_; ++m) sum += m * m * std::norm(series_[index_of(order_, m, n)]);
+  }
+  return kTurn * kTurn * sum;
+}
+
+double PrintTemplate::slope_power_y() const {
+  double sum = 0.0;
+  for (int n = -order_; n <= order_; ++n) {
+    for (int m = -order_; m <= order_; ++m) sum += n * n * std::norm(series_[index_of(order_, m, n)]);
+  }
+  return kTurn * kTurn * sum;
+}
+
+int highest_order(double pitch_px) { return std::max(1, static_cast<int>(std::floor(pitch_px / 2.2))); }
+
+}  // namespace moiregauge
