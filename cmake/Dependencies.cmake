@@ -1,6 +1,7 @@
 # What we stand on; every name is a package of tools/packages.txt.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tl-expected REQUIRED)
+find_package(Ceres 2.1 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)

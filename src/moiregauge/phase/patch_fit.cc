@@ -183,8 +183,9 @@ tl::expected<PatchFit, Failure> fit_in(const ImageView<Grey>& picture, const Pri
     model.dy += dy;
     model.gain = {s.value(3), s.value(4), s.value(5)};
     fit.last_step = std::max((at_points * dx).cwiseAbs().maxCoeff(), (at_points * dy).cwiseAbs().maxCoeff());
-    fit.background = s.value(0) + offset;
-    fit.gain = s.value(3);
+    fit.middle = {model.frame.x0, model.frame.y0};
+    fit.light = {s.value(0) + offset, s.value(1) / model.frame.scale, s.value(2) / model.frame.scale};
+    fit.gain = {s.value(3), s.value(4) / model.frame.scale, s.value(5) / model.frame.scale};
     fit.pixels = sums.pixels();
     fit.sigma = std::sqrt(std::max(0.0, sums.grey_squared() - s.value.dot(r)) / (sums.pixels() - kColumns));
   }

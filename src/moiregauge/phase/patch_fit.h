@@ -43,11 +43,20 @@ struct PatchFit {
   std::array<PrintPoint, kPatchPoints> print;  // what each of them shows, pitches
   // Inverse covariance of the print coordinates (x of all nine, then y), per pitch^2; zero for an axis not shown.
   PatchInformation information = PatchInformation::Zero();
-  double background = 0.0;  // grey levels, b0
-  double gain = 0.0;        // g0: contrast relative to the template
+  // Light and contrast relative to the template, each with its slopes per px from `middle`.
+  ImagePoint middle;
+  std::array<double, 3> light{};  // grey levels
+  std::array<double, 3> gain{};
+  [[nodiscard]] double background(ImagePoint p) const { return plane(light, p); }
+  [[nodiscard]] double contrast(ImagePoint p) const { return plane(gain, p); }
   double sigma = 0.0;       // grey levels, rms residual of one pixel
   double last_step = 0.0;   // pitches, the largest correction of the last pass at any point
   int pixels = 0;
+
+ private:
+  [[nodiscard]] double plane(const std::array<double, 3>& c, ImagePoint p) const {
+    return c[0] + c[1] * (p.x - middle.x) + c[2] * (p.y - middle.y);
+  }
 };
 
 enum class PatchFitFailure {

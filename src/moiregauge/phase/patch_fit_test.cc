@@ -70,7 +70,7 @@ TEST(PatchFit, WithoutNoiseEveryPointIsWhereThePrintHasIt) {
     ASSERT_TRUE(fit) << turn;
     // Rounding of 1/256 grey level over 8000 pixels, 18 unknowns: 1e-6 pitches.
     EXPECT_LT(largest_error(*fit, truth), 1e-5) << turn;
-    EXPECT_NEAR(fit->gain, 256.0 * 42.5 / 40, 0.01);
+    EXPECT_NEAR(fit->gain[0], 256.0 * 42.5 / 40, 0.01);
   }
 }
 
@@ -139,7 +139,7 @@ TEST(PatchFit, FlatPaperIsNoPatternAndTheEdgeOfThePictureNoPatch) {
   const auto flat = seen(
       truth, {.sigma = 1.0}, [](PrintPoint) { return 0.0; }, 7);
   const auto nothing = fit_patch(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {});
-  EXPECT_TRUE(!nothing || std::abs(nothing->gain) < 0.01);
+  EXPECT_TRUE(!nothing || std::abs(nothing->gain[0]) < 0.01);
   const auto outside = fit_patch(flat.view(), off_by(truth, 2.0, 0.0, 0.0), kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_FALSE(outside);
   EXPECT_EQ(outside.error(), PatchFitFailure::kOutsidePicture);

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Self-calibration: one least squares over camera, markers and the poses of many frames.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "moiregauge/calibration/scene.h"
+#include "moiregauge/phase/patch_fit.h"
+#include "moiregauge/site/site.h"
+
+namespace moiregauge {
+
+// One frame as the bundle takes it.
+struct BundleFrame {
+  long frame = 0;
+  Pose pose;                                    // where to start
+  std::vector<std::optional<PatchFit>> points;  // one per site marker
+  std::vector<Extent<frame::Board>> shift;      // of the targets, where to start; one per site marker, mm
+  bool at_rest = false;                         // targets known not to have moved: shift is zero
+};
+
+// What is known beforehand: values (a Scene's) and their standard uncertainties in the Scene's order.
+struct ScenePrior {
+  Camera camera;
+  std::array<double, kCameraParameters> u_camera{};
+  std::vector<MarkerShape> markers;
+  std::vector<MarkerShape> u_markers;  // 0: held fixed
+};
+
+// Nothing known of the lens but the picture's size; of the markers what the site says. A calibrated camera narrows it.
+[[nodiscard]] ScenePrior scene_prior(const Site& site, int width, int height, const std::optional<Camera>& camera);
+
+struct BundleSolution {
+  Scene scene;
+  std::vector<BundleFrame> frames;  // poses and shifts as solved
+};
+
+// Minimises chi2 of all patches plus that of the priors (Ceres, robust against a patch that fits nothing). What the
+// model leaves out stays at its prior value.
+[[nodiscard]] BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames,
+                                          const ScenePrior& prior, const SceneModel& model);
+
+}  // namespace moiregauge

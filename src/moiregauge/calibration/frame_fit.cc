@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/frame_fit.h"
+
+#include <cmath>
+#include <limits>
+
+#include <ceres/autodiff_cost_function.h>
+#include <Eigen/Cholesky>
+
+#include "moiregauge/calibration/free_parameters.h"
+#include "moiregauge/calibration/patch_residual.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kRows = PatchResidual::kSize;
+constexpr int kShape = MarkerShape::kParameters;
+constexpr int kPasses = 4;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+using Cost = ceres::AutoDiffCostFunction<PatchResidual, kRows, kCameraParameters, kShape, 6, 2>;
+template <int kColumns>
+using Jacobian = Eigen::Matrix<double, kRows, kColumns, Eigen::RowMajor>;
+
+struct Linear {
+  Eigen::Matrix<double, kRows, 1> residual;
+  Jacobian<kCameraParameters> camera;
+  Jacobian<kShape> shape;
+  Jacobian<6> pose;
+  Jacobian<2> shift;
+};
+
+Linear linearised(const Cost& cost, const double* camera, const MarkerShape& shape, const Pose& pose,
+                  Extent<frame::Board> shift) {
+  Linear l;
+  const double d[2]{shift.x, shift.y};
+  const double* blocks[]{camera, shape.value.data(), pose.turn.data(), d};
+  double* jacobians[]{l.camera.data(), l.shape.data(), l.pose.data(), l.shift.data()};
+  cost.Evaluate(blocks, l.residual.data(), jacobians);
+  return l;
+}
+
+struct Normal {
+  Eigen::MatrixXd ff, fg, gg;
+  Eigen::VectorXd rf, rg;
+};
+
+}  // namespace
+
+int scene_parameters(std::size_t markers) { return kCameraParameters + kShape * static_cast<int>(markers); }
+
+FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame) {
+  const std::size_t markers = site.markers.size();
+  FrameFit fit;
+  fit.pose = frame.pose;
+  fit.shift.assign(markers, {kNaN, kNaN});
+  fit.shift_row.assign(markers, -1);
+  fit.chi2.assign(markers, kNaN);
+  fit.own_information.assign(markers, Eigen::Matrix2d::Zero());
+  int rows = 6, references = 0;
+  std::vector<std::unique_ptr<Cost>> costs(markers);
+  for (std::size_t i = 0; i < markers; ++i) {
+    if (!frame.points[i] || !site.markers[i].grating) continue;
+    costs[i] = std::make_unique<Cost>(new PatchResidual(*frame.points[i], *site.markers[i].grating));
+    references += site.markers[i].role == Role::kReference;
+    fit.shift[i] = {0, 0};
+    if (site.markers[i].role == Role::kReference || frame.at_rest) continue;
+    fit.shift[i] = frame.shift[i];
+    fit.shift_row[i] = rows;
+    rows += 2;
+  }
+  if (references < 3) return fit;
+  const Camera& c = scene.camera;
+  const std::array<double, kCameraParameters> camera{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  const int globals = scene_parameters(markers);
+  Normal n;
+  for (int pass = 0; pass <= kPasses; ++pass) {
+    n = {Eigen::MatrixXd::Zero(rows, rows), Eigen::MatrixXd::Zero(rows, globals),
+         Eigen::MatrixXd::Zero(globals, globals), Eigen::VectorXd::Zero(rows), Eigen::VectorXd::Zero(globals)};
+    fit.chi2_sum = 0.0;
+    fit.dof = -rows;
+    for (std::size_t i = 0; i < markers; ++i) {
+      if (!costs[i]) continue;
+      const Linear l = linearised(*costs[i], camera.data(), scene.markers[i], fit.pose, fit.shift[i]);
+      fit.chi2[i] = l.residual.squaredNorm();
+      fit.chi2_sum += fit.chi2[i];
+      fit.dof += kRows;
+      // This patch's columns: pose, perhaps shift; camera and its own shape.
+      Jacobian<8> own = Jacobian<8>::Zero();
+      own.leftCols<6>() = l.pose;
+      own.rightCols<2>() = l.shift;
+      Jacobian<kCameraParameters + kShape> global;
+      global << l.camera, l.shape;
+      const auto column = [&](int k) { return k < 6 ? k : fit.shift_row[i] + k - 6; };
+      const int used = fit.shift_row[i] < 0 ? 6 : 8;
+      const auto global_column = [&](int k) {
+        return k < kCameraParameters ? k : kCameraParameters + kShape * static_cast<int>(i) + k - kCameraParameters;
+      };
+      const Eigen::Matrix<double, 8, 8> ff = own.transpose() * own;
+      const Eigen::Matrix<double, 8, kCameraParameters + kShape> fg = own.transpose() * global;
+      const Eigen::Matrix<double, kCameraParameters + kShape, kCameraParameters + kShape> gg =
+          global.transpose() * global;
+      const Eigen::Matrix<double, 8, 1> rf = own.transpose() * l.residual;
+      fit.own_information[i] = l.shift.transpose() * l.shift;
+      for (int a = 0; a < used; ++a) {
+        n.rf(column(a)) += rf(a);
+        for (int b = 0; b < used; ++b) n.ff(column(a), column(b)) += ff(a, b);
+        for (int b = 0; b < fg.cols(); ++b) n.fg(column(a), global_column(b)) += fg(a, b);
+      }
+      for (int a = 0; a < gg.rows(); ++a) {
+        for (int b = 0; b < gg.cols(); ++b) n.gg(global_column(a), global_column(b)) += gg(a, b);
+      }
+    }
+    if (pass == kPasses) break;
+    const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * n.ff * scale.asDiagonal());
+    if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return fit;
+    const Eigen::VectorXd step = scale.cwiseProduct(ldlt.solve(scale.cwiseProduct(n.rf)));
+    for (int k = 0; k < 3; ++k) {
+      fit.pose.turn[static_cast<std::size_t>(k)] -= step(k);
+      fit.pose.shift[static_cast<std::size_t>(k)] -= step(3 + k);
+    }
+    for (std::size_t i = 0; i < markers; ++i) {
+      if (fit.shift_row[i] < 0) continue;
+      fit.shift[i].x -= step(fit.shift_row[i]);
+      fit.shift[i].y -= step(fit.shift_row[i] + 1);
+    }
+  }
+  const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd inverse =
+      (scale.asDiagonal() * n.ff * scale.asDiagonal()).ldlt().solve(Eigen::MatrixXd::Identity(rows, rows));
+  fit.covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
+  fit.sensitivity = -fit.covariance * n.fg;
+  fit.scene_information = n.gg + n.fg.transpose() * fit.sensitivity;
+  fit.ok = std::isfinite(fit.chi2_sum);
+  return fit;
+}
+
+Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames, const ScenePrior& prior,
+                                 const SceneModel& model) {
+  const int size = scene_parameters(site.markers.size());
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  for (const FrameFit& f : frames) {
+    if (f.ok) information += f.scene_information;
+  }
+  std::vector<int> used;
+  const auto take = [&](int index, bool is_free, double u) {
+    if (!is_free || !(u > 0.0)) return;
+    information(index, index) += 1.0 / (u * u);
+    used.push_back(index);
+  };
+  const auto camera = free_camera(model);
+  for (int k = 0; k < kCameraParameters; ++k)
+    take(k, camera[static_cast<std::size_t>(k)], prior.u_camera[static_cast<std::size_t>(k)]);
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    const auto shape = free_shape(model, site.markers[i].role);
+    for (int k = 0; k < kShape; ++k)
+      take(kCameraParameters + kShape * static_cast<int>(i) + k, shape[static_cast<std::size_t>(k)],
+           prior.u_markers[i].value[static_cast<std::size_t>(k)]);
+  }
+  const auto n = static_cast<Eigen::Index>(used.size());
+  Eigen::MatrixXd small(n, n);
+  Eigen::VectorXd scale(n);
+  for (Eigen::Index a = 0; a < n; ++a)
+    scale(a) = 1.0 / std::sqrt(information(used[static_cast<std::size_t>(a)], used[static_cast<std::size_t>(a)]));
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index b = 0; b < n; ++b)
+      small(a, b) =
+          scale(a) * scale(b) * information(used[static_cast<std::size_t>(a)], used[static_cast<std::size_t>(b)]);
+  }
+  const Eigen::MatrixXd inverse = small.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index b = 0; b < n; ++b)
+      covariance(used[static_cast<std::size_t>(a)], used[static_cast<std::size_t>(b)]) =
+          scale(a) * scale(b) * inverse(a, b);
+  }
+  return covariance;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "moiregauge/calibration/scene.h"
+#include "moiregauge/site/site.h"
+
+namespace moiregauge {
+
+// Which parameters a model solves; the others stay at their prior values.
+[[nodiscard]] constexpr std::array<bool, kCameraParameters> free_camera(const SceneModel& m) {
+  return {true, true, true, m.radial, m.radial, m.tangential, m.tangential, false};
+}
+[[nodiscard]] constexpr std::array<bool, MarkerShape::kParameters> free_shape(const SceneModel& m, Role role) {
+  const bool reference = role == Role::kReference;
+  return {reference, reference, true, true, reference ? m.heights : m.depth};
+}
+
+}  // namespace moiregauge

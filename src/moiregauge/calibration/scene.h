@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stays the same during a run: the camera's lens, and where and how every marker really hangs.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "moiregauge/geometry/camera.h"
+
+namespace moiregauge {
+
+// Departure of a marker from the site: its place (references only: where a target stands is what is measured), its
+// turn, the scale of its print and its height.
+struct MarkerShape {
+  enum Parameter { kX, kY, kTurn, kScale, kHeight, kParameters };
+  std::array<double, kParameters> value{};  // mm, mm, rad counter-clockwise, relative, mm above the reference plane
+};
+
+// Where the camera is: X_cam = R(turn) (X, -Y, -Z) + shift for a board point (X, Y, Z) in mm; camera x right, y down, z
+// forward.
+struct Pose {
+  std::array<double, 3> turn{};   // axis times angle, rad
+  std::array<double, 3> shift{};  // mm
+};
+
+inline constexpr int kCameraParameters = 8;  // f cx cy k1 k2 p1 p2 k3
+
+// How much of the lens and the markers is solved, in ascending order.
+struct SceneModel {
+  bool radial = false;      // k1, k2
+  bool tangential = false;  // p1, p2
+  bool heights = false;     // of the references
+  bool depth = false;       // of the targets
+  [[nodiscard]] std::string name() const;
+};
+
+struct Scene {
+  Camera camera;                     // fx = fy
+  std::vector<MarkerShape> markers;  // one per site marker
+  // Of the camera's eight, then of five per marker; zero for what the model holds fixed.
+  Eigen::MatrixXd covariance;
+  SceneModel model;
+  double chi2_dof = 0.0;        // of the data
+  double penalised_cost = 0.0;  // data plus priors
+  std::vector<long> key_frames;
+  bool solved = false;  // false: nothing was solved, `problem` says why
+  std::string problem;
+};
+
+}  // namespace moiregauge

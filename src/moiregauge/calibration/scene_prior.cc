@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "moiregauge/calibration/bundle.h"
+
+namespace moiregauge {
+namespace {
+
+// Of a lens of which nothing is known: distortion at the picture's corner as a part of the half diagonal.
+constexpr double kRadial = 0.05, kRadial2 = 0.02, kTangential = 0.005;
+constexpr double kFocal = 0.6;       // relative
+constexpr double kPrincipal = 0.02;  // of the picture's larger side
+// Of a calibrated one: focus and temperature have moved since. It is a prior, not the truth.
+constexpr double kCalibratedFocal = 0.005, kCalibratedPrincipal = 0.002, kCalibratedDistortion = 0.05;
+constexpr double kTargetDepth = 100.0;  // mm, where the site does not state it
+
+void unknown_lens(ScenePrior& prior, double side, double rho) {
+  const double rho2 = rho * rho;
+  prior.u_camera = {kFocal * prior.camera.fx, kPrincipal * side, kPrincipal * side, kRadial / rho2,
+                    kRadial2 / (rho2 * rho2), kTangential / rho, kTangential / rho, 0.0};
+}
+
+void calibrated_lens(ScenePrior& prior, double side, double rho) {
+  const double rho2 = rho * rho;
+  const auto share = [](double value, double least) {
+    return std::max(kCalibratedDistortion * std::abs(value), least);
+  };
+  const Camera& c = prior.camera;
+  prior.u_camera = {kCalibratedFocal * c.fx,
+                    kCalibratedPrincipal * side,
+                    kCalibratedPrincipal * side,
+                    share(c.k1, 0.0005 / rho2),
+                    share(c.k2, 0.0002 / (rho2 * rho2)),
+                    share(c.p1, 0.0001 / rho),
+                    share(c.p2, 0.0001 / rho),
+                    0.0};
+}
+
+}  // namespace
+
+ScenePrior scene_prior(const Site& site, int width, int height, const std::optional<Camera>& camera) {
+  ScenePrior prior;
+  const double side = std::max(width, height);
+  if (camera) {
+    prior.camera = *camera;
+    prior.camera.fx = prior.camera.fy = 0.5 * (camera->fx + camera->fy);
+  } else {
+    prior.camera = {width, height, side, side, 0.5 * (width - 1), 0.5 * (height - 1), 0, 0, 0, 0, 0};
+  }
+  const double rho = 0.5 * std::hypot(width, height) / prior.camera.fx;
+  if (camera)
+    calibrated_lens(prior, side, rho);
+  else
+    unknown_lens(prior, side, rho);
+  const KnownTo& known = site.known_to;
+  for (const Marker& marker : site.markers) {
+    MarkerShape value, u;
+    const bool reference = marker.role == Role::kReference;
+    value.value[MarkerShape::kHeight] = marker.z_mm.value_or(0.0);
+    u.value = {reference ? known.position_mm : 0.0, reference ? known.position_mm : 0.0, known.rotation_rad,
+               known.print_scale, reference || marker.z_mm ? known.height_mm : kTargetDepth};
+    prior.markers.push_back(value);
+    prior.u_markers.push_back(u);
+  }
+  return prior;
+}
+
+}  // namespace moiregauge

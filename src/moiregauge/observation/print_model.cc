@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/print_model.h"
+
+#include <cmath>
+#include <variant>
+#include <vector>
+
+#include "moiregauge/phase/print_bins.h"
+
+namespace moiregauge {
+namespace {
+
+using Failure = PatchFitFailure;
+
+// A slope power below this part of the other axis': lines, not a weak second grating.
+constexpr double kNoSlope = 1e-3;
+// After the first template the map is corrected by what the fit found, and a second one learned.
+constexpr int kLearningRounds = 3;
+
+// To begin with: so much smaller than the site's print that it may hang half a pitch from where the site has it.
+PatchWindow safe_window(const Grating& grating, double mm_per_px) {
+  const auto half = [&](double size) {
+    const double whole = 0.5 * size / grating.pitch_mm, edge = kPrintEdgePx * mm_per_px / grating.pitch_mm;
+    return std::max(std::min(whole - edge, 0.8), whole - edge - 0.5);
+  };
+  return {{0, 0}, half(grating.width_mm), half(grating.height_mm)};
+}
+
+// Grey levels of the window's pixels, light and contrast taken out by an earlier fit if there is one.
+template <typename Grey>
+void gather(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit* light,
+            PrintBins& bins) {
+  const auto back = map.inverse();
+  double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      const ImagePoint p = back({w.centre.x + sx * w.half_x, w.centre.y + sy * w.half_y});
+      x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
+    }
+  }
+  const int first_x = std::max(0, static_cast<int>(std::ceil(x0))),
+            last_x = std::min(picture.width - 1, static_cast<int>(std::floor(x1)));
+  const int first_y = std::max(0, static_cast<int>(std::ceil(y0))),
+            last_y = std::min(picture.height - 1, static_cast<int>(std::floor(y1)));
+  for (int y = first_y; y <= last_y; ++y) {
+    for (int x = first_x; x <= last_x; ++x) {
+      const ImagePoint at{double(x), double(y)};
+      const PrintPoint p = map(at);
+      if (!(std::abs(p.x - w.centre.x) <= w.half_x && std::abs(p.y - w.centre.y) <= w.half_y)) continue;
+      double grey = picture.at(x, y);
+      if (light != nullptr) grey = (grey - light->background(at)) / light->contrast(at);
+      bins.add(p, grey);
+    }
+  }
+}
+
+// How far the print reaches to one side: strips beyond the window are taken in while they look like the template.
+constexpr double kStrip = 0.05;        // pitches
+constexpr double kSameAsInside = 1.6;  // rms residual of a strip against that of the window
+constexpr double kMostBeyond = 0.6;    // pitches beyond the site's size
+
+struct Side {
+  int axis;     // 0: x, 1: y
+  double sign;  // towards
+  // How far a window reaches on this side, from the print's origin.
+  [[nodiscard]] double edge(const PatchWindow& w) const {
+    return axis == 0 ? w.half_x + sign * w.centre.x : w.half_y + sign * w.centre.y;
+  }
+};
+
+template <typename Grey>
+double reach(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit& fit,
+             const PrintTemplate& print, Side side, double most) {
+  const auto back = map.inverse();
+  const double from = side.edge(w), across = 0.9 * (side.axis == 0 ? w.half_y : w.half_x);
+  const double middle = side.axis == 0 ? w.centre.y : w.centre.x;
+  // Points along every strip, about one a pixel; grey levels of the nearest pixel at its own print coordinates.
+  const double step = 0.7 * kStrip;
+  double good = from;
+  for (double at = from; at < most; at += kStrip) {
+    double sum = 0.0;
+    int count = 0;
+    for (double t = -across; t <= across; t += step) {
+      const double along = side.sign * (at + 0.5 * kStrip);
+      const PrintPoint p = side.axis == 0 ? PrintPoint{along, middle + t} : PrintPoint{middle + t, along};
+      const ImagePoint q = back(p);
+      const int x = static_cast<int>(std::lround(q.x)), y = static_cast<int>(std::lround(q.y));
+      if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return good;
+      const ImagePoint pixel{double(x), double(y)};
+      const double expected = fit.background(pixel) + fit.contrast(pixel) * print.at(map(pixel)).t;
+      const double off = static_cast<double>(picture.at(x, y)) - expected;
+      sum += off * off;
+      ++count;
+    }
+    if (std::sqrt(sum / count) > kSameAsInside * fit.sigma) return good;
+    good = at + kStrip;
+  }
+  return good;
+}
+
+template <typename Grey>
+PatchWindow grown(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit& fit,
+                  const PrintTemplate& print, const Grating& grating, double pixel) {
+  const double most_x = 0.5 * grating.width_mm / grating.pitch_mm + kMostBeyond;
+  const double most_y = 0.5 * grating.height_mm / grating.pitch_mm + kMostBeyond;
+  // A strip's last good pixel may be half a pixel from its edge.
+  const auto limit = [&](Side side) {
+    const double most = side.axis == 0 ? most_x : most_y;
+    return std::max(side.edge(w), reach(picture, map, w, fit, print, side, most) - 0.5 * pixel);
+  };
+  const double right = limit({0, 1.0}), left = limit({0, -1.0}), up = limit({1, 1.0}), down = limit({1, -1.0});
+  return {{0.5 * (right - left), 0.5 * (up - down)}, 0.5 * (right + left), 0.5 * (up + down)};
+}
+
+// The nine points say where the print is; a homography through them is the map corrected.
+std::optional<PrintFromImage> corrected(const PatchFit& fit) {
+  const auto h = fit_homography<frame::Print, frame::Image>(fit.image, fit.print);
+  if (!h) return std::nullopt;
+  return *h;
+}
+
+}  // namespace
+
+Homography<frame::Print, frame::Board> print_from_board(const Grating& grating, Extent<frame::Board> moved) {
+  const double c = std::cos(grating.angle_rad) / grating.pitch_mm, s = std::sin(grating.angle_rad) / grating.pitch_mm;
+  const double x = grating.centre.x + moved.x, y = grating.centre.y + moved.y;
+  Matrix3 h;
+  h << c, s, -c * x - s * y, -s, c, s * x - c * y, 0, 0, 1;
+  return Homography<frame::Print, frame::Board>(h);
+}
+
+std::optional<PrintFromImage> local_map(const View& view, const Grating& grating, Extent<frame::Board> moved) {
+  const auto board_from_print = print_from_board(grating, moved).inverse();
+  std::vector<PrintPoint> print;
+  std::vector<ImagePoint> image;
+  for (const double sx : {-1.0, 0.0, 1.0}) {
+    for (const double sy : {-1.0, 0.0, 1.0}) {
+      print.push_back(
+          {sx * 0.5 * grating.width_mm / grating.pitch_mm, sy * 0.5 * grating.height_mm / grating.pitch_mm});
+      image.push_back(view(board_from_print(print.back())));
+    }
+  }
+  const auto h = fit_homography<frame::Print, frame::Image>(image, print);
+  if (!h) return std::nullopt;
+  return *h;
+}
+
+tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
+                                                      Extent<frame::Board> moved) {
+  auto map = local_map(view, grating, moved);
+  if (!map) return tl::unexpected(Failure::kOutsidePicture);
+  const double mm_per_px = view.mm_per_px(grating.centre + moved);
+  PatchWindow window = safe_window(grating, mm_per_px);
+  std::optional<PrintModel> model;
+  PatchFit fit;
+  for (int round = 0; round < kLearningRounds; ++round) {
+    PrintBins bins(highest_order(grating.pitch_mm / mm_per_px));
+    std::visit([&](const auto& picture) { gather(picture, *map, window, round > 0 ? &fit : nullptr, bins); }, luma);
+    auto print = bins.fit();
+    if (!print) return tl::unexpected(Failure::kTooFewPixels);
+    const double px = print->slope_power_x(), py = print->slope_power_y();
+    PatchFitOptions options;
+    options.along_x = px > kNoSlope * py;
+    options.along_y = py > kNoSlope * px;
+    model = PrintModel{*std::move(print), window, options};
+    auto fitted = fit_patch(luma, *map, window, model->print, options);
+    if (!fitted) return tl::unexpected(fitted.error());
+    fit = *std::move(fitted);
+    if (round + 1 == kLearningRounds) break;
+    if (options.along_x && options.along_y) {
+      if (const auto better = corrected(fit)) map = better;
+    }
+    window = std::visit(
+        [&](const auto& picture) {
+          return grown(picture, *map, window, fit, model->print, grating, mm_per_px / grating.pitch_mm);
+        },
+        luma);
+  }
+  return *std::move(model);
+}
+
+tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view, const Grating& grating,
+                                                    Extent<frame::Board> moved, const PrintModel& model) {
+  const auto map = local_map(view, grating, moved);
+  if (!map) return tl::unexpected(Failure::kOutsidePicture);
+  return fit_patch(luma, *map, model.window, model.print, model.options);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// A marker's print as it is demodulated by `precise`: its template, learned from the footage, and the pixels that
+// count.
+#pragma once
+
+#include <optional>
+
+#include "moiregauge/geometry/view.h"
+#include "moiregauge/phase/patch_fit.h"
+#include "moiregauge/site/site.h"
+
+namespace moiregauge {
+
+struct PrintModel {
+  PrintTemplate print;
+  PatchWindow window;       // pitches
+  PatchFitOptions options;  // axes
+};
+
+// Kept clear of the print's edge: three sigma of a PSF with its pixel box, as the rasters do.
+inline constexpr double kPrintEdgePx = 2.4;
+
+// The print's own pitches at a board point, the grating standing `moved` away from where the site has it.
+[[nodiscard]] Homography<frame::Print, frame::Board> print_from_board(const Grating& grating,
+                                                                      Extent<frame::Board> moved);
+
+// The map of a marker's raw pixels to its print, as `view` has it: a homography of its own for every marker, so that
+// the lens needs no attention inside a patch (over 100 px of a -2 % lens it stays below 0.001 px).
+[[nodiscard]] std::optional<PrintFromImage> local_map(const View& view, const Grating& grating,
+                                                      Extent<frame::Board> moved);
+
+// Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, first with the map as `view` has
+// it, then with what the fit against the first attempt made of it. Zero displacement is where the site and `moved` put
+// the print.
+[[nodiscard]] tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view,
+                                                                    const Grating& grating, Extent<frame::Board> moved);
+
+// The nine points of the marker in a picture; `moved` to within a tenth of a pitch.
+[[nodiscard]] tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view,
+                                                                  const Grating& grating, Extent<frame::Board> moved,
+                                                                  const PrintModel& model);
+
+}  // namespace moiregauge
