@@ -13,10 +13,14 @@ namespace {
 
 constexpr std::size_t kNeighboursTried = 12;
 constexpr double kSeedSymmetry =
-    0.15;                              // of a step: neighbours lie point-symmetrically; perspective bends by 5 % a step
-constexpr double kSeedReach = 0.2;     // of a step: the corners of the 3 x 3
-constexpr double kMinSeedSine = 0.5;   // of the angle between the two steps
-constexpr double kMaxStepRatio = 2.5;  // of the two steps: a square lattice at 66 degrees
+    0.15;                             // of a step: neighbours lie point-symmetrically; perspective bends by 5 % a step
+constexpr double kSeedReach = 0.2;    // of a step: the corners of the 3 x 3
+constexpr double kMinSeedSine = 0.3;  // of the angle between the two steps
+// Of the shorter step's square, the two steps' product: 0.5 when neither can be shortened by the other, 1 when only by
+// twice the other (of alternating signs a single step lands on the wrong sign). A little more for perspective.
+constexpr double kReducedAlike = 0.57;
+constexpr double kReducedAlternating = 1.1;
+constexpr double kMaxStepRatio = 2.5;    // of the two steps: a square lattice at 66 degrees
 constexpr double kSeedSizeRatio = 1.6;   // the seed's points are of one kind,
 constexpr double kGrownSizeRatio = 2.6;  // a lattice may hold larger dots that mark its corner
 constexpr double kGrowthReach = 0.25;    // of the spacing
@@ -159,9 +163,11 @@ class Growth {
 
   [[nodiscard]] std::optional<GrownLattice> seed_of(std::size_t p, const SymmetricPair& a,
                                                     const SymmetricPair& b) const {
-    const double la = a.step.norm(), lb = b.step.norm();
+    const double la = a.step.norm(), lb = b.step.norm(), shorter = std::min(la, lb);
     const double sine = std::abs(a.step.x() * b.step.y() - a.step.y() * b.step.x()) / (la * lb);
-    if (sine < kMinSeedSine || std::max(la, lb) > kMaxStepRatio * std::min(la, lb)) return std::nullopt;
+    if (sine < kMinSeedSine || std::max(la, lb) > kMaxStepRatio * shorter) return std::nullopt;
+    const double reduced = rule_ == SignRule::kAlike ? kReducedAlike : kReducedAlternating;
+    if (std::abs(a.step.dot(b.step)) > reduced * shorter * shorter) return std::nullopt;
     if (!nothing_between(p, a.step, b.step)) return std::nullopt;
     GrownLattice out{rule_, {}};
     out.node_at = {{{0, 0}, p}, {{1, 0}, a.ahead}, {{-1, 0}, a.behind}, {{0, 1}, b.ahead}, {{0, -1}, b.behind}};
@@ -169,8 +175,7 @@ class Growth {
       // From the two arms: their own lengths, so that perspective does not add up.
       const Eigen::Vector2d at =
           nodes_[out.node_at[{cell.column, 0}]].at + nodes_[out.node_at[{0, cell.row}]].at - nodes_[p].at;
-      const auto node =
-          node_near(at, kSeedReach * std::min(la, lb), nodes_[p].sign_rad, nodes_[p].size_px, kSeedSizeRatio);
+      const auto node = node_near(at, kSeedReach * shorter, nodes_[p].sign_rad, nodes_[p].size_px, kSeedSizeRatio);
       if (!node) return std::nullopt;
       out.node_at[cell] = *node;
     }
