@@ -237,6 +237,17 @@ double median_of(std::vector<Residual> residuals) {
   return middle->relative;
 }
 
+bool is_worst_round(const std::map<Cell, double>& residual, Cell cell) {
+  const double here = residual.at(cell);
+  for (int dr = -2; dr <= 2; ++dr) {
+    for (int dc = -2; dc <= 2; ++dc) {
+      const auto other = residual.find({cell.column + dc, cell.row + dr});
+      if (other != residual.end() && std::pair(other->second, other->first) > std::pair(here, cell)) return false;
+    }
+  }
+  return true;
+}
+
 bool spans_three_by_three(const GrownLattice& lattice) {
   std::map<int, int> columns, rows;
   for (const auto& [cell, node] : lattice.node_at) {
@@ -249,17 +260,20 @@ bool spans_three_by_three(const GrownLattice& lattice) {
 }  // namespace
 
 bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes) {
-  const auto allowed = static_cast<std::size_t>(kMaxTakenOut * static_cast<double>(lattice.node_at.size()));
-  for (std::size_t taken_out = 0; taken_out <= allowed; ++taken_out) {
-    if (!spans_three_by_three(lattice)) return false;
+  const auto fewest = static_cast<std::size_t>((1.0 - kMaxTakenOut) * static_cast<double>(lattice.node_at.size()));
+  while (spans_three_by_three(lattice) && lattice.node_at.size() >= fewest) {
     const auto residuals = residuals_of(lattice, nodes);
     const double median = median_of(residuals);
     const double limit = std::clamp(kResidualInMedians * median, kMinResidual, kMaxResidual);
-    const auto worst = std::max_element(residuals.begin(), residuals.end(), [](const auto& a, const auto& b) {
-      return a.relative * a.strictness < b.relative * b.strictness;
-    });
-    if (worst->relative * worst->strictness <= limit) return median < kMaxMedianResidual;
-    lattice.node_at.erase(worst->cell);
+    std::map<Cell, double> outside;
+    for (const Residual& r : residuals) {
+      if (r.relative * r.strictness > limit) outside[r.cell] = r.relative * r.strictness;
+    }
+    if (outside.empty()) return median < kMaxMedianResidual;
+    // A wrong point spoils what is said of its neighbours: only the worst of each neighbourhood goes at a time.
+    for (const auto& [cell, residual] : outside) {
+      if (is_worst_round(outside, cell)) lattice.node_at.erase(cell);
+    }
   }
   return false;
 }
