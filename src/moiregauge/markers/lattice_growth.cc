@@ -65,15 +65,20 @@ class Growth {
 
   std::vector<GrownLattice> all() {
     std::vector<GrownLattice> found;
+    std::vector<bool> tried(nodes_.size(),
+                            false);  // in a lattice that did not stand: another seed of it would not either
     for (std::size_t p = 0; p < nodes_.size(); ++p) {
-      if (taken_[p]) continue;
+      if (taken_[p] || tried[p]) continue;
       auto lattice = seed_at(p);
       if (!lattice) continue;
       for (const auto& [cell, node] : lattice->node_at) taken_[node] = true;
       grow(*lattice);
       const auto before = lattice->node_at;
       const bool stands = prune(*lattice, nodes_);
-      for (const auto& [cell, node] : before) taken_[node] = stands && lattice->node_at.contains(cell);
+      for (const auto& [cell, node] : before) {
+        taken_[node] = stands && lattice->node_at.contains(cell);
+        tried[node] = !stands;
+      }
       if (stands) found.push_back(std::move(*lattice));
     }
     std::stable_sort(found.begin(), found.end(),
