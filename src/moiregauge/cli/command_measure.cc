@@ -18,6 +18,7 @@
 #include "moiregauge/drawing/overlay.h"
 #include "moiregauge/io/run_directory.h"
 #include "moiregauge/io/run_json.h"
+#include "moiregauge/io/stabilised_folder.h"
 
 namespace moiregauge::cli {
 namespace {
@@ -50,15 +51,28 @@ std::vector<std::uint8_t> overlay_of(const Measurement& m) {
 
 std::optional<std::string> camera_problem(const MeasureOptions& options, const InputInfo& input) {
   const auto& camera = options.camera;
-  if (!camera || camera->width <= 0 || (camera->width == input.width && camera->height == input.height)) return std::nullopt;
+  if (!camera || camera->width <= 0 || (camera->width == input.width && camera->height == input.height))
+    return std::nullopt;
   return fmt::format("camera file is for {} x {} px, the pictures have {} x {}: {}: calibrate at the recording's size",
                      camera->width, camera->height, input.width, input.height, input.path);
+}
+
+int fail_output(const OutputError& error) {
+  return fail(error.usage ? Exit::kUsage : Exit::kOutputUnwritable, error.message);
+}
+
+// The two folders are each put in place as a whole: neither may hold the other.
+std::optional<std::string> stabilised_problem(const MeasureWords& words, const std::string& output) {
+  if (words.stabilised.empty() || !overlaps(words.stabilised, output)) return std::nullopt;
+  return fmt::format("folders overlap: --stabilised {}: the results go to {}: choose a folder beside it",
+                     words.stabilised, output);
 }
 
 int run(const MeasureWords& words) {
   const auto options = understood(words);
   if (!options) return fail(Exit::kUsage, options.error().message);
   const std::string output = words.output.empty() ? default_output(words.input) : words.output;
+  if (const auto problem = stabilised_problem(words, output)) return fail(Exit::kUsage, *problem);
   const InputOptions input_options{words.fps, words.sequence};
   const auto open = [&] { return open_input(words.input, input_options); };
   RunDirectory directory(output, overlay_of);
@@ -66,44 +80,62 @@ int run(const MeasureWords& words) {
     const auto probe = open();  // a taken folder is found before, not after, hours of measuring
     if (!probe) return fail(Exit::kInputUnreadable, probe.error().message);
     if (const auto problem = camera_problem(*options, (*probe)->info())) return fail(Exit::kUsage, *problem);
-    if (const auto free = directory.check((*probe)->info().sha256); !free) return fail(Exit::kUsage, free.error().message);
+    if (const auto free = directory.check((*probe)->info().sha256); !free)
+      return fail(Exit::kUsage, free.error().message);
+  }
+  std::optional<StabilisedFolder> stabilised;
+  if (!words.stabilised.empty()) {
+    stabilised.emplace(words.stabilised);
+    if (const auto opened = stabilised->open(); !opened) return fail_output(opened.error());
   }
   tl::expected<Measurement, InputError> measured;
   {
     const InterruptGuard guard;
     Progress progress("measuring", words.quiet);
-    measured = measure(open, *options, [&](long done, long expected) {
-      progress.show(done, expected);
-      return interrupted == 0;
-    });
+    measured = measure(
+        open, *options,
+        [&](long done, long expected) {
+          progress.show(done, expected);
+          return interrupted == 0;
+        },
+        stabilised ? &*stabilised : nullptr);
   }
   if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
-  if (const auto written = directory.write(*measured, *options); !written)
-    return fail(written.error().usage ? Exit::kUsage : Exit::kOutputUnwritable, written.error().message);
+  const tl::expected<void, OutputError> pictures =
+      stabilised ? stabilised->finish() : tl::expected<void, OutputError>{};
+  if (!pictures) measured->exit = Exit::kOutputUnwritable;  // the results are kept all the same
+  if (const auto written = directory.write(*measured, *options); !written) return fail_output(written.error());
   if (words.json) {
-    fmt::print("{}\n", run_json(*measured, *options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    fmt::print("{}\n",
+               run_json(*measured, *options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   } else if (!words.quiet) {
     fmt::print("{}", report_lines(*measured, *options, output));
   }
   for (const std::string& warning : measured->warnings) {
     if (!words.quiet) fmt::print(stderr, "warning: {}\n", warning);
   }
+  if (!pictures) return fail_output(pictures.error());
   if (measured->exit == Exit::kRefused)
-    return fail(Exit::kRefused, fmt::format("refused: {}: {}: see {}/overlay.png", words.input, measured->refusal, output));
+    return fail(Exit::kRefused,
+                fmt::format("refused: {}: {}: see {}/overlay.png", words.input, measured->refusal, output));
   return static_cast<int>(measured->exit);
 }
 
 }  // namespace
 
 void add_measure(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("measure", "Read displacement in millimetres from a video or a folder of pictures");
+  auto* command =
+      app.add_subcommand("measure", "Read displacement in millimetres from a video or a folder of pictures");
   auto words = std::make_shared<MeasureWords>();
-  command->add_option("INPUT", words->input, "video, folder of pictures, multi-page TIFF, or printf pattern (--sequence)")
+  command
+      ->add_option("INPUT", words->input, "video, folder of pictures, multi-page TIFF, or printf pattern (--sequence)")
       ->required();
   command->add_option("--site", words->site, "site.toml: what is printed where")->type_name("FILE");
   command->add_option("--pitch", words->pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
-  command->add_option("--axes", words->axes, "without a site file, x lies along: print (the references' gratings) or image [print]")
+  command
+      ->add_option("--axes", words->axes,
+                   "without a site file, x lies along: print (the references' gratings) or image [print]")
       ->type_name("NAME");
   std::string methods;
   for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
@@ -111,10 +143,17 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->type_name("NAME");
   command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command->add_option("--fps", words->fps, "frames per second of a folder of pictures")->type_name("N");
-  command->add_option("--reference-frame", words->reference_frame,
-                      "frame of zero displacement [first that can be measured]")->type_name("N");
-  command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")->type_name("A:B:STEP");
+  command
+      ->add_option("--reference-frame", words->reference_frame,
+                   "frame of zero displacement [first that can be measured]")
+      ->type_name("N");
+  command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")
+      ->type_name("A:B:STEP");
   command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");
+  command
+      ->add_option("--stabilised", words->stabilised,
+                   "also write every marker as a still camera would see it, frame by frame")
+      ->type_name("DIR");
   command->add_option("--threads", words->threads, "threads to use; never changes a result")->type_name("N");
   command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");
   command->add_flag("--quiet", words->quiet, "print nothing but errors");

@@ -23,6 +23,7 @@ struct MeasureWords {
   std::optional<long> reference_frame;
   std::string frames;
   std::string output;
+  std::string stabilised;
   bool sequence = false;
   bool quiet = false;
   bool json = false;

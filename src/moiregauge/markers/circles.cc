@@ -3,37 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "moiregauge/markers/candidate_outlines.h"
-#include "moiregauge/markers/disc_fit.h"
-#include "moiregauge/markers/traced_outline.h"
+#include "moiregauge/markers/circle_verdict.h"
 
 namespace moiregauge {
 namespace {
 
 using markers_detail::candidate_outlines;
 using markers_detail::CandidateOutline;
-using markers_detail::TracedOutline;
+using markers_detail::CircleVerdict;
+using markers_detail::judge_circle;
 
-// rms distance from the ellipse: a square has 0.052 of its equivalent diameter, a hexagon 0.017, a roughly printed disc
-// 0.01; the pixel share is for discs of 10 px, sharpened by a camera or rough by a pixel of the print.
-constexpr double kMaxResidualShare = 0.02;
-constexpr double kMaxResidualPx = 0.15;
-constexpr double kMinContrastInNoise = 3.0;    // of the fit's residual: below, the disc is not there
 constexpr double kSameCentreShare = 0.25;      // of the diameter: two candidates at one place,
 constexpr double kSameDiameterShare = 0.2;     // of about one size, are one outline seen at two scales
 constexpr double kRejectedWorthNaming = 0.55;  // W below which nobody would have called it a circle
 constexpr std::size_t kMaxRejectedNamed = 64;
-
-std::string two_decimals(const char* before, double value, const char* between, double limit) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%s%.2f%s%.2f", before, value, between, limit);
-  return text;
-}
 
 // Known places, found again by their neighbourhood.
 class Places {
@@ -65,23 +52,6 @@ class Places {
   std::multimap<std::pair<int, int>, std::pair<Eigen::Vector2d, double>> places_;
 };
 
-// Why an outline is no circle; empty when it is one.
-std::string problem_with(const TracedOutline& traced, const CircleOptions& options) {
-  const double diameter = traced.ellipse.diameter();
-  if (!traced.problem.empty()) return traced.problem;
-  if (diameter < options.min_diameter_px)
-    return two_decimals("diameter ", diameter, " px, need ", options.min_diameter_px);
-  if (diameter > options.max_diameter_px)
-    return two_decimals("diameter ", diameter, " px, limit ", options.max_diameter_px);
-  if (!(traced.circularity > options.min_circularity)) {
-    return two_decimals("W = ", traced.circularity, ", need > ", options.min_circularity);
-  }
-  const double limit = std::hypot(kMaxResidualShare * diameter, kMaxResidualPx);
-  if (traced.residual_px > limit)
-    return two_decimals("not an ellipse: off by ", traced.residual_px, " px rms, limit ", limit);
-  return {};
-}
-
 class Search {
  public:
   Search(const LumaView& luma, const CircleOptions& options)
@@ -89,26 +59,13 @@ class Search {
 
   void look_at(const CandidateOutline& candidate) {
     if (known_.has(candidate.ellipse.centre, candidate.ellipse.diameter())) return;
-    const TracedOutline traced = trace_outline(luma_, candidate.ellipse);
-    if (std::string why = problem_with(traced, options_); !why.empty())
-      return refuse(candidate, traced, std::move(why));
-    const auto fitted = fit_disc(luma_, traced);
-    if (!fitted) return refuse(candidate, traced, "its grey levels fit no disc");
-    if (std::abs(traced.contrast) < kMinContrastInNoise * fitted->residual)
-      return refuse(candidate, traced, "lost in noise");
-    const double diameter = fitted->ellipse.diameter();
-    if (known_.has(fitted->ellipse.centre, diameter)) return;
-    known_.add(fitted->ellipse.centre, diameter);
-    const auto shape = fitted->ellipse.shape();
-    found_.circles.push_back({.centre = {fitted->ellipse.centre.x(), fitted->ellipse.centre.y()},
-                              .u_centre_px = fitted->u_centre_px,
-                              .diameter_px = diameter,
-                              .axis_ratio = shape.axis_ratio,
-                              .angle_rad = shape.angle_rad,
-                              .circularity = std::min(traced.circularity, 1.0),
-                              .ellipse_residual = traced.residual_px / diameter,
-                              .contrast = traced.contrast,
-                              .background = traced.background});
+    const CircleVerdict verdict = judge_circle(luma_, candidate.ellipse, options_);
+    if (!verdict.circle) return refuse(candidate, verdict);
+    const SeenCircle& circle = *verdict.circle;
+    const Eigen::Vector2d centre(circle.centre.x, circle.centre.y);
+    if (known_.has(centre, circle.diameter_px)) return;
+    known_.add(centre, circle.diameter_px);
+    found_.circles.push_back(circle);
   }
 
   [[nodiscard]] CircleSearch finish() {
@@ -127,16 +84,16 @@ class Search {
   }
 
  private:
-  void refuse(const CandidateOutline& candidate, const TracedOutline& traced, std::string why) {
+  void refuse(const CandidateOutline& candidate, const CircleVerdict& verdict) {
     // Rays see corners only as far as they reach: the digitised outline knows better when it is worse.
-    const double circularity = std::min(traced.circularity, candidate.circularity);
+    const double circularity = std::min(verdict.circularity, candidate.circularity);
     if (circularity < kRejectedWorthNaming) return;
     const double diameter = candidate.ellipse.diameter();
     if (diameter < options_.min_diameter_px || diameter > options_.max_diameter_px) return;
     if (refused_.has(candidate.ellipse.centre, diameter)) return;
     refused_.add(candidate.ellipse.centre, diameter);
     found_.rejected.push_back(
-        {{candidate.ellipse.centre.x(), candidate.ellipse.centre.y()}, diameter, circularity, std::move(why)});
+        {{candidate.ellipse.centre.x(), candidate.ellipse.centre.y()}, diameter, circularity, verdict.why});
   }
 
   const LumaView& luma_;

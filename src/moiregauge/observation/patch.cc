@@ -51,7 +51,7 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
     if (!(a == 0 ? plan.reads_x : plan.reads_y)) continue;
     const Axis axis = a == 0 ? Axis::kX : Axis::kY;
     const RegionPhase region =
-        region_mean(sampling_moire(work.raster.view(), axis, plan.sampling_pitch_px), axis, pitch_px, plan.region_px);
+        region_mean(sampling_moire(work.raster.raster.view(), axis, plan.sampling_pitch_px), axis, pitch_px, plan.region_px);
     const double u = region.valid ? region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px,
                                                             plan.region_px) / step_px
                                   : kNaN;

@@ -27,7 +27,7 @@ struct PatchReading {
 
 // Buffers that are kept from frame to frame.
 struct PatchWorkspace {
-  Image<double> raster;
+  RasterWorkspace raster;
 };
 
 [[nodiscard]] PatchReading read_patch(const LumaView& luma, int bits, const View& view, const RasterPlan& plan,

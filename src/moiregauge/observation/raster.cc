@@ -14,45 +14,70 @@ double inscribed_side(double width, double height, double angle) {
   return std::min(width, height) / (std::abs(std::cos(angle)) + std::abs(std::sin(angle)));
 }
 
-// Cubic convolution, a = -1/2 (R. Keys 1981, doi:10.1109/TASSP.1981.1163711). The seed paper interpolates linearly; that
-// damps the fringe by up to omega^2 / 8 between pixels, a ripple which beats with an oblique pixel grid and costs 0.002 px
-// at 20 deg. Cubic damping is of order omega^4.
-struct CubicWeights {
-  double w[4];
-  explicit CubicWeights(double t)
-      : w{((-0.5 * t + 1.0) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1.0, ((-1.5 * t + 2.0) * t + 0.5) * t,
-          (0.5 * t - 0.5) * t * t} {}
+// How far the print repeats, of what is stated. A pattern of dots about a dot ends with its last whole one, and half a
+// pitch of paper beyond belongs to it; what is stated may reach further (4 pitches hold 3 dots).
+double periodic_part(const Grating& grating, double size_mm) {
+  if (grating.pattern != Pattern::kDots) return size_mm;
+  const double last = std::floor(0.5 * size_mm / grating.pitch_mm - 0.25 + 1e-9);
+  return std::min(size_mm, (2.0 * last + 1.0) * grating.pitch_mm);
+}
+
+// Raster pixels, counted from the raster's middle, as points of the picture.
+class RasterPoints {
+ public:
+  RasterPoints(const View& view, const RasterPlan& plan, Extent<frame::Board> shift)
+      : view_(view),
+        centre_(plan.centre + shift),
+        c_(std::cos(plan.angle_rad) * plan.step_mm),
+        s_(std::sin(plan.angle_rad) * plan.step_mm) {}
+  [[nodiscard]] ImagePoint operator()(double u, double v) const {
+    return view_(BoardPoint{centre_.x + c_ * u - s_ * v, centre_.y + s_ * u + c_ * v});
+  }
+
+ private:
+  const View& view_;
+  BoardPoint centre_;
+  double c_, s_;
 };
 
-template <typename Grey>
-double cubic(const ImageView<Grey>& picture, int x, int y, double fx, double fy) {
-  const CubicWeights across(fx), down(fy);
-  double sum = 0.0;
-  for (int j = 0; j < 4; ++j) {
-    const Grey* p = picture.data + (y + j - 1) * picture.stride + x - 1;
-    sum += down.w[j] * (across.w[0] * p[0] + across.w[1] * p[1] + across.w[2] * p[2] + across.w[3] * p[3]);
+// The part of the picture that the raster lies on: as its rim goes, so goes all of it. Empty when it is not all inside.
+struct Box {
+  int x0 = 0, y0 = 0, width = 0, height = 0;
+};
+
+constexpr int kRound = 12;  // px left round it, so that the spline does not feel where the part ends (0.27^12 = 1e-7)
+
+Box box_of(const RasterPoints& points, int side, int width, int height) {
+  const double half = 0.5 * (side - 1);
+  double x0 = width, x1 = 0.0, y0 = height, y1 = 0.0;
+  for (int i = 0; i < side; ++i) {
+    const double at = i - half;
+    for (const ImagePoint p : {points(at, -half), points(at, half), points(-half, at), points(half, at)}) {
+      if (!(p.x >= 1.0 && p.y >= 1.0 && p.x < width - 2 && p.y < height - 2)) return {};
+      x0 = std::min(x0, p.x);
+      x1 = std::max(x1, p.x);
+      y0 = std::min(y0, p.y);
+      y1 = std::max(y1, p.y);
+    }
   }
-  return sum;
+  const int left = std::max(0, static_cast<int>(x0) - kRound), top = std::max(0, static_cast<int>(y0) - kRound);
+  const int right = std::min(width, static_cast<int>(x1) + kRound),
+            bottom = std::min(height, static_cast<int>(y1) + kRound);
+  return {left, top, right - left, bottom - top};
 }
 
 template <typename Grey>
-bool resample_from(const ImageView<Grey>& picture, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
-                   Image<double>& out) {
-  const double c = std::cos(plan.angle_rad) * plan.step_mm;
-  const double s = std::sin(plan.angle_rad) * plan.step_mm;
-  const double middle = 0.5 * (plan.side_px - 1);
-  const BoardPoint centre = plan.centre + shift;
-  if (out.width() != plan.side_px || out.height() != plan.side_px) out = Image<double>(plan.side_px, plan.side_px);
-  for (int j = 0; j < plan.side_px; ++j) {
-    const auto row = out.row(j);
-    const double v = j - middle;
-    for (int i = 0; i < plan.side_px; ++i) {
-      const double u = i - middle;
-      const ImagePoint p = view(BoardPoint{centre.x + c * u - s * v, centre.y + s * u + c * v});
-      const int x = static_cast<int>(std::floor(p.x));
-      const int y = static_cast<int>(std::floor(p.y));
-      if (!(x >= 1 && y >= 1 && x + 2 < picture.width && y + 2 < picture.height)) return false;
-      row[static_cast<std::size_t>(i)] = cubic(picture, x, y, p.x - x, p.y - y);
+bool resample_from(const ImageView<Grey>& picture, const RasterPoints& points, int side, RasterWorkspace& work) {
+  const Box box = box_of(points, side, picture.width, picture.height);
+  if (box.width == 0) return false;
+  work.spline.fit(picture, box.x0, box.y0, box.width, box.height);
+  if (work.raster.width() != side || work.raster.height() != side) work.raster = Image<double>(side, side);
+  const double middle = 0.5 * (side - 1);
+  for (int j = 0; j < side; ++j) {
+    const auto row = work.raster.row(j);
+    for (int i = 0; i < side; ++i) {
+      const ImagePoint p = points(i - middle, j - middle);
+      if (!work.spline.at(p.x, p.y, row[static_cast<std::size_t>(i)])) return false;
     }
   }
   return true;
@@ -64,7 +89,8 @@ double fundamental_pitch_mm(const Grating& grating) {
   return grating.pattern == Pattern::kCheckerboard ? grating.pitch_mm / std::sqrt(2.0) : grating.pitch_mm;
 }
 
-tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, double mm_per_px, const RasterOptions& options) {
+tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, double mm_per_px,
+                                                    const RasterOptions& options) {
   const bool diagonal = grating.pattern == Pattern::kCheckerboard;
   RasterPlan plan;
   plan.centre = grating.centre;
@@ -77,8 +103,9 @@ tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, doub
   const int given = options.sampling_pitch_px;
   plan.sampling_pitch_px = kOversampling * (given > 0 ? given : std::max(3, static_cast<int>(std::lround(pitch_px))));
   plan.step_mm = given > 0 ? mm_per_px / kOversampling : plan.pitch_mm / plan.sampling_pitch_px;
-  const double print_px =
-      inscribed_side(grating.width_mm, grating.height_mm, diagonal ? kPi / 4.0 : 0.0) / plan.step_mm;
+  const double print_px = inscribed_side(periodic_part(grating, grating.width_mm),
+                                         periodic_part(grating, grating.height_mm), diagonal ? kPi / 4.0 : 0.0) /
+                          plan.step_mm;
   const int support = 2 * (plan.sampling_pitch_px - 1);
   // A print that holds the bare window but not its clear edge is still read: its outermost taps weigh next to nothing.
   if (print_px < support + 1) return tl::unexpected(RasterFailure::kPrintTooSmall);
@@ -91,8 +118,9 @@ tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, doub
 }
 
 bool resample(const LumaView& luma, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
-              Image<double>& out) {
-  return std::visit([&](const auto& picture) { return resample_from(picture, view, plan, shift, out); }, luma);
+              RasterWorkspace& work) {
+  const RasterPoints points(view, plan, shift);
+  return std::visit([&](const auto& picture) { return resample_from(picture, points, plan.side_px, work); }, luma);
 }
 
 }  // namespace moiregauge

@@ -47,7 +47,7 @@ tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& pictur
 // The run's state while frames go by.
 class Run {
  public:
-  Run(const MeasureOptions& options, Measurement& out) : options_(options), out_(out) {}
+  Run(const MeasureOptions& options, Measurement& out, FrameSink* frames) : options_(options), out_(out), frames_(frames) {}
 
   // Tries to make `frame` the reference frame; the failure is kept in words (the first one is the one to report).
   bool refer_to(const Frame& frame) {
@@ -71,26 +71,28 @@ class Run {
   }
 
   void measure_frame(const Frame& frame) {
-    const std::size_t markers = site_of(out_, options_).markers.size();
-    if (frame.damaged) {
-      out_.observations.push_back(unmeasured(frame, markers, "the decoder reported an error in this frame"));
-      return;
-    }
-    if (!out_.reference && !refer_to(frame)) {
-      out_.observations.push_back(unmeasured(frame, markers, out_.refusal));
-      return;
-    }
-    Observation seen = options_.method->observe({frame.luma, out_.input.bits}, *out_.reference, follower_->prediction(), work_);
-    seen.frame = frame.number;
-    seen.time_s = frame.time_s;
-    (void)follower_->follow(*out_.reference, seen);
-    out_.observations.push_back(std::move(seen));
+    out_.observations.push_back(observed(frame));
+    if (frames_ == nullptr) return;
+    frames_->add(frame, out_.input.bits, out_.reference ? &*out_.reference : nullptr, out_.observations.back());
   }
   [[nodiscard]] bool hopeless() const { return hopeless_; }
 
  private:
+  Observation observed(const Frame& frame) {
+    const std::size_t markers = site_of(out_, options_).markers.size();
+    if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
+    if (!out_.reference && !refer_to(frame)) return unmeasured(frame, markers, out_.refusal);
+    Observation seen =
+        options_.method->observe({frame.luma, out_.input.bits}, *out_.reference, follower_->prediction(), work_);
+    seen.frame = frame.number;
+    seen.time_s = frame.time_s;
+    (void)follower_->follow(*out_.reference, seen);
+    return seen;
+  }
+
   const MeasureOptions& options_;
   Measurement& out_;
+  FrameSink* frames_;
   std::optional<Follower> follower_;
   PatchWorkspace work_;
   bool hopeless_ = false;
@@ -181,9 +183,9 @@ const Site& site_of(const Measurement& measurement, const MeasureOptions& option
 }
 
 tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
-                                              const OnProgress& on_progress) {
+                                              const OnProgress& on_progress, FrameSink* frames) {
   Measurement out;
-  Run run(options, out);
+  Run run(options, out, frames);
   if (options.reference_frame) {
     if (auto done = refer_to_frame(open, *options.reference_frame, run, out); !done) return tl::unexpected(done.error());
   }

@@ -12,6 +12,7 @@
 
 #include "moiregauge/observation/site_from_picture.h"
 #include "moiregauge/results/summary.h"
+#include "moiregauge/run/frame_sink.h"
 #include "moiregauge/run/frame_source.h"
 
 namespace moiregauge {
@@ -64,8 +65,9 @@ struct Measurement {
 using OnProgress = std::function<bool(long done, long expected)>;
 using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, InputError>()>;
 
-// Fails only when the input gives no picture at all; every other trouble is part of the Measurement.
+// Fails only when the input gives no picture at all; every other trouble is part of the Measurement. `frames`, if there is
+// one, is handed every selected frame with what was seen in it.
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
-                                                            const OnProgress& on_progress);
+                                                            const OnProgress& on_progress, FrameSink* frames = nullptr);
 
 }  // namespace moiregauge

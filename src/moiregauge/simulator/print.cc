@@ -46,7 +46,28 @@ bool Stripes::is_even(double x, double distance) const {
   return i == edges_.size() || edges_[i] > x + distance;
 }
 
+namespace {
+
+constexpr double kSmallDisc = 6.0;  // radius in point spreads: below it the rim is no longer a straight edge to the blur
+
+// Chord by chord, as wide as the blur allows: the rows of the disc at radius sin(turn), evenly spaced in turn.
+double seen_small_disc(double x, double y, double radius, const Blur& blur) {
+  static const std::vector<Node> nodes = gauss_legendre(24);
+  const double slant = blur.xy / blur.yy, own = std::sqrt(blur.xx - slant * blur.xy);
+  double sum = 0.0;
+  for (const Node& node : nodes) {
+    const double turn = kPi * node.at, half = radius * std::cos(turn), off = radius * std::sin(turn) - y;
+    const double row = gaussian_density(off / blur.sigma_y) / blur.sigma_y * half * kPi * node.weight;
+    const double middle = x + slant * off;
+    sum += row * (gaussian_below((half - middle) / own) - gaussian_below((-half - middle) / own));
+  }
+  return sum;
+}
+
+}  // namespace
+
 double seen_disc(double x, double y, double radius, const Blur& blur) {
+  if (radius < kSmallDisc * std::max(blur.sigma_x, blur.sigma_y)) return seen_small_disc(x, y, radius, blur);
   const double r = std::hypot(x, y), distance = r - radius;
   if (r == 0.0) return 1.0;
   const double nx = x / r, ny = y / r;
@@ -112,8 +133,19 @@ double PrintedGrating::offset_from_dot(double at, double size_mm) const {
 }
 
 double PrintedGrating::dots_ink(double x, double y, const Blur& blur) const {
+  const double p = grating_.pitch_mm, radius = 0.25 * p;
   const double dx = offset_from_dot(x, grating_.width_mm), dy = offset_from_dot(y, grating_.height_mm);
-  const double dot = seen_disc(dx, dy, 0.25 * grating_.pitch_mm, blur);
+  // The blur may reach the neighbours' rims: each at most once, none beyond the last whole one.
+  const double reach = radius + kGaussianReach * std::max(blur.sigma_x, blur.sigma_y);
+  const auto is_beyond_last = [&](double at, double size_mm) { return std::abs(offset_from_dot(at, size_mm)) > 0.5 * p; };
+  double dot = 0.0;
+  for (const int j : {-1, 0, 1}) {
+    if (std::abs(dy - j * p) > reach || is_beyond_last(y - dy + j * p, grating_.height_mm)) continue;
+    for (const int i : {-1, 0, 1}) {
+      if (std::abs(dx - i * p) > reach || is_beyond_last(x - dx + i * p, grating_.width_mm)) continue;
+      dot += seen_disc(dx - i * p, dy - j * p, radius, blur);
+    }
+  }
   if (!inverted_) return dot;
   return extent_x_.seen(x, blur.sigma_x) * extent_y_.seen(y, blur.sigma_y) - dot;
 }

@@ -64,7 +64,8 @@ class Stripes {
   double edges_per_mm_ = 0.0;
 };
 
-// Share of a disc about the origin, seen from (x, y): a straight edge plus the first term of its curvature.
+// Share of a disc about the origin, seen from (x, y): a straight edge plus the first term of its curvature; chord by chord
+// where the disc is so small that this would not do.
 [[nodiscard]] double seen_disc(double x, double y, double radius, const Blur& blur);
 
 // One grating in its own axes.

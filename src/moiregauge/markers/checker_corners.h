@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Places where two dark and two light sectors meet, to about a quarter of a pixel: candidates for corners of
+// checkerboards.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "moiregauge/image/image.h"
+
+namespace moiregauge::markers_detail {
+
+struct CheckerCorner {
+  Eigen::Vector2d at{0, 0};  // px
+  double light_rad = 0.0;  // TWICE the direction in which it is light, from image x towards image y; wraps like a phase
+  double contrast = 0.0;   // grey levels, light minus dark
+};
+
+// Finer scales first; a place is named once.
+[[nodiscard]] std::vector<CheckerCorner> find_checker_corners(const LumaView& luma, int bits);
+
+}  // namespace moiregauge::markers_detail

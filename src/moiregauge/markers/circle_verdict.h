@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is there a circle where an ellipse was seen? W of seed paper Eq. (6), an ellipse test beside it, a fit of the disc.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "moiregauge/image/image.h"
+#include "moiregauge/markers/circles.h"
+#include "moiregauge/markers/ellipse.h"
+
+namespace moiregauge::markers_detail {
+
+struct CircleVerdict {
+  std::optional<SeenCircle> circle;
+  double circularity = 0.0;  // W of the sub-pixel outline, also of what is no circle
+  std::string why;           // it is none
+};
+
+[[nodiscard]] CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const CircleOptions& options);
+
+}  // namespace moiregauge::markers_detail

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "moiregauge/markers/lattice_growth.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge::markers_detail {
+namespace {
+
+constexpr int kReach = 2;            // cells: a window of 5 x 5
+constexpr double kMinSpread = 0.12;  // cells^2, the smaller variance of the window's points: not on one line
+constexpr std::size_t kMinQuadratic = 8;  // as many as round the corner of a lattice
+
+struct Known {
+  Eigen::Vector2d offset;  // cells
+  Eigen::Vector2d at;      // px
+  double weight = 0.0;
+  std::size_t node = 0;
+};
+
+// Rows 1, x, y and, for the quadratic, x^2, x y, y^2.
+template <int Terms>
+Eigen::Matrix<double, Terms, 2> fit(const std::vector<Known>& known) {
+  Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
+  Eigen::Matrix<double, Terms, 2> right = Eigen::Matrix<double, Terms, 2>::Zero();
+  for (const Known& k : known) {
+    Eigen::Matrix<double, Terms, 1> row;
+    const double x = k.offset.x(), y = k.offset.y();
+    const std::array<double, 6> terms{1.0, x, y, x * x, x * y, y * y};
+    for (int i = 0; i < Terms; ++i) row[i] = terms[static_cast<std::size_t>(i)];
+    normal += k.weight * row * row.transpose();
+    right += k.weight * row * k.at.transpose();
+  }
+  return normal.ldlt().solve(right);
+}
+
+bool spreads_both_ways(const std::vector<Known>& known) {
+  Eigen::Vector2d mean{0, 0};
+  for (const Known& k : known) mean += k.offset / static_cast<double>(known.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const Known& k : known) {
+    spread += (k.offset - mean) * (k.offset - mean).transpose() / static_cast<double>(known.size());
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread, Eigen::EigenvaluesOnly).eigenvalues()[0] > kMinSpread;
+}
+
+// A quadratic along an axis needs three places on it, and the cross term points off both axes.
+bool holds_quadratic(const std::vector<Known>& known) {
+  if (known.size() < kMinQuadratic) return false;
+  std::array<bool, 2 * kReach + 1> columns{}, rows{};
+  for (const Known& k : known) {
+    columns[static_cast<std::size_t>(std::lround(k.offset.x()) + kReach)] = true;
+    rows[static_cast<std::size_t>(std::lround(k.offset.y()) + kReach)] = true;
+  }
+  return std::count(columns.begin(), columns.end(), true) >= 3 && std::count(rows.begin(), rows.end(), true) >= 3;
+}
+
+}  // namespace
+
+std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<const LatticeNode> nodes, Cell cell,
+                                      LocalModel model) {
+  std::vector<Known> known;
+  CellPrediction out;
+  double nearest = 1e9;
+  for (int dr = -kReach; dr <= kReach; ++dr) {
+    for (int dc = -kReach; dc <= kReach; ++dc) {
+      if (dr == 0 && dc == 0) continue;
+      const auto it = lattice.node_at.find({cell.column + dc, cell.row + dr});
+      if (it == lattice.node_at.end()) continue;
+      const LatticeNode& node = nodes[it->second];
+      const double distance2 = dc * dc + dr * dr;
+      known.push_back({Eigen::Vector2d(dc, dr), node.at, 1.0 / distance2, it->second});
+      if (std::max(std::abs(dc), std::abs(dr)) == 1) ++out.neighbours;
+      if (distance2 < nearest) {
+        nearest = distance2;
+        out.nearest = it->second;
+        out.sign_rad = node.sign_rad + (lattice.rule == SignRule::kAlternating ? kPi * (dc + dr) : 0.0);
+      }
+    }
+  }
+  if (known.size() < 3 || !spreads_both_ways(known)) return std::nullopt;
+  const auto affine = fit<3>(known);
+  out.at = affine.row(0).transpose();
+  out.step.col(0) = affine.row(1).transpose();
+  out.step.col(1) = affine.row(2).transpose();
+  if (model == LocalModel::kQuadratic && holds_quadratic(known)) {
+    const auto quadratic = fit<6>(known);
+    if (quadratic.allFinite()) out.at = quadratic.row(0).transpose();
+  }
+  out.spacing_px = std::min(out.step.col(0).norm(), out.step.col(1).norm());
+  std::vector<double> sizes;
+  for (const Known& k : known) sizes.push_back(nodes[k.node].size_px);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  out.size_px = *middle;
+  return out;
+}
+
+}  // namespace moiregauge::markers_detail

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every pattern the instrument knows, dark on light and light on dark, at short and long pitches, face on and at 40
+// deg, upright and oblique: the phase of a print and its displacement against the simulator's own geometry, without
+// noise.
+#include <array>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/observation/patch.h"
+#include "moiregauge/simulator/simulator.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+using simulator::Scenario;
+
+// A seventh of what is asked for (0.002 px). The simulator's pictures are good to 5e-5 of the contrast in the worst
+// pixel; what the spline leaves of a fringe of 5 px between the pixels is 2e-4 rad of phase, 0.00016 px.
+constexpr double kGate_px = 0.0003;
+
+constexpr double kMillimetresPerPixel = 1200.0 / 3478.26;  // of a face-on board
+constexpr double kPrint_px = 87.0;  // three pitches of 29: the least a window of 2 T leaves a region of
+
+// The lattice against the pixels: the camera's roll and the print's own turn on the board.
+struct Lie {
+  double roll_deg, angle_deg;
+};
+constexpr std::array kLies{Lie{0.0, 0.0}, Lie{17.0, 0.0}, Lie{0.0, 30.0}, Lie{45.0, 0.0}, Lie{10.0, 35.0}};
+
+struct Sight {
+  Pattern pattern;
+  double pitch_px, tilt_deg;
+  bool about_y, inverted;
+  Lie lie;
+};
+
+std::ostream& operator<<(std::ostream& out, const Sight& v) {
+  return out << word_for(v.pattern) << (v.inverted ? ", inverted" : "") << ", P " << v.pitch_px << " px, " << v.tilt_deg
+             << " deg about " << (v.about_y ? "y" : "x") << ", roll " << v.lie.roll_deg << ", turned "
+             << v.lie.angle_deg;
+}
+
+// One print, moved on the board by (dx, dy).
+Scenario scene(const Sight& v, Extent<frame::Board> moved) {
+  Scenario s;
+  s.camera.width = s.camera.height = static_cast<int>(1.45 * kPrint_px) + 24;
+  s.camera.cx = 0.5 * s.camera.width - 0.19;  // nothing falls on whole pixels
+  s.camera.cy = 0.5 * s.camera.height - 0.67;
+  s.mount.board_x_deg = v.about_y ? 0.0 : v.tilt_deg;
+  s.mount.board_y_deg = v.about_y ? v.tilt_deg : 0.0;
+  s.mount.board_z_deg = v.lie.roll_deg;
+  simulator::SceneMarker marker;
+  marker.print.role = Role::kTarget;
+  marker.print.grating = Grating{.centre = {0.0, 0.0},
+                                 .width_mm = kPrint_px * kMillimetresPerPixel,
+                                 .height_mm = kPrint_px * kMillimetresPerPixel,
+                                 .pitch_mm = v.pitch_px * kMillimetresPerPixel,
+                                 .angle_rad = radians_from_degrees(v.lie.angle_deg),
+                                 .pattern = v.pattern};
+  marker.inverted = v.inverted;
+  marker.place.x_mm = moved.x;
+  marker.place.y_mm = moved.y;
+  s.markers.push_back(marker);
+  return s;
+}
+
+Image<std::uint16_t> picture_of(const Scenario& scenario) {
+  const Image<double> light = render_ideal(scenario, 0, {1, simulator::Area::kMarkersOnly});
+  Image<std::uint16_t> fine(light.width(), light.height());
+  for (int y = 0; y < light.height(); ++y) {
+    for (int x = 0; x < light.width(); ++x)
+      fine.at(x, y) = static_cast<std::uint16_t>(std::lround(256.0 * light.at(x, y)));
+  }
+  return fine;
+}
+
+View exact_view(const Scenario& scenario) {
+  std::vector<BoardPoint> board;
+  std::vector<IdealPoint> ideal;
+  for (const double x : {-15.0, 0.0, 15.0}) {
+    for (const double y : {-15.0, 0.0, 15.0}) {
+      board.push_back({x, y});
+      const ImagePoint p = project(scenario, 0, board.back());
+      ideal.push_back({p.x, p.y});
+    }
+  }
+  return {*fit_homography<frame::Ideal, frame::Board>(board, ideal), Camera{}};
+}
+
+struct Worst {
+  double phase_px = 0.0, displacement_px = 0.0;
+};
+
+// The print at rest, then at places spread over a pitch both ways; the window goes along to where a print was last
+// seen, which is some tenths of a pixel off.
+Worst worst_of(const Sight& v) {
+  Worst worst;
+  const Scenario at_rest = scene(v, {});
+  const Grating& grating = *at_rest.markers[0].print.grating;
+  const View view = exact_view(at_rest);
+  const double px = view.mm_per_px(grating.centre);
+  const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
+  EXPECT_TRUE(plan) << v;
+  if (!plan) return worst;
+  PatchWorkspace work;
+  const PatchReading rest = read_patch(picture_of(at_rest).view(), 16, view, *plan, {}, work);
+  EXPECT_TRUE(rest.valid) << v;
+  // A print's centre is the middle of something dark, but of a cosine its crest.
+  const double there = (v.pattern == Pattern::kCosine) == v.inverted ? kPi : 0.0;
+  const auto in_px = [&](double rad) { return std::abs(wrapped(rad)) / kTurn * plan->pitch_mm / px; };
+  for (const double phase : rest.phase_rad)
+    worst.phase_px = std::max(worst.phase_px, in_px(phase - there));  // NaN: skipped
+  for (const auto& [along, across] : {std::array{-0.36, 0.11}, std::array{0.07, -0.43}, std::array{0.29, 0.34}}) {
+    const Extent<frame::Board> moved{along * grating.pitch_mm, across * grating.pitch_mm};
+    const Extent<frame::Board> window = moved + Extent<frame::Board>{0.3 * px, -0.2 * px};
+    const PatchReading now = read_patch(picture_of(scene(v, moved)).view(), 16, view, *plan, window, work);
+    EXPECT_TRUE(now.valid) << v;
+    // By raster axis, so that oblique lines are judged as well: where the print is, against where the window is.
+    const auto expected = raster_from_board(*plan, moved + (-1.0) * window);
+    for (std::size_t a = 0; a < 2; ++a) {
+      const double seen = -plan->pitch_mm / kTurn * wrapped(now.phase_rad[a] - rest.phase_rad[a]);
+      worst.displacement_px = std::max(worst.displacement_px, std::abs(seen - expected[a]) / px);
+    }
+    if (!plan->reads_x || !plan->reads_y) continue;
+    const auto d = displacement_at(*plan, rest, now, window) + (-1.0) * moved;
+    worst.displacement_px = std::max(worst.displacement_px, std::hypot(d.x, d.y) / px);
+  }
+  return worst;
+}
+
+class EveryPattern : public testing::TestWithParam<std::tuple<Pattern, double, double>> {};
+
+TEST_P(EveryPattern, IsReadWhereItIs) {
+  const auto [pattern, pitch_px, tilt_deg] = GetParam();
+  Worst worst;
+  bool inverted = false;
+  for (const Lie& lie : kLies) {
+    for (const bool about_y : {false, true}) {
+      if (about_y && tilt_deg == 0.0) continue;
+      inverted = !inverted;
+      const Sight v{pattern, pitch_px, tilt_deg, about_y, inverted, lie};
+      const Worst here = worst_of(v);
+      EXPECT_LE(here.phase_px, kGate_px) << v;
+      EXPECT_LE(here.displacement_px, kGate_px) << v;
+      worst.phase_px = std::max(worst.phase_px, here.phase_px);
+      worst.displacement_px = std::max(worst.displacement_px, here.displacement_px);
+    }
+    inverted = !inverted;  // at 20 and 40 deg both polarities come by about each axis
+  }
+  RecordProperty("phase_px", std::to_string(worst.phase_px));
+  RecordProperty("displacement_px", std::to_string(worst.displacement_px));
+}
+
+std::string name_of(const testing::TestParamInfo<EveryPattern::ParamType>& info) {
+  std::string name = word_for(std::get<0>(info.param));
+  std::erase(name, '-');
+  return name + "P" + std::to_string(static_cast<int>(std::get<1>(info.param))) + "At" +
+         std::to_string(static_cast<int>(std::get<2>(info.param))) + "Degrees";
+}
+
+INSTANTIATE_TEST_SUITE_P(Physics, EveryPattern,
+                         testing::Combine(testing::Values(Pattern::kGrid, Pattern::kSquares, Pattern::kDots,
+                                                          Pattern::kLinesX, Pattern::kLinesY, Pattern::kCheckerboard,
+                                                          Pattern::kCosine),
+                                          testing::Values(7.0, 12.0, 29.0), testing::Values(0.0, 20.0, 40.0)),
+                         name_of);
+
+}  // namespace
+}  // namespace moiregauge
