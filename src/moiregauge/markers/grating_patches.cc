@@ -9,8 +9,8 @@
 namespace moiregauge {
 namespace {
 
-constexpr std::size_t kMostAttempts = 300;  // seeds of a picture full of texture
-constexpr double kEdge_px = 1.0;            // the last strip that belongs may be cut by the edge, and the lattice is not exact
+constexpr std::size_t kMostAttempts = 2000;  // seeds of a picture full of texture
+constexpr double kEdge_px = 1.0;  // the last strip that belongs may be cut by the edge, and the lattice is not exact
 
 // In grey levels of 8 bits, whatever the depth.
 Image<float> grey_of(const LumaView& luma, int bits) {
@@ -101,21 +101,27 @@ double distance_px(const SeenPatch& patch, ImagePoint p) {
 
 std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingSearchOptions& options) {
   const Image<float> grey = grey_of(luma, options.bits);
-  std::vector<SeenPatch> patches;
+  std::vector<SeenPatch> patches, spent;
+  const auto in_any = [](const std::vector<SeenPatch>& list, ImagePoint at, double within) {
+    return std::any_of(list.begin(), list.end(), [&](const SeenPatch& p) { return distance_px(p, at) <= within; });
+  };
+  GrowthLimits limits{options.min_periods, options.min_explained, options.min_modulation, {}};
+  limits.taken = [&](ImagePoint at) { return in_any(patches, at, 0.0); };
   std::size_t attempts = 0;
   for (const LatticeSeed& seed : find_lattice_seeds(grey, options.min_modulation)) {
-    const bool known = std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) {
-      return distance_px(p, seed.centre) < 1.0 / seed.k1.norm();
-    });
-    if (known) continue;
+    if (in_any(patches, seed.centre, 1.0 / seed.k1.norm()) || in_any(spent, seed.centre, 0.0)) continue;
     if (++attempts > kMostAttempts) break;
-    const auto grown = grow_patch(grey, seed, {options.min_periods, options.min_explained, options.min_modulation});
-    if (!grown) continue;
-    const SeenPatch patch = seen_patch(*grown);
-    // Where two overlap, the first, whose seed was the stronger, is the print; the other is a harmonic or a piece of it.
-    const bool taken = std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) { return overlap(p, patch); });
-    if (!taken) patches.push_back(patch);
+    const Grown grown = grow_patch(grey, seed, limits);
+    if (grown.outcome == Growth::kNoLattice) continue;
+    const SeenPatch patch = seen_patch(grown.patch);
+    // Where two overlap, the first, whose seed was the purer, is the print; the other is a harmonic or a piece of it.
+    const bool keeps =
+        grown.outcome == Growth::kPatch &&
+        std::none_of(patches.begin(), patches.end(), [&](const SeenPatch& p) { return overlap(p, patch); });
+    (keeps ? patches : spent).push_back(patch);
   }
+  std::stable_sort(patches.begin(), patches.end(),
+                   [](const SeenPatch& a, const SeenPatch& b) { return a.modulation > b.modulation; });
   return patches;
 }
 

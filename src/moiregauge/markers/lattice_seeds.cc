@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include <opencv2/core.hpp>
 
@@ -13,13 +14,14 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kTile = 32;             // pixels of the level
-constexpr double kLowestBin = 2.5;    // fewer periods in a tile are not a lattice yet; the next level sees them
-constexpr double kHighestBin = 6.4;   // finer ones belong to the level before
-constexpr double kFinestBin = 13.5;   // but for the first level: 2.4 px
-constexpr double kLobe = 1.7;         // bins, the main lobe of the window
-constexpr double kPairShare = 0.25;   // of the spectrum, that two fundamentals must hold
-constexpr double kLinesShare = 0.5;   // and one
+constexpr int kTile = 32;              // pixels of the level
+constexpr double kLowestBin = 1.9;     // fewer periods in a tile are not a lattice yet; the next level sees them
+constexpr double kHighestBin = 6.4;    // finer ones belong to the level before
+constexpr double kFinestBin = 13.5;    // but for the first level: 2.4 px
+constexpr double kLobe = 1.7;          // bins, the main lobe of the window
+constexpr double kPairShare = 0.25;    // of the spectrum, that two fundamentals must hold
+constexpr double kLinesShare = 0.5;    // and one
+constexpr double kSecondShare = 0.15;  // of the first's power, that makes a second one of it
 
 Image<float> halved(const Image<float>& from) {
   Image<float> out(from.width() / 2, from.height() / 2);
@@ -58,8 +60,7 @@ class Spectrum {
       }
     }
     const double mean = sum / weight;
-    variance_ = squares / weight - mean * mean;
-    if (variance_ < least_variance) return false;
+    if (squares / weight - mean * mean < least_variance) return false;
     for (int y = 0; y < kTile; ++y) {
       const auto row = grey.row(y0 + y).subspan(static_cast<std::size_t>(x0), kTile);
       auto* out = tile_.ptr<float>(y);
@@ -78,8 +79,6 @@ class Spectrum {
     }
     return true;
   }
-  [[nodiscard]] double variance() const { return variance_; }
-  [[nodiscard]] double total() const { return total_; }
   [[nodiscard]] double at(int fx, int fy) const {
     if (fx < 0) fx = -fx, fy = -fy;
     return std::abs(fy) >= kTile / 2 || fx > kTile / 2 ? 0.0 : power_[index(fx, fy)];
@@ -97,31 +96,62 @@ class Spectrum {
     }
     return {sum, centroid / sum};
   }
-  // The strongest bin that passes.
+  // Share of all power that lies about the places given, each bin counted once.
+  [[nodiscard]] double share_about(std::span<const Eigen::Vector2d> places) const {
+    std::vector<std::size_t> bins;
+    for (const Eigen::Vector2d& f : places) {
+      const int fx = static_cast<int>(std::lround(f.x())), fy = static_cast<int>(std::lround(f.y()));
+      for (int i = 0; i < 9; ++i) {
+        int x = fx + i % 3 - 1, y = fy + i / 3 - 1;
+        if (x < 0) x = -x, y = -y;
+        if (std::abs(y) >= kTile / 2 || x > kTile / 2) continue;
+        bins.push_back(index(x, y));
+        if (x == 0) bins.push_back(index(x, -y));
+      }
+    }
+    std::sort(bins.begin(), bins.end());
+    bins.erase(std::unique(bins.begin(), bins.end()), bins.end());
+    double sum = 0.0;
+    for (const std::size_t i : bins) sum += (is_single(i) ? 1.0 : 0.5) * power_[i];
+    return sum / total_;
+  }
+  // The strongest peak that passes: what merely leans against a stronger low frequency, an edge's, is none.
   template <typename Passes>
   [[nodiscard]] std::optional<Eigen::Vector2i> strongest(Passes passes) const {
     std::optional<Eigen::Vector2i> best;
+    double most = 0.0;
     for (int fy = -kTile / 2 + 1; fy < kTile / 2; ++fy) {
       for (int fx = 0; fx < kTile / 2; ++fx) {
-        if (passes(Eigen::Vector2d(fx, fy)) && (!best || at(fx, fy) > at(best->x(), best->y())))
-          best = Eigen::Vector2i(fx, fy);
+        const double p = at(fx, fy);
+        if (p <= most || !passes(Eigen::Vector2d(fx, fy)) || !is_peak(fx, fy, p)) continue;
+        best = Eigen::Vector2i(fx, fy);
+        most = p;
       }
     }
     return best;
   }
 
  private:
+  [[nodiscard]] bool is_peak(int fx, int fy, double p) const {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (at(fx + dx, fy + dy) > p) return false;
+      }
+    }
+    return true;
+  }
+  // A bin that stands for itself and its mirror image; the first and the last column hold both.
+  static bool is_single(std::size_t i) { return i % (kTile / 2 + 1) != 0 && i % (kTile / 2 + 1) != kTile / 2; }
   static std::size_t index(int fx, int fy) { return static_cast<std::size_t>((fy + kTile / 2) * (kTile / 2 + 1) + fx); }
   cv::Mat tile_ = cv::Mat(kTile, kTile, CV_32F);
   cv::Mat complex_;
   std::array<double, kTile*(kTile / 2 + 1)> power_{};
   double total_ = 0.0;
-  double variance_ = 0.0;
 };
 
 std::optional<LatticeSeed> seed_of(const Spectrum& spectrum, double highest_bin) {
-  const auto first = spectrum.strongest([](const Eigen::Vector2d&) { return true; });
-  if (!first || first->cast<double>().norm() < kLowestBin - 0.6) return std::nullopt;
+  const auto first = spectrum.strongest([](const Eigen::Vector2d& f) { return f.squaredNorm() > kLobe * kLobe; });
+  if (!first) return std::nullopt;
   const auto [power1, k1] = spectrum.lobe(*first);
   if (k1.norm() < kLowestBin || k1.norm() > highest_bin) return std::nullopt;
   // Perspective and oblique views bring the second one off square, never near the first.
@@ -131,17 +161,16 @@ std::optional<LatticeSeed> seed_of(const Spectrum& spectrum, double highest_bin)
   });
   LatticeSeed seed;
   seed.k1 = k1 / kTile;
-  double held = power1;
+  std::vector<Eigen::Vector2d> places{k1};
   if (second) {
     const auto [power2, k2] = spectrum.lobe(*second);
-    if (power2 > 0.15 * power1) {
+    if (power2 > kSecondShare * power1) {
       seed.k2 = k2 / kTile;
-      held += power2;
+      places.insert(places.end(), {k2, k1 + k2, k1 - k2});
     }
   }
-  const double share = held / spectrum.total();
-  if (share < (seed.k2.isZero() ? kLinesShare : kPairShare)) return std::nullopt;
-  seed.score = share * spectrum.variance();
+  seed.score = spectrum.share_about(places);
+  if (seed.score < (seed.k2.isZero() ? kLinesShare : kPairShare)) return std::nullopt;
   return seed;
 }
 
@@ -150,7 +179,9 @@ void add_level(const Image<float>& grey, int scale, double min_modulation, std::
   const int hop = scale == 1 ? 8 : 4;
   const int across = (grey.width() - kTile) / hop + 1, down = (grey.height() - kTile) / hop + 1;
   std::vector<std::optional<LatticeSeed>> seeds(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
-  const auto place = [&](int i, int j) { return static_cast<std::size_t>(j) * static_cast<std::size_t>(across) + static_cast<std::size_t>(i); };
+  const auto place = [&](int i, int j) {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(across) + static_cast<std::size_t>(i);
+  };
   Spectrum spectrum;
   for (int j = 0; j < down; ++j) {
     for (int i = 0; i < across; ++i) {
@@ -186,7 +217,8 @@ std::vector<LatticeSeed> find_lattice_seeds(const Image<float>& grey, double min
     add_level(level, scale, min_modulation, seeds);
     level = halved(level);
   }
-  std::stable_sort(seeds.begin(), seeds.end(), [](const LatticeSeed& a, const LatticeSeed& b) { return a.score > b.score; });
+  std::stable_sort(seeds.begin(), seeds.end(),
+                   [](const LatticeSeed& a, const LatticeSeed& b) { return a.score > b.score; });
   return seeds;
 }
 

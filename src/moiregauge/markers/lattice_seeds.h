@@ -13,13 +13,14 @@ namespace moiregauge {
 
 // A tile whose spectrum is one lattice.
 struct LatticeSeed {
-  ImagePoint centre;           // px
-  Eigen::Vector2d k1{0, 0};    // fundamental harmonics, cycles per px
-  Eigen::Vector2d k2{0, 0};    // zero: lines only
-  double score = 0.0;          // grey levels squared that the fundamentals hold
+  ImagePoint centre;         // px
+  Eigen::Vector2d k1{0, 0};  // fundamental harmonics, cycles per px
+  Eigen::Vector2d k2{0, 0};  // zero: lines only
+  double score = 0.0;        // share of the tile's power that its fundamentals and their sums hold
 };
 
-// The best tile of each neighbourhood, best first. min_modulation: grey levels, below which a tile counts as flat.
+// The tile of each neighbourhood that is a lattice and hardly anything else, best first. min_modulation: grey levels,
+// below which a tile counts as flat.
 [[nodiscard]] std::vector<LatticeSeed> find_lattice_seeds(const Image<float>& grey, double min_modulation);
 
 }  // namespace moiregauge

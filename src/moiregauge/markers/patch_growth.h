@@ -2,7 +2,7 @@
 // From a few periods about a seed to the whole print.
 #pragma once
 
-#include <optional>
+#include <functional>
 
 #include "moiregauge/markers/lattice_fit.h"
 #include "moiregauge/markers/lattice_seeds.h"
@@ -17,14 +17,20 @@ struct GrownPatch {
   Pattern pattern = Pattern::kAuto;
 };
 
-// Empty when what is at the seed is no print of at least `min_periods` pitches both ways, of which the series explains
-// `min_explained` of the variance and which varies by `min_sigma` grey levels rms.
 struct GrowthLimits {
-  double min_periods = 0.0;
-  double min_explained = 0.0;
-  double min_sigma = 0.0;
+  double min_periods = 0.0;               // along both of the print's axes
+  double min_explained = 0.0;             // of the variance, by the series
+  double min_sigma = 0.0;                 // grey levels, rms
+  std::function<bool(ImagePoint)> taken;  // by a patch that is known already: a box that comes there is given up
 };
-[[nodiscard]] std::optional<GrownPatch> grow_patch(const Image<float>& grey, const LatticeSeed& seed,
-                                                   const GrowthLimits& limits);
+
+enum class Growth { kPatch, kNoLattice, kTooSmall, kTaken };
+
+// `patch` is what there is at the seed; also when it ran into another (kTaken) or ended too soon (kTooSmall).
+struct Grown {
+  Growth outcome = Growth::kNoLattice;
+  GrownPatch patch;
+};
+[[nodiscard]] Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const GrowthLimits& limits);
 
 }  // namespace moiregauge
