@@ -58,6 +58,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   run.reference = std::move(*reference);
   run.reference.seen.frame = plan.reference_frame;
   const Method* method = method_named(plan.method);
+  if (method->prepare != nullptr) method->prepare(first.view(), run.reference);
   Follower follower(run.reference);
   PatchWorkspace work;
   long count = 0;
@@ -71,7 +72,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   }
   std::size_t first_target = 0;
   while (run.reference.site.markers[first_target].role != Role::kTarget) ++first_target;
-  for (const Sample& sample : method->solve(run.reference, run.observations)) {
+  for (const Sample& sample : method->solve(run.reference, run.observations).samples) {
     if (sample.marker != first_target || sample.frame == plan.reference_frame) continue;
     run.samples.push_back(sample);
     compare(scenario, sample, plan.reference_frame, run);

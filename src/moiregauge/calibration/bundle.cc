@@ -93,10 +93,10 @@ void add_frame(ceres::Problem& problem, const Site& site, const BundleFrame& fra
 static_assert(sizeof(Pose) == 6 * sizeof(double), "a pose is one block of six");
 
 BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
-                            const SceneModel& model) {
+                            const SceneModel& model, const Scene* start) {
   Blocks blocks;
-  blocks.camera = block_of(prior.camera);
-  blocks.markers = prior.markers;
+  blocks.camera = block_of(start != nullptr ? start->camera : prior.camera);
+  blocks.markers = start != nullptr ? start->markers : prior.markers;
   for (const BundleFrame& frame : frames) {
     blocks.poses.push_back(frame.pose);
     auto& shifts = blocks.shifts.emplace_back();
@@ -116,7 +116,7 @@ BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frame
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_SCHUR;
-  options.max_num_iterations = 60;
+  options.max_num_iterations = 100;
   options.num_threads = 1;  // the same bits everywhere
   options.function_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;

@@ -40,6 +40,7 @@ struct BundleSolution {
 // Minimises chi2 of all patches plus that of the priors (Ceres, robust against a patch that fits nothing). What the
 // model leaves out stays at its prior value.
 [[nodiscard]] BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames,
-                                          const ScenePrior& prior, const SceneModel& model);
+                                          const ScenePrior& prior, const SceneModel& model,
+                                          const Scene* start = nullptr);
 
 }  // namespace moiregauge

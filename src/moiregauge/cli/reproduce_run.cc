@@ -52,7 +52,7 @@ MethodRun compared(const Walk& walk, const Reference& reference, const Scenario&
   const std::size_t target = first_target(reference.site);
   const auto* marker = simulator::find_marker(scenario, reference.site.markers[target].name);
   const double then_mm = truth(scenario, reference.seen.frame, *marker).dy_mm;
-  for (const Sample& s : walk.method->solve(reference, walk.observations)) {
+  for (const Sample& s : walk.method->solve(reference, walk.observations).samples) {
     if (s.marker != target || s.frame == reference.seen.frame) continue;
     const double measured = has_numbers(s.status) ? s.displacement.y : kNotMeasured;
     run.time_s.push_back(simulator::time_of(scenario, s.frame));
@@ -98,6 +98,9 @@ tl::expected<CellRun, std::string> run_cell(const ReproduceCase& which, const Re
   auto reference = make_reference(grey(first, scenario), simulator::site_of(scenario), Camera{}, {});
   if (!reference) return tl::unexpected(which.scenario + ": " + reference.error().message);
   reference->seen.frame = which.reference_frame;
+  for (const Method& method : kMethods) {
+    if (method.prepare != nullptr) method.prepare(grey(first, scenario), *reference);
+  }
   std::vector<Walk> walks;
   for (const Method& method : kMethods) walks.push_back({&method, Follower(*reference), {}, {}});
   for (long frame = 0; frame < scenario.frames; frame += step) {

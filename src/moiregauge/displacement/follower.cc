@@ -24,8 +24,8 @@ std::vector<Extent<frame::Board>> Follower::follow(const Reference& reference, c
     const MarkerObservation& seen = observation.markers[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
     const RasterPlan& plan = reference.plans[i];
-    // The window stands where the last frame left the target, or on this frame's first reading of it; the phase gives the
-    // rest within half a pitch.
+    // The window stands where the last frame left the target, or on this frame's first reading of it; the phase gives
+    // the rest within half a pitch.
     travel[i] = displacement_at(plan, reference.seen.markers[i].patch, seen.patch, seen.window_shift);
     prediction_.travel[i] = {or_zero(travel[i].x), or_zero(travel[i].y)};
   }

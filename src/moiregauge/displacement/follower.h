@@ -7,14 +7,15 @@
 
 namespace moiregauge {
 
-// Travel of every target since the reference frame, continued from frame to frame into the turn nearest the last one: right
-// as long as a target moves less than half a pitch (of its raster: a quarter diagonal for a checkerboard) between two
-// frames in which it is seen.
+// Travel of every target since the reference frame, continued from frame to frame into the turn nearest the last one:
+// right as long as a target moves less than half a pitch (of its raster: a quarter diagonal for a checkerboard) between
+// two frames in which it is seen.
 class Follower {
  public:
   explicit Follower(const Reference& reference);
   [[nodiscard]] const Prediction& prediction() const { return prediction_; }
-  // Takes the frame's observation in; returns each marker's travel, mm (NaN: not read; on an axis the print cannot show).
+  // Takes the frame's observation in; returns each marker's travel, mm (NaN: not read; on an axis the print cannot
+  // show).
   std::vector<Extent<frame::Board>> follow(const Reference& reference, const Observation& observation);
 
  private:

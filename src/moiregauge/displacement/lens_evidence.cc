@@ -13,7 +13,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Lenses of more than this at the corner are fisheyes, not for a homography: the prior that holds kappa when nothing moves.
+// Lenses of more than this at the corner are fisheyes, not for a homography: the prior that holds kappa when nothing
+// moves.
 constexpr double kLargestDistortion = 0.05;  // of the half diagonal, standard uncertainty
 // Floors under the noise of the evidence: ellipse fits and interpolation are not better than this.
 constexpr double kFloorPx = 0.003;
@@ -130,7 +131,8 @@ LensEvidence lens_evidence(const Reference& reference, const std::vector<Observa
       predicted_all[n][i] = field(p) - then_at[i];
       const PatchReading& patch0 = reference.seen.markers[i].patch;
       const double floor_mm = kFloorPx * reference.view.mm_per_px(p);
-      u_then[i * per_marker] = u_then[i * per_marker + 1] = std::hypot(u_patch_mm(reference.plans[i], patch0), floor_mm);
+      u_then[i * per_marker] = u_then[i * per_marker + 1] =
+          std::hypot(u_patch_mm(reference.plans[i], patch0), floor_mm);
       if (markers[i].role == Role::kReference) {
         const auto moved = displacement_between(reference.plans[i], patch0, seen.patch);
         const double u = std::hypot(u_patch_mm(reference.plans[i], seen.patch), floor_mm);
@@ -162,7 +164,8 @@ LensEvidence lens_evidence(const Reference& reference, const std::vector<Observa
     int count = 0;
     for (const CirclePoint& p : reference.circles) {
       const std::size_t i = p.marker;
-      const MarkerObservation& seen = observations[n].references_seen ? observations[n].markers[i] : MarkerObservation{};
+      const MarkerObservation& seen =
+          observations[n].references_seen ? observations[n].markers[i] : MarkerObservation{};
       if (!markers[i].grating || !seen.patch.valid || seen.loss != Loss::kNone) continue;
       const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.patch);
       const double u2 = std::pow(u_patch_mm(reference.plans[i], seen.patch), 2) + std::pow(u_then[i * per_marker], 2) +

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "moiregauge/calibration/scene.h"
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/observe.h"
 
@@ -13,24 +14,36 @@ namespace moiregauge {
 
 using Samples = std::vector<Sample>;  // by observation, then by target in the site's order
 
+struct Solution {
+  Samples samples;
+  std::optional<Scene> scene;  // of a method that solves one
+};
+
 // Seed paper 2.1. Displacements stay wrapped within half a pitch, as published.
-[[nodiscard]] Samples solve_conventional(const Reference& reference, const std::vector<Observation>& observations);
+[[nodiscard]] Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations);
 
 // Seed paper 2.2, with travel followed beyond half a pitch, and u.
-[[nodiscard]] Samples solve_two_stage(const Reference& reference, const std::vector<Observation>& observations);
+[[nodiscard]] Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations);
+
+// Raw pixels against the print's own template, the lens and the markers' places solved from the footage
+// (docs/methods/precise.md); `two-stage` where they cannot be solved.
+[[nodiscard]] Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations);
 
 struct Method {
   std::string_view name;
   std::string_view summary;
+  void (*prepare)(const GreyPicture&, Reference&);  // with the reference frame's picture; may be nullptr
   Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
-  Samples (*solve)(const Reference&, const std::vector<Observation>&);
+  Solution (*solve)(const Reference&, const std::vector<Observation>&);
 };
 
 inline constexpr std::array kMethods{
-    Method{"conventional", "sampling moire, camera assumed still (seed paper 2.1)", observe_conventional,
+    Method{"conventional", "sampling moire, camera assumed still (seed paper 2.1)", nullptr, observe_conventional,
            solve_conventional},
-    Method{"two-stage", "the seed paper: circle centres, then moire-refined centres (2.2)", observe_two_stage,
+    Method{"two-stage", "the seed paper: circle centres, then moire-refined centres (2.2)", nullptr, observe_two_stage,
            solve_two_stage},
+    Method{"precise", "raw pixels against the learned print, lens and markers solved from the footage", learn_prints,
+           observe_precise, solve_precise},
 };
 inline constexpr std::string_view kDefaultMethod = "two-stage";
 

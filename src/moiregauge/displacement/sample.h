@@ -2,6 +2,7 @@
 // A displacement of one target in one frame, with its uncertainty: one row of displacement.csv.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <string>
 #include <vector>
@@ -36,14 +37,30 @@ struct Budget {
   Extent<frame::Board> references;       // of the references' windows, through the homography
   Extent<frame::Board> reference_frame;  // both of the above in the reference frame
   Extent<frame::Board> model;            // what four points cannot absorb: lens, depth, a bent board
+  Extent<frame::Board> lens;             // of the solved or given camera
+  Extent<frame::Board> geometry;         // places, turns and heights of the markers, the axes' direction with them
+  Extent<frame::Board> print_scale;      // of every print
 };
+
+// The budget's parts by the names of run.json.
+struct BudgetPart {
+  const char* name;
+  Extent<frame::Board> Budget::*value;
+};
+inline constexpr std::array kBudgetParts{BudgetPart{"noise", &Budget::noise},
+                                         BudgetPart{"references", &Budget::references},
+                                         BudgetPart{"reference_frame", &Budget::reference_frame},
+                                         BudgetPart{"model", &Budget::model},
+                                         BudgetPart{"lens", &Budget::lens},
+                                         BudgetPart{"geometry", &Budget::geometry},
+                                         BudgetPart{"print_scale", &Budget::print_scale}};
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 struct Sample {
   long frame = 0;
   double time_s = kNotMeasured;
-  std::size_t marker = 0;                                        // index in the site
+  std::size_t marker = 0;                                         // index in the site
   Extent<frame::Board> displacement{kNotMeasured, kNotMeasured};  // mm since the reference frame, x right, y up
   Extent<frame::Board> u{kNotMeasured, kNotMeasured};             // mm, standard uncertainty, k = 1
   Budget budget;

@@ -13,6 +13,9 @@ constexpr double kBlurredModulation = 0.5;
 // More clipped pixels than this in a window bend the fringe's shape.
 constexpr double kClippedShare = 0.05;
 
+// A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
+constexpr double kOrderLimit = 0.4;
+
 }  // namespace
 
 BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c) {
@@ -37,12 +40,26 @@ Status quality(const RasterPlan& plan, const PatchReading& then, const PatchRead
   return Status::kOk;
 }
 
+bool order_in_doubt(const Reference& reference, const Observation& seen) {
+  for (const CirclePoint& point : reference.circles) {
+    const std::size_t i = point.marker;
+    if (!reference.site.markers[i].grating || seen.markers[i].loss != Loss::kNone) continue;
+    const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
+    const auto along = raster_from_board(reference.plans[i], moved);
+    for (const double d : along) {
+      if (std::abs(d) > kOrderLimit * reference.plans[i].pitch_mm) return true;
+    }
+  }
+  return false;
+}
+
 bool is_target(const Reference& reference, std::size_t i) {
   return reference.site.markers[i].role == Role::kTarget && reference.site.markers[i].grating.has_value();
 }
 
 Sample begun_sample(const Reference& reference, const Observation& seen, std::size_t marker) {
-  if (seen.frame == reference.seen.frame) return {seen.frame, seen.time_s, marker, {0.0, 0.0}, {0.0, 0.0}, {}, Status::kOk};
+  if (seen.frame == reference.seen.frame)
+    return {seen.frame, seen.time_s, marker, {0.0, 0.0}, {0.0, 0.0}, {}, Status::kOk};
   Sample sample;
   sample.frame = seen.frame;
   sample.time_s = seen.time_s;

@@ -21,6 +21,9 @@ using BoardExtent = Extent<frame::Board>;
 // Is the print whole, sharp and within the sensor's range? kOk, or what is wrong with it.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 
+// Any reference grating so far from where the circles put it that its lattice line is in doubt?
+[[nodiscard]] bool order_in_doubt(const Reference& reference, const Observation& seen);
+
 [[nodiscard]] bool is_target(const Reference& reference, std::size_t marker);
 
 // The row to begin with: zero in the reference frame (by definition, and finished), else nothing measured.

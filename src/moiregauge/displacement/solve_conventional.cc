@@ -39,22 +39,25 @@ void measure(const Reference& reference, const Observation& seen, bool moved, Sa
 
 }  // namespace
 
-Samples solve_conventional(const Reference& reference, const std::vector<Observation>& observations) {
-  Samples samples;
+Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations) {
+  Solution solution;
   for (const Observation& seen : observations) {
     const bool moved = !seen.decode_error && camera_moved(reference, seen);
     for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
       Sample sample = begun_sample(reference, seen, i);
       if (seen.frame != reference.seen.frame) {
-        if (seen.decode_error) sample.status = Status::kDecodeError;
-        else if (seen.markers[i].loss != Loss::kNone) sample.status = status_of_loss(seen.markers[i].loss);
-        else measure(reference, seen, moved, sample);
+        if (seen.decode_error)
+          sample.status = Status::kDecodeError;
+        else if (seen.markers[i].loss != Loss::kNone)
+          sample.status = status_of_loss(seen.markers[i].loss);
+        else
+          measure(reference, seen, moved, sample);
       }
-      samples.push_back(sample);
+      solution.samples.push_back(sample);
     }
   }
-  return samples;
+  return solution;
 }
 
 }  // namespace moiregauge

@@ -18,10 +18,8 @@ constexpr double kUntrusted = 10.0;
 constexpr double kNoiseFloorPitches = 5e-5;
 // A circle alone, without a grating to refine it: how well a printed disc's outline is its centre's, on real prints.
 constexpr double kPrintedCirclePx = 0.03;
-// A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
-constexpr double kOrderLimit = 0.4;
-// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands off
-// their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
+// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands
+// off their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
 constexpr double kOffPlane = 0.005;
 constexpr double kStretchNoise = 5.0;
 
@@ -57,28 +55,14 @@ std::optional<double> looks_larger(const Reference& reference, std::size_t targe
   return larger;
 }
 
-// A target off the plane by dz seen by a camera that travels by t moves by dz t / (Z + dz) on the board. dz / Z is how much
-// larger it looks; of t only the bound is known that all of the picture's motion there was travel.
+// A target off the plane by dz seen by a camera that travels by t moves by dz t / (Z + dz) on the board. dz / Z is how
+// much larger it looks; of t only the bound is known that all of the picture's motion there was travel.
 BoardExtent parallax_bound(const Reference& reference, const Observation& seen, std::size_t target) {
   const auto larger = looks_larger(reference, target);
   if (!larger) return {};
   const BoardPoint p = reference.site.markers[target].grating->centre;
   const auto moved = reference.view.ideal_from_board.inverse()(seen.stage2(p)) - p;
   return {std::abs(*larger * moved.x), std::abs(*larger * moved.y)};
-}
-
-// Any reference grating so far from its place that its lattice line is in doubt?
-bool order_in_doubt(const Reference& reference, const Observation& seen) {
-  for (const CirclePoint& point : reference.circles) {
-    const std::size_t i = point.marker;
-    if (!reference.site.markers[i].grating || seen.markers[i].loss != Loss::kNone) continue;
-    const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
-    const auto along = raster_from_board(reference.plans[i], moved);
-    for (const double d : along) {
-      if (std::abs(d) > kOrderLimit * reference.plans[i].pitch_mm) return true;
-    }
-  }
-  return false;
 }
 
 // What the whole run knows when one frame is turned into samples.
@@ -95,8 +79,7 @@ void measure(const RunEvidence& run, const Observation& seen, std::size_t n, Boa
   const RasterPlan& plan = reference.plans[i];
   const MarkerObservation& now = seen.markers[i];
   const PatchReading& then = reference.seen.markers[i].patch;
-  const auto weights =
-      reference_weights(run.circles, reference.site.markers[i].grating->centre + now.window_shift);
+  const auto weights = reference_weights(run.circles, reference.site.markers[i].grating->centre + now.window_shift);
   sample.displacement = travel;
   Budget& budget = sample.budget;
   budget.noise = noise_mm(plan, now.patch);
@@ -106,23 +89,23 @@ void measure(const RunEvidence& run, const Observation& seen, std::size_t n, Boa
   const std::vector<BoardExtent> unexplained(run.circles.size(), {left, left});
   const double kappa = std::hypot(run.lens.kappa_px, run.lens.u_kappa_px);
   const BoardExtent& e = run.lens.sensitivity[n][i];
-  budget.model = hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained),
-                        parallax_bound(reference, seen, i));
+  budget.model =
+      hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained), parallax_bound(reference, seen, i));
   const BoardExtent noise = hypot3(budget.noise, budget.references, budget.reference_frame);
   sample.u = hypot3(noise, budget.model, {});
   const double floor = kNoiseFloorPitches * plan.pitch_mm;
-  const bool beyond = budget.model.x > kUntrusted * std::max(noise.x, floor) ||
-                      budget.model.y > kUntrusted * std::max(noise.y, floor);
+  const bool beyond =
+      budget.model.x > kUntrusted * std::max(noise.x, floor) || budget.model.y > kUntrusted * std::max(noise.y, floor);
   sample.status = beyond ? Status::kUntrusted : quality(plan, then, now.patch);
 }
 
 }  // namespace
 
-Samples solve_two_stage(const Reference& reference, const std::vector<Observation>& observations) {
+Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations) {
   RunEvidence run{reference, lens_evidence(reference, observations), {}, reference_noise(reference, reference.seen)};
   for (const CirclePoint& point : reference.circles) run.circles.push_back(point.board);
   Follower follower(reference);
-  Samples samples;
+  Solution solution;
   for (std::size_t n = 0; n < observations.size(); ++n) {
     const Observation& seen = observations[n];
     const auto travel = follower.follow(reference, seen);
@@ -131,16 +114,21 @@ Samples solve_two_stage(const Reference& reference, const std::vector<Observatio
       if (!is_target(reference, i)) continue;
       Sample sample = begun_sample(reference, seen, i);
       if (seen.frame != reference.seen.frame) {
-        if (seen.decode_error) sample.status = Status::kDecodeError;
-        else if (!seen.references_seen) sample.status = Status::kReferenceLost;
-        else if (seen.markers[i].loss != Loss::kNone) sample.status = status_of_loss(seen.markers[i].loss);
-        else if (doubtful) sample.status = Status::kOrderUnproven;
-        else measure(run, seen, n, travel[i], sample);
+        if (seen.decode_error)
+          sample.status = Status::kDecodeError;
+        else if (!seen.references_seen)
+          sample.status = Status::kReferenceLost;
+        else if (seen.markers[i].loss != Loss::kNone)
+          sample.status = status_of_loss(seen.markers[i].loss);
+        else if (doubtful)
+          sample.status = Status::kOrderUnproven;
+        else
+          measure(run, seen, n, travel[i], sample);
       }
-      samples.push_back(sample);
+      solution.samples.push_back(sample);
     }
   }
-  return samples;
+  return solution;
 }
 
 }  // namespace moiregauge

@@ -80,6 +80,12 @@ Json marker_json(const Measurement& measurement, const Marker& marker, std::size
 
 Json extent_json(const Extent<frame::Board>& e) { return {{"x_mm", number(e.x)}, {"y_mm", number(e.y)}}; }
 
+Json budget_json(const Budget& budget) {
+  Json json = Json::object();
+  for (const BudgetPart& part : kBudgetParts) json[part.name] = extent_json(budget.*part.value);
+  return json;
+}
+
 Json target_json(const Site& site, const TargetSummary& target) {
   return {{"name", site.markers[target.marker].name},
           {"frames", target.frames},
@@ -87,11 +93,7 @@ Json target_json(const Site& site, const TargetSummary& target) {
           {"status_counts", target.status_counts},
           {"u_dx_mm", number(target.u.x)},
           {"u_dy_mm", number(target.u.y)},
-          {"budget",
-           {{"noise", extent_json(target.budget.noise)},
-            {"references", extent_json(target.budget.references)},
-            {"reference_frame", extent_json(target.budget.reference_frame)},
-            {"model", extent_json(target.budget.model)}}}};
+          {"budget", budget_json(target.budget)}};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "moiregauge/markers/identity.h"
 #include "moiregauge/observation/patch.h"
+#include "moiregauge/observation/print_model.h"
 
 namespace moiregauge {
 
@@ -16,6 +17,7 @@ enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kCovered, kTo
 
 struct MarkerObservation {
   std::optional<SeenCircle> circle;        // px, as displayed
+  std::optional<PatchFit> points;          // of `precise`: what nine pixels show of the print
   PatchReading patch;                      // in the raster of the method's last stage for this marker
   Extent<frame::Board> window_shift;       // by which the raster followed a travelling target, mm
   Loss loss = Loss::kNone;

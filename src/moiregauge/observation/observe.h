@@ -24,4 +24,11 @@ struct Prediction {
 [[nodiscard]] Observation observe_two_stage(const GreyPicture& picture, const Reference& reference,
                                             const Prediction& prediction, PatchWorkspace& work);
 
+// What `precise` adds to the reference frame: every print's template, learned from its picture, and the points it shows there.
+void learn_prints(const GreyPicture& picture, Reference& reference);
+
+// As two-stage, which says where everything is to a hundredth of a pixel; then every print's raw pixels against its template.
+[[nodiscard]] Observation observe_precise(const GreyPicture& picture, const Reference& reference,
+                                          const Prediction& prediction, PatchWorkspace& work);
+
 }  // namespace moiregauge

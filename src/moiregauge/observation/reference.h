@@ -39,6 +39,7 @@ struct Reference {
   View view;                                   // the board as the circles of the reference frame show it
   std::vector<RasterPlan> plans;               // one per site marker; pitch_mm = 0 where there is no grating
   Observation seen;                            // the reference frame itself, patches in `view`
+  std::vector<std::optional<PrintModel>> prints;  // of `precise`, one per site marker; empty: not learned
   std::vector<Loss> plan_loss;                 // kTooCoarse etc., one per marker
   CircleSearch search;                         // everything that looked like a circle, for the overlay
 };

@@ -35,7 +35,8 @@ class Rms {
 };
 
 struct Sums {
-  Rms u, noise, references, reference_frame, model;
+  Rms u;
+  std::array<Rms, kBudgetParts.size()> parts;
 };
 
 void widen(double& lowest, double& highest, double v) {
@@ -65,13 +66,10 @@ std::vector<TargetSummary> summarise(const Reference& reference, const Samples& 
       widen(s.lowest.y, s.highest.y, sample.displacement.y);
       if (sample.frame == reference.seen.frame) continue;
       sums.u.add(sample.u);
-      sums.noise.add(sample.budget.noise);
-      sums.references.add(sample.budget.references);
-      sums.reference_frame.add(sample.budget.reference_frame);
-      sums.model.add(sample.budget.model);
+      for (std::size_t k = 0; k < kBudgetParts.size(); ++k) sums.parts[k].add(sample.budget.*kBudgetParts[k].value);
     }
     s.u = sums.u.value();
-    s.budget = {sums.noise.value(), sums.references.value(), sums.reference_frame.value(), sums.model.value()};
+    for (std::size_t k = 0; k < kBudgetParts.size(); ++k) s.budget.*kBudgetParts[k].value = sums.parts[k].value();
     summaries.push_back(std::move(s));
   }
   return summaries;

@@ -63,6 +63,7 @@ class Run {
     }
     out_.refusal.clear();
     out_.reference = std::move(*made);
+    if (options_.method->prepare != nullptr) options_.method->prepare({frame.luma, out_.input.bits}, *out_.reference);
     out_.reference->seen.frame = frame.number;
     out_.reference->seen.time_s = frame.time_s;
     out_.picture = kept(frame.luma, out_.input.bits, out_.reference->search);
@@ -162,7 +163,9 @@ void conclude(const MeasureOptions& options, Measurement& out) {
     out.exit = Exit::kRefused;
     return;
   }
-  out.samples = options.method->solve(*out.reference, out.observations);
+  Solution solution = options.method->solve(*out.reference, out.observations);
+  out.samples = std::move(solution.samples);
+  out.scene = std::move(solution.scene);
   out.targets = summarise(*out.reference, out.samples);
   out.exit = out.interrupted ? Exit::kInterrupted : exit_of(out.samples, out.reference->seen.frame, out.input_damaged);
   if (out.exit != Exit::kRefused) return;

@@ -49,6 +49,7 @@ struct Measurement {
   std::optional<Reference> reference;   // empty: refused before anything was measured
   std::vector<Observation> observations;
   Samples samples;
+  std::optional<Scene> scene;  // of a method that solves one
   std::vector<TargetSummary> targets;
   KeptPicture picture;
   std::vector<std::string> warnings;

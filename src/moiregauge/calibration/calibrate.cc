@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/calibrate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "moiregauge/calibration/free_parameters.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::array kModels{SceneModel{}, SceneModel{.radial = true}, SceneModel{.radial = true, .tangential = true}};
+
+template <std::size_t kSize>
+int count(const std::array<bool, kSize>& is_free) {
+  return static_cast<int>(std::count(is_free.begin(), is_free.end(), true));
+}
+
+int parameters(const Site& site, const SceneModel& model) {
+  int sum = count(free_camera(model));
+  for (const Marker& m : site.markers) sum += count(free_shape(model, m.role));
+  return sum;
+}
+
+// Focal lengths beyond these are no camera's that sees a board: the bundle has run away.
+bool is_sane(const Scene& scene, int side) {
+  return scene.solved && scene.camera.fx > 0.15 * side && scene.camera.fx < 50.0 * side;
+}
+
+long rows_of(std::span<const BundleFrame> frames) {
+  long patches = 0;
+  for (const BundleFrame& f : frames)
+    patches += std::count_if(f.points.begin(), f.points.end(), [](const auto& p) { return p.has_value(); });
+  return 2 * kPatchPoints * patches;
+}
+
+}  // namespace
+
+std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
+  std::set<std::size_t> chosen;
+  if (frames.size() <= most) {
+    for (std::size_t i = 0; i < frames.size(); ++i) chosen.insert(i);
+  } else {
+    for (int k = 0; k < 6; ++k) {
+      const auto of = [k](const BundleFrame& f) {
+        return k < 3 ? f.pose.turn[static_cast<std::size_t>(k)] : f.pose.shift[static_cast<std::size_t>(k - 3)];
+      };
+      const auto [low, high] = std::minmax_element(
+          frames.begin(), frames.end(), [&](const BundleFrame& a, const BundleFrame& b) { return of(a) < of(b); });
+      chosen.insert(static_cast<std::size_t>(low - frames.begin()));
+      chosen.insert(static_cast<std::size_t>(high - frames.begin()));
+    }
+    for (std::size_t i = 0; i < most; ++i) chosen.insert(i * (frames.size() - 1) / (most - 1));
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
+  Calibration best;
+  const int side = std::max(prior.camera.width, prior.camera.height);
+  const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
+  // A lens that is well known stays free within its prior: the plane alone would be the wrong start.
+  bool have = false;
+  const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
+    ScenePrior start = prior;
+    std::vector<BundleFrame> at(frames.begin(), frames.end());
+    BundleSolution solution = from == nullptr ? solve_bundle(site, at, start, model)
+                                              : solve_bundle(site, from->frames, start, model, &from->scene);
+    best.tried.push_back(solution.scene);
+    if (!is_sane(solution.scene, side)) return false;
+    const double gain = have ? best.bundle.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
+    const int more = have ? parameters(site, model) - parameters(site, best.bundle.scene.model) : 0;
+    if (have && gain < price * more) return false;
+    best.bundle = std::move(solution);
+    have = true;
+    return true;
+  };
+  for (const SceneModel& model : kModels) attempt(model, have ? &best.bundle : nullptr);
+  for (const bool heights : {true, false}) {
+    SceneModel model = best.bundle.scene.model;
+    (heights ? model.heights : model.depth) = true;
+    if (have) attempt(model, &best.bundle);
+  }
+  if (!have) {
+    best.bundle.scene.solved = false;
+    best.bundle.scene.problem = "no lens could be solved from these frames";
+    best.bundle.scene.camera = prior.camera;
+    best.bundle.scene.markers = prior.markers;
+    return best;
+  }
+  std::vector<FrameFit> fits;
+  for (const BundleFrame& frame : best.bundle.frames) fits.push_back(fit_frame(site, best.bundle.scene, frame));
+  best.bundle.scene.covariance = scene_covariance(site, fits, prior, best.bundle.scene.model);
+  return best;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Choosing how much of the scene the footage determines.
+#pragma once
+
+#include "moiregauge/calibration/bundle.h"
+#include "moiregauge/calibration/frame_fit.h"
+
+namespace moiregauge {
+
+struct Calibration {
+  BundleSolution bundle;     // of the model chosen, with its covariance
+  std::vector<Scene> tried;  // every model, in ascending order, for the record
+};
+
+// Solves the models in ascending order (plane; + radial; + tangential; + heights; + depth), each from where the last
+// one ended, and takes a larger one only when the full cost, data plus priors, falls by more than its parameters
+// explain (Schwarz 1978: ln(rows) each). chi2 of the data alone would pass a flat model that bends a print scale to
+// fit.
+[[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
+
+// At most `most` of the frames, evenly spread in time, the ends and the extremes of the camera's pose among them.
+[[nodiscard]] std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most);
+
+}  // namespace moiregauge
