@@ -43,9 +43,9 @@ Parts sorted_out(std::vector<SeenCircle> circles, const std::vector<SeenPatch>& 
       parts.targets.push_back(patch);
       continue;
     }
-    // A second grating at the same circle stands as still as the first; one of them is enough.
+    // A second grating at the same circle stands as still as the first; the nearer one is enough.
     auto& own = parts.of_circle[nearest];
-    if (!own || patch.periods_x * patch.periods_y > own->periods_x * own->periods_y) own = patch;
+    if (!own || away(patch, nearest) < away(*own, nearest)) own = patch;
   }
   return parts;
 }
