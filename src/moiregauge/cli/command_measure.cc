@@ -49,14 +49,6 @@ std::vector<std::uint8_t> overlay_of(const Measurement& m) {
   return draw_overlay({m.picture.grey.view(), &m.picture.circles, m.reference ? &*m.reference : nullptr, caption});
 }
 
-std::optional<std::string> camera_problem(const MeasureOptions& options, const InputInfo& input) {
-  const auto& camera = options.camera;
-  if (!camera || camera->width <= 0 || (camera->width == input.width && camera->height == input.height))
-    return std::nullopt;
-  return fmt::format("camera file is for {} x {} px, the pictures have {} x {}: {}: calibrate at the recording's size",
-                     camera->width, camera->height, input.width, input.height, input.path);
-}
-
 int fail_output(const OutputError& error) {
   return fail(error.usage ? Exit::kUsage : Exit::kOutputUnwritable, error.message);
 }
@@ -79,7 +71,7 @@ int run(const MeasureWords& words) {
   {
     const auto probe = open();  // a taken folder is found before, not after, hours of measuring
     if (!probe) return fail(Exit::kInputUnreadable, probe.error().message);
-    if (const auto problem = camera_problem(*options, (*probe)->info())) return fail(Exit::kUsage, *problem);
+    if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*probe)->info())) return fail(Exit::kUsage, *problem);
     if (const auto free = directory.check((*probe)->info().sha256); !free)
       return fail(Exit::kUsage, free.error().message);
   }

@@ -56,7 +56,7 @@ tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
   return range;
 }
 
-std::string default_output(const std::string& input) {
+std::string default_output(const std::string& input, const std::string& suffix) {
   namespace fs = std::filesystem;
   fs::path path = fs::path(input).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
@@ -68,7 +68,13 @@ std::string default_output(const std::string& input) {
     name = fs::path(name).stem().string();
   }
   while (!name.empty() && (name.back() == '_' || name.back() == '-')) name.pop_back();
-  return (name.empty() ? "run" : name) + "-moiregauge";
+  return (name.empty() ? "run" : name) + suffix;
+}
+
+std::optional<std::string> camera_problem(const Camera& camera, const InputInfo& input) {
+  if (camera.width <= 0 || (camera.width == input.width && camera.height == input.height)) return std::nullopt;
+  return fmt::format("camera file is for {} x {} px, the pictures have {} x {}: {}: calibrate at the recording's size",
+                     camera.width, camera.height, input.width, input.height, input.path);
 }
 
 tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {

@@ -37,7 +37,10 @@ struct UsageError {
 [[nodiscard]] tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words);
 [[nodiscard]] tl::expected<FrameRange, UsageError> frame_range(const std::string& text);
 
-// <input name without extension, or before %>-moiregauge, in the current directory.
-[[nodiscard]] std::string default_output(const std::string& input);
+// <input name without extension, or before %> + suffix, in the current directory.
+[[nodiscard]] std::string default_output(const std::string& input, const std::string& suffix = "-moiregauge");
+
+// A camera file for pictures of another size is no use: says so.
+[[nodiscard]] std::optional<std::string> camera_problem(const Camera& camera, const InputInfo& input);
 
 }  // namespace moiregauge::cli

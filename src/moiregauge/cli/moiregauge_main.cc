@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "moiregauge/cli/command_inspect.h"
 #include "moiregauge/cli/command_measure.h"
 #include "moiregauge/cli/command_reproduce.h"
 #include "moiregauge/cli/command_simulate.h"
@@ -21,6 +22,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = 0;
   moiregauge::cli::add_measure(app, exit_code);
+  moiregauge::cli::add_inspect(app, exit_code);
   moiregauge::cli::add_simulate(app, exit_code);
   moiregauge::cli::add_reproduce(app, exit_code);
   try {

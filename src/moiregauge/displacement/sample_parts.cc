@@ -12,6 +12,8 @@ namespace {
 constexpr double kBlurredModulation = 0.5;
 // More clipped pixels than this in a window bend the fringe's shape.
 constexpr double kClippedShare = 0.05;
+// A circle alone, without a grating to refine it: how well a printed disc's outline is its centre's, on real prints.
+constexpr double kPrintedCirclePx = 0.03;
 
 // A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
 constexpr double kOrderLimit = 0.4;
@@ -27,6 +29,17 @@ BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch) {
   const double u0 = plan.pitch_mm / kTurn * (plan.reads_x ? patch.u_phase_rad[0] : 0.0);
   const double u1 = plan.pitch_mm / kTurn * (plan.reads_y ? patch.u_phase_rad[1] : 0.0);
   return {std::hypot(c * u0, s * u1), std::hypot(s * u0, c * u1)};
+}
+
+std::vector<BoardExtent> reference_noise(const Reference& reference, const Observation& seen) {
+  std::vector<BoardExtent> u;
+  for (const CirclePoint& point : reference.circles) {
+    const double circle = std::hypot(point.u_px, kPrintedCirclePx) * reference.view.mm_per_px(point.board);
+    u.push_back(reference.site.markers[point.marker].grating
+                    ? noise_mm(reference.plans[point.marker], seen.markers[point.marker].patch)
+                    : BoardExtent{circle, circle});
+  }
+  return u;
 }
 
 Status status_of_loss(Loss loss) { return loss == Loss::kTooCoarse ? Status::kTooCoarse : Status::kLost; }

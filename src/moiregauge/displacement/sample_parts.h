@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/reference.h"
@@ -15,6 +16,10 @@ using BoardExtent = Extent<frame::Board>;
 
 // Noise of a patch along the board's axes, mm.
 [[nodiscard]] BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch);
+
+// Noise of every reference circle (in the order of `reference.circles`) as a point of the second homography, mm: its
+// grating's, or without one the circle's own.
+[[nodiscard]] std::vector<BoardExtent> reference_noise(const Reference& reference, const Observation& seen);
 
 [[nodiscard]] Status status_of_loss(Loss loss);
 

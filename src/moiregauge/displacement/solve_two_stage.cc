@@ -16,24 +16,10 @@ namespace {
 constexpr double kUntrusted = 10.0;
 // No print, lens or pixel is so good that noise alone could be below this share of a pitch (0.5 um of 10 mm).
 constexpr double kNoiseFloorPitches = 5e-5;
-// A circle alone, without a grating to refine it: how well a printed disc's outline is its centre's, on real prints.
-constexpr double kPrintedCirclePx = 0.03;
-// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands
-// off their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
+// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands off
+// their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
 constexpr double kOffPlane = 0.005;
 constexpr double kStretchNoise = 5.0;
-
-// Noise of every reference as a point of the second homography.
-std::vector<BoardExtent> reference_noise(const Reference& reference, const Observation& seen) {
-  std::vector<BoardExtent> u;
-  for (const CirclePoint& point : reference.circles) {
-    const double circle = std::hypot(point.u_px, kPrintedCirclePx) * reference.view.mm_per_px(point.board);
-    u.push_back(reference.site.markers[point.marker].grating
-                    ? noise_mm(reference.plans[point.marker], seen.markers[point.marker].patch)
-                    : BoardExtent{circle, circle});
-  }
-  return u;
-}
 
 // How much larger than the references' prints a target's looks, relative, in the reference frame: what stands off the
 // plane looks so. Half the trace of the displacement gradient; nullopt where a region of few pixels cannot tell.

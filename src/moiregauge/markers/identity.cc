@@ -169,8 +169,7 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
   if (n < 4) return fail(n, text_of("the site has %d reference circles, needs 4", n));
   if (seen.size() < 4) {
     const auto found = static_cast<int>(seen.size());
-    return fail(found, text_of("found %d of %d reference circles (best rejected outline: W = %.2f, need > 0.84)", found,
-                               n, best_rejected));
+    return fail(found, text_of("found %d of %d reference circles (%s)", found, n, best_rejected_outline(search).c_str()));
   }
   const std::vector<bool> crowd = crowd_of(seen);
   AssignmentSearch options =
@@ -182,10 +181,9 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
   if (options.gave_up)
     return fail(4, text_of("too many look-alikes among %zu circles to tell the references", seen.size()));
   if (options.assignments.empty()) {
-    return fail(
-        std::min(static_cast<int>(seen.size()), n - 1),
-        text_of("no four of the %zu circles found fit the site's layout (best rejected outline: W = %.2f, need > 0.84)",
-                seen.size(), best_rejected));
+    return fail(std::min(static_cast<int>(seen.size()), n - 1),
+                text_of("no four of the %zu circles found fit the site's layout (%s)", seen.size(),
+                        best_rejected_outline(search).c_str()));
   }
   std::vector<Ranked> ranked;
   for (const Assignment& a : options.assignments) {
@@ -206,6 +204,13 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
 }
 
 }  // namespace
+
+std::string best_rejected_outline(const CircleSearch& search) {
+  const auto best = std::max_element(search.rejected.begin(), search.rejected.end(),
+                                     [](const auto& a, const auto& b) { return a.circularity < b.circularity; });
+  if (best == search.rejected.end()) return "no other outline is nearly a circle";
+  return "best rejected outline: " + best->why;
+}
 
 tl::expected<Identified, IdentityFailure> identify_first(const Site& site, const CircleSearch& search) {
   Preference prefer;

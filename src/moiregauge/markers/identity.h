@@ -27,6 +27,9 @@ struct IdentityFailure {
   std::string reason;  // "found 3 of 4 reference circles (...)", "two assignments fit equally: ..."
 };
 
+// What came nearest to being one more circle, and why it is none: "best rejected outline: W = 0.81, need > 0.84".
+[[nodiscard]] std::string best_rejected_outline(const CircleSearch& search);
+
 // First frame: all reference circles at once from the site's layout. Of the assignments that fit (reprojection of every
 // reference within tolerance, diameters, no mirror image) the one nearest to upright (board x along picture x, board y up);
 // look-alike circles elsewhere must not matter; two sets that fit equally well are a failure, never a guess.

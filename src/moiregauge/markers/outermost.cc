@@ -5,12 +5,15 @@
 #include <cmath>
 #include <numeric>
 
+#include "moiregauge/markers/like_sheets.h"
+
 namespace moiregauge {
 namespace {
 
 constexpr double kOneSize = 0.25;        // relative; perspective makes far ones smaller
 constexpr double kConcentric = 0.3;      // of the diameter
 constexpr double kNearHull = 0.5;        // diameters
+constexpr std::size_t kEnough = 4;       // references
 
 double cross(ImagePoint o, ImagePoint a, ImagePoint b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
 
@@ -76,12 +79,18 @@ std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slac
 
 std::vector<SeenCircle> outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
   const std::vector<SeenCircle> all = candidates(circles, patches);
-  std::vector<SeenCircle> best;
+  std::vector<SeenCircle> most, sheets;
   for (const SeenCircle& c : all) {
     std::vector<SeenCircle> group = like(c, all);
-    if (group.size() > best.size() || (group.size() == best.size() && c.diameter_px > best.front().diameter_px))
-      best = std::move(group);
+    const std::vector<LikeSheet> alike = like_sheets(group, patches);
+    if (alike.size() >= kEnough && alike.size() > sheets.size()) {
+      sheets.clear();
+      for (const LikeSheet& sheet : alike) sheets.push_back(group[sheet.circle]);
+    }
+    if (group.size() > most.size() || (group.size() == most.size() && c.diameter_px > most.front().diameter_px))
+      most = std::move(group);
   }
+  const std::vector<SeenCircle>& best = sheets.empty() ? most : sheets;
   std::vector<ImagePoint> places;
   double diameter = 0.0;
   for (const SeenCircle& c : best) {

@@ -11,7 +11,8 @@
 namespace moiregauge {
 
 // Circles of one size (the size most of them have) that lie on, or next to, the convex hull of all of that size. Circles
-// inside a grating are its elements and do not count; of concentric ones only the strongest does.
+// inside a grating are its elements and do not count; of concentric ones only the strongest does. Where four or more stand
+// beside gratings of their own all in the same way (like_sheets.h), only those count: the others are look-alikes.
 [[nodiscard]] std::vector<SeenCircle> outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches);
 
 // Index of the points on their convex hull or within `slack` px of it.

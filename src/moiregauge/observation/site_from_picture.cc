@@ -43,9 +43,9 @@ Parts sorted_out(std::vector<SeenCircle> circles, const std::vector<SeenPatch>& 
       parts.targets.push_back(patch);
       continue;
     }
-    // A second grating at the same circle stands as still as the first; one of them is enough.
+    // A second grating at the same circle stands as still as the first; the nearer one is enough.
     auto& own = parts.of_circle[nearest];
-    if (!own || patch.periods_x * patch.periods_y > own->periods_x * own->periods_y) own = patch;
+    if (!own || away(patch, nearest) < away(*own, nearest)) own = patch;
   }
   return parts;
 }
@@ -152,9 +152,8 @@ tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& pictur
   };
   if (circles.size() < 4)
     return fail(ReferenceProblem::kNotFound,
-                text_of("without a site file, four reference circles of one size are needed: found %zu, and %zu gratings (best "
-                        "rejected outline: W = %.2f, need > 0.84)",
-                        circles.size(), patches.size(), search.best_rejected_circularity()));
+                text_of("without a site file, four reference circles of one size are needed: found %zu, and %zu gratings (%s)",
+                        circles.size(), patches.size(), best_rejected_outline(search).c_str()));
   if (patches.empty())
     return fail(ReferenceProblem::kNoGrating,
                 text_of("without a site file, a grating of three pitches or more is needed: found %zu circles and no grating",

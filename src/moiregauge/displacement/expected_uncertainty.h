@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a measurement will be good for, told from its reference frame alone.
+#pragma once
+
+#include <vector>
+
+#include "moiregauge/displacement/sample.h"
+#include "moiregauge/observation/reference.h"
+
+namespace moiregauge {
+
+// Standard uncertainties (k = 1) of a target's displacement since the reference frame along the board's axes, mm, both
+// frames' noise included; of noise alone: what a lens, depth or a bent board add shows only when the camera moves. NaN
+// where the target was not seen or its print cannot show that axis.
+struct ExpectedUncertainty {
+  std::size_t marker = 0;      // index in the site
+  Extent<frame::Board> u;      // of the two-stage method in frames as good as this one
+  Extent<frame::Board> bound;  // phase bound: fundamentals over every pixel of the printed patches, all references
+};
+
+// One for every target with a grating, in the site's order.
+[[nodiscard]] std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& reference);
+
+}  // namespace moiregauge
