@@ -8,9 +8,10 @@
 
 namespace moiregauge {
 
-// Which parameters a model solves; the others stay at their prior values.
+// Which parameters a model solves; the others stay at their prior values. Without a lens f, cx and cy would only bend
+// to its absence: they are solved together.
 [[nodiscard]] constexpr std::array<bool, kCameraParameters> free_camera(const SceneModel& m) {
-  return {true, true, true, m.radial, m.radial, m.tangential, m.tangential, false};
+  return {m.radial, m.radial, m.radial, m.radial, m.radial, m.tangential, m.tangential, false};
 }
 [[nodiscard]] constexpr std::array<bool, MarkerShape::kParameters> free_shape(const SceneModel& m, Role role) {
   const bool reference = role == Role::kReference;
