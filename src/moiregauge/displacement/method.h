@@ -24,11 +24,12 @@ struct Method {
   std::string_view summary;
   Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
   Samples (*solve)(const Reference&, const std::vector<Observation>&);
+  bool needs_circles = true;  // false: gratings are enough, the camera stands still
 };
 
 inline constexpr std::array kMethods{
     Method{"conventional", "sampling moire, camera assumed still (seed paper 2.1)", observe_conventional,
-           solve_conventional},
+           solve_conventional, false},
     Method{"two-stage", "the seed paper: circle centres, then moire-refined centres (2.2)", observe_two_stage,
            solve_two_stage},
 };

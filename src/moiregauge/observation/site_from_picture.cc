@@ -44,6 +44,10 @@ std::string text_of(const char* format, Values... values) {
   return text;
 }
 
+std::string counted(std::size_t n, const char* what) {
+  return (n == 0 ? std::string("no") : std::to_string(n)) + " " + what + (n == 1 ? "" : "s");
+}
+
 // The circle nearest to the patch's edge, when it is within reach of it; otherwise circles.size().
 std::size_t circle_of(const SeenPatch& patch, const std::vector<SeenCircle>& circles) {
   std::size_t nearest = circles.size();
@@ -242,10 +246,9 @@ tl::expected<PictureSite, ReferenceFailure> look_for_site(const GreyPicture& pic
     return tl::unexpected(ReferenceFailure{problem, std::move(text), std::move(search)});
   };
   if (options.needs_references && seen < kEnough)
-    return fail(
-        ReferenceProblem::kNotFound,
-        text_of("without a site file, four reference circles of one size are needed: found %zu, and %zu gratings (%s)",
-                seen, patches.size(), best_rejected_outline(search).c_str()));
+    return fail(ReferenceProblem::kNotFound,
+                text_of("without a site file, four reference circles of one size are needed: found %zu, and %s (%s)",
+                        seen, counted(patches.size(), "grating").c_str(), best_rejected_outline(search).c_str()));
   if (options.needs_references && doubtful)
     return fail(
         ReferenceProblem::kNotFound,
@@ -253,18 +256,17 @@ tl::expected<PictureSite, ReferenceFailure> look_for_site(const GreyPicture& pic
                 "%zu outermost",
                 seen));
   if (patches.empty())
-    return fail(
-        ReferenceProblem::kNoGrating,
-        text_of("without a site file, a grating of three pitches or more is needed: found %zu circles and no grating",
-                seen));
+    return fail(ReferenceProblem::kNoGrating,
+                text_of("without a site file, a grating of three pitches or more is needed: found %s and no grating",
+                        counted(seen, "circle").c_str()));
   Parts parts = sorted_out(std::move(circles), patches);
   if (seen < kEnough) drop_bare_circles(parts);
   if (options.needs_references && parts.reference_patches().empty())
     return fail(
         ReferenceProblem::kNoGrating,
-        text_of("without a site file, the references need gratings: found %zu circles and %zu gratings, none of them "
-                "within three diameters of a circle",
-                seen, patches.size()));
+        text_of("without a site file, the references need gratings: found %s and %s, none within three diameters of a "
+                "circle",
+                counted(seen, "circle").c_str(), counted(patches.size(), "grating").c_str()));
   drop_foreign_reference(parts, lens, options.pitch_mm);
   // A target may stand before or behind the references, where the same pitch looks larger or smaller: they alone say
   // the scale, unless they are too few to say the perspective.
