@@ -83,7 +83,10 @@ TEST(Inspection, TheExpectedUncertaintyIsTheScatterThatIsMeasured) {
   ASSERT_TRUE(seen.reference) << seen.missing;
   const auto expected = expected_uncertainties(*seen.reference);
   ASSERT_EQ(expected.size(), 1U);
-  const test::MeasuredRun run = test::measured(still, {.first = 1, .step = 1, .frames = 72});
+  test::RunPlan plan;
+  plan.first = 1;
+  plan.frames = 72;
+  const test::MeasuredRun run = test::measured(still, plan);
   ASSERT_EQ(run.error_y_um.size(), 72U) << run.problem;
   // A scatter of n = 72 is itself known to 1 / sqrt(2 n) = 8 %; three of them, and 5 % for the frames that differ from
   // the first in light and place.
