@@ -35,11 +35,12 @@ struct Method {
   void (*prepare)(const GreyPicture&, Reference&);  // with the reference frame's picture; may be nullptr
   Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
   Solution (*solve)(const Reference&, const std::vector<Observation>&);
+  bool needs_circles = true;  // false: gratings are enough, the camera stands still
 };
 
 inline constexpr std::array kMethods{
     Method{"conventional", "sampling moire, camera assumed still (seed paper 2.1)", nullptr, observe_conventional,
-           solve_conventional},
+           solve_conventional, false},
     Method{"two-stage", "the seed paper: circle centres, then moire-refined centres (2.2)", nullptr, observe_two_stage,
            solve_two_stage},
     Method{"precise", "raw pixels against the learned print, lens and markers solved from the footage", learn_prints,

@@ -9,7 +9,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr std::size_t kMostAttempts = 2000;  // seeds of a picture full of texture
+constexpr std::size_t kMostAttempts = 500;  // of the best seeds, in a picture full of things that repeat
 constexpr double kEdge_px = 1.0;  // the last strip that belongs may be cut by the edge, and the lattice is not exact
 
 // In grey levels of 8 bits, whatever the depth.

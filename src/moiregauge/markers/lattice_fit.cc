@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
+#include "moiregauge/markers/strewn.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
@@ -46,14 +46,6 @@ class PixelPicker {
   std::vector<Pixel> out_;
 };
 
-// 0 to 1, without any pattern in n (the finaliser of SplitMix64).
-double strewn(std::uint64_t n) {
-  n = (n + 1) * 0x9E3779B97F4A7C15U;
-  n = (n ^ (n >> 30U)) * 0xBF58476D1CE4E5B9U;
-  n = (n ^ (n >> 27U)) * 0x94D049BB133111EBU;
-  return std::ldexp(static_cast<double>((n ^ (n >> 31U)) >> 11U), -53);
-}
-
 // Every pixel of a small box; of a large one about as many as are asked for, one strewn into each cell of a raster: a
 // regular choice would be in step with the print.
 std::vector<Pixel> pixels_in(const Image<float>& grey, const PhiBox& box, const Eigen::Matrix2d& to_phi,
@@ -65,9 +57,7 @@ std::vector<Pixel> pixels_in(const Image<float>& grey, const PhiBox& box, const 
   if (area > static_cast<double>(most)) {
     const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(most)));
     for (std::size_t i = 0; i < side * side; ++i) {
-      const Eigen::Vector2d cell(static_cast<double>(i % side), static_cast<double>(i / side));
-      const Eigen::Vector2d inside(strewn(2 * i), strewn(2 * i + 1));
-      const Eigen::Vector2d s = box.low + size.cwiseProduct(cell + inside) / static_cast<double>(side);
+      const Eigen::Vector2d s = box.low + size.cwiseProduct(markers_detail::strewn_in_square(i, side));
       const ImagePoint p = lattice.at(to_phi * s);
       if (!(std::abs(p.x) < 1e6 && std::abs(p.y) < 1e6)) continue;
       picker.pick(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y)), s);

@@ -9,8 +9,8 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr int kReach = 2;            // cells: a window of 5 x 5
-constexpr double kMinSpread = 0.12;  // cells^2, the smaller variance of the window's points: not on one line
+constexpr int kReach = 2;                 // cells: a window of 5 x 5
+constexpr double kMinSpread = 0.12;       // cells^2, the smaller variance of the window's points: not on one line
 constexpr std::size_t kMinQuadratic = 8;  // as many as round the corner of a lattice
 
 struct Known {

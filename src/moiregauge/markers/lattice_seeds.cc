@@ -9,19 +9,21 @@
 
 #include <opencv2/core.hpp>
 
+#include "moiregauge/markers/lattice_probe.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr int kTile = 32;              // pixels of the level
-constexpr double kLowestBin = 1.9;     // fewer periods in a tile are not a lattice yet; the next level sees them
-constexpr double kHighestBin = 6.4;    // finer ones belong to the level before
-constexpr double kFinestBin = 13.5;    // but for the first level: 2.4 px
-constexpr double kLobe = 1.7;          // bins, the main lobe of the window
-constexpr double kPairShare = 0.25;    // of the spectrum, that two fundamentals must hold
-constexpr double kLinesShare = 0.5;    // and one
-constexpr double kSecondShare = 0.15;  // of the first's power, that makes a second one of it
+constexpr int kTile = 32;                // pixels of the level
+constexpr double kLowestBin = 1.9;       // fewer periods in a tile are not a lattice yet; the next level sees them
+constexpr double kHighestBin = 6.4;      // finer ones belong to the level before
+constexpr double kFinestBin = 13.5;      // but for the first level: 2.4 px
+constexpr double kLobe = 1.7;            // bins, the main lobe of the window
+constexpr double kPairShare = 0.25;      // of the spectrum, that two fundamentals must hold
+constexpr double kLinesShare = 0.5;      // and one
+constexpr double kLeastExplained = 0.4;  // of a tile's grey levels
+constexpr double kSecondShare = 0.15;    // of the first's power, that makes a second one of it
 
 Image<float> halved(const Image<float>& from) {
   Image<float> out(from.width() / 2, from.height() / 2);
@@ -176,7 +178,7 @@ std::optional<LatticeSeed> seed_of(const Spectrum& spectrum, double highest_bin)
 
 // Seeds of one level that no neighbouring tile beats.
 void add_level(const Image<float>& grey, int scale, double min_modulation, std::vector<LatticeSeed>& out) {
-  const int hop = scale == 1 ? 8 : 4;
+  const int hop = scale == 1 ? 8 : 6;
   const int across = (grey.width() - kTile) / hop + 1, down = (grey.height() - kTile) / hop + 1;
   std::vector<std::optional<LatticeSeed>> seeds(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
   const auto place = [&](int i, int j) {
@@ -217,6 +219,8 @@ std::vector<LatticeSeed> find_lattice_seeds(const Image<float>& grey, double min
     add_level(level, scale, min_modulation, seeds);
     level = halved(level);
   }
+  for (LatticeSeed& seed : seeds) seed.score = explained_by(seed, grey);
+  std::erase_if(seeds, [](const LatticeSeed& seed) { return seed.score < kLeastExplained; });
   std::stable_sort(seeds.begin(), seeds.end(),
                    [](const LatticeSeed& a, const LatticeSeed& b) { return a.score > b.score; });
   return seeds;

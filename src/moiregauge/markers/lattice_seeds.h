@@ -16,7 +16,7 @@ struct LatticeSeed {
   ImagePoint centre;         // px
   Eigen::Vector2d k1{0, 0};  // fundamental harmonics, cycles per px
   Eigen::Vector2d k2{0, 0};  // zero: lines only
-  double score = 0.0;        // share of the tile's power that its fundamentals and their sums hold
+  double score = 0.0;        // share of the grey levels' variance about the centre that it explains
 };
 
 // The tile of each neighbourhood that is a lattice and hardly anything else, best first. min_modulation: grey levels,

@@ -39,20 +39,24 @@ Eigen::Matrix2d lattice_of(const SeenPatch& p) {
 
 bool shows_the_plane(const SeenPatch& p) { return p.pattern != Pattern::kLinesX && p.pattern != Pattern::kLinesY; }
 
+// Diameters of the circle along its axes on the grating's plane, in pitches, larger first.
+Eigen::Vector2d on_plane(const SeenCircle& circle, const SeenPatch& patch) {
+  const double c = std::cos(circle.angle_rad), s = std::sin(circle.angle_rad);
+  const double major = circle.diameter_px / std::sqrt(circle.axis_ratio), minor = major * circle.axis_ratio;
+  Eigen::Matrix2d axes;  // the ellipse's, as columns
+  axes << c * major, -s * minor, s * major, c * minor;
+  return Eigen::JacobiSVD<Eigen::Matrix2d>(lattice_of(patch) * axes).singularValues();
+}
+
 std::optional<Pair> pair_of(const SeenCircle& circle, const SeenPatch& patch) {
   Pair pair;
   pair.edge_px = distance_px(patch, circle.centre);
   if (pair.edge_px > kGratingReach * circle.diameter_px || holds(patch, circle.centre)) return std::nullopt;
-  const Eigen::Matrix2d k = lattice_of(patch);
-  const double c = std::cos(circle.angle_rad), s = std::sin(circle.angle_rad);
-  const double major = circle.diameter_px / std::sqrt(circle.axis_ratio);
-  Eigen::Matrix2d axes;  // the ellipse's, as columns
-  axes << c * major, -s * major * circle.axis_ratio, s * major, c * major * circle.axis_ratio;
-  const Eigen::Vector2d on_plane = Eigen::JacobiSVD<Eigen::Matrix2d>(k * axes).singularValues();
-  if (shows_the_plane(patch) && std::log(on_plane[0] / on_plane[1]) > std::hypot(kRound, kRoundPx / circle.diameter_px))
-    return std::nullopt;
-  pair.diameter = std::sqrt(on_plane[0] * on_plane[1]);
-  pair.distance = (k * Eigen::Vector2d(circle.centre.x - patch.centre.x, circle.centre.y - patch.centre.y)).norm();
+  if (out_of_round(circle, patch) > std::hypot(kRound, kRoundPx / circle.diameter_px)) return std::nullopt;
+  const Eigen::Vector2d diameters = on_plane(circle, patch);
+  pair.diameter = std::sqrt(diameters[0] * diameters[1]);
+  pair.distance =
+      (lattice_of(patch) * Eigen::Vector2d(circle.centre.x - patch.centre.x, circle.centre.y - patch.centre.y)).norm();
   pair.shorter = std::min(patch.periods_x, patch.periods_y);
   pair.longer = std::max(patch.periods_x, patch.periods_y);
   pair.dark = circle.contrast < 0.0;
@@ -88,6 +92,12 @@ bool alike(const Pair& a, const Pair& b) {
 }
 
 }  // namespace
+
+double out_of_round(const SeenCircle& circle, const SeenPatch& patch) {
+  if (!shows_the_plane(patch)) return 0.0;
+  const Eigen::Vector2d diameters = on_plane(circle, patch);
+  return std::log(diameters[0] / diameters[1]);
+}
 
 std::vector<LikeSheet> like_sheets(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
   const std::vector<Pair> pairs = nearest_pairs(circles, patches);

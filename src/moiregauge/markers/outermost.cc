@@ -5,15 +5,18 @@
 #include <cmath>
 #include <numeric>
 
+#include "moiregauge/markers/grating_elements.h"
 #include "moiregauge/markers/like_sheets.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr double kOneSize = 0.25;        // relative; perspective makes far ones smaller
-constexpr double kConcentric = 0.3;      // of the diameter
-constexpr double kNearHull = 0.5;        // diameters
-constexpr std::size_t kEnough = 4;       // references
+constexpr double kOneSize = 0.25;       // relative; perspective makes far ones smaller
+constexpr double kConcentric = 0.3;     // of the diameter
+constexpr double kNearHull = 0.5;       // diameters
+constexpr double kFarOutOfRound = 0.2;  // ln(major / minor)
+constexpr double kRoundPx = 0.7;        // px of diameter: two spreads of a seen circle's shape
+constexpr std::size_t kEnough = 4;      // references
 
 double cross(ImagePoint o, ImagePoint a, ImagePoint b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
 
@@ -33,15 +36,17 @@ std::vector<ImagePoint> hull_of(std::vector<ImagePoint> p) {
   return hull;
 }
 
+// As a circle that stands on the plane of one of the gratings. Far from a grating perspective turns the plane a little:
+// at 40 deg of tilt, 8 deg aside in the picture, by 0.13 of ln(major / minor).
+bool is_round_on_some_plane(const SeenCircle& c, std::span<const SeenPatch> patches) {
+  return patches.empty() || std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) {
+           return out_of_round(c, p) < std::hypot(kFarOutOfRound, kRoundPx / c.diameter_px);
+         });
+}
+
 std::vector<SeenCircle> candidates(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
-  std::vector<SeenCircle> out;
-  for (const SeenCircle& c : circles) {
-    // A patch's outline is cautious: its outermost elements may reach half a pitch beyond.
-    const bool element = std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) {
-      return distance_px(p, c.centre) < 0.5 / std::hypot(p.k_x.x, p.k_x.y);
-    });
-    if (!element) out.push_back(c);
-  }
+  std::vector<SeenCircle> out = without_elements(circles, patches);
+  std::erase_if(out, [&](const SeenCircle& c) { return !is_round_on_some_plane(c, patches); });
   return out;
 }
 
@@ -53,10 +58,40 @@ std::vector<SeenCircle> like(const SeenCircle& c, const std::vector<SeenCircle>&
     const auto same = std::find_if(out.begin(), out.end(), [&](const SeenCircle& k) {
       return length(o.centre - k.centre) < kConcentric * k.diameter_px;
     });
-    if (same == out.end()) out.push_back(o);
-    else if (std::abs(o.contrast) > std::abs(same->contrast)) *same = o;
+    if (same == out.end())
+      out.push_back(o);
+    else if (std::abs(o.contrast) > std::abs(same->contrast))
+      *same = o;
   }
   return out;
+}
+
+// Those on the hull of all.
+std::vector<SeenCircle> round_all(const std::vector<SeenCircle>& circles) {
+  std::vector<ImagePoint> places;
+  double diameter = 0.0;
+  for (const SeenCircle& c : circles) {
+    places.push_back(c.centre);
+    diameter = std::max(diameter, c.diameter_px);
+  }
+  std::vector<SeenCircle> out;
+  for (const std::size_t i : on_hull(places, kNearHull * diameter)) out.push_back(circles[i]);
+  return out;
+}
+
+// Whether some of the outermost stand beside gratings and some do not, other than the sheets and one more. Three sheets
+// within four bare circles are three targets.
+bool are_mixed(const std::vector<SeenCircle>& outermost, const std::vector<SeenCircle>& sheets,
+               std::span<const SeenPatch> patches) {
+  const auto is_outermost = [&](const SeenCircle& s) {
+    return std::any_of(outermost.begin(), outermost.end(),
+                       [&](const auto& c) { return length(c.centre - s.centre) == 0.0; });
+  };
+  if (outermost.size() == kEnough && std::all_of(sheets.begin(), sheets.end(), is_outermost)) return false;
+  return std::any_of(outermost.begin(), outermost.end(), [&](const SeenCircle& c) {
+    return std::any_of(patches.begin(), patches.end(),
+                       [&](const SeenPatch& p) { return distance_px(p, c.centre) < kGratingReach * c.diameter_px; });
+  });
 }
 
 }  // namespace
@@ -77,28 +112,22 @@ std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slac
   return out;
 }
 
-std::vector<SeenCircle> outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+OutermostCircles outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
   const std::vector<SeenCircle> all = candidates(circles, patches);
   std::vector<SeenCircle> most, sheets;
   for (const SeenCircle& c : all) {
     std::vector<SeenCircle> group = like(c, all);
     const std::vector<LikeSheet> alike = like_sheets(group, patches);
-    if (alike.size() >= kEnough && alike.size() > sheets.size()) {
+    if (alike.size() > sheets.size()) {
       sheets.clear();
       for (const LikeSheet& sheet : alike) sheets.push_back(group[sheet.circle]);
     }
     if (group.size() > most.size() || (group.size() == most.size() && c.diameter_px > most.front().diameter_px))
       most = std::move(group);
   }
-  const std::vector<SeenCircle>& best = sheets.empty() ? most : sheets;
-  std::vector<ImagePoint> places;
-  double diameter = 0.0;
-  for (const SeenCircle& c : best) {
-    places.push_back(c.centre);
-    diameter = std::max(diameter, c.diameter_px);
-  }
-  std::vector<SeenCircle> out;
-  for (const std::size_t i : on_hull(places, kNearHull * diameter)) out.push_back(best[i]);
+  if (sheets.size() >= kEnough) return {round_all(sheets), false};
+  OutermostCircles out{round_all(most), false};
+  out.doubtful = sheets.size() + 1 == kEnough && are_mixed(out.circles, sheets, patches);
   return out;
 }
 

@@ -10,10 +10,19 @@
 
 namespace moiregauge {
 
-// Circles of one size (the size most of them have) that lie on, or next to, the convex hull of all of that size. Circles
-// inside a grating are its elements and do not count; of concentric ones only the strongest does. Where four or more stand
-// beside gratings of their own all in the same way (like_sheets.h), only those count: the others are look-alikes.
-[[nodiscard]] std::vector<SeenCircle> outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches);
+struct OutermostCircles {
+  std::vector<SeenCircle> circles;
+  // Three circles stand beside gratings of their own all in the same way, but `circles` is not those and one more:
+  // which is the fourth reference would be a guess.
+  bool doubtful = false;
+};
+
+// Circles of one size (the size most of them have) that lie on, or next to, the convex hull of all of that size.
+// Circles inside a grating are its elements and do not count, nor does what is round on no grating's plane; of
+// concentric ones only the strongest counts. Where four or more stand beside gratings of their own all in the same way
+// (like_sheets.h), only those count: the others are look-alikes.
+[[nodiscard]] OutermostCircles outermost_circles(std::span<const SeenCircle> circles,
+                                                 std::span<const SeenPatch> patches);
 
 // Index of the points on their convex hull or within `slack` px of it.
 [[nodiscard]] std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slack);

@@ -9,12 +9,11 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kCore = 1.1;     // fundamental periods each way from the seed: a print of three, the seed a bit aside
-constexpr double kCore_px = 8.0;  // and as much of the seed's tile as its window has looked at
-constexpr double kRecognised = 0.4;  // of the variance: by the fundamentals alone, before the lattice is sharp
-constexpr double kStranger = 0.6;    // rms misfit of a strip, in the pattern's own rms, that is no longer the print
-constexpr double kStretch = 1.4;     // growth between two fits: so far an affine lattice tells where to look
-constexpr double kMostBack = 0.5;    // pitches
+constexpr double kCore = 1.1;      // fundamental periods each way from the seed: a print of three, the seed a bit aside
+constexpr double kCore_px = 8.0;   // and as much of the seed's tile as its window has looked at
+constexpr double kStranger = 0.6;  // rms misfit of a strip, in the pattern's own rms, that is no longer the print
+constexpr double kStretch = 1.4;   // growth between two fits: so far an affine lattice tells where to look
+constexpr double kMostBack = 0.5;  // pitches
 constexpr double kFinestHarmonic_px = 2.2;
 constexpr double kMostInStrip = 64.0;         // points that judge a strip
 constexpr int kMostRounds = 16;               // 2 kCore kStretch^16: more periods than any picture has
@@ -243,7 +242,6 @@ Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const Growth
   core.box = {-half, half};
   // The fundamentals alone find the lattice from farther away; the whole series then makes it sharp.
   if (!fit_lattice(grey, core.box, core.to_phi, {1, false, kSeedPixels}, core.model) || !is_sound(core)) return {};
-  if (core.model.explained() < kRecognised) return {};
   if (!fit(grey, core) || core.model.explained() < limits.min_explained) return {};
   if ((lattice.k.row(0).transpose() - seed.k1).norm() > 0.3 * seed.k1.norm()) return {};
   if (is_taken(core, limits)) return {Growth::kTaken, core};

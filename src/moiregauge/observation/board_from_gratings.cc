@@ -10,8 +10,8 @@ namespace moiregauge {
 namespace {
 
 constexpr int kPasses = 30;
-constexpr double kPriorTilt = 1.0;    // 1 sigma of the perspective terms over the picture's patches: wide open
-constexpr double kReading = 1e-3;     // 1 sigma of a local pitch, relative
+constexpr double kPriorTilt = 1.0;  // 1 sigma of the perspective terms over the picture's patches: wide open
+constexpr double kReading = 1e-3;   // 1 sigma of a local pitch, relative
 
 // Wave vectors (pitches per ideal px) at one place of the picture.
 struct LocalLattice {
@@ -122,6 +122,14 @@ BoardFromIdeal board_from_gratings(std::span<const SeenPatch> patches, const Cam
     }
   }
   return map_of(u, n);
+}
+
+double pitch_on(const SeenPatch& patch, const BoardFromIdeal& board, const Camera& lens) {
+  const LocalLattice at = local(patch.centre, patch.k_x, patch.k_y, lens, patch.pattern);
+  const Eigen::Matrix2d k = at.k * board.jacobian(at.at).inverse();
+  if (!at.reads_y) return 1.0 / k.row(0).norm();
+  if (!at.reads_x) return 1.0 / k.row(1).norm();
+  return 1.0 / std::sqrt(k.row(0).norm() * k.row(1).norm());
 }
 
 double print_angle(const SeenPatch& patch, const BoardFromIdeal& board, const Camera& lens) {

@@ -16,11 +16,11 @@
 namespace moiregauge {
 
 struct InspectOptions {
-  std::optional<Site> site;
-  std::optional<double> pitch_mm;  // no site file: markers are told apart as `measure --pitch` does
+  std::optional<Site> site = std::nullopt;
+  std::optional<double> pitch_mm = std::nullopt;  // no site file: markers are told apart as `measure --pitch` does
   BoardAxes axes = BoardAxes::kPrint;
-  Camera lens;
-  ObserveOptions observe;
+  Camera lens = {};
+  ObserveOptions observe = {};
 };
 
 inline constexpr int kNobody = -1;  // seen, and taken for no marker

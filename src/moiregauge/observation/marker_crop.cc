@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "moiregauge/image/cubic.h"
+#include "moiregauge/image/spline.h"
 
 namespace moiregauge {
 namespace {
@@ -41,18 +41,55 @@ BoardBox box_of(const Reference& reference, std::size_t i) {
   return box;
 }
 
+ImagePoint seen_at(const View& view, const CropPlan& plan, int column, int row) {
+  return view(BoardPoint{plan.first.x + column * plan.mm_per_px, plan.first.y - row * plan.mm_per_px});
+}
+
+struct PictureBox {
+  int x0 = 0, y0 = 0, width = 0, height = 0;
+};
+
+constexpr int kRound = 12;  // px left round it, so that the spline does not feel where the part ends
+
+// The part of the picture that the crop lies on: as its rim goes, so goes all of it.
+PictureBox part_under(const View& view, const CropPlan& plan, int width, int height) {
+  double x0 = width, x1 = 0.0, y0 = height, y1 = 0.0;
+  const auto add = [&](int column, int row) {
+    const ImagePoint p = seen_at(view, plan, column, row);
+    x0 = std::min(x0, p.x);
+    x1 = std::max(x1, p.x);
+    y0 = std::min(y0, p.y);
+    y1 = std::max(y1, p.y);
+  };
+  for (int column = 0; column < plan.width; ++column) {
+    add(column, 0);
+    add(column, plan.height - 1);
+  }
+  for (int row = 0; row < plan.height; ++row) {
+    add(0, row);
+    add(plan.width - 1, row);
+  }
+  const int left = static_cast<int>(std::max(0.0, x0 - kRound)), top = static_cast<int>(std::max(0.0, y0 - kRound));
+  const int right = static_cast<int>(std::min<double>(width, x1 + kRound)),
+            bottom = static_cast<int>(std::min<double>(height, y1 + kRound));
+  return {left, top, right - left, bottom - top};
+}
+
 template <typename Grey>
 Crop cut_out_of(const ImageView<Grey>& picture, int bits, const View& view, const CropPlan& plan) {
   Crop crop{Image<std::uint8_t>(plan.width, plan.height), 0.0};
+  const PictureBox part = part_under(view, plan, picture.width, picture.height);
+  if (part.width < 4 || part.height < 4) return crop;
+  Spline spline;
+  spline.fit(picture, part.x0, part.y0, part.width, part.height);
   const double per_grey = 255.0 / ((1 << bits) - 1);
   long inside = 0;
   for (int row = 0; row < plan.height; ++row) {
     const auto out = crop.grey.row(row);
     for (int column = 0; column < plan.width; ++column) {
-      const ImagePoint p =
-          view(BoardPoint{plan.first.x + column * plan.mm_per_px, plan.first.y - row * plan.mm_per_px});
+      const ImagePoint p = seen_at(view, plan, column, row);
       double grey = 0.0;
-      if (!cubic_at(picture, p.x, p.y, grey)) continue;
+      if (!spline.at(p.x, p.y, grey)) continue;
       out[static_cast<std::size_t>(column)] = static_cast<std::uint8_t>(std::clamp(per_grey * grey + 0.5, 0.0, 255.0));
       ++inside;
     }

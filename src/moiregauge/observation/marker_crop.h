@@ -24,7 +24,7 @@ struct Crop {
   double inside = 0.0;       // share of the crop that the picture holds
 };
 
-// By cubic interpolation. `view`: how this frame sees the board, the camera's motion in it.
+// By the spline through the pixels. `view`: how this frame sees the board, the camera's motion in it.
 [[nodiscard]] Crop cut_out(const GreyPicture& picture, const View& view, const CropPlan& plan);
 
 }  // namespace moiregauge

@@ -11,6 +11,8 @@
 namespace moiregauge {
 namespace {
 
+constexpr double kSamePlace = 0.25;  // diameters: a circle seen where the site has one
+
 double diameter_mm(const Circle& circle, const SeenCircle& seen, const IdealFromBoard& h) {
   if (circle.diameter_mm > 0.0) return circle.diameter_mm;
   return seen.diameter_px * View{h, {}}.mm_per_px(circle.centre);
@@ -22,10 +24,12 @@ void plan_rasters(Reference& reference) {
     RasterPlan plan;
     Loss loss = Loss::kNone;
     if (marker.grating) {
-      const auto planned =
-          plan_raster(*marker.grating, reference.view.finest_mm_per_px(marker.grating->centre), reference.options.raster);
-      if (planned) plan = *planned;
-      else loss = planned.error() == RasterFailure::kTooCoarse ? Loss::kTooCoarse : Loss::kNoModulation;
+      const auto planned = plan_raster(*marker.grating, reference.view.finest_mm_per_px(marker.grating->centre),
+                                       reference.options.raster);
+      if (planned)
+        plan = *planned;
+      else
+        loss = planned.error() == RasterFailure::kTooCoarse ? Loss::kTooCoarse : Loss::kNoModulation;
     }
     reference.plans.push_back(plan);
     reference.plan_loss.push_back(loss);
@@ -61,14 +65,15 @@ std::optional<ReferenceFailure> problem_of(const Reference& reference) {
     if (loss == Loss::kTooCoarse)
       return ReferenceFailure{ReferenceProblem::kTooCoarse, coarse_message(reference, i), reference.search};
     if (loss != Loss::kNone && marker.role == Role::kReference)
-      return ReferenceFailure{ReferenceProblem::kNoGrating,
-                              "no grating of the stated pitch is seen where the site puts that of reference '" + marker.name + "'",
-                              reference.search};
+      return ReferenceFailure{
+          ReferenceProblem::kNoGrating,
+          "no grating of the stated pitch is seen where the site puts that of reference '" + marker.name + "'",
+          reference.search};
     any_target |= marker.role == Role::kTarget && loss == Loss::kNone;
   }
   if (!any_target)
-    return ReferenceFailure{ReferenceProblem::kNoGrating, "no grating of the stated pitch is seen where the site puts the targets",
-                            reference.search};
+    return ReferenceFailure{ReferenceProblem::kNoGrating,
+                            "no grating of the stated pitch is seen where the site puts the targets", reference.search};
   if (const auto disagreement = site_disagreement(reference))
     return ReferenceFailure{ReferenceProblem::kSiteDisagrees, *disagreement, reference.search};
   return std::nullopt;
@@ -124,8 +129,8 @@ tl::expected<Identified, IdentityFailure> identify_without_diameters(Site site, 
 
 }  // namespace
 
-tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& picture, const Site& site, const Camera& lens,
-                                                         const ObserveOptions& options) {
+tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& picture, const Site& site,
+                                                         const Camera& lens, const ObserveOptions& options) {
   Reference reference;
   reference.site = site;
   reference.lens = lens;
@@ -157,6 +162,37 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
   read_patches(reference, picture);
   if (auto problem = problem_of(reference)) return tl::unexpected(std::move(*problem));
   if (!sized) return not_found();
+  return reference;
+}
+
+tl::expected<Reference, ReferenceFailure> make_reference_in_view(const GreyPicture& picture, const Site& site,
+                                                                 const View& view, CircleSearch search,
+                                                                 const ObserveOptions& options) {
+  Reference reference;
+  reference.site = site;
+  reference.lens = view.lens;
+  reference.width = width_of(picture.luma);
+  reference.height = height_of(picture.luma);
+  reference.options = options;
+  reference.view = view;
+  reference.search = std::move(search);
+  reference.seen.references_seen = true;
+  reference.seen.stage1 = reference.seen.stage2 = view.ideal_from_board;
+  reference.seen.markers.resize(site.markers.size());
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (!site.markers[i].circle) continue;
+    const ImagePoint there = view(site.markers[i].circle->centre);
+    for (const SeenCircle& c : reference.search.circles) {
+      if (length(c.centre - there) > kSamePlace * c.diameter_px) continue;
+      reference.seen.markers[i].circle = c;
+      if (site.markers[i].role == Role::kReference)
+        reference.circles.push_back({i, site.markers[i].circle->centre, view.lens.undistort(c.centre), c.u_centre_px});
+      break;
+    }
+  }
+  plan_rasters(reference);
+  read_patches(reference, picture);
+  if (auto problem = problem_of(reference)) return tl::unexpected(std::move(*problem));
   return reference;
 }
 

@@ -21,27 +21,28 @@ struct GreyPicture {
   int bits = 8;
 };
 
-// A circle's centre as a point of the homography: the lens and the perspective offset of the ellipse's centre taken out.
+// A circle's centre as a point of the homography: the lens and the perspective offset of the ellipse's centre taken
+// out.
 struct CirclePoint {
-  std::size_t marker = 0;        // index in the site
-  BoardPoint board;              // mm, the site's circle centre
-  IdealPoint ideal;              // px
-  double u_px = 0.0;             // standard uncertainty of each coordinate
+  std::size_t marker = 0;  // index in the site
+  BoardPoint board;        // mm, the site's circle centre
+  IdealPoint ideal;        // px
+  double u_px = 0.0;       // standard uncertainty of each coordinate
 };
 
 struct Reference {
   Site site;
   Camera lens;
-  int width = 0;                               // px, of the picture
+  int width = 0;  // px, of the picture
   int height = 0;
   ObserveOptions options;
-  std::vector<CirclePoint> circles;            // of the reference markers, in the site's order
-  View view;                                   // the board as the circles of the reference frame show it
-  std::vector<RasterPlan> plans;               // one per site marker; pitch_mm = 0 where there is no grating
-  Observation seen;                            // the reference frame itself, patches in `view`
+  std::vector<CirclePoint> circles;  // of the reference markers, in the site's order
+  View view;                         // the board as the circles of the reference frame show it
+  std::vector<RasterPlan> plans;     // one per site marker; pitch_mm = 0 where there is no grating
+  Observation seen;                  // the reference frame itself, patches in `view`
   std::vector<std::optional<PrintModel>> prints;  // of `precise`, one per site marker; empty: not learned
-  std::vector<Loss> plan_loss;                 // kTooCoarse etc., one per marker
-  CircleSearch search;                         // everything that looked like a circle, for the overlay
+  std::vector<Loss> plan_loss;       // kTooCoarse etc., one per marker
+  CircleSearch search;               // everything that looked like a circle, for the overlay
 };
 
 enum class ReferenceProblem { kNotFound, kTooCoarse, kNoGrating, kSiteDisagrees };
@@ -54,7 +55,14 @@ struct ReferenceFailure {
 
 // Finds circles and gratings by the site's layout in the picture that is to be the reference frame.
 [[nodiscard]] tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& picture, const Site& site,
-                                                                       const Camera& lens, const ObserveOptions& options);
+                                                                       const Camera& lens,
+                                                                       const ObserveOptions& options);
+
+// The same in a view that is known: for a method that takes the camera to stand still, and so needs no circles.
+[[nodiscard]] tl::expected<Reference, ReferenceFailure> make_reference_in_view(const GreyPicture& picture,
+                                                                               const Site& site, const View& view,
+                                                                               CircleSearch search,
+                                                                               const ObserveOptions& options);
 
 // The points of the reference circles among `seen`, given roughly how the frame sees the board.
 [[nodiscard]] std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, const CircleSearch& search,

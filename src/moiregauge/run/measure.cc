@@ -36,12 +36,19 @@ Observation unmeasured(const Frame& frame, std::size_t markers, std::string why)
   return observation;
 }
 
-tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& picture, const MeasureOptions& options) {
+// `notes`: what the user should know about a site that was made from the picture.
+tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& picture, const MeasureOptions& options,
+                                                       std::vector<std::string>& notes) {
   const Camera lens = options.camera.value_or(Camera{});
   if (!options.pitch_mm) return make_reference(picture, options.site, lens, options.observe);
-  auto site = site_from_picture(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles});
-  if (!site) return tl::unexpected(std::move(site.error()));
-  return make_reference(picture, *site, lens, options.observe);
+  const bool needs_circles = options.method->needs_circles;
+  auto found = look_for_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});
+  if (!found) return tl::unexpected(std::move(found.error()));
+  auto made = needs_circles ? make_reference(picture, found->site, lens, options.observe)
+                            : make_reference_in_view(picture, found->site, {found->view, lens}, std::move(found->search),
+                                                     options.observe);
+  if (made) notes = std::move(found->notes);
+  return made;
 }
 
 // The run's state while frames go by.
@@ -51,7 +58,8 @@ class Run {
 
   // Tries to make `frame` the reference frame; the failure is kept in words (the first one is the one to report).
   bool refer_to(const Frame& frame) {
-    auto made = reference_of({frame.luma, out_.input.bits}, options_);
+    std::vector<std::string> notes;
+    auto made = reference_of({frame.luma, out_.input.bits}, options_, notes);
     if (!made) {
       if (out_.refusal.empty()) {
         out_.refusal = made.error().message;
@@ -62,6 +70,7 @@ class Run {
       return false;
     }
     out_.refusal.clear();
+    out_.warnings.insert(out_.warnings.end(), notes.begin(), notes.end());
     out_.reference = std::move(*made);
     if (options_.method->prepare != nullptr) options_.method->prepare({frame.luma, out_.input.bits}, *out_.reference);
     out_.reference->seen.frame = frame.number;

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/expected_uncertainty.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/phase/sampling_moire.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr double kA = 380.0, kB = 28.0;  // mm, the rig's circles
+constexpr double kPitch_mm = 10.0, kPhase_rad = 0.002, kMmPerPx = 0.5;
+
+Marker marker(Role role, BoardPoint at, Pattern pattern) {
+  Marker m;
+  m.role = role;
+  if (role == Role::kReference) m.circle = Circle{at, 20.0};
+  m.grating = Grating{at, 40.0, 40.0, kPitch_mm, 0.0, pattern};
+  return m;
+}
+
+// Four references at (+-a, +-b) and a target in their middle, every grating read to the same phase noise.
+Reference rig(Pattern of_target) {
+  Reference reference;
+  for (const BoardPoint at : {BoardPoint{-kA, kB}, {kA, kB}, {-kA, -kB}, {kA, -kB}})
+    reference.site.markers.push_back(marker(Role::kReference, at, Pattern::kGrid));
+  reference.site.markers.push_back(marker(Role::kTarget, {0.0, 0.0}, of_target));
+  reference.view.ideal_from_board = IdealFromBoard(Eigen::Vector3d(1.0 / kMmPerPx, -1.0 / kMmPerPx, 1.0).asDiagonal());
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Marker& m = reference.site.markers[i];
+    if (m.circle) reference.circles.push_back({i, m.circle->centre, {}, 0.01});
+    reference.plans.push_back(*plan_raster(*m.grating, kMmPerPx, {}));
+    MarkerObservation seen;
+    seen.patch.valid = true;
+    seen.patch.u_phase_rad = {kPhase_rad, kPhase_rad};
+    seen.patch.modulation = {60.0, 60.0};
+    seen.patch.noise_sigma = 1.5;
+    reference.seen.markers.push_back(seen);
+  }
+  return reference;
+}
+
+TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
+  const auto expected = expected_uncertainties(rig(Pattern::kGrid));
+  ASSERT_EQ(expected.size(), 1U);
+  EXPECT_EQ(expected[0].marker, 4U);
+  // Target and references read to s; u_x = (s/2) sqrt(1 + (a/b)^2) through the references (layout.h); both frames
+  // count.
+  const auto since_reference_frame = [](double s) {
+    return Extent<frame::Board>{s * std::sqrt(2.0 * (1.0 + 0.25 * (1.0 + kA * kA / (kB * kB)))),
+                                s * std::sqrt(2.0 * (1.0 + 0.25 * (1.0 + kB * kB / (kA * kA))))};
+  };
+  const auto u = since_reference_frame(kPitch_mm / kTurn * kPhase_rad);
+  EXPECT_NEAR(expected[0].u.x, u.x, 1e-9 * u.x);
+  EXPECT_NEAR(expected[0].u.y, u.y, 1e-9 * u.y);
+  // The bound: amplitude 60, noise 1.5, over all 80 x 80 pixels of the print.
+  const auto bound = since_reference_frame(kPitch_mm / kTurn * (1.5 / 60.0) * std::sqrt(2.0 / (80.0 * 80.0)));
+  EXPECT_NEAR(expected[0].bound.x, bound.x, 1e-9 * bound.x);
+  EXPECT_NEAR(expected[0].bound.y, bound.y, 1e-9 * bound.y);
+}
+
+TEST(ExpectedUncertainty, LinesShowNothingAlongThemselves) {
+  const auto expected = expected_uncertainties(rig(Pattern::kLinesY));
+  ASSERT_EQ(expected.size(), 1U);
+  EXPECT_TRUE(std::isnan(expected[0].u.x));
+  EXPECT_GT(expected[0].u.y, 0.0);
+}
+
+TEST(ExpectedUncertainty, ATargetThatIsNotSeenPromisesNothing) {
+  Reference reference = rig(Pattern::kGrid);
+  reference.seen.markers[4].loss = Loss::kNoModulation;
+  const auto expected = expected_uncertainties(reference);
+  ASSERT_EQ(expected.size(), 1U);
+  EXPECT_TRUE(std::isnan(expected[0].u.x) && std::isnan(expected[0].bound.y));
+}
+
+}  // namespace
+}  // namespace moiregauge

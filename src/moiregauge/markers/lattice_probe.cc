@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/markers/lattice_probe.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "moiregauge/markers/strewn.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::size_t kSide = 16;  // places along each axis
+constexpr double kReach = 1.1;     // periods
+constexpr int kMostTerms = 9;      // mean, (1, 0), (0, 1), (1, 1), (1, -1)
+
+const std::array<Eigen::Vector2d, kSide * kSide>& places() {
+  static const auto list = [] {
+    std::array<Eigen::Vector2d, kSide * kSide> out;
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = kReach * (2.0 * markers_detail::strewn_in_square(i, kSide) - Eigen::Vector2d(1, 1));
+    return out;
+  }();
+  return list;
+}
+
+}  // namespace
+
+double explained_by(const LatticeSeed& seed, const Image<float>& grey) {
+  const bool lines = seed.k2.isZero();
+  Eigen::Matrix2d k;
+  k.row(0) = seed.k1.transpose();
+  k.row(1) = lines ? Eigen::RowVector2d(-seed.k1.y(), seed.k1.x()) : Eigen::RowVector2d(seed.k2.transpose());
+  const Eigen::Matrix2d px_from_phi = k.inverse();
+  const Eigen::Index terms = lines ? 3 : kMostTerms;
+  Eigen::Matrix<double, kMostTerms + 1, kMostTerms + 1> sums =
+      decltype(sums)::Zero();  // the last one is the grey level
+  for (const Eigen::Vector2d& place : places()) {
+    const Eigen::Vector2d x = px_from_phi * place;
+    const int px = static_cast<int>(std::lround(seed.centre.x + x.x())),
+              py = static_cast<int>(std::lround(seed.centre.y + x.y()));
+    if (px < 0 || py < 0 || px >= grey.width() || py >= grey.height()) continue;
+    const Eigen::Vector2d phi = kTurn * (k * Eigen::Vector2d(px - seed.centre.x, py - seed.centre.y));
+    const double c1 = std::cos(phi.x()), s1 = std::sin(phi.x());
+    Eigen::Matrix<double, kMostTerms + 1, 1> row = decltype(row)::Zero();
+    row.head<3>() << 1.0, c1, s1;
+    if (!lines) {
+      const double c2 = std::cos(phi.y()), s2 = std::sin(phi.y());
+      row.segment<6>(3) << c2, s2, c1 * c2, s1 * s2, s1 * c2, c1 * s2;
+    }
+    row[kMostTerms] = double{grey.at(px, py)};
+    sums.noalias() += row * row.transpose();
+  }
+  const double count = sums(0, 0), greys = sums(0, kMostTerms);
+  // Half of the core beyond the picture's edge is too little to judge by.
+  if (count < 0.5 * kSide * kSide) return 0.0;
+  const double variation = sums(kMostTerms, kMostTerms) - greys * greys / count;
+  Eigen::MatrixXd normal = sums.topLeftCorner(terms, terms);
+  normal.diagonal().array() += 1e-6 * count;
+  const Eigen::VectorXd right = sums.col(kMostTerms).head(terms);
+  const double left = sums(kMostTerms, kMostTerms) - normal.ldlt().solve(right).dot(right);
+  return variation > 0.0 ? std::clamp(1.0 - left / variation, 0.0, 1.0) : 0.0;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Places that are spread evenly but in step with no print.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include <Eigen/Dense>
+
+namespace moiregauge::markers_detail {
+
+// 0 to 1, without any pattern in n (the finaliser of SplitMix64).
+[[nodiscard]] inline double strewn(std::uint64_t n) {
+  n = (n + 1) * 0x9E3779B97F4A7C15U;
+  n = (n ^ (n >> 30U)) * 0xBF58476D1CE4E5B9U;
+  n = (n ^ (n >> 27U)) * 0x94D049BB133111EBU;
+  return std::ldexp(static_cast<double>((n ^ (n >> 31U)) >> 11U), -53);
+}
+
+// The i-th of side x side places in the unit square, one in each cell of a raster.
+[[nodiscard]] inline Eigen::Vector2d strewn_in_square(std::size_t i, std::size_t side) {
+  const Eigen::Vector2d cell(static_cast<double>(i % side), static_cast<double>(i / side));
+  return (cell + Eigen::Vector2d(strewn(2 * i), strewn(2 * i + 1))) / static_cast<double>(side);
+}
+
+}  // namespace moiregauge::markers_detail

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who is who among look-alikes: a part of tools/identity-study's scenes, seeds of their own.
+#include <gtest/gtest.h>
+
+#include "common/identity_verdict.h"
+
+namespace moiregauge::test {
+namespace {
+
+constexpr std::uint64_t kFirstSeed = 700'001;
+constexpr int kScenesPerTest = 6;
+
+// Of a displacement whose references and target are the right ones: five times its uncertainty.
+// rounding.
+bool is_sound(const IdentityVerdict& v) { return v.error_mm < 5.0 * v.u_mm; }
+
+class CrowdedScenes : public testing::TestWithParam<int> {};
+
+TEST_P(CrowdedScenes, TheReferencesAndTheTargetAreWhoTheyAre) {
+  for (int i = 0; i < kScenesPerTest; ++i) {
+    const CrowdedScene scene = crowded_scene(kFirstSeed + static_cast<std::uint64_t>(kScenesPerTest * GetParam() + i));
+    const Shots shots = shots_of(scene);
+    for (const Knowledge knowledge : {Knowledge::kSite, Knowledge::kPitchOnly}) {
+      const IdentityVerdict v = judged(scene, shots, knowledge);
+      EXPECT_NE(v.verdict, Verdict::kWrong) << "seed " << scene.scenario.seed << ": " << v.words;
+      EXPECT_EQ(v.verdict, Verdict::kRight) << "seed " << scene.scenario.seed << ": " << v.words;
+      EXPECT_TRUE(is_sound(v)) << "seed " << scene.scenario.seed << ": " << v.error_mm << " mm, u " << v.u_mm;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Physics, CrowdedScenes, testing::Range(0, 9));
+
+TEST(Crowded, AMissingCircleIsNotReplacedByALookAlike) {
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 6; ++seed) {
+    const CrowdedScene scene = crowded_scene(seed, Fault::kCircleMissing);
+    const Shots shots = shots_of(scene);
+    for (const Knowledge knowledge : {Knowledge::kSite, Knowledge::kPitchOnly}) {
+      const IdentityVerdict v = judged(scene, shots, knowledge);
+      EXPECT_EQ(v.verdict, Verdict::kRefused) << "seed " << seed << ": " << v.words;
+      EXPECT_FALSE(v.words.empty());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace moiregauge::test

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prints the section "Real photographs" of docs/accuracy.md: every figure is measured here and now, by the library's
+// public functions, on the photographs of a folder (tests/real/data unless one is named).
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "real/real_lattices.h"
+
+namespace moiregauge {
+namespace {
+
+using test::Landmarks;
+using test::LatticeNull;
+using test::LatticeView;
+using test::PhotoSet;
+
+std::string indexed(const std::vector<LatticeView>& views) {
+  std::size_t lattices = 0, whole = 0, fewest = 0, most = 0;
+  for (const LatticeView& view : views) {
+    if (view.lattices.empty()) continue;
+    const IndexedLattice& largest = view.lattices.front();
+    fewest = lattices == 0 ? largest.points.size() : std::min(fewest, largest.points.size());
+    most = std::max(most, largest.points.size());
+    ++lattices;
+    whole += largest.whole() ? 1 : 0;
+  }
+  const std::string points = fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
+  return fmt::format("{} of {} | {} | {}", lattices, views.size(), points, whole);
+}
+
+void print_null(const std::string& name, const std::string& targets, const std::string& references,
+                std::vector<LatticeNull> nulls) {
+  std::erase_if(nulls, [](const LatticeNull& n) { return n.targets == 0; });
+  if (nulls.empty()) return;
+  std::sort(nulls.begin(), nulls.end(), [](const auto& a, const auto& b) { return a.rms_px < b.rms_px; });
+  const double median = 0.5 * (nulls[(nulls.size() - 1) / 2].rms_px + nulls[nulls.size() / 2].rms_px);
+  fmt::print("| {} | {} | {} | {} | {:.3f} | {:.3f} |\n", name, targets, references, nulls.size(), median,
+             nulls.back().rms_px);
+}
+
+struct SetViews {
+  PhotoSet set;
+  std::vector<LatticeView> views;
+};
+
+// The lattice touches neither the frame nor the picture's rim, where a lens bends most.
+bool clear_of_frame(const LatticeView& view) {
+  if (view.lattices.empty()) return false;
+  const IndexedLattice& lattice = view.lattices.front();
+  const double right = width_of(view_of(view.picture)) - 1, low = height_of(view_of(view.picture)) - 1;
+  return std::all_of(lattice.points.begin(), lattice.points.end(), [&](const LatticePoint& p) {
+    return std::min({p.at.x, p.at.y, right - p.at.x, low - p.at.y}) - 0.5 * p.size_px >= lattice.pitch_px;
+  });
+}
+
+void print_nulls(const SetViews& s) {
+  const std::string by = s.set.kind == LatticeKind::kDots ? "dots" : "corners";
+  const LatticeView& first = s.views.front();
+  std::vector<LatticeNull> all, clear;
+  for (std::size_t i = 1; i < s.views.size(); ++i) {
+    all.push_back(test::null_between(first.places, s.views[i].places));
+    if (clear_of_frame(s.views[i])) clear.push_back(all.back());
+  }
+  print_null(s.set.name, by, "outermost points", all);
+  if (s.set.landmarks == Landmarks::kLargeDot)
+    print_null(s.set.name, by + ", a pitch clear of the frame", "outermost points", clear);
+  if (s.set.landmarks != Landmarks::kDiscs) return;  // the other lattices hold too few periods for their phase
+  const LatticeView& second = s.views[1];
+  const auto phases = test::phase_places(first, second, s.set.kind);
+  print_null(s.set.name, "lattice phase", "outermost patches", {test::null_between(phases.first, phases.second)});
+  print_null(s.set.name, by, "discs", {test::null_by_discs(first.places, second.places, first.discs, second.discs)});
+  print_null(s.set.name, "lattice phase", "discs",
+             {test::null_by_discs(phases.first, phases.second, first.discs, second.discs)});
+}
+
+void print_acceptance(const SetViews& s) {
+  const bool dots = s.set.kind == LatticeKind::kDots;
+  const auto a = dots ? test::dots_accepted(s.views) : test::squares_accepted(s.views);
+  fmt::print("| {} | {} | {:.0f} | {} | {} | {:.2f} % |\n", s.set.name, dots ? "dots" : "squares", a.median_diameter_px,
+             a.there, a.accepted, 100.0 * a.share());
+}
+
+}  // namespace
+}  // namespace moiregauge
+
+int main(int argc, char** argv) {
+  using namespace moiregauge;
+  const std::string data = argc > 1 ? argv[1] : MOIREGAUGE_SOURCE_DIR "/tests/real/data";
+  std::vector<SetViews> sets;
+  for (const PhotoSet& set : test::kPhotoSets) sets.push_back({set, test::lattice_views(data, set)});
+  fmt::print(
+      "Made by `tools/real-study` from the photographs of tests/real/data, without a lens model. The boards are rigid, "
+      "so "
+      "every figure is an error.\n\n"
+      "Lattices: the largest of each view. Whole: every place of its rectangle was seen; some views cut the board off, "
+      "and "
+      "`board-dots` lies at 45 degrees.\n\n"
+      "| set | views indexed | points | whole |\n|---|---|---|---|\n");
+  for (const SetViews& s : sets) fmt::print("| {} | {} |\n", s.set.name, indexed(s.views));
+  fmt::print(
+      "\nNulls: the rms length, in px, of the difference between a view and the first one mapped by the homography of "
+      "four references. Outermost points or patches: all the others are targets. Discs: those round the lattice.\n\n"
+      "| set | targets | references | views | median | worst |\n|---|---|---|---|---|---|\n");
+  for (const SetViews& s : sets) print_nulls(s);
+  fmt::print(
+      "\nThe circle test (W > 0.84 and the ellipse test) on real prints, in the whole picture, from {:.0f} px upwards. "
+      "What is "
+      "there is said by the neighbours on the lattice, never by the circle itself.\n\n"
+      "| set | what | size, px | there | accepted as circles | share |\n|---|---|---|---|---|---|\n",
+      DotSearchOptions{}.min_diameter_px);
+  for (const SetViews& s : sets) print_acceptance(s);
+}
