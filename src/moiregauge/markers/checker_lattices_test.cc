@@ -109,6 +109,19 @@ TEST(CheckerLattice, TheSaddlesBetweenDotsAreNoCorners) {
   EXPECT_TRUE(find_checker_lattices(LumaView(dots.view()), 8).empty());
 }
 
+TEST(CheckerLattice, ACosinePrintIsNoCheckerboard) {
+  for (const double pitch : {12.3, 29.3, 61.0}) {
+    Image<std::uint8_t> crossed(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const double waves = std::cos(kTurn * x / pitch) + std::cos(kTurn * y / pitch);
+        crossed.at(x, y) = static_cast<std::uint8_t>(110.5 + 35.0 * waves);
+      }
+    }
+    EXPECT_TRUE(find_checker_lattices(LumaView(crossed.view()), 8).empty()) << pitch << " px";
+  }
+}
+
 TEST(CheckerLattice, AnEmptyNoisyPictureHasNone) {
   std::mt19937_64 rng(kSeed);
   std::normal_distribution<double> normal(120.0, 5.0);

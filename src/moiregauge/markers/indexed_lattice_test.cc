@@ -158,6 +158,19 @@ TEST(DotLattice, ScatteredCirclesAreNone) {
   }
 }
 
+TEST(DotLattice, CirclesThatOnlyRoughlyKeepTheirDistanceAreNone) {
+  std::mt19937_64 rng(kSeed);
+  std::uniform_real_distribution<double> stray(-0.2, 0.2);  // of the pitch
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<SeenCircle> heap = dots_of({});
+    for (SeenCircle& circle : heap) {
+      circle.centre.x += stray(rng) * Board{}.pitch_px;
+      circle.centre.y += stray(rng) * Board{}.pitch_px;
+    }
+    EXPECT_TRUE(find_dot_lattices(heap).empty()) << "seed " << kSeed << " trial " << trial;
+  }
+}
+
 TEST(DotLattice, OneLargerDotInTheCornerAndHolesInOthersChangeNothing) {
   const Board board{.tilt_rad = 0.3};
   std::vector<SeenCircle> seen = dots_of(board);
