@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "moiregauge/observation/lines_region.h"
 #include "moiregauge/observation/noise.h"
 #include "moiregauge/phase/sampling_moire.h"
 #include "moiregauge/units/units.h"
@@ -55,11 +56,14 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
   for (std::size_t a = 0; a < 2; ++a) {
     if (!(a == 0 ? plan.reads_x : plan.reads_y)) continue;
     const Axis axis = a == 0 ? Axis::kX : Axis::kY;
-    const RegionPhase region = region_mean(sampling_moire(work.raster.raster.view(), axis, plan.sampling_pitch_px),
-                                           axis, pitch_px, plan.region_px);
+    const FringeField field = sampling_moire(work.raster.raster.view(), axis, plan.sampling_pitch_px);
+    const bool of_lines = plan.reads_x != plan.reads_y;
+    const LinesRegion lines = of_lines ? region_mean_of_lines(field, axis, pitch_px, plan.region_px)
+                                       : LinesRegion{region_mean(field, axis, pitch_px, plan.region_px), 1.0};
+    const RegionPhase& region = lines.phase;
     const double u = region.valid ? region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px,
                                                             pitch_px, plan.region_px) /
-                                        step_px
+                                        step_px / std::sqrt(lines.share)
                                   : kNaN;
     if (!(u < kMaxPhaseUncertainty)) {
       reading.valid = false;
@@ -70,7 +74,8 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
     reading.u_phase_rad[a] = u;
     const double per_px = -mm_per_rad / plan.step_mm;
     reading.gradient[a] = {per_px * region.gradient_x_rad_per_px, per_px * region.gradient_y_rad_per_px};
-    reading.u_gradient = slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad, plan.region_px * plan.step_mm);
+    reading.u_gradient =
+        slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad, lines.share * plan.region_px * plan.step_mm);
     reading.u_straightness_mm =
         mm_per_rad / step_px *
         region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px, 1);
