@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -81,6 +82,12 @@ int lattice_of(const SeenCircle& circle, const std::vector<IndexedLattice>& latt
   return kNobody;
 }
 
+RejectedOutline too_small(const SeenCircle& circle, const CircleOptions& options) {
+  char why[96];
+  std::snprintf(why, sizeof why, "diameter %.2f px, need %.2f", circle.diameter_px, options.min_diameter_px);
+  return {circle.centre, circle.diameter_px, circle.circularity, why};
+}
+
 tl::expected<Reference, ReferenceFailure> who_is_who(const GreyPicture& picture, const InspectOptions& options,
                                                      std::vector<std::string>& notes) {
   if (options.site) return make_reference(picture, *options.site, options.lens, options.observe);
@@ -129,11 +136,19 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   Inspection out;
   out.width = width_of(picture.luma);
   out.height = height_of(picture.luma);
-  CircleSearch search = find_circles(picture.luma, options.observe.circles);
+  // Dots of a lattice support one another and count from a smaller size on than a circle that stands alone.
+  CircleOptions circles = options.observe.circles;
+  circles.min_diameter_px = std::min(circles.min_diameter_px, DotSearchOptions{}.min_diameter_px);
+  CircleSearch search = find_circles(picture.luma, circles);
   out.lattices = lattices_of(picture, search);
-  for (const SeenCircle& circle : search.circles)
-    out.circles.push_back({.seen = circle, .lattice = lattice_of(circle, out.lattices)});
   out.rejected = std::move(search.rejected);
+  for (const SeenCircle& circle : search.circles) {
+    const int lattice = lattice_of(circle, out.lattices);
+    if (lattice < 0 && circle.diameter_px < options.observe.circles.min_diameter_px)
+      out.rejected.push_back(too_small(circle, options.observe.circles));
+    else
+      out.circles.push_back({.seen = circle, .lattice = lattice});
+  }
   std::stable_sort(out.rejected.begin(), out.rejected.end(),
                    [](const RejectedOutline& a, const RejectedOutline& b) { return a.circularity > b.circularity; });
   out.patches = patches_of(picture);
