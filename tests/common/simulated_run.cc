@@ -50,7 +50,7 @@ void compare(const Scenario& scenario, const Sample& sample, long reference_fram
 MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   MeasuredRun run;
   const Shot first = shot(scenario, plan.reference_frame, plan.grain);
-  auto reference = make_reference(first.view(), simulator::site_of(scenario), Camera{}, plan.observe);
+  auto reference = make_reference(first.view(), plan.site.value_or(simulator::site_of(scenario)), Camera{}, plan.observe);
   if (!reference) {
     run.problem = reference.error().message;
     return run;

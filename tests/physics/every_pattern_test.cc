@@ -170,5 +170,44 @@ INSTANTIATE_TEST_SUITE_P(Physics, EveryPattern,
                                           testing::Values(7.0, 12.0, 29.0), testing::Values(0.0, 20.0, 40.0)),
                          name_of);
 
+// Of lines turned by 5 deg a target that moves along y alone shows 0.087 of it: that must not be told as a movement
+// along x.
+TEST(EveryPatternOfLines, TurnedAgainstTheAxesKnowsNeither) {
+  const auto told = [](double turned_deg) {
+    const Sight v{Pattern::kLinesX, 12.0, 0.0, false, false, {0.0, turned_deg}};
+    const Scenario at_rest = scene(v, {}), moved = scene(v, {0.0, 1.0});
+    const View view = exact_view(at_rest);
+    const Grating& grating = *at_rest.markers[0].print.grating;
+    const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
+    PatchWorkspace work;
+    const PatchReading then = read_patch(picture_of(at_rest).view(), 16, view, *plan, {}, work);
+    const PatchReading now = read_patch(picture_of(moved).view(), 16, view, *plan, {}, work);
+    return displacement_between(*plan, then, now);
+  };
+  const auto upright = told(0.0), oblique = told(5.0);
+  EXPECT_NEAR(upright.x, 0.0, kGate_px * kMillimetresPerPixel);
+  EXPECT_TRUE(std::isnan(upright.y));
+  EXPECT_TRUE(std::isnan(oblique.x) && std::isnan(oblique.y));
+}
+
+// Nothing shows how far lines have moved along themselves: the window stays, and an end of the print comes into it.
+TEST(EveryPatternOfLines, AreReadWhileAPartOfThemIsInTheWindow) {
+  for (const double along_px : {-40.0, -20.0, 30.0}) {
+    const Sight v{Pattern::kLinesX, 7.0, 0.0, false, false, {}};
+    const double across_px = 1.3;
+    const Scenario at_rest = scene(v, {});
+    const Scenario moved = scene(v, {across_px * kMillimetresPerPixel, along_px * kMillimetresPerPixel});
+    const View view = exact_view(at_rest);
+    const Grating& grating = *at_rest.markers[0].print.grating;
+    const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
+    PatchWorkspace work;
+    const PatchReading then = read_patch(picture_of(at_rest).view(), 16, view, *plan, {}, work);
+    const PatchReading now = read_patch(picture_of(moved).view(), 16, view, *plan, {}, work);
+    ASSERT_TRUE(now.valid) << along_px;
+    EXPECT_NEAR(displacement_between(*plan, then, now).x / kMillimetresPerPixel, across_px, 0.002) << along_px;
+    EXPECT_GT(now.u_phase_rad[0], 1.1 * then.u_phase_rad[0]) << along_px;
+  }
+}
+
 }  // namespace
 }  // namespace moiregauge

@@ -11,7 +11,6 @@ constexpr std::uint64_t kFirstSeed = 700'001;
 constexpr int kScenesPerTest = 6;
 
 // Of a displacement whose references and target are the right ones: five times its uncertainty.
-// rounding.
 bool is_sound(const IdentityVerdict& v) { return v.error_mm < 5.0 * v.u_mm; }
 
 class CrowdedScenes : public testing::TestWithParam<int> {};

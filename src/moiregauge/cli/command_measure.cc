@@ -16,6 +16,7 @@
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/cli/report_lines.h"
 #include "moiregauge/drawing/overlay.h"
+#include "moiregauge/drawing/overlay_inspection.h"
 #include "moiregauge/io/run_directory.h"
 #include "moiregauge/io/run_json.h"
 #include "moiregauge/io/stabilised_folder.h"
@@ -44,9 +45,23 @@ class InterruptGuard {
   struct sigaction old_ {};
 };
 
-std::vector<std::uint8_t> overlay_of(const Measurement& m) {
-  const std::string caption = m.reference ? fmt::format("reference frame {}", m.reference->seen.frame) : m.refusal;
-  return draw_overlay({m.picture.grey.view(), &m.picture.circles, m.reference ? &*m.reference : nullptr, caption});
+// Of a refused run the picture shows all that was seen instead, as `inspect` does: what is missing is in the eye then.
+std::vector<std::uint8_t> overlay_of(const Measurement& m, const MeasureOptions& options) {
+  const ImageView<std::uint8_t> picture = m.picture.grey.view();
+  if (m.reference)
+    return draw_overlay({picture, &*m.reference, fmt::format("reference frame {}", m.reference->seen.frame)});
+  if (picture.width == 0) return draw_overlay({picture, nullptr, m.refusal});
+  InspectOptions looked_at;
+  if (options.pitch_mm)
+    looked_at.pitch_mm = options.pitch_mm;
+  else
+    looked_at.site = options.site;
+  looked_at.axes = options.axes;
+  looked_at.lens = options.camera.value_or(Camera{});
+  looked_at.observe = options.observe;
+  Inspection seen = inspect_picture({picture, 8}, looked_at);
+  seen.missing = m.refusal;
+  return draw_inspection({picture, seen, {}, "not measured: " + m.input.path});
 }
 
 int fail_output(const OutputError& error) {
@@ -67,11 +82,12 @@ int run(const MeasureWords& words) {
   if (const auto problem = stabilised_problem(words, output)) return fail(Exit::kUsage, *problem);
   const InputOptions input_options{words.fps, words.sequence};
   const auto open = [&] { return open_input(words.input, input_options); };
-  RunDirectory directory(output, overlay_of);
+  RunDirectory directory(output, [&](const Measurement& m) { return overlay_of(m, *options); });
   {
     const auto probe = open();  // a taken folder is found before, not after, hours of measuring
     if (!probe) return fail(Exit::kInputUnreadable, probe.error().message);
-    if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*probe)->info())) return fail(Exit::kUsage, *problem);
+    if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*probe)->info()))
+      return fail(Exit::kUsage, *problem);
     if (const auto free = directory.check((*probe)->info().sha256); !free)
       return fail(Exit::kUsage, free.error().message);
   }

@@ -85,20 +85,28 @@ std::string lattice_lines(const Inspection& seen) {
 
 std::string who_lines(const InspectReport& report) {
   const Inspection& seen = report.seen;
-  if (!seen.reference) return fmt::format("taken for: nobody: {}\n", seen.missing);
+  std::string notes;
+  for (const std::string& note : seen.notes) notes += fmt::format("note: {}\n", note);
+  if (!seen.reference) return fmt::format("taken for: nobody: {}\n", seen.missing) + notes;
   std::string references, targets;
   for (const Marker& m : seen.reference->site.markers) {
     std::string& names = m.role == Role::kReference ? references : targets;
     names += (names.empty() ? "" : " ") + m.name;
   }
-  std::string text = fmt::format("taken for: references {} (they must stand still), targets {}\n", references, targets);
+  std::string text =
+      fmt::format("taken for: references {} (they must stand still), targets {}\n", references, targets) + notes;
   for (const ExpectedUncertainty& e : report.expected)
     text += fmt::format("expected: {}: {}\n", seen.reference->site.markers[e.marker].name, expected_words(seen, e));
   return text;
 }
 
 std::string next_line(const InspectReport& report) {
-  if (!report.seen.reference) return "";
+  if (!report.seen.reference) {
+    return report.seen.patches.empty()
+               ? ""
+               : "next: gratings alone can be measured with --method conventional, as long as the camera "
+                 "stands still\n";
+  }
   if (report.seen.unit == BoardUnit::kPitch) return "next: give --pitch (e.g. --pitch 10mm) for millimetres\n";
   return "next: look at overlay.png, then measure; u is noise alone, k = 1: what lens and depth add shows when the "
          "camera moves\n";

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "moiregauge/drawing/overlay_pen.h"
 
 namespace moiregauge {
@@ -49,23 +47,9 @@ std::vector<std::uint8_t> draw_overlay(const OverlayContents& contents) {
   const Context context(cairo_create(surface.get()), cairo_destroy);
   const Box page{0.0, 0.0, static_cast<double>(width), static_cast<double>(height)};
   Pen pen(context.get(), std::max(1.0, std::max(width, height) / 1400.0));  // lines and letters grow with the picture
-  constexpr std::size_t kMostRejected = 60;                                 // more would hide the picture
   if (!contents.caption.empty()) {
     pen.colour(kWhite);
     pen.label(8.0 * pen.unit(), 16.0 * pen.unit(), contents.caption, page);
-  }
-  // What was turned down matters only where something is missing.
-  if (contents.circles != nullptr && contents.reference == nullptr) {
-    const auto& rejected = contents.circles->rejected;
-    for (std::size_t i = 0; i < std::min(rejected.size(), kMostRejected); ++i) {
-      if (rejected[i].diameter_px < 10.0) continue;
-      pen.colour(kRejectedColour);
-      pen.circle(rejected[i].centre, rejected[i].diameter_px);
-      pen.label_beside(corners_round(rejected[i].centre, rejected[i].diameter_px),
-                       fmt::format("W {:.2f}", rejected[i].circularity), page);
-    }
-    pen.colour(kUnusedColour);
-    for (const SeenCircle& c : contents.circles->circles) pen.ellipse(c);
   }
   if (contents.reference != nullptr) draw_markers(pen, *contents.reference, page);
   return png_of(surface.get());

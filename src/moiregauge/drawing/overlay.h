@@ -14,9 +14,8 @@ namespace moiregauge {
 
 struct OverlayContents {
   ImageView<std::uint8_t> picture;
-  const CircleSearch* circles = nullptr;  // everything that looked like a circle
-  const Reference* reference = nullptr;   // nullptr: nothing was identified
-  std::string caption;                    // one line at the top
+  const Reference* reference = nullptr;  // nullptr: nothing was identified
+  std::string caption;                   // one line at the top
 };
 
 // The bytes of a PNG file. Empty when cairo cannot make one (out of memory).

@@ -66,6 +66,15 @@ class InspectionDrawing {
     for (const LatticePoint& p : lattice.points) points.push_back(p.at);
     return points;
   }
+  // A grating's own lattice is named beside the grating.
+  [[nodiscard]] Corners about(const IndexedLattice& lattice) const {
+    const Corners points = corners_of(lattice);
+    for (const InspectedPatch& p : seen_.patches) {
+      if (std::all_of(points.begin(), points.end(), [&](ImagePoint at) { return holds(p.seen, at); }))
+        return corners_of(p);
+    }
+    return points;
+  }
   [[nodiscard]] Box box_of(const SeenCircle& c) const { return pen_.page_box(corners_round(c.centre, c.diameter_px)); }
 
   void draw_lattices() {
@@ -151,7 +160,7 @@ class InspectionDrawing {
     pen_.letters(kLetters, false);
     pen_.colour(kLatticeColour);
     for (const IndexedLattice& lattice : seen_.lattices) {
-      pen_.label_beside(corners_of(lattice), lattice_words(lattice), picture_);
+      pen_.label_beside(about(lattice), lattice_words(lattice), picture_);
     }
     pen_.colour(kNobodyColour);
     for (const InspectedPatch& p : seen_.patches) {

@@ -236,6 +236,7 @@ Json inspect_json(const InspectReport& report) {
   for (const ExpectedUncertainty& e : report.expected) json["expected"].push_back(expected_json(seen, e));
   json["measurable"] = seen.reference.has_value();
   json["missing"] = seen.missing;
+  json["notes"] = seen.notes;
   json["exit_code"] = static_cast<int>(report.exit);
   return json;
 }

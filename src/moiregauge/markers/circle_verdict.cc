@@ -24,7 +24,7 @@ std::string two_decimals(const char* before, double value, const char* between, 
 }
 
 // Why an outline is no circle; empty when it is one.
-std::string problem_with(const TracedOutline& traced, const CircleOptions& options) {
+std::string problem_with(const TracedOutline& traced, const CircleOptions& options, double ellipse_slack) {
   const double diameter = traced.ellipse.diameter();
   if (!traced.problem.empty()) return traced.problem;
   if (diameter < options.min_diameter_px)
@@ -34,7 +34,7 @@ std::string problem_with(const TracedOutline& traced, const CircleOptions& optio
   if (!(traced.circularity > options.min_circularity)) {
     return two_decimals("W = ", traced.circularity, ", need > ", options.min_circularity);
   }
-  const double limit = std::hypot(kMaxResidualShare * diameter, kMaxResidualPx);
+  const double limit = ellipse_slack * std::hypot(kMaxResidualShare * diameter, kMaxResidualPx);
   if (traced.residual_px > limit)
     return two_decimals("not an ellipse: off by ", traced.residual_px, " px rms, limit ", limit);
   return {};
@@ -42,9 +42,10 @@ std::string problem_with(const TracedOutline& traced, const CircleOptions& optio
 
 }  // namespace
 
-CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const CircleOptions& options) {
+CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const CircleOptions& options,
+                           double ellipse_slack) {
   const TracedOutline traced = trace_outline(luma, start);
-  CircleVerdict verdict{std::nullopt, traced.circularity, problem_with(traced, options)};
+  CircleVerdict verdict{std::nullopt, traced.circularity, problem_with(traced, options, ellipse_slack)};
   if (!verdict.why.empty()) return verdict;
   const auto fitted = fit_disc(luma, traced);
   if (!fitted) {

@@ -17,6 +17,8 @@ struct CircleVerdict {
   std::string why;           // it is none
 };
 
-[[nodiscard]] CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const CircleOptions& options);
+// `ellipse_slack`: by so much more than usual may the outline differ from an ellipse.
+[[nodiscard]] CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const CircleOptions& options,
+                                         double ellipse_slack = 1.0);
 
 }  // namespace moiregauge::markers_detail

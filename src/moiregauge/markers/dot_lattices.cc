@@ -21,6 +21,7 @@ constexpr double kPlaceReach = 0.12;       // of the spacing
 constexpr double kSizeSlack = 1.35;        // against its neighbours
 constexpr double kMinContrastShare = 0.4;  // of its neighbour's
 constexpr double kMinCircularity = 0.78;
+constexpr double kEllipseSlack = 1.6;  // a square differs from an ellipse by two of the usual limits
 
 LatticeNode node_of(const SeenCircle& circle) {
   return {{circle.centre.x, circle.centre.y}, circle.diameter_px, circle.contrast < 0.0 ? 0.0 : kPi};
@@ -40,7 +41,8 @@ std::optional<LatticeNode> look_again(const LumaView& luma, const CellPrediction
   options.min_circularity = kMinCircularity;
   options.min_diameter_px = there.size_px / kSizeSlack;
   options.max_diameter_px = there.size_px * kSizeSlack;
-  const auto verdict = markers_detail::judge_circle(luma, ellipse_at(there.at, neighbour, there.size_px), options);
+  const auto verdict =
+      markers_detail::judge_circle(luma, ellipse_at(there.at, neighbour, there.size_px), options, kEllipseSlack);
   if (!verdict.circle) return std::nullopt;
   const SeenCircle& dot = *verdict.circle;
   const LatticeNode node = node_of(dot);

@@ -2,82 +2,60 @@
 #include "moiregauge/markers/grating_elements.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <complex>
 
 #include <Eigen/Dense>
-
-#include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr std::size_t kFewest = 3;   // dots inside an outline that say where the others are
-constexpr double kInStep = 0.9;      // resultant length of their phases
-constexpr double kBeyond = 6.0;      // pitches: so far the corner's lattice tells the step
-constexpr double kStep = 0.2;        // pitches
-constexpr double kOneElement = 0.2;  // relative difference of diameters
 constexpr double kCautious = 0.5;    // pitches that a print may reach beyond its patch's outline
+constexpr double kStep = 0.2;        // pitches, from where the neighbour should be: lens and slant change little in one
+constexpr double kOneElement = 0.2;  // relative difference of neighbours' diameters
 
-// Where p lies in the print, pitches, by the lattice at the nearest corner of the patch.
-Eigen::Vector2d in_pitches(const SeenPatch& patch, ImagePoint p) {
-  std::size_t nearest = 0;
-  for (std::size_t i = 1; i < 4; ++i) {
-    if (length(p - patch.outline[i]) < length(p - patch.outline[nearest])) nearest = i;
-  }
-  const auto away = p - patch.outline[nearest];
-  const auto& [kx, ky] = patch.k_corners[nearest];
-  const Eigen::Vector2d corner(nearest == 1 || nearest == 2 ? patch.periods_x : 0.0,
-                               nearest > 1 ? patch.periods_y : 0.0);
-  return corner + Eigen::Vector2d(kx.x * away.x + kx.y * away.y, ky.x * away.x + ky.y * away.y);
+// px per pitch, along the print's x and y.
+std::array<ImageExtent, 2> steps_of(const SeenPatch& patch) {
+  Eigen::Matrix2d k;
+  k << patch.k_x.x, patch.k_x.y, patch.k_y.x, patch.k_y.y;
+  const Eigen::Matrix2d px = k.inverse();
+  return {ImageExtent{px(0, 0), px(1, 0)}, ImageExtent{px(0, 1), px(1, 1)}};
 }
 
-// The dots of one grating.
-class Elements {
- public:
-  Elements(const SeenPatch& patch, std::span<const SeenCircle> circles) : patch_(patch) {
-    std::vector<double> sizes;
-    for (const SeenCircle& c : circles) {
-      if (!holds(patch, c.centre)) continue;
-      const Eigen::Vector2d s = in_pitches(patch, c.centre);
-      x_ += std::polar(1.0, kTurn * s.x());
-      y_ += std::polar(1.0, kTurn * s.y());
-      sizes.push_back(c.diameter_px);
+// Marks the circles inside the patch, and from each of them on its neighbours one pitch away, as far as there are any.
+void mark(const SeenPatch& patch, std::span<const SeenCircle> circles, std::vector<bool>& is_element) {
+  const auto steps = steps_of(patch);
+  const double pitch_px = 0.5 * (length(steps[0]) + length(steps[1]));
+  std::vector<std::size_t> open;
+  const auto take = [&](std::size_t i) {
+    is_element[i] = true;
+    open.push_back(i);
+  };
+  for (std::size_t i = 0; i < circles.size(); ++i) {
+    if (!is_element[i] && distance_px(patch, circles[i].centre) < kCautious * pitch_px) take(i);
+  }
+  while (!open.empty()) {
+    const SeenCircle& from = circles[open.back()];
+    open.pop_back();
+    for (int n = 0; n < 4; ++n) {
+      const ImagePoint there = from.centre + (n % 2 == 0 ? 1.0 : -1.0) * steps[static_cast<std::size_t>(n / 2)];
+      for (std::size_t i = 0; i < circles.size(); ++i) {
+        if (is_element[i] || length(circles[i].centre - there) > kStep * pitch_px) continue;
+        if (std::abs(std::log(circles[i].diameter_px / from.diameter_px)) < kOneElement) take(i);
+      }
     }
-    if (sizes.size() < kFewest) return;
-    const auto n = static_cast<double>(sizes.size());
-    round_ = std::abs(x_) > kInStep * n && std::abs(y_) > kInStep * n;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    size_px_ = *middle;
   }
-  [[nodiscard]] bool hold(const SeenCircle& c) const {
-    const double away = distance_px(patch_, c.centre) * std::hypot(patch_.k_x.x, patch_.k_x.y);
-    if (away < kCautious) return true;
-    if (!round_ || away > kBeyond || std::abs(std::log(c.diameter_px / size_px_)) > kOneElement) return false;
-    const Eigen::Vector2d s = in_pitches(patch_, c.centre);
-    const auto out_of_step = [](double at, std::complex<double> mean) {
-      return std::abs(std::remainder(at - std::arg(mean) / kTurn, 1.0));
-    };
-    return out_of_step(s.x(), x_) < kStep && out_of_step(s.y(), y_) < kStep;
-  }
-
- private:
-  const SeenPatch& patch_;
-  std::complex<double> x_, y_;
-  double size_px_ = 1.0;
-  bool round_ = false;
-};
+}
 
 }  // namespace
 
 std::vector<SeenCircle> without_elements(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
-  std::vector<Elements> gratings;
-  for (const SeenPatch& patch : patches) gratings.emplace_back(patch, circles);
+  std::vector<bool> is_element(circles.size(), false);
+  for (const SeenPatch& patch : patches) mark(patch, circles, is_element);
   std::vector<SeenCircle> out;
-  std::copy_if(circles.begin(), circles.end(), std::back_inserter(out), [&](const SeenCircle& c) {
-    return std::none_of(gratings.begin(), gratings.end(), [&](const Elements& e) { return e.hold(c); });
-  });
+  for (std::size_t i = 0; i < circles.size(); ++i) {
+    if (!is_element[i]) out.push_back(circles[i]);
+  }
   return out;
 }
 

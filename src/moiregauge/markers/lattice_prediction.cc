@@ -9,9 +9,11 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr int kReach = 2;                 // cells: a window of 5 x 5
-constexpr double kMinSpread = 0.12;       // cells^2, the smaller variance of the window's points: not on one line
-constexpr std::size_t kMinQuadratic = 8;  // as many as round the corner of a lattice
+constexpr int kReach = 2;            // cells: a window of 5 x 5,
+constexpr int kWideReach = 3;        // or of 7 x 7 where that holds too few
+constexpr double kMinSpread = 0.12;  // cells^2, the smaller variance of the window's points: not on one line
+constexpr std::size_t kMinQuadratic = 8;
+constexpr std::size_t kAmple = 12;  // fewer, as at a corner or among gaps, and the wide window is taken
 
 struct Known {
   Eigen::Vector2d offset;  // cells
@@ -49,36 +51,42 @@ bool spreads_both_ways(const std::vector<Known>& known) {
 // A quadratic along an axis needs three places on it, and the cross term points off both axes.
 bool holds_quadratic(const std::vector<Known>& known) {
   if (known.size() < kMinQuadratic) return false;
-  std::array<bool, 2 * kReach + 1> columns{}, rows{};
+  std::array<bool, 2 * kWideReach + 1> columns{}, rows{};
   for (const Known& k : known) {
-    columns[static_cast<std::size_t>(std::lround(k.offset.x()) + kReach)] = true;
-    rows[static_cast<std::size_t>(std::lround(k.offset.y()) + kReach)] = true;
+    columns[static_cast<std::size_t>(std::lround(k.offset.x()) + kWideReach)] = true;
+    rows[static_cast<std::size_t>(std::lround(k.offset.y()) + kWideReach)] = true;
   }
   return std::count(columns.begin(), columns.end(), true) >= 3 && std::count(rows.begin(), rows.end(), true) >= 3;
+}
+
+std::vector<Known> known_round(const GrownLattice& lattice, std::span<const LatticeNode> nodes, Cell cell, int reach) {
+  std::vector<Known> known;
+  for (int dr = -reach; dr <= reach; ++dr) {
+    for (int dc = -reach; dc <= reach; ++dc) {
+      if (dr == 0 && dc == 0) continue;
+      const auto it = lattice.node_at.find({cell.column + dc, cell.row + dr});
+      if (it == lattice.node_at.end()) continue;
+      known.push_back({Eigen::Vector2d(dc, dr), nodes[it->second].at, 1.0 / (dc * dc + dr * dr), it->second});
+    }
+  }
+  return known;
 }
 
 }  // namespace
 
 std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<const LatticeNode> nodes, Cell cell,
                                       LocalModel model) {
-  std::vector<Known> known;
+  auto known = known_round(lattice, nodes, cell, kReach);
+  if (model == LocalModel::kQuadratic && known.size() < kAmple) known = known_round(lattice, nodes, cell, kWideReach);
   CellPrediction out;
-  double nearest = 1e9;
-  for (int dr = -kReach; dr <= kReach; ++dr) {
-    for (int dc = -kReach; dc <= kReach; ++dc) {
-      if (dr == 0 && dc == 0) continue;
-      const auto it = lattice.node_at.find({cell.column + dc, cell.row + dr});
-      if (it == lattice.node_at.end()) continue;
-      const LatticeNode& node = nodes[it->second];
-      const double distance2 = dc * dc + dr * dr;
-      known.push_back({Eigen::Vector2d(dc, dr), node.at, 1.0 / distance2, it->second});
-      if (std::max(std::abs(dc), std::abs(dr)) == 1) ++out.neighbours;
-      if (distance2 < nearest) {
-        nearest = distance2;
-        out.nearest = it->second;
-        out.sign_rad = node.sign_rad + (lattice.rule == SignRule::kAlternating ? kPi * (dc + dr) : 0.0);
-      }
-    }
+  double most = 0.0;
+  for (const Known& k : known) {
+    if (k.offset.cwiseAbs().maxCoeff() < 1.5) ++out.neighbours;
+    if (k.weight <= most) continue;
+    most = k.weight;
+    out.nearest = k.node;
+    const double steps = lattice.rule == SignRule::kAlternating ? k.offset.sum() : 0.0;
+    out.sign_rad = nodes[k.node].sign_rad + kPi * steps;
   }
   if (known.size() < 3 || !spreads_both_ways(known)) return std::nullopt;
   const auto affine = fit<3>(known);

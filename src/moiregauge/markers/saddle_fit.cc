@@ -199,12 +199,11 @@ std::optional<FittedSaddle> fit(const ImageView<Grey>& view, const SaddleStart& 
   const double variance = sums.squares / (static_cast<double>(pixels.size()) - kParameters);
   const Normal covariance = variance * Normal(sums.normal.selfadjointView<Eigen::Lower>()).inverse();
   const double total = variance_of(pixels) * static_cast<double>(pixels.size());
-  FittedSaddle out{s.at,
-                   std::sqrt(0.5 * covariance.block<2, 2>(5, 5).trace()),
-                   s.q * s.light,
-                   0.0,
-                   point_symmetry(view, pixels, s.at),
-                   weakest_contrast(pixels, s)};
+  FittedSaddle out{.at = s.at,
+                   .u_px = std::sqrt(0.5 * covariance.block<2, 2>(5, 5).trace()),
+                   .contrast = s.q * s.light,
+                   .symmetric = point_symmetry(view, pixels, s.at),
+                   .weakest = weakest_contrast(pixels, s)};
   if (!(total > 0.0) || !std::isfinite(out.u_px)) return std::nullopt;
   out.explained = 1.0 - sums.squares / total;
   return out;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -57,6 +58,20 @@ std::vector<IndexedLattice> lattices_of(const GreyPicture& picture, const Circle
   return out;
 }
 
+// A crossed pattern whose elements are round: more than half of its places hold a dot of a lattice.
+void name_dots(Inspection& inspection) {
+  for (InspectedPatch& patch : inspection.patches) {
+    if (patch.seen.pattern != Pattern::kAuto) continue;
+    double dots = 0.0;
+    for (const IndexedLattice& lattice : inspection.lattices) {
+      if (lattice.kind != LatticeKind::kDots) continue;
+      dots += static_cast<double>(std::count_if(lattice.points.begin(), lattice.points.end(),
+                                                [&](const LatticePoint& p) { return holds(patch.seen, p.at); }));
+    }
+    if (dots > 0.5 * patch.seen.periods_x * patch.seen.periods_y) patch.seen.pattern = Pattern::kDots;
+  }
+}
+
 int lattice_of(const SeenCircle& circle, const std::vector<IndexedLattice>& lattices) {
   for (std::size_t i = 0; i < lattices.size(); ++i) {
     if (lattices[i].kind != LatticeKind::kDots) continue;
@@ -67,12 +82,23 @@ int lattice_of(const SeenCircle& circle, const std::vector<IndexedLattice>& latt
   return kNobody;
 }
 
-tl::expected<Reference, ReferenceFailure> who_is_who(const GreyPicture& picture, const InspectOptions& options) {
+RejectedOutline too_small(const SeenCircle& circle, const CircleOptions& options) {
+  char why[96];
+  std::snprintf(why, sizeof why, "diameter %.2f px, need %.2f", circle.diameter_px, options.min_diameter_px);
+  return {circle.centre, circle.diameter_px, circle.circularity, why};
+}
+
+tl::expected<Reference, ReferenceFailure> who_is_who(const GreyPicture& picture, const InspectOptions& options,
+                                                     std::vector<std::string>& notes) {
   if (options.site) return make_reference(picture, *options.site, options.lens, options.observe);
-  const double pitch_mm = options.pitch_mm.value_or(kPitchForOrder_mm);
-  auto site = site_from_picture(picture, options.lens, {pitch_mm, options.axes, options.observe.circles});
-  if (!site) return tl::unexpected(std::move(site.error()));
-  return make_reference(picture, *site, options.lens, options.observe);
+  PictureSiteOptions looked_for;
+  looked_for.pitch_mm = options.pitch_mm.value_or(kPitchForOrder_mm);
+  looked_for.axes = options.axes;
+  looked_for.circles = options.observe.circles;
+  auto found = look_for_site(picture, options.lens, looked_for);
+  if (!found) return tl::unexpected(std::move(found.error()));
+  notes = std::move(found->notes);
+  return make_reference(picture, found->site, options.lens, options.observe);
 }
 
 bool same_circle(const SeenCircle& a, const SeenCircle& b) {
@@ -110,19 +136,28 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   Inspection out;
   out.width = width_of(picture.luma);
   out.height = height_of(picture.luma);
-  CircleSearch search = find_circles(picture.luma, options.observe.circles);
+  // Dots of a lattice support one another and count from a smaller size on than a circle that stands alone.
+  CircleOptions circles = options.observe.circles;
+  circles.min_diameter_px = std::min(circles.min_diameter_px, DotSearchOptions{}.min_diameter_px);
+  CircleSearch search = find_circles(picture.luma, circles);
   out.lattices = lattices_of(picture, search);
-  for (const SeenCircle& circle : search.circles)
-    out.circles.push_back({.seen = circle, .lattice = lattice_of(circle, out.lattices)});
   out.rejected = std::move(search.rejected);
+  for (const SeenCircle& circle : search.circles) {
+    const int lattice = lattice_of(circle, out.lattices);
+    if (lattice < 0 && circle.diameter_px < options.observe.circles.min_diameter_px)
+      out.rejected.push_back(too_small(circle, options.observe.circles));
+    else
+      out.circles.push_back({.seen = circle, .lattice = lattice});
+  }
   std::stable_sort(out.rejected.begin(), out.rejected.end(),
                    [](const RejectedOutline& a, const RejectedOutline& b) { return a.circularity > b.circularity; });
   out.patches = patches_of(picture);
+  name_dots(out);
   if (!options.site && !options.pitch_mm) {
     out.unit = BoardUnit::kPitch;
     out.pitch_of_unit = kPitchForOrder_mm;
   }
-  auto reference = who_is_who(picture, options);
+  auto reference = who_is_who(picture, options, out.notes);
   if (!reference) {
     out.missing = std::move(reference.error().message);
     return out;

@@ -50,6 +50,7 @@ struct Inspection {
   std::vector<IndexedLattice> lattices;   // dots, then checkers, each largest first
   std::optional<Reference> reference;     // empty: a measurement cannot begin with this picture
   std::string missing;                    // why not, in words; empty otherwise
+  std::vector<std::string> notes;         // what a user should know about who was taken for what
   BoardUnit unit = BoardUnit::kMillimetre;
   double pitch_of_unit = 1.0;  // the reference's board lengths / this = lengths in `unit`
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "moiregauge/observation/lines_region.h"
 #include "moiregauge/observation/noise.h"
 #include "moiregauge/phase/sampling_moire.h"
 #include "moiregauge/units/units.h"
@@ -17,7 +18,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // What is no better than this is noise, not a fringe: pure noise has a phase uncertainty of about 1 rad.
 constexpr double kMaxPhaseUncertainty = 0.1;  // rad
 
-PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const RasterPlan& plan, Extent<frame::Board> shift) {
+PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const RasterPlan& plan,
+                       Extent<frame::Board> shift) {
   const double half = 0.5 * plan.side_px * plan.step_mm;
   const ImagePoint a = view(plan.centre + shift + Extent<frame::Board>{-half, half});
   const ImagePoint b = view(plan.centre + shift + Extent<frame::Board>{half, -half});
@@ -26,13 +28,17 @@ PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const R
   return pixel_noise(luma, bits, x0, y0, x1 - x0, y1 - y0);
 }
 
+// Lines show movement across themselves only. Turned by 1.5 deg against an axis they take 0.026 of what happens along
+// them for movement along that axis; beyond, neither axis is known. (A print is set up to 0.3 deg.)
+constexpr double kUpright = 0.99966;
+
 // A plane's slope over a side of n points with noise u of their mean: u sqrt(12) / n.
 double slope_uncertainty(double u_mean, double side) { return side > 1.0 ? u_mean * std::sqrt(12.0) / side : kNaN; }
 
 }  // namespace
 
-PatchReading read_patch(const LumaView& luma, int bits, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
-                        PatchWorkspace& work) {
+PatchReading read_patch(const LumaView& luma, int bits, const View& view, const RasterPlan& plan,
+                        Extent<frame::Board> shift, PatchWorkspace& work) {
   PatchReading reading;
   reading.phase_rad = reading.u_phase_rad = reading.modulation = {kNaN, kNaN};
   reading.gradient = {{{kNaN, kNaN}, {kNaN, kNaN}}};
@@ -50,10 +56,14 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
   for (std::size_t a = 0; a < 2; ++a) {
     if (!(a == 0 ? plan.reads_x : plan.reads_y)) continue;
     const Axis axis = a == 0 ? Axis::kX : Axis::kY;
-    const RegionPhase region =
-        region_mean(sampling_moire(work.raster.raster.view(), axis, plan.sampling_pitch_px), axis, pitch_px, plan.region_px);
-    const double u = region.valid ? region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px,
-                                                            plan.region_px) / step_px
+    const FringeField field = sampling_moire(work.raster.raster.view(), axis, plan.sampling_pitch_px);
+    const bool of_lines = plan.reads_x != plan.reads_y;
+    const LinesRegion lines = of_lines ? region_mean_of_lines(field, axis, pitch_px, plan.region_px)
+                                       : LinesRegion{region_mean(field, axis, pitch_px, plan.region_px), 1.0};
+    const RegionPhase& region = lines.phase;
+    const double u = region.valid ? region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px,
+                                                            pitch_px, plan.region_px) /
+                                        step_px / std::sqrt(lines.share)
                                   : kNaN;
     if (!(u < kMaxPhaseUncertainty)) {
       reading.valid = false;
@@ -64,7 +74,8 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
     reading.u_phase_rad[a] = u;
     const double per_px = -mm_per_rad / plan.step_mm;
     reading.gradient[a] = {per_px * region.gradient_x_rad_per_px, per_px * region.gradient_y_rad_per_px};
-    reading.u_gradient = slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad, plan.region_px * plan.step_mm);
+    reading.u_gradient =
+        slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad, lines.share * plan.region_px * plan.step_mm);
     reading.u_straightness_mm =
         mm_per_rad / step_px *
         region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px, pitch_px, 1);
@@ -82,11 +93,13 @@ bool is_gone(const PatchReading& then, const PatchReading& now) {
 }
 
 bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
-  if (now.straightness_mm > kBentLattice * plan.pitch_mm + then.straightness_mm + 5.0 * now.u_straightness_mm) return true;
+  if (now.straightness_mm > kBentLattice * plan.pitch_mm + then.straightness_mm + 5.0 * now.u_straightness_mm)
+    return true;
   const double allowed = kStretchedLattice + 5.0 * std::hypot(then.u_gradient, now.u_gradient);
   for (std::size_t a = 0; a < 2; ++a) {
     for (std::size_t b = 0; b < 2; ++b) {
-      if (std::abs(now.gradient[a][b] - then.gradient[a][b]) > allowed) return true;  // NaN where nothing is known: not bent
+      if (std::abs(now.gradient[a][b] - then.gradient[a][b]) > allowed)
+        return true;  // NaN where nothing is known: not bent
     }
   }
   return false;
@@ -102,6 +115,11 @@ std::array<double, 2> raster_from_board(const RasterPlan& plan, Extent<frame::Bo
   return {c * d.x + s * d.y, -s * d.x + c * d.y};
 }
 
+bool shows_an_axis(const RasterPlan& plan) {
+  if (plan.reads_x && plan.reads_y) return true;
+  return std::max(std::abs(std::cos(plan.angle_rad)), std::abs(std::sin(plan.angle_rad))) > kUpright;
+}
+
 Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchReading& from, const PatchReading& to) {
   const double mm_per_rad = plan.pitch_mm / kTurn;
   const double d0 = plan.reads_x ? -mm_per_rad * wrapped(to.phase_rad[0] - from.phase_rad[0]) : kNaN;
@@ -111,7 +129,8 @@ Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchRea
     const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
     const double known = std::isnan(d0) ? d1 : d0;
     const Extent<frame::Board> along = std::isnan(d0) ? Extent<frame::Board>{-s, c} : Extent<frame::Board>{c, s};
-    return {std::abs(along.x) > 0.99 ? known * along.x : kNaN, std::abs(along.y) > 0.99 ? known * along.y : kNaN};
+    return {std::abs(along.x) > kUpright ? known * along.x : kNaN,
+            std::abs(along.y) > kUpright ? known * along.y : kNaN};
   }
   return board_from_raster(plan, d0, d1);
 }

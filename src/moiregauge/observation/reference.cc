@@ -57,7 +57,8 @@ void read_patches(Reference& reference, const GreyPicture& picture) {
 }
 
 std::optional<ReferenceFailure> problem_of(const Reference& reference) {
-  bool any_target = false;
+  bool any_target = false, any_axis = false;
+  std::string askew;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     const Marker& marker = reference.site.markers[i];
     if (!marker.grating) continue;
@@ -69,11 +70,18 @@ std::optional<ReferenceFailure> problem_of(const Reference& reference) {
           ReferenceProblem::kNoGrating,
           "no grating of the stated pitch is seen where the site puts that of reference '" + marker.name + "'",
           reference.search};
-    any_target |= marker.role == Role::kTarget && loss == Loss::kNone;
+    if (marker.role != Role::kTarget || loss != Loss::kNone) continue;
+    any_target = true;
+    if (shows_an_axis(reference.plans[i])) any_axis = true;
+    else askew = marker.name;
   }
   if (!any_target)
     return ReferenceFailure{ReferenceProblem::kNoGrating,
                             "no grating of the stated pitch is seen where the site puts the targets", reference.search};
+  if (!any_axis)
+    return ReferenceFailure{ReferenceProblem::kNoGrating,
+                            "the lines of target '" + askew + "' lie askew to the board's axes and show neither dx nor dy",
+                            reference.search};
   if (const auto disagreement = site_disagreement(reference))
     return ReferenceFailure{ReferenceProblem::kSiteDisagrees, *disagreement, reference.search};
   return std::nullopt;

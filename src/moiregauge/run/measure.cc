@@ -12,8 +12,8 @@
 namespace moiregauge {
 namespace {
 
-KeptPicture kept(const LumaView& luma, int bits, CircleSearch circles) {
-  KeptPicture picture{Image<std::uint8_t>(width_of(luma), height_of(luma)), std::move(circles)};
+KeptPicture kept(const LumaView& luma, int bits) {
+  KeptPicture picture{Image<std::uint8_t>(width_of(luma), height_of(luma))};
   std::visit(
       [&](const auto& view) {
         for (int y = 0; y < view.height; ++y) {
@@ -63,7 +63,7 @@ class Run {
     if (!made) {
       if (out_.refusal.empty()) {
         out_.refusal = made.error().message;
-        out_.picture = kept(frame.luma, out_.input.bits, std::move(made.error().search));
+        out_.picture = kept(frame.luma, out_.input.bits);
       }
       hopeless_ = made.error().problem == ReferenceProblem::kSiteDisagrees ||
                   made.error().problem == ReferenceProblem::kTooCoarse;
@@ -75,7 +75,7 @@ class Run {
     if (options_.method->prepare != nullptr) options_.method->prepare({frame.luma, out_.input.bits}, *out_.reference);
     out_.reference->seen.frame = frame.number;
     out_.reference->seen.time_s = frame.time_s;
-    out_.picture = kept(frame.luma, out_.input.bits, out_.reference->search);
+    out_.picture = kept(frame.luma, out_.input.bits);
     follower_.emplace(*out_.reference);
     return true;
   }

@@ -41,7 +41,6 @@ struct MeasureOptions {
 // A copy of the reference frame (or of the first frame looked at, when none could be measured), 8 bits, for the overlay.
 struct KeptPicture {
   Image<std::uint8_t> grey;
-  CircleSearch circles;
 };
 
 struct Measurement {
