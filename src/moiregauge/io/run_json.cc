@@ -48,14 +48,27 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
   return config;
 }
 
-Json camera_json(const Measurement& measurement, const std::optional<Camera>& camera) {
+// The camera solved from the footage, else the given one.
+Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
+  const bool solved = measurement.scene && measurement.scene->solved && measurement.scene->model.radial;
+  if (solved) camera = measurement.scene->camera;
   Json json{{"model", camera ? "brown" : "none"}, {"width", measurement.input.width}, {"height", measurement.input.height}};
   const Camera c = camera.value_or(Camera{});
   const std::pair<const char*, double> keys[] = {{"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"k1", c.k1},
                                                  {"k2", c.k2}, {"p1", c.p1}, {"p2", c.p2}, {"k3", c.k3}};
   for (const auto& [key, value] : keys) json[key] = camera ? Json(value) : Json(nullptr);
   json["u"] = Json::object();
+  if (!solved) return json;
+  const char* names[kCameraParameters] = {"fx", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+  for (int k = 0; k < kCameraParameters; ++k) json["u"][names[k]] = number(std::sqrt(measurement.scene->covariance(k, k)));
   return json;
+}
+
+Json scene_json(const Measurement& measurement) {
+  if (!measurement.scene || !measurement.scene->solved)
+    return {{"model", "homography"}, {"chi2_dof", nullptr}, {"key_frames", Json::array()}};
+  const Scene& scene = *measurement.scene;
+  return {{"model", scene.model.name()}, {"chi2_dof", number(scene.chi2_dof)}, {"key_frames", scene.key_frames}};
 }
 
 Json marker_json(const Measurement& measurement, const Marker& marker, std::size_t i) {
@@ -109,7 +122,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
   const Site& site = site_of(measurement, options);
   for (std::size_t i = 0; i < site.markers.size(); ++i)
     json["markers"].push_back(marker_json(measurement, site.markers[i], i));
-  json["scene"] = {{"model", "homography"}, {"chi2_dof", nullptr}, {"key_frames", Json::array()}};
+  json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
   for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(site, target));
   // Four references leave a homography no redundancy, and these methods do not test more of them against each other.

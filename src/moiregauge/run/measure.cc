@@ -175,6 +175,7 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   Solution solution = options.method->solve(*out.reference, out.observations);
   out.samples = std::move(solution.samples);
   out.scene = std::move(solution.scene);
+  if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
   out.targets = summarise(*out.reference, out.samples);
   out.exit = out.interrupted ? Exit::kInterrupted : exit_of(out.samples, out.reference->seen.frame, out.input_damaged);
   if (out.exit != Exit::kRefused) return;
