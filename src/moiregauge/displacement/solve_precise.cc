@@ -119,6 +119,12 @@ Status status_of(const Reference& reference, const Observation& seen, std::size_
   return quality(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
 }
 
+Solution fallback(const Reference& reference, const std::vector<Observation>& observations, const Scene& unsolved) {
+  Solution solution = solve_two_stage(reference, observations);
+  solution.scene = unsolved;
+  return solution;
+}
+
 }  // namespace
 
 Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations) {
@@ -128,6 +134,11 @@ Solution solve_precise(const Reference& reference, const std::vector<Observation
   // The reference frame first, then the others that show enough.
   const std::vector<BoardExtent> still(reference.site.markers.size());
   std::vector<BundleFrame> frames{bundle_frame(reference, reference.seen, prior.camera, still)};
+  if (references_in(reference, frames.front()) < kLeastReferences) {
+    Scene unsolved;
+    unsolved.problem = "the prints of four references could not be learned from the reference frame";
+    return fallback(reference, observations, unsolved);
+  }
   std::vector<std::size_t> place(observations.size(), 0);
   Follower follower(reference);
   for (std::size_t n = 0; n < observations.size(); ++n) {
@@ -145,9 +156,7 @@ Solution solve_precise(const Reference& reference, const std::vector<Observation
   }
   const Calibration calibration = calibrate(reference.site, key, prior);
   if (!calibration.bundle.scene.solved) {
-    Solution fallback = solve_two_stage(reference, observations);
-    fallback.scene = calibration.bundle.scene;
-    return fallback;
+    return fallback(reference, observations, calibration.bundle.scene);
   }
   Solution solution;
   solution.scene = calibration.bundle.scene;

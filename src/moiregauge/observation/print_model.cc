@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/observation/print_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 #include <vector>
@@ -145,6 +146,17 @@ std::optional<PrintFromImage> local_map(const View& view, const Grating& grating
   return *h;
 }
 
+namespace {
+
+// As many harmonics as pixels carry, and no more than those in the window can tell apart (six to each unknown).
+int order_of(const PatchWindow& w, double pitch_px) {
+  const double pixels = 4.0 * w.half_x * w.half_y * pitch_px * pitch_px;
+  const int most = static_cast<int>(std::floor(0.5 * (std::sqrt(pixels / 6.0) - 1.0)));
+  return std::clamp(most, 1, highest_order(pitch_px));
+}
+
+}  // namespace
+
 tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
                                                       Extent<frame::Board> moved) {
   auto map = local_map(view, grating, moved);
@@ -154,7 +166,7 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   std::optional<PrintModel> model;
   PatchFit fit;
   for (int round = 0; round < kLearningRounds; ++round) {
-    PrintBins bins(highest_order(grating.pitch_mm / mm_per_px));
+    PrintBins bins(order_of(window, grating.pitch_mm / mm_per_px));
     std::visit([&](const auto& picture) { gather(picture, *map, window, round > 0 ? &fit : nullptr, bins); }, luma);
     auto print = bins.fit();
     if (!print) return tl::unexpected(Failure::kTooFewPixels);
