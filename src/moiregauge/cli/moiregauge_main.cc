@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <glog/logging.h>
 
 #include "moiregauge/cli/command_inspect.h"
 #include "moiregauge/cli/command_measure.h"
@@ -40,6 +41,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // the bundle's solver writes of every step it shortens; we say how it ended
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {
