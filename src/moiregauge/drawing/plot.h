@@ -33,7 +33,7 @@ struct Panel {
 };
 
 // Room round the axes inside the box given to draw_panel.
-inline constexpr double kLeftRoom = 34.0, kRightRoom = 8.0, kRightAxisRoom = 32.0;
+inline constexpr double kLeftRoom = 40.0, kRightRoom = 8.0, kRightAxisRoom = 32.0;
 
 void draw_panel(Canvas& canvas, Box box, const Panel& panel);
 
