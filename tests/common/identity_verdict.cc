@@ -98,7 +98,7 @@ void compare(const CrowdedScene& scene, const Image<std::uint8_t>& moved, const 
   seen.frame = kMovedFrame;
   const auto& truth_of = *simulator::find_marker(scene.scenario, "mid");
   const auto truth = simulator::truth(scene.scenario, kMovedFrame, truth_of);
-  for (const Sample& sample : method->solve(reference, {seen}).samples) {
+  for (const Sample& sample : method->solve(reference, {seen}, {}).samples) {
     if (sample.marker != target || !has_numbers(sample.status)) continue;
     const double turn = quarter_turn(scene, reference, target);
     const double ex = std::cos(turn) * truth.dx_mm + std::sin(turn) * truth.dy_mm;

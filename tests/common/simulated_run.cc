@@ -72,7 +72,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   }
   std::size_t first_target = 0;
   while (run.reference.site.markers[first_target].role != Role::kTarget) ++first_target;
-  for (const Sample& sample : method->solve(run.reference, run.observations).samples) {
+  for (const Sample& sample : method->solve(run.reference, run.observations, plan.solve).samples) {
     if (sample.marker != first_target || sample.frame == plan.reference_frame) continue;
     run.samples.push_back(sample);
     compare(scenario, sample, plan.reference_frame, run);

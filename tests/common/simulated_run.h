@@ -21,6 +21,7 @@ struct RunPlan {
   long frames = -1;           // at most so many; -1: to the end
   long reference_frame = 0;
   ObserveOptions observe;
+  SolveOptions solve;
   std::optional<Site> site;   // not given: the scenario's
 };
 

@@ -63,11 +63,8 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   // A lens that is well known stays free within its prior: the plane alone would be the wrong start.
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
-    ScenePrior start = prior;
-    std::vector<BundleFrame> at(frames.begin(), frames.end());
-    BundleSolution solution = from == nullptr ? solve_bundle(site, at, start, model)
-                                              : solve_bundle(site, from->frames, start, model, &from->scene);
-    best.tried.push_back(solution.scene);
+    BundleSolution solution = from == nullptr ? solve_bundle(site, frames, prior, model)
+                                              : solve_bundle(site, from->frames, prior, model, &from->scene);
     if (!is_sane(solution.scene, side)) return false;
     const double gain = have ? best.bundle.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
     const int more = have ? parameters(site, model) - parameters(site, best.bundle.scene.model) : 0;
@@ -89,9 +86,8 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     best.bundle.scene.markers = prior.markers;
     return best;
   }
-  std::vector<FrameFit> fits;
-  for (const BundleFrame& frame : best.bundle.frames) fits.push_back(fit_frame(site, best.bundle.scene, frame));
-  best.bundle.scene.covariance = scene_covariance(site, fits, prior, best.bundle.scene.model);
+  for (const BundleFrame& frame : best.bundle.frames) best.fits.push_back(fit_frame(site, best.bundle.scene, frame));
+  best.bundle.scene.covariance = scene_covariance(site, best.fits, prior, best.bundle.scene.model);
   return best;
 }
 

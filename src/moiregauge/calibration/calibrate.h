@@ -8,8 +8,8 @@
 namespace moiregauge {
 
 struct Calibration {
-  BundleSolution bundle;     // of the model chosen, with its covariance
-  std::vector<Scene> tried;  // every model, in ascending order, for the record
+  BundleSolution bundle;       // of the model chosen, with its covariance
+  std::vector<FrameFit> fits;  // of the bundle's frames against its scene
 };
 
 // Solves the models in ascending order (plane; + radial; + tangential; + heights; + depth), each from where the last

@@ -49,7 +49,11 @@ class InterruptGuard {
 std::vector<std::uint8_t> overlay_of(const Measurement& m, const MeasureOptions& options) {
   const ImageView<std::uint8_t> picture = m.picture.grey.view();
   if (m.reference)
-    return draw_overlay({picture, &*m.reference, fmt::format("reference frame {}", m.reference->seen.frame)});
+    return draw_overlay(
+        {picture, &*m.reference,
+         fmt::format("reference frame {}; blue: references, must stand still; orange: targets, may move; inner "
+                     "frames: where the phase is averaged",
+                     m.reference->seen.frame)});
   if (picture.width == 0) return draw_overlay({picture, nullptr, m.refusal});
   InspectOptions looked_at;
   if (options.pitch_mm)

@@ -52,7 +52,7 @@ MethodRun compared(const Walk& walk, const Reference& reference, const Scenario&
   const std::size_t target = first_target(reference.site);
   const auto* marker = simulator::find_marker(scenario, reference.site.markers[target].name);
   const double then_mm = truth(scenario, reference.seen.frame, *marker).dy_mm;
-  for (const Sample& s : walk.method->solve(reference, walk.observations).samples) {
+  for (const Sample& s : walk.method->solve(reference, walk.observations, {}).samples) {
     if (s.marker != target || s.frame == reference.seen.frame) continue;
     const double measured = has_numbers(s.status) ? s.displacement.y : kNotMeasured;
     run.time_s.push_back(simulator::time_of(scenario, s.frame));

@@ -3,38 +3,51 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "moiregauge/calibration/scene.h"
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/observe.h"
+#include "moiregauge/units/frame_range.h"
 
 namespace moiregauge {
 
 using Samples = std::vector<Sample>;  // by observation, then by target in the site's order
 
+// What the user says about the run beyond the site.
+struct SolveOptions {
+  std::optional<FrameRange> rest;  // frames in which no target moves
+};
+
 struct Solution {
   Samples samples;
-  std::optional<Scene> scene;  // of a method that solves one
+  std::optional<Scene> scene;        // of a method that solves one
+  bool references_verified = false;  // they were enough to be tested against each other, and were
+  std::vector<std::string> notes;    // what the user should know
 };
 
 // Seed paper 2.1. Displacements stay wrapped within half a pitch, as published.
-[[nodiscard]] Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations);
+[[nodiscard]] Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations,
+                                          const SolveOptions& options);
 
 // Seed paper 2.2, with travel followed beyond half a pitch, and u.
-[[nodiscard]] Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations);
+[[nodiscard]] Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations,
+                                       const SolveOptions& options);
 
 // Raw pixels against the print's own template, the lens and the markers' places solved from the footage
 // (docs/methods/precise.md); `two-stage` where they cannot be solved.
-[[nodiscard]] Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations);
+[[nodiscard]] Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
+                                     const SolveOptions& options);
 
 struct Method {
   std::string_view name;
   std::string_view summary;
   void (*prepare)(const GreyPicture&, Reference&);  // with the reference frame's picture; may be nullptr
   Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
-  Solution (*solve)(const Reference&, const std::vector<Observation>&);
+  Solution (*solve)(const Reference&, const std::vector<Observation>&, const SolveOptions&);
   bool needs_circles = true;  // false: gratings are enough, the camera stands still
 };
 

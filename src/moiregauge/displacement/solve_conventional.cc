@@ -39,7 +39,8 @@ void measure(const Reference& reference, const Observation& seen, bool moved, Sa
 
 }  // namespace
 
-Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations) {
+Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations,
+                            const SolveOptions&) {
   Solution solution;
   for (const Observation& seen : observations) {
     const bool moved = !seen.decode_error && camera_moved(reference, seen);

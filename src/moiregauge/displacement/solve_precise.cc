@@ -42,8 +42,7 @@ int references_in(const Reference& reference, const BundleFrame& frame) {
 // What the displacement of one target owes to what: rows of the frame's fit and of the reference frame's.
 class Uncertainty {
  public:
-  Uncertainty(const Reference& reference, const Eigen::MatrixXd& scene, const FrameFit& then)
-      : reference_(reference), scene_(scene), then_(then) {}
+  Uncertainty(const Eigen::MatrixXd& scene, const FrameFit& then) : scene_(scene), then_(then) {}
 
   [[nodiscard]] Budget budget(const FrameFit& now, std::size_t marker) const {
     Budget b;
@@ -84,7 +83,6 @@ class Uncertainty {
     scale = std::sqrt(f * c);
   }
 
-  const Reference& reference_;
   const Eigen::MatrixXd& scene_;
   const FrameFit& then_;
 };
@@ -98,36 +96,32 @@ BoardExtent total(const Budget& budget) {
   return {std::sqrt(x), std::sqrt(y)};
 }
 
-// u of the scene as if everything were free within its prior, whatever model was chosen: a model that the footage does
-// not demand may yet be true.
-Eigen::MatrixXd scene_covariance_of_all(const Reference& reference, const Calibration& calibration,
-                                        const ScenePrior& prior) {
-  std::vector<FrameFit> fits;
-  for (const BundleFrame& frame : calibration.bundle.frames)
-    fits.push_back(fit_frame(reference.site, calibration.bundle.scene, frame));
-  return scene_covariance(reference.site, fits, prior,
-                          {.radial = true, .tangential = true, .heights = true, .depth = true});
-}
+// u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does not
+// demand may yet be true.
+constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
 
-Status status_of(const Reference& reference, const Observation& seen, std::size_t i, const FrameFit& fit) {
+Status status_of(const Reference& reference, const Observation& seen, bool doubtful, std::size_t i,
+                 const FrameFit& fit) {
   if (seen.decode_error) return Status::kDecodeError;
   if (!seen.references_seen || !fit.ok) return Status::kReferenceLost;
   if (seen.markers[i].loss != Loss::kNone) return status_of_loss(seen.markers[i].loss);
-  if (order_in_doubt(reference, seen)) return Status::kOrderUnproven;
+  if (doubtful) return Status::kOrderUnproven;
   if (fit.shift_row[i] < 0) return Status::kLost;
   if (fit.chi2_sum > kUntrustedChi2 * static_cast<double>(fit.dof)) return Status::kUntrusted;
   return quality(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
 }
 
-Solution fallback(const Reference& reference, const std::vector<Observation>& observations, const Scene& unsolved) {
-  Solution solution = solve_two_stage(reference, observations);
+Solution fallback(const Reference& reference, const std::vector<Observation>& observations, const SolveOptions& options,
+                  const Scene& unsolved) {
+  Solution solution = solve_two_stage(reference, observations, options);
   solution.scene = unsolved;
   return solution;
 }
 
 }  // namespace
 
-Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations) {
+Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
+                       const SolveOptions& options) {
   const bool lens_given = !(reference.lens.is_distortion_free() && reference.lens.fx == 1.0);
   const ScenePrior prior = scene_prior(reference.site, reference.width, reference.height,
                                        lens_given ? std::optional(reference.lens) : std::nullopt);
@@ -137,7 +131,7 @@ Solution solve_precise(const Reference& reference, const std::vector<Observation
   if (references_in(reference, frames.front()) < kLeastReferences) {
     Scene unsolved;
     unsolved.problem = "the prints of four references could not be learned from the reference frame";
-    return fallback(reference, observations, unsolved);
+    return fallback(reference, observations, options, unsolved);
   }
   std::vector<std::size_t> place(observations.size(), 0);
   Follower follower(reference);
@@ -156,21 +150,22 @@ Solution solve_precise(const Reference& reference, const std::vector<Observation
   }
   const Calibration calibration = calibrate(reference.site, key, prior);
   if (!calibration.bundle.scene.solved) {
-    return fallback(reference, observations, calibration.bundle.scene);
+    return fallback(reference, observations, options, calibration.bundle.scene);
   }
   Solution solution;
   solution.scene = calibration.bundle.scene;
-  const Eigen::MatrixXd covariance = scene_covariance_of_all(reference, calibration, prior);
-  const FrameFit then = fit_frame(reference.site, *solution.scene, frames.front());
-  const Uncertainty uncertainty(reference, covariance, then);
+  const Eigen::MatrixXd covariance = scene_covariance(reference.site, calibration.fits, prior, kEverything);
+  const FrameFit& then = calibration.fits.front();  // the reference frame leads the key frames
+  const Uncertainty uncertainty(covariance, then);
   for (std::size_t n = 0; n < observations.size(); ++n) {
     const Observation& seen = observations[n];
     const FrameFit now = place[n] > 0 ? fit_frame(reference.site, *solution.scene, frames[place[n]]) : FrameFit{};
+    const bool doubtful = seen.references_seen && order_in_doubt(reference, seen);
     for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
       Sample sample = begun_sample(reference, seen, i);
       if (seen.frame != reference.seen.frame) {
-        sample.status = status_of(reference, seen, i, now);
+        sample.status = status_of(reference, seen, doubtful, i, now);
         if (has_numbers(sample.status) && then.ok && then.shift_row[i] >= 0) {
           sample.displacement = now.shift[i] - then.shift[i];
           sample.budget = uncertainty.budget(now, i);

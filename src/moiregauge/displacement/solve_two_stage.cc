@@ -16,8 +16,8 @@ namespace {
 constexpr double kUntrusted = 10.0;
 // No print, lens or pixel is so good that noise alone could be below this share of a pitch (0.5 um of 10 mm).
 constexpr double kNoiseFloorPitches = 5e-5;
-// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands off
-// their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
+// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands
+// off their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
 constexpr double kOffPlane = 0.005;
 constexpr double kStretchNoise = 5.0;
 
@@ -87,7 +87,8 @@ void measure(const RunEvidence& run, const Observation& seen, std::size_t n, Boa
 
 }  // namespace
 
-Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations) {
+Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations,
+                         const SolveOptions&) {
   RunEvidence run{reference, lens_evidence(reference, observations), {}, reference_noise(reference, reference.seen)};
   for (const CirclePoint& point : reference.circles) run.circles.push_back(point.board);
   Follower follower(reference);

@@ -2,30 +2,14 @@
 #include "moiregauge/drawing/canvas.h"
 
 #include <cmath>
-#include <memory>
 
 #include <cairo.h>
 
+#include "moiregauge/drawing/surface.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::figure {
 namespace {
-
-using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
-
-Surface surface_of(ImageView<std::uint8_t> pixels) {
-  Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels.width, pixels.height), cairo_surface_destroy);
-  cairo_surface_flush(surface.get());
-  unsigned char* data = cairo_image_surface_get_data(surface.get());
-  if (data == nullptr) return surface;
-  const int stride = cairo_image_surface_get_stride(surface.get());
-  for (int y = 0; y < pixels.height; ++y) {
-    auto* row = reinterpret_cast<std::uint32_t*>(data + static_cast<std::ptrdiff_t>(y) * stride);
-    for (int x = 0; x < pixels.width; ++x) row[x] = 0x010101u * pixels.at(x, y);
-  }
-  cairo_surface_mark_dirty(surface.get());
-  return surface;
-}
 
 void choose_font(cairo_t* cr, const Letters& letters) {
   cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
@@ -109,7 +93,7 @@ void Canvas::text(Spot at, const std::string& words, const Letters& letters) {
 }
 
 void Canvas::picture(ImageView<std::uint8_t> pixels, Box box) {
-  const Surface surface = surface_of(pixels);
+  const Surface surface = grey_surface(pixels);
   cairo_save(cr_);
   cairo_rectangle(cr_, box.x, box.y, box.width, box.height);
   cairo_clip(cr_);

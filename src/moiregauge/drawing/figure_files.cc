@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // One drawing as three files.
 #include <cmath>
-#include <memory>
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <cairo.h>
 
 #include "moiregauge/drawing/canvas.h"
+#include "moiregauge/drawing/surface.h"
 
 namespace moiregauge::figure {
 namespace {
 
-using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
-using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 constexpr double kDotsPerPoint = 300.0 / 72.0;
 
 cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {

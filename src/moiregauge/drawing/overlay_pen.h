@@ -3,12 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <cairo.h>
 
+#include "moiregauge/drawing/surface.h"
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/image/image.h"
 #include "moiregauge/markers/circles.h"
@@ -23,9 +23,6 @@ struct Colour {
 inline constexpr Colour kReferenceColour{0.34, 0.71, 0.91}, kTargetColour{0.90, 0.62, 0.0},
     kRejectedColour{1.0, 0.47, 0.16}, kUnusedColour{0.6, 0.6, 0.6}, kLatticeColour{0.0, 0.75, 0.55},
     kNobodyColour{0.94, 0.89, 0.26}, kWhite{1.0, 1.0, 1.0};
-
-using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
-using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
 // A page of width x height px with the picture, `scale` px for each of its own, in the upper left corner.
 [[nodiscard]] Surface page_with(ImageView<std::uint8_t> picture, int scale, int width, int height);

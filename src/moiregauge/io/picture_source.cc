@@ -87,8 +87,8 @@ tl::expected<std::vector<std::string>, InputError> files_of(const std::string& p
   const auto status = std::filesystem::status(path, ignored);
   if (!std::filesystem::exists(status)) {
     const bool pattern = path.find('%') != std::string::npos;
-    return unreadable(
-        fmt::format("no such file or folder: {}{}", path, pattern ? ": for a pattern add --sequence" : ""));
+    return unreadable(fmt::format("no such file or folder: {}: {}", path,
+                                  pattern ? "for a pattern add --sequence" : "check the name"));
   }
   if (!std::filesystem::is_directory(status)) return std::vector<std::string>{path};
   auto files = pictures_in_folder(path);

@@ -125,8 +125,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
   json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
   for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(site, target));
-  // Four references leave a homography no redundancy, and these methods do not test more of them against each other.
-  json["references_verified"] = false;
+  json["references_verified"] = measurement.references_verified;
   json["warnings"] = measurement.warnings;
   json["exit_code"] = static_cast<int>(measurement.exit);
   json["complete"] = !measurement.interrupted;

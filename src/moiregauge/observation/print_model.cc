@@ -31,18 +31,9 @@ PatchWindow safe_window(const Grating& grating, double mm_per_px) {
 template <typename Grey>
 void gather(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit* light,
             PrintBins& bins) {
-  const auto back = map.inverse();
-  double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
-  for (const double sx : {-1.0, 1.0}) {
-    for (const double sy : {-1.0, 1.0}) {
-      const ImagePoint p = back({w.centre.x + sx * w.half_x, w.centre.y + sy * w.half_y});
-      x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
-    }
-  }
-  const int first_x = std::max(0, static_cast<int>(std::ceil(x0))),
-            last_x = std::min(picture.width - 1, static_cast<int>(std::floor(x1)));
-  const int first_y = std::max(0, static_cast<int>(std::ceil(y0))),
-            last_y = std::min(picture.height - 1, static_cast<int>(std::floor(y1)));
+  const PixelBox box = box_round(map.inverse(), w);
+  const int first_x = std::max(0, box.x0), last_x = std::min(picture.width - 1, box.x1);
+  const int first_y = std::max(0, box.y0), last_y = std::min(picture.height - 1, box.y1);
   for (int y = first_y; y <= last_y; ++y) {
     for (int x = first_x; x <= last_x; ++x) {
       const ImagePoint at{double(x), double(y)};

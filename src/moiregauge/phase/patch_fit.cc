@@ -47,27 +47,9 @@ struct Model {
   }
 };
 
-struct Box {
-  int x0, y0, x1, y1;  // px, inclusive
-};
-
-// Pixels that may lie in the window: the box round its image, a pixel to spare for what the passes correct.
-Box box_of(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w) {
-  double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
-  for (const double sx : {-1.0, 1.0}) {
-    for (const double sy : {-1.0, 1.0}) {
-      const ImagePoint p = image_from_print({w.centre.x + sx * w.half_x, w.centre.y + sy * w.half_y});
-      x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
-    }
-  }
-  constexpr double kFar = 1e6;
-  const auto whole = [kFar](double v) { return static_cast<int>(std::clamp(v, -kFar, kFar)); };
-  return {whole(std::floor(x0)) - 1, whole(std::floor(y0)) - 1, whole(std::ceil(x1)) + 1, whole(std::ceil(y1)) + 1};
-}
-
 template <typename Grey>
 PatchMoments moments(const ImageView<Grey>& picture, const Model& model, const PatchWindow& w,
-                     const PrintTemplate& print, const Box& box, double offset) {
+                     const PrintTemplate& print, const PixelBox& box, double offset) {
   PatchMoments sums;
   const Matrix3& h = model.map.matrix();
   for (int y = box.y0; y <= box.y1; ++y) {
@@ -153,7 +135,7 @@ tl::expected<PatchFit, Failure> fit_in(const ImageView<Grey>& picture, const Pri
                                        const PatchWindow& window, const PrintTemplate& print,
                                        const PatchFitOptions& options) {
   const auto image_from_print = start.inverse();
-  const Box box = box_of(image_from_print, window);
+  const PixelBox box = box_round(image_from_print, window);
   if (box.x0 < 0 || box.y0 < 0 || box.x1 >= picture.width || box.y1 >= picture.height)
     return tl::unexpected(Failure::kOutsidePicture);
   PatchFit fit;
@@ -203,6 +185,19 @@ tl::expected<PatchFit, Failure> fit_in(const ImageView<Grey>& picture, const Pri
 }
 
 }  // namespace
+
+PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w) {
+  double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      const ImagePoint p = image_from_print({w.centre.x + sx * w.half_x, w.centre.y + sy * w.half_y});
+      x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
+    }
+  }
+  constexpr double kFar = 1e6;
+  const auto whole = [kFar](double v) { return static_cast<int>(std::clamp(v, -kFar, kFar)); };
+  return {whole(std::floor(x0)) - 1, whole(std::floor(y0)) - 1, whole(std::ceil(x1)) + 1, whole(std::ceil(y1)) + 1};
+}
 
 tl::expected<PatchFit, PatchFitFailure> fit_patch(const LumaView& luma, const PrintFromImage& start,
                                                   const PatchWindow& window, const PrintTemplate& print,

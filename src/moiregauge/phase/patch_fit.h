@@ -29,6 +29,13 @@ struct PatchWindow {
   double half_y = 0.0;
 };
 
+// Pixels, ends included.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+// Round the window's image, a pixel to spare on every side; it may reach beyond the picture.
+[[nodiscard]] PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w);
+
 struct PatchFitOptions {
   int passes = 3;       // fixed: same bits for the same pixels. From 0.1 pitch two reach the fixed point
   bool along_x = true;  // the print shows motion along its x
@@ -49,8 +56,8 @@ struct PatchFit {
   std::array<double, 3> gain{};
   [[nodiscard]] double background(ImagePoint p) const { return plane(light, p); }
   [[nodiscard]] double contrast(ImagePoint p) const { return plane(gain, p); }
-  double sigma = 0.0;       // grey levels, rms residual of one pixel
-  double last_step = 0.0;   // pitches, the largest correction of the last pass at any point
+  double sigma = 0.0;      // grey levels, rms residual of one pixel
+  double last_step = 0.0;  // pitches, the largest correction of the last pass at any point
   int pixels = 0;
 
  private:

@@ -172,9 +172,11 @@ void conclude(const MeasureOptions& options, Measurement& out) {
     out.exit = Exit::kRefused;
     return;
   }
-  Solution solution = options.method->solve(*out.reference, out.observations);
+  Solution solution = options.method->solve(*out.reference, out.observations, options.solve);
   out.samples = std::move(solution.samples);
   out.scene = std::move(solution.scene);
+  out.references_verified = solution.references_verified;
+  out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
   out.targets = summarise(*out.reference, out.samples);
   out.exit = out.interrupted ? Exit::kInterrupted : exit_of(out.samples, out.reference->seen.frame, out.input_damaged);

@@ -14,18 +14,9 @@
 #include "moiregauge/results/summary.h"
 #include "moiregauge/run/frame_sink.h"
 #include "moiregauge/run/frame_source.h"
+#include "moiregauge/units/frame_range.h"
 
 namespace moiregauge {
-
-// --frames A:B:STEP, half open.
-struct FrameRange {
-  long first = 0;
-  long end = -1;  // -1: to the end
-  long step = 1;
-  [[nodiscard]] bool holds(long frame) const {
-    return frame >= first && (end < 0 || frame < end) && (frame - first) % step == 0;
-  }
-};
 
 struct MeasureOptions {
   const Method* method = nullptr;
@@ -34,25 +25,28 @@ struct MeasureOptions {
   BoardAxes axes = BoardAxes::kPrint;
   std::optional<Camera> camera;
   FrameRange frames;
+  SolveOptions solve;
   std::optional<long> reference_frame;  // empty: the first frame of the selection that can be measured
   ObserveOptions observe;
 };
 
-// A copy of the reference frame (or of the first frame looked at, when none could be measured), 8 bits, for the overlay.
+// A copy of the reference frame (or of the first frame looked at, when none could be measured), 8 bits, for the
+// overlay.
 struct KeptPicture {
   Image<std::uint8_t> grey;
 };
 
 struct Measurement {
   InputInfo input;
-  std::optional<Reference> reference;   // empty: refused before anything was measured
+  std::optional<Reference> reference;  // empty: refused before anything was measured
   std::vector<Observation> observations;
   Samples samples;
   std::optional<Scene> scene;  // of a method that solves one
+  bool references_verified = false;
   std::vector<TargetSummary> targets;
   KeptPicture picture;
   std::vector<std::string> warnings;
-  std::string refusal;                  // why there is nothing `ok`, in words; empty otherwise
+  std::string refusal;  // why there is nothing `ok`, in words; empty otherwise
   bool input_damaged = false;
   bool interrupted = false;
   Exit exit = Exit::kInternalError;
@@ -65,8 +59,8 @@ struct Measurement {
 using OnProgress = std::function<bool(long done, long expected)>;
 using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, InputError>()>;
 
-// Fails only when the input gives no picture at all; every other trouble is part of the Measurement. `frames`, if there is
-// one, is handed every selected frame with what was seen in it.
+// Fails only when the input gives no picture at all; every other trouble is part of the Measurement. `frames`, if there
+// is one, is handed every selected frame with what was seen in it.
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                                             const OnProgress& on_progress, FrameSink* frames = nullptr);
 

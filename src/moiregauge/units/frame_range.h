@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace moiregauge {
+
+// Frames A:B:STEP of an input, half open.
+struct FrameRange {
+  long first = 0;
+  long end = -1;  // -1: to the end
+  long step = 1;
+  [[nodiscard]] bool holds(long frame) const {
+    return frame >= first && (end < 0 || frame < end) && (frame - first) % step == 0;
+  }
+};
+
+}  // namespace moiregauge
