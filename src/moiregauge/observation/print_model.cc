@@ -15,8 +15,10 @@ using Failure = PatchFitFailure;
 
 // A slope power below this part of the other axis': lines, not a weak second grating.
 constexpr double kNoSlope = 1e-3;
-// After the first template the map is corrected by what the fit found, and a second one learned.
+// After the first template the map is corrected by what the fit found, and a second one learned. The first
+// round needs few harmonics to find the map.
 constexpr int kLearningRounds = 3;
+constexpr int kFirstOrders = 5;
 
 // To begin with: so much smaller than the site's print that it may hang half a pitch from where the site has it.
 PatchWindow safe_window(const Grating& grating, double mm_per_px) {
@@ -95,10 +97,10 @@ PatchWindow grown(const ImageView<Grey>& picture, const PrintFromImage& map, con
                   const PrintTemplate& print, const Grating& grating, double pixel) {
   const double most_x = 0.5 * grating.width_mm / grating.pitch_mm + kMostBeyond;
   const double most_y = 0.5 * grating.height_mm / grating.pitch_mm + kMostBeyond;
-  // A strip's last good pixel may be half a pixel from its edge.
+  // A strip's last good pixel may be half a pixel from its edge, and half a pixel of edge goes unnoticed in a strip.
   const auto limit = [&](Side side) {
     const double most = side.axis == 0 ? most_x : most_y;
-    return std::max(side.edge(w), reach(picture, map, w, fit, print, side, most) - 0.5 * pixel);
+    return std::max(side.edge(w), reach(picture, map, w, fit, print, side, most) - pixel);
   };
   const double right = limit({0, 1.0}), left = limit({0, -1.0}), up = limit({1, 1.0}), down = limit({1, -1.0});
   return {{0.5 * (right - left), 0.5 * (up - down)}, 0.5 * (right + left), 0.5 * (up + down)};
@@ -157,7 +159,8 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   std::optional<PrintModel> model;
   PatchFit fit;
   for (int round = 0; round < kLearningRounds; ++round) {
-    PrintBins bins(order_of(window, grating.pitch_mm / mm_per_px));
+    const int order = order_of(window, grating.pitch_mm / mm_per_px);
+    PrintBins bins(round == 0 ? std::min(order, kFirstOrders) : order);
     std::visit([&](const auto& picture) { gather(picture, *map, window, round > 0 ? &fit : nullptr, bins); }, luma);
     auto print = bins.fit();
     if (!print) return tl::unexpected(Failure::kTooFewPixels);
@@ -173,6 +176,7 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
     if (options.along_x && options.along_y) {
       if (const auto better = corrected(fit)) map = better;
     }
+    if (round == 0) continue;  // a few harmonics leave so much over that an edge would pass for print
     window = std::visit(
         [&](const auto& picture) {
           return grown(picture, *map, window, fit, model->print, grating, mm_per_px / grating.pitch_mm);

@@ -25,29 +25,36 @@ constexpr long kLeastPixelsPerUnknown = 4;
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
 // sum over pixels of value exp(-2 pi i (m X + n Y)) for |m|, |n| <= highest, from what they left in the bins; n
-// slowest.
+// slowest. Values are real: one half is the other's conjugate.
 std::vector<Complex> spectrum(const std::vector<double>& value, int side, int highest) {
   const int wide = 2 * highest + 1;
-  std::vector<Complex> turn;
-  for (int k = 0; k < side; ++k) turn.push_back(std::polar(1.0, -kTurn * k / side));
-  const auto at = [&](int m, int i) {
-    const int k = (m * i) % side;
-    return turn[static_cast<std::size_t>(k < 0 ? k + side : k)];
-  };
-  std::vector<Complex> rows(static_cast<std::size_t>(side * wide)), out(static_cast<std::size_t>(wide * wide));
+  std::vector<double> c, s;  // of the turns
+  for (int k = 0; k < side; ++k) c.push_back(std::cos(kTurn * k / side)), s.push_back(-std::sin(kTurn * k / side));
+  std::vector<Complex> rows(static_cast<std::size_t>(side * (highest + 1))), out(static_cast<std::size_t>(wide * wide));
   for (int j = 0; j < side; ++j) {
-    for (int m = -highest; m <= highest; ++m) {
-      Complex sum = 0.0;
-      for (int i = 0; i < side; ++i) sum += value[static_cast<std::size_t>(j * side + i)] * at(m, i);
-      rows[static_cast<std::size_t>(j * wide + m + highest)] = sum;
+    const double* from = value.data() + static_cast<std::ptrdiff_t>(j) * side;
+    for (int m = 0; m <= highest; ++m) {
+      double re = 0.0, im = 0.0;
+      for (int i = 0, k = 0; i < side; ++i, k += m) {
+        if (k >= side) k -= side;
+        re += from[i] * c[static_cast<std::size_t>(k)];
+        im += from[i] * s[static_cast<std::size_t>(k)];
+      }
+      rows[static_cast<std::size_t>(j * (highest + 1) + m)] = {re, im};
     }
   }
   for (int n = -highest; n <= highest; ++n) {
-    for (int m = 0; m < wide; ++m) {
+    for (int m = 0; m <= highest; ++m) {
       Complex sum = 0.0;
-      for (int j = 0; j < side; ++j) sum += rows[static_cast<std::size_t>(j * wide + m)] * at(n, j);
-      const double shared = sinc(double(m - highest) / side) * sinc(double(n) / side);
-      out[static_cast<std::size_t>((n + highest) * wide + m)] = sum / (shared * shared);
+      for (int j = 0, k = 0, step = n < 0 ? n + side : n; j < side; ++j, k += step) {
+        if (k >= side) k -= side;
+        sum += rows[static_cast<std::size_t>(j * (highest + 1) + m)] *
+               Complex(c[static_cast<std::size_t>(k)], s[static_cast<std::size_t>(k)]);
+      }
+      const double shared = sinc(double(m) / side) * sinc(double(n) / side);
+      sum /= shared * shared;
+      out[static_cast<std::size_t>((n + highest) * wide + m + highest)] = sum;
+      out[static_cast<std::size_t>((highest - n) * wide + highest - m)] = std::conj(sum);
     }
   }
   return out;
@@ -75,26 +82,48 @@ void PrintBins::add(PrintPoint p, double grey) {
 }
 
 std::optional<PrintTemplate> PrintBins::fit() const {
-  const int wide = 2 * order_ + 1, unknowns = wide * wide;
+  const int wide = 2 * order_ + 1, half = (wide * wide - 1) / 2, unknowns = 2 * half + 1;
   if (pixels_ < kLeastPixelsPerUnknown * unknowns) return std::nullopt;
-  // The normal equations of exponentials depend on differences of their orders only.
+  // The series is real: one half of its exponentials, as cosines and sines, beside the mean. Products of two of them
+  // are cosines and sines of sums and differences, so two spectra hold the whole of the normal equations.
   const auto weight = spectrum(count_, side_, 2 * order_);
   const auto right = spectrum(sum_, side_, order_);
-  Eigen::MatrixXcd normal(unknowns, unknowns);
-  Eigen::VectorXcd r(unknowns);
   const int far = 4 * order_ + 1;
-  for (int a = 0; a < unknowns; ++a) {
-    r(a) = right[static_cast<std::size_t>(a)];
-    for (int b = 0; b < unknowns; ++b) {
-      const int m = a % wide - b % wide + 2 * order_, n = a / wide - b / wide + 2 * order_;
-      normal(a, b) = weight[static_cast<std::size_t>(n * far + m)];
+  const auto w = [&](int m, int n) {
+    return weight[static_cast<std::size_t>((n + 2 * order_) * far + m + 2 * order_)];
+  };
+  std::vector<std::pair<int, int>> orders;  // m, n of the half that comes after (0, 0)
+  for (int k = half + 1; k < wide * wide; ++k) orders.emplace_back(k % wide - order_, k / wide - order_);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);  // mean, cosines, sines; lower half
+  Eigen::VectorXd r(unknowns);
+  normal(0, 0) = w(0, 0).real();
+  r(0) = right[static_cast<std::size_t>(half)].real();
+  for (int a = 0; a < half; ++a) {
+    const auto [ma, na] = orders[static_cast<std::size_t>(a)];
+    const Complex own = w(ma, na), rhs = right[static_cast<std::size_t>(half + 1 + a)];
+    normal(1 + a, 0) = own.real();
+    normal(1 + half + a, 0) = -own.imag();
+    r(1 + a) = rhs.real();
+    r(1 + half + a) = -rhs.imag();
+    for (int b = 0; b < half; ++b) {
+      const auto [mb, nb] = orders[static_cast<std::size_t>(b)];
+      const Complex less = w(ma - mb, na - nb), more = w(ma + mb, na + nb);
+      normal(1 + half + a, 1 + b) = 0.5 * (-more.imag() - less.imag());
+      if (b > a) continue;
+      normal(1 + a, 1 + b) = 0.5 * (less.real() + more.real());
+      normal(1 + half + a, 1 + half + b) = 0.5 * (less.real() - more.real());
     }
   }
-  normal.diagonal().array() += kRidge * static_cast<double>(pixels_);
-  const Eigen::LLT<Eigen::MatrixXcd> llt(normal);
+  normal.diagonal().array() += 0.5 * kRidge * static_cast<double>(pixels_);
+  const Eigen::LLT<Eigen::MatrixXd> llt(normal);
   if (llt.info() != Eigen::Success) return std::nullopt;
-  const Eigen::VectorXcd c = llt.solve(r);
-  const std::vector<Complex> series(c.data(), c.data() + unknowns);
+  const Eigen::VectorXd c = llt.solve(r);
+  std::vector<Complex> series(static_cast<std::size_t>(wide * wide));
+  for (int a = 0; a < half; ++a) {
+    const Complex value(0.5 * c(1 + a), -0.5 * c(1 + half + a));
+    series[static_cast<std::size_t>(half + 1 + a)] = value;
+    series[static_cast<std::size_t>(half - 1 - a)] = std::conj(value);
+  }
   return PrintTemplate(order_, series);
 }
 
