@@ -105,7 +105,7 @@ Status status_of(const Reference& reference, const Observation& seen, bool doubt
   if (seen.decode_error) return Status::kDecodeError;
   if (!seen.references_seen || !fit.ok) return Status::kReferenceLost;
   if (seen.markers[i].loss != Loss::kNone) return status_of_loss(seen.markers[i].loss);
-  if (doubtful) return Status::kOrderUnproven;
+  if (doubtful || seen.markers[i].order == Order::kContradicted) return Status::kOrderUnproven;
   if (fit.shift_row[i] < 0) return Status::kLost;
   if (fit.chi2_sum > kUntrustedChi2 * static_cast<double>(fit.dof)) return Status::kUntrusted;
   return quality(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);

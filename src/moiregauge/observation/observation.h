@@ -21,6 +21,7 @@ struct MarkerObservation {
   PatchReading patch;                      // in the raster of the method's last stage for this marker
   Extent<frame::Board> window_shift;       // by which the raster followed a travelling target, mm
   Loss loss = Loss::kNone;
+  Order order = Order::kUnproven;          // of `precise`: the whole pitch it stands in
 };
 
 // Stages of the two-stage method, as they were used on the pixels of this frame.

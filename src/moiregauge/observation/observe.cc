@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "moiregauge/observation/follow_marker.h"
+
 namespace moiregauge {
 namespace {
 
@@ -58,45 +60,6 @@ Located locate(const GreyPicture& picture, const Reference& reference, const Pre
   const auto who = identify_next(reference.site, whole, previous);
   if (!who) return {{}, {}, who.error().reason};
   return located(reference, whole, *who);
-}
-
-Loss loss_of(const PatchReading& then, const PatchReading& patch) {
-  if (patch.valid) return is_gone(then, patch) ? Loss::kNoModulation : Loss::kNone;
-  return patch.noise_sigma == 0.0 ? Loss::kOutsidePicture : Loss::kNoModulation;
-}
-
-// A print whose window has no room to spare may stand so far (in pitches) off centre: the outermost taps weigh nothing.
-constexpr double kOffCentre = 0.02;
-
-// The window stays where it was, as in the paper, for as long as the print fills it: then displacement is counted in the
-// print's own pitches, whatever scale the homography has there. Beyond that it travels with the print.
-bool off_centre(const RasterPlan& plan, Extent<frame::Board> rest) {
-  const double room = std::max(plan.clearance_mm, kOffCentre * plan.pitch_mm);
-  return std::abs(rest.x) > room || std::abs(rest.y) > room;
-}
-
-double zero_if_unknown(double d) { return std::isnan(d) ? 0.0 : d; }
-
-Extent<frame::Board> known_part(Extent<frame::Board> d) { return {zero_if_unknown(d.x), zero_if_unknown(d.y)}; }
-
-// The window goes with a travelling target: first to where the last frame left it, then to where this one finds it, or the
-// print's edge would come into the window before half a pitch is reached.
-void follow_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                   Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work) {
-  seen.loss = reference.plan_loss[i];
-  if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
-  const RasterPlan& plan = reference.plans[i];
-  seen.window_shift = off_centre(plan, travel) ? travel : Extent<frame::Board>{};
-  seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift, work);
-  const auto& then = reference.seen.markers[i].patch;
-  if (seen.patch.valid) {
-    const auto rest = known_part(displacement_at(plan, then, seen.patch, seen.window_shift) + (-1.0) * seen.window_shift);
-    if (off_centre(plan, rest)) {
-      seen.window_shift = seen.window_shift + rest;
-      seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift, work);
-    }
-  }
-  seen.loss = loss_of(then, seen.patch);
 }
 
 void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
+#include "moiregauge/observation/follow_marker.h"
 #include "moiregauge/observation/observe.h"
 
 namespace moiregauge {
@@ -8,8 +7,44 @@ namespace {
 
 // Where the print hangs, by the raster method: within a hundredth of a pixel of the truth in this frame's view.
 Extent<frame::Board> moved(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
-  const auto d = displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.patch, seen.window_shift);
-  return {std::isnan(d.x) ? 0.0 : d.x, std::isnan(d.y) ? 0.0 : d.y};
+  return known_part(
+      displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.patch, seen.window_shift));
+}
+
+// How many pitches round its last place a target is looked for that is not there any more.
+constexpr int kLostPitches = 12;
+// A circle beside a grating tells the whole pitch as long as it is nearer to one than to the next.
+constexpr double kCircleLimit = 0.4;  // pitches
+
+Order order_by_circle(const Reference& reference, const View& view, std::size_t i, const MarkerObservation& seen) {
+  const auto& circle = reference.site.markers[i].circle;
+  const auto& then = reference.seen.markers[i].circle;
+  if (!circle || !seen.circle || !then) return Order::kUnproven;
+  const auto went = (view.board(seen.circle->centre) - reference.view.board(then->centre)) - moved(reference, seen, i);
+  return length(went) < kCircleLimit * reference.plans[i].pitch_mm ? Order::kProven : Order::kContradicted;
+}
+
+// The whole pitch a target stands in, told from its outline or its circle; the raster reading is taken again where
+// continuity had it wrong, or had lost it.
+void prove(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+           const Prediction& prediction, MarkerObservation& seen, PatchWorkspace& work) {
+  const auto& outline = reference.prints[i]->outline;
+  const Grating& grating = *reference.site.markers[i].grating;
+  if (seen.loss != Loss::kNone && seen.loss != Loss::kTooCoarse && outline) {
+    const auto last = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
+    const auto found = search_print(picture.luma, view, grating, *outline, last, kLostPitches);
+    if (found) follow_marker(picture, reference, view, i, *found, seen, work);
+  }
+  if (seen.loss != Loss::kNone) return;
+  if (!outline) {
+    seen.order = order_by_circle(reference, view, i, seen);
+    return;
+  }
+  const auto here = moved(reference, seen, i);
+  const OrderVerdict verdict = prove_order(picture.luma, view, grating, *outline, here);
+  seen.order = verdict.order;
+  if (verdict.order == Order::kProven && length(verdict.moved - here) > 0.0)
+    follow_marker(picture, reference, view, i, verdict.moved, seen, work);
 }
 
 void read(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
@@ -40,7 +75,11 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
   Observation seen = observe_two_stage(picture, reference, prediction, work);
   if (!seen.references_seen) return seen;
   const View view{seen.stage2, reference.lens};
-  for (std::size_t i = 0; i < seen.markers.size(); ++i) read(picture, reference, view, i, seen.markers[i]);
+  for (std::size_t i = 0; i < seen.markers.size(); ++i) {
+    const bool may_move = reference.site.markers[i].role == Role::kTarget;
+    if (may_move && reference.prints[i]) prove(picture, reference, view, i, prediction, seen.markers[i], work);
+    read(picture, reference, view, i, seen.markers[i]);
+  }
   return seen;
 }
 

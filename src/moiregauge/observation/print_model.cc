@@ -168,7 +168,7 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
     PatchFitOptions options;
     options.along_x = px > kNoSlope * py;
     options.along_y = py > kNoSlope * px;
-    model = PrintModel{*std::move(print), window, options};
+    model = PrintModel{*std::move(print), window, options, std::nullopt};
     auto fitted = fit_patch(luma, *map, window, model->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
     fit = *std::move(fitted);
@@ -183,6 +183,7 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
         },
         luma);
   }
+  model->outline = learn_outline(luma, view, grating, model->window);
   return *std::move(model);
 }
 

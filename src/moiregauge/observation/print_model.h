@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "moiregauge/geometry/view.h"
+#include "moiregauge/observation/outline.h"
 #include "moiregauge/phase/patch_fit.h"
 #include "moiregauge/site/site.h"
 
@@ -15,6 +16,7 @@ struct PrintModel {
   PrintTemplate print;
   PatchWindow window;       // pitches
   PatchFitOptions options;  // axes
+  std::optional<Outline> outline;
 };
 
 // Kept clear of the print's edge: three sigma of a PSF with its pixel box, as the rasters do.

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/presence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <variant>
+
+#include "moiregauge/observation/print_model.h"
+#include "moiregauge/observation/raster.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kPerPitch = 8;  // points looked at along a pitch
+constexpr int kPerCell = kPerPitch / 2;
+// Grey levels squared: where nothing but the sensor's rounding varies there is no lattice.
+constexpr double kLeastVariance = 1.0;
+
+// Running sums over a grid of points: 1, I, I^2 and I times cosine and sine of both fundamentals.
+constexpr std::size_t kSums = 7;
+using Sums = std::array<double, kSums>;
+
+class Table {
+ public:
+  Table(int columns, int rows) : wide_(columns + 1), sums_(static_cast<std::size_t>((columns + 1) * (rows + 1))) {}
+  // Points in order, row by row.
+  void set(int i, int j, const Sums& here) {
+    Sums& to = at(i + 1, j + 1);
+    for (std::size_t k = 0; k < kSums; ++k) to[k] = here[k] + at(i, j + 1)[k] + at(i + 1, j)[k] - at(i, j)[k];
+  }
+  [[nodiscard]] Sums over(int i0, int j0, int i1, int j1) const {
+    Sums s;
+    for (std::size_t k = 0; k < kSums; ++k) s[k] = at(i1, j1)[k] - at(i0, j1)[k] - at(i1, j0)[k] + at(i0, j0)[k];
+    return s;
+  }
+
+ private:
+  [[nodiscard]] const Sums& at(int i, int j) const { return sums_[static_cast<std::size_t>(j * wide_ + i)]; }
+  [[nodiscard]] Sums& at(int i, int j) { return sums_[static_cast<std::size_t>(j * wide_ + i)]; }
+  int wide_;
+  std::vector<Sums> sums_;
+};
+
+template <typename Grey>
+std::optional<double> level(const ImageView<Grey>& picture, ImagePoint p) {
+  if (!(p.x >= 0.0 && p.y >= 0.0 && p.x < picture.width - 1.0 && p.y < picture.height - 1.0)) return std::nullopt;
+  const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
+  const double u = p.x - x, v = p.y - y;
+  return (1.0 - v) * ((1.0 - u) * picture.at(x, y) + u * picture.at(x + 1, y)) +
+         v * ((1.0 - u) * picture.at(x, y + 1) + u * picture.at(x + 1, y + 1));
+}
+
+using Complex = std::complex<double>;
+
+// exp(2 pi i X) at the middles of points from `low` on.
+std::vector<Complex> turns(double low, int points) {
+  std::vector<Complex> out;
+  for (int i = 0; i < points; ++i) out.push_back(std::polar(1.0, kTurn * (low + (i + 0.5) / kPerPitch)));
+  return out;
+}
+
+double presence(const Sums& s, Axes axes) {
+  constexpr double kPoints = kPerPitch * kPerPitch;
+  if (s[0] < kPoints) return 0.0;  // cut by the picture's edge
+  const double variance = s[2] / kPoints - (s[1] / kPoints) * (s[1] / kPoints);
+  const double x = 2.0 * std::hypot(s[3], s[4]) / kPoints, y = 2.0 * std::hypot(s[5], s[6]) / kPoints;  // amplitudes
+  const double power = axes.x && axes.y ? x * y : axes.x ? 0.5 * x * x : 0.5 * y * y;
+  return std::sqrt(std::min(1.0, power / (std::max(0.0, variance) + kLeastVariance)));
+}
+
+}  // namespace
+
+Axes axes_of(const Grating& grating) {
+  return {grating.pattern != Pattern::kLinesY, grating.pattern != Pattern::kLinesX};
+}
+
+PresenceMap::Sum PresenceMap::over(const PatchWindow& w, int i, int j) const {
+  const auto first = [](double low, double edge) { return static_cast<int>(std::ceil(2.0 * (edge - low) - 1e-9)); };
+  const auto last = [](double low, double edge) { return static_cast<int>(std::floor(2.0 * (edge - low) + 1e-9)); };
+  const int i0 = first(low_.x, w.centre.x - w.half_x) + i, i1 = last(low_.x, w.centre.x + w.half_x) + i;
+  const int j0 = first(low_.y, w.centre.y - w.half_y) + j, j1 = last(low_.y, w.centre.y + w.half_y) + j;
+  Sum sum;
+  sum.cells = std::max(0, i1 - i0 + 1) * std::max(0, j1 - j0 + 1);
+  for (int b = std::max(0, j0); b <= std::min(rows_ - 1, j1); ++b) {
+    for (int a = std::max(0, i0); a <= std::min(columns_ - 1, i1); ++a)
+      sum.presence += cells_[static_cast<std::size_t>(b * columns_ + a)];
+  }
+  return sum;
+}
+
+double PresenceMap::score(const PatchWindow& window, int i, int j, double threshold) const {
+  const Sum sum = over(window, i, j);
+  return sum.presence - threshold * sum.cells;
+}
+
+double PresenceMap::mean(const PatchWindow& window, int i, int j) const {
+  const Sum sum = over(window, i, j);
+  return sum.cells > 0 ? sum.presence / sum.cells : 0.0;
+}
+
+std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
+                                          const PatchWindow& window, Extent<frame::Board> moved, int pitches) {
+  const auto map = local_map(view, grating, moved);
+  if (!map) return std::nullopt;
+  const auto image_from_print = map->inverse();
+  const Axes axes = axes_of(grating);
+  const bool diagonal = fundamental_pitch_mm(grating) < 0.9 * grating.pitch_mm;
+  const auto cells = [&](double half) { return 2 * static_cast<int>(std::ceil(2.0 * (half + pitches))) + 1; };
+  const int columns = cells(window.half_x), rows = cells(window.half_y);
+  const PrintPoint low{window.centre.x - 0.25 * (columns - 1), window.centre.y - 0.25 * (rows - 1)};
+  // Points: one pitch round every cell's middle.
+  const int wide = (columns + 1) * kPerCell, high = (rows + 1) * kPerCell;
+  Table table(wide, high);
+  const auto across = turns(low.x - 0.5, wide), up = turns(low.y - 0.5, high);
+  for (int j = 0; j < high; ++j) {
+    for (int i = 0; i < wide; ++i) {
+      const ImagePoint at =
+          image_from_print({low.x - 0.5 + (i + 0.5) / kPerPitch, low.y - 0.5 + (j + 0.5) / kPerPitch});
+      const auto grey = std::visit([&](const auto& picture) { return level(picture, at); }, luma);
+      if (!grey) {
+        table.set(i, j, {});
+        continue;
+      }
+      const Complex x = across[static_cast<std::size_t>(i)], y = up[static_cast<std::size_t>(j)];
+      const double g = *grey;
+      const Complex first = g * (diagonal ? x * y : x), second = g * (diagonal ? x * std::conj(y) : y);
+      table.set(i, j, {1.0, g, g * g, first.real(), first.imag(), second.real(), second.imag()});
+    }
+  }
+  PresenceMap presences(low, columns, rows);
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i)
+      presences.at(i, j) =
+          presence(table.over(i * kPerCell, j * kPerCell, (i + 2) * kPerCell, (j + 2) * kPerCell), axes);
+  }
+  return presences;
+}
+
+}  // namespace moiregauge

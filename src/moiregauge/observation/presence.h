@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where in a picture a grating's lattice is to be seen: cells of half a pitch, each a number from 0 (not at all) to 1.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "moiregauge/geometry/view.h"
+#include "moiregauge/image/image.h"
+#include "moiregauge/phase/patch_fit.h"
+#include "moiregauge/site/site.h"
+
+namespace moiregauge {
+
+// Along which of its own axes a print's grey level varies.
+struct Axes {
+  bool x = true;
+  bool y = true;
+};
+[[nodiscard]] Axes axes_of(const Grating& grating);
+
+class PresenceMap {
+ public:
+  PresenceMap(PrintPoint low, int columns, int rows) : low_(low), columns_(columns), rows_(rows) {
+    cells_.resize(static_cast<std::size_t>(columns * rows));
+  }
+  // Of the cell whose middle is `low` + (i, j) / 2 pitches.
+  [[nodiscard]] double& at(int i, int j) { return cells_[static_cast<std::size_t>(j * columns_ + i)]; }
+  // Sum over cells with their middle in the window, displaced by (i, j) half pitches, of presence less `threshold`.
+  // What lies outside the map counts as absent.
+  [[nodiscard]] double score(const PatchWindow& window, int i, int j, double threshold) const;
+  [[nodiscard]] double mean(const PatchWindow& window, int i, int j) const;
+
+ private:
+  struct Sum {
+    double presence = 0.0;
+    int cells = 0;
+  };
+  [[nodiscard]] Sum over(const PatchWindow& window, int i, int j) const;
+  PrintPoint low_;
+  int columns_, rows_;
+  std::vector<double> cells_;
+};
+
+// The cells within `pitches` of a print's window, the print standing `moved` from where the site has it. A cell looks
+// at one pitch round its middle: the fundamentals' part of the grey levels' variance there (their geometric mean over
+// both axes, so that a mere edge counts nothing). Cells beyond the picture's edge show nothing. Empty when the window
+// itself does not lie before the camera.
+[[nodiscard]] std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
+                                                        const PatchWindow& window, Extent<frame::Board> moved,
+                                                        int pitches);
+
+}  // namespace moiregauge

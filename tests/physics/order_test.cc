@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole pitch a target stands in is told from its outline in every frame, wherever it went meanwhile.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/simulated_run.h"
+
+namespace moiregauge {
+namespace {
+
+simulator::Track sway(double amplitude_mm, double frequency_hz, double phase_deg) {
+  simulator::Track track;
+  track.amplitude = amplitude_mm;
+  track.frequency_hz = frequency_hz;
+  track.phase_deg = phase_deg;
+  return track;
+}
+
+test::MeasuredRun precisely(const simulator::Scenario& scenario, long step = 1, long frames = 40) {
+  test::RunPlan plan;
+  plan.method = "precise";
+  plan.step = step;
+  plan.frames = frames;
+  return test::measured(scenario, plan);
+}
+
+void expect_every_order_right(const test::MeasuredRun& run, const char* what) {
+  ASSERT_TRUE(run.problem.empty()) << run.problem;
+  ASSERT_EQ(run.error_y_um.size(), run.samples.size()) << what;
+  for (std::size_t k = 0; k < run.samples.size(); ++k) {
+    EXPECT_EQ(run.samples[k].status, Status::kOk) << what << " frame " << run.samples[k].frame;
+    // A wrong order is 10 mm; what is right is within noise and lens.
+    EXPECT_LT(std::abs(run.error_x_um[k]), 50.0) << what << " frame " << run.samples[k].frame;
+    EXPECT_LT(std::abs(run.error_y_um[k]), 50.0) << what << " frame " << run.samples[k].frame;
+  }
+  std::printf("%s: rms %.2f %.2f, u %.2f %.2f um\n", what, test::rms(run.error_x_um), test::rms(run.error_y_um),
+              test::rms(run.u_x_um), test::rms(run.u_y_um));
+}
+
+simulator::SceneMarker& target_of(simulator::Scenario& scenario) {
+  for (auto& m : scenario.markers) {
+    if (m.print.role == Role::kTarget) return m;
+  }
+  std::abort();
+}
+
+TEST(Order, IsRightForATargetThatWalksSixPitchesSixTenthsOfAPitchPerFrame) {
+  for (const Pattern pattern : {Pattern::kGrid, Pattern::kDots, Pattern::kCheckerboard, Pattern::kCosine}) {
+    auto scenario = *simulator::built_in("small-1xyz");
+    for (auto& m : scenario.markers) m.print.grating->pattern = pattern;
+    scenario.camera.k1 = -0.37;
+    // 30 mm x 2 pi x 0.33 Hz / 10 fps = 6.3 mm at most in a frame.
+    target_of(scenario).dy = sway(30.0, 0.33, 0.0);
+    target_of(scenario).dx = sway(12.0, 0.5, 0.0);
+    expect_every_order_right(precisely(scenario), word_for(pattern));
+  }
+}
+
+TEST(Order, IsRightForATargetThatJumpsSeveralPitchesBetweenFrames) {
+  auto scenario = *simulator::built_in("small-1xyz");
+  // Every 7th frame at 10 fps of a sway of 0.33 Hz: up to 40 mm apart.
+  target_of(scenario).dy = sway(30.0, 0.33, 0.0);
+  target_of(scenario).dx = sway(15.0, 0.47, 0.0);
+  expect_every_order_right(precisely(scenario, 7, 23), "jumps");
+}
+
+}  // namespace
+}  // namespace moiregauge
