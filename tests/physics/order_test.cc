@@ -27,9 +27,10 @@ test::MeasuredRun precisely(const simulator::Scenario& scenario, long step = 1, 
 
 void expect_every_order_right(const test::MeasuredRun& run, const char* what) {
   ASSERT_TRUE(run.problem.empty()) << run.problem;
+  for (const Sample& s : run.samples)
+    EXPECT_EQ(s.status, Status::kOk) << what << " frame " << s.frame << ' ' << word_for(s.status);
   ASSERT_EQ(run.error_y_um.size(), run.samples.size()) << what;
   for (std::size_t k = 0; k < run.samples.size(); ++k) {
-    EXPECT_EQ(run.samples[k].status, Status::kOk) << what << " frame " << run.samples[k].frame;
     // A wrong order is 10 mm; what is right is within noise and lens.
     EXPECT_LT(std::abs(run.error_x_um[k]), 50.0) << what << " frame " << run.samples[k].frame;
     EXPECT_LT(std::abs(run.error_y_um[k]), 50.0) << what << " frame " << run.samples[k].frame;

@@ -13,19 +13,19 @@ namespace {
 
 constexpr int kNear = 3;  // pitches looked round where the phase puts a print, at first
 constexpr int kFar = 24;  // and at most
-// A cell counts as print from half of what a cell inside shows.
-constexpr double kShare = 0.5;
-// The score must fall by this part of what a clean picture shows from the best place to the next: a strip of the
-// print's edge may be half hidden or smeared, no more.
+// From the best place to the next the score must fall by this part of what it does in the reference frame: a strip of
+// the print's edge may be half hidden, no more.
 constexpr double kClear = 0.5;
-// And the print found must be this whole, or the best place is a guess.
+// The print found must be this whole, or the best place is a guess; and show this part of the reference frame's
+// lattice.
 constexpr double kWhole = 0.5;
-// In the reference frame an outline stands out if the cells beyond it, one pitch on, show less than this of the inside.
-constexpr double kNothingBeyond = 0.6;
+constexpr double kFaint = 0.1;
+// An outline stands out if one pitch aside this part of a strip of the inside is lost.
+constexpr double kStandsOut = 0.4;
 
 struct Place {
   int i = 0, j = 0;  // half pitches
-  double score = -1e30;
+  double score = -1.0;
 };
 
 // Places by which a lattice is displaced onto itself: whole pitches, and for a checkerboard half of both.
@@ -34,7 +34,17 @@ bool is_whole(const Grating& grating, int i, int j) {
   return diagonal ? (i + j) % 2 == 0 : i % 2 == 0 && j % 2 == 0;
 }
 
-double ideal(const Outline& o) { return 4.0 * (2.0 * o.window.half_x) * (2.0 * o.window.half_y) * o.present * kShare; }
+// Does the window, displaced to the place, hold half of a print or more?
+bool is_print(const PresenceMap& map, const Outline& outline, const Place& p) {
+  auto cells = map.cells(outline.window, p.i, p.j);
+  if (cells.empty()) return false;
+  const auto high = cells.begin() + static_cast<std::ptrdiff_t>(cells.size() * 4 / 5);
+  std::nth_element(cells.begin(), high, cells.end());
+  const double full = *high;
+  if (full < kFaint * outline.present) return false;
+  const auto there = std::count_if(cells.begin(), cells.end(), [full](double c) { return c > 0.5 * full; });
+  return static_cast<double>(there) >= kWhole * static_cast<double>(cells.size());
+}
 
 struct Ranked {
   Place best, next;
@@ -47,7 +57,7 @@ Ranked rank(const PresenceMap& map, const Grating& grating, const Outline& outli
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
     for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
       if (!is_whole(grating, i, j)) continue;
-      all.push_back({i, j, map.score(outline.window, i, j, kShare * outline.present)});
+      all.push_back({i, j, map.sum(outline.window, i, j)});
       if (all.back().score > r.best.score) r.best = all.back();
     }
   }
@@ -73,20 +83,18 @@ std::optional<Outline> learn_outline(const LumaView& luma, const View& view, con
   outline.window = window;
   const auto map = presence_round(luma, view, grating, window, {}, 1);
   if (!map) return std::nullopt;
-  outline.present = map->mean(window, 0, 0);
-  const double here = map->score(window, 0, 0, kShare * outline.present);
+  const double here = map->sum(window, 0, 0);
+  const auto cells = map->cells(window, 0, 0);
+  if (!(here > 0.0)) return std::nullopt;
+  outline.present = here / static_cast<double>(cells.size());
   const Axes axes = axes_of(grating);
   for (const std::size_t axis : {0u, 1u}) {
     if (!(axis == 0 ? axes.x : axes.y)) continue;
-    double least = 1e30;
-    for (const int side : {-2, 2})
-      least = std::min(least,
-                       here - map->score(window, axis == 0 ? side : 0, axis == 0 ? 0 : side, kShare * outline.present));
-    outline.step[axis] = least;
-    // One pitch aside a strip of the inside is lost and one of the outside gained.
-    const double across = axis == 0 ? window.half_y : window.half_x;
-    const double strip = 4.0 * 2.0 * across * outline.present;
-    if (least < (1.0 - kNothingBeyond) * strip) return std::nullopt;
+    double best = 0.0;
+    for (const int side : {-2, 2}) best = std::max(best, map->sum(window, axis == 0 ? side : 0, axis == 0 ? 0 : side));
+    outline.step[axis] = 1.0 - best / here;
+    const double strip = 0.5 / (axis == 0 ? window.half_x : window.half_y);  // one pitch of the whole
+    if (outline.step[axis] < kStandsOut * strip) return std::nullopt;
   }
   return outline;
 }
@@ -99,11 +107,11 @@ OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& 
     if (!map) break;
     const Ranked r = rank(*map, grating, outline, pitches);
     const bool at_the_end = std::abs(r.best.i) == 2 * pitches || std::abs(r.best.j) == 2 * pitches;
-    if (at_the_end || r.best.score < kWhole * ideal(outline)) continue;
+    if (at_the_end || !is_print(*map, outline, r.best)) continue;
     double step = 1e30;
     if (axes.x) step = std::min(step, outline.step[0]);
     if (axes.y) step = std::min(step, outline.step[1]);
-    if (r.best.score - r.next.score < kClear * step) return {Order::kContradicted, moved};
+    if (r.best.score - r.next.score < kClear * step * r.best.score) return {Order::kContradicted, moved};
     return {Order::kProven, moved + on_board(grating, r.best)};
   }
   return {Order::kContradicted, moved};
@@ -116,11 +124,11 @@ std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const Vie
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
     for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
-      const Place p{i, j, map->score(outline.window, i, j, kShare * outline.present)};
+      const Place p{i, j, map->sum(outline.window, i, j)};
       if (p.score > best.score) best = p;
     }
   }
-  if (best.score < kWhole * ideal(outline)) return std::nullopt;
+  if (!is_print(*map, outline, best)) return std::nullopt;
   return from + on_board(grating, best);
 }
 

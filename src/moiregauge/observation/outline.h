@@ -18,8 +18,8 @@ namespace moiregauge {
 // A print's outline in its own pitches, and how clearly it stands out in the reference frame.
 struct Outline {
   PatchWindow window;            // where the print is
-  double present = 0.0;          // of a cell inside, between 0 and 1
-  std::array<double, 2> step{};  // by how much the score falls when the print stands one pitch beside, along x and y
+  double present = 0.0;          // of a cell inside
+  std::array<double, 2> step{};  // the part of the score lost one pitch beside, along x and y
 };
 
 enum class Order {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <variant>
 
 #include "moiregauge/observation/print_model.h"
@@ -16,11 +17,10 @@ namespace {
 
 constexpr int kPerPitch = 8;  // points looked at along a pitch
 constexpr int kPerCell = kPerPitch / 2;
-// Grey levels squared: where nothing but the sensor's rounding varies there is no lattice.
-constexpr double kLeastVariance = 1.0;
+constexpr double kDarkest = 4.0;  // grey levels: a mean below is taken for this, or noise in the dark would be print
 
-// Running sums over a grid of points: 1, I, I^2 and I times cosine and sine of both fundamentals.
-constexpr std::size_t kSums = 7;
+// Running sums over a grid of points: 1, I and I times cosine and sine of both fundamentals.
+constexpr std::size_t kSums = 6;
 using Sums = std::array<double, kSums>;
 
 class Table {
@@ -65,10 +65,9 @@ std::vector<Complex> turns(double low, int points) {
 double presence(const Sums& s, Axes axes) {
   constexpr double kPoints = kPerPitch * kPerPitch;
   if (s[0] < kPoints) return 0.0;  // cut by the picture's edge
-  const double variance = s[2] / kPoints - (s[1] / kPoints) * (s[1] / kPoints);
-  const double x = 2.0 * std::hypot(s[3], s[4]) / kPoints, y = 2.0 * std::hypot(s[5], s[6]) / kPoints;  // amplitudes
-  const double power = axes.x && axes.y ? x * y : axes.x ? 0.5 * x * x : 0.5 * y * y;
-  return std::sqrt(std::min(1.0, power / (std::max(0.0, variance) + kLeastVariance)));
+  const double mean = std::max(kDarkest, s[1] / kPoints);
+  const double x = 2.0 * std::hypot(s[2], s[3]) / kPoints, y = 2.0 * std::hypot(s[4], s[5]) / kPoints;  // amplitudes
+  return (axes.x && axes.y ? std::sqrt(x * y) : axes.x ? x : y) / mean;
 }
 
 }  // namespace
@@ -77,28 +76,22 @@ Axes axes_of(const Grating& grating) {
   return {grating.pattern != Pattern::kLinesY, grating.pattern != Pattern::kLinesX};
 }
 
-PresenceMap::Sum PresenceMap::over(const PatchWindow& w, int i, int j) const {
+std::vector<double> PresenceMap::cells(const PatchWindow& w, int i, int j) const {
   const auto first = [](double low, double edge) { return static_cast<int>(std::ceil(2.0 * (edge - low) - 1e-9)); };
   const auto last = [](double low, double edge) { return static_cast<int>(std::floor(2.0 * (edge - low) + 1e-9)); };
-  const int i0 = first(low_.x, w.centre.x - w.half_x) + i, i1 = last(low_.x, w.centre.x + w.half_x) + i;
-  const int j0 = first(low_.y, w.centre.y - w.half_y) + j, j1 = last(low_.y, w.centre.y + w.half_y) + j;
-  Sum sum;
-  sum.cells = std::max(0, i1 - i0 + 1) * std::max(0, j1 - j0 + 1);
-  for (int b = std::max(0, j0); b <= std::min(rows_ - 1, j1); ++b) {
-    for (int a = std::max(0, i0); a <= std::min(columns_ - 1, i1); ++a)
-      sum.presence += cells_[static_cast<std::size_t>(b * columns_ + a)];
+  std::vector<double> out;
+  for (int b = first(low_.y, w.centre.y - w.half_y) + j; b <= last(low_.y, w.centre.y + w.half_y) + j; ++b) {
+    for (int a = first(low_.x, w.centre.x - w.half_x) + i; a <= last(low_.x, w.centre.x + w.half_x) + i; ++a) {
+      const bool inside = a >= 0 && b >= 0 && a < columns_ && b < rows_;
+      out.push_back(inside ? cells_[static_cast<std::size_t>(b * columns_ + a)] : 0.0);
+    }
   }
-  return sum;
+  return out;
 }
 
-double PresenceMap::score(const PatchWindow& window, int i, int j, double threshold) const {
-  const Sum sum = over(window, i, j);
-  return sum.presence - threshold * sum.cells;
-}
-
-double PresenceMap::mean(const PatchWindow& window, int i, int j) const {
-  const Sum sum = over(window, i, j);
-  return sum.cells > 0 ? sum.presence / sum.cells : 0.0;
+double PresenceMap::sum(const PatchWindow& window, int i, int j) const {
+  const auto all = cells(window, i, j);
+  return std::accumulate(all.begin(), all.end(), 0.0);
 }
 
 std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
@@ -127,7 +120,7 @@ std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view
       const Complex x = across[static_cast<std::size_t>(i)], y = up[static_cast<std::size_t>(j)];
       const double g = *grey;
       const Complex first = g * (diagonal ? x * y : x), second = g * (diagonal ? x * std::conj(y) : y);
-      table.set(i, j, {1.0, g, g * g, first.real(), first.imag(), second.real(), second.imag()});
+      table.set(i, j, {1.0, g, first.real(), first.imag(), second.real(), second.imag()});
     }
   }
   PresenceMap presences(low, columns, rows);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where in a picture a grating's lattice is to be seen: cells of half a pitch, each a number from 0 (not at all) to 1.
+// Where in a picture a grating's lattice is to be seen: cells of half a pitch, each a number from 0 (not at all) to
+// about 1.
 #pragma once
 
 #include <optional>
@@ -26,17 +27,12 @@ class PresenceMap {
   }
   // Of the cell whose middle is `low` + (i, j) / 2 pitches.
   [[nodiscard]] double& at(int i, int j) { return cells_[static_cast<std::size_t>(j * columns_ + i)]; }
-  // Sum over cells with their middle in the window, displaced by (i, j) half pitches, of presence less `threshold`.
-  // What lies outside the map counts as absent.
-  [[nodiscard]] double score(const PatchWindow& window, int i, int j, double threshold) const;
-  [[nodiscard]] double mean(const PatchWindow& window, int i, int j) const;
+  // The cells with their middle in the window, displaced by (i, j) half pitches. What lies outside the map counts as
+  // absent.
+  [[nodiscard]] double sum(const PatchWindow& window, int i, int j) const;
+  [[nodiscard]] std::vector<double> cells(const PatchWindow& window, int i, int j) const;
 
  private:
-  struct Sum {
-    double presence = 0.0;
-    int cells = 0;
-  };
-  [[nodiscard]] Sum over(const PatchWindow& window, int i, int j) const;
   PrintPoint low_;
   int columns_, rows_;
   std::vector<double> cells_;
