@@ -155,6 +155,10 @@ Solution solve_precise(const Reference& reference, const std::vector<Observation
   Solution solution;
   solution.scene = calibration.bundle.scene;
   const Eigen::MatrixXd covariance = scene_covariance(reference.site, calibration.fits, prior, kEverything);
+  // Poses as the solved camera has them: with another focal length they start elsewhere.
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    if (place[n] > 0) frames[place[n]].pose = pose_of(observations[n].stage2, solution.scene->camera);
+  }
   const FrameFit& then = calibration.fits.front();  // the reference frame leads the key frames
   const Uncertainty uncertainty(covariance, then);
   for (std::size_t n = 0; n < observations.size(); ++n) {
