@@ -50,7 +50,7 @@ void compare(const Scenario& scenario, const Sample& sample, long reference_fram
 MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   MeasuredRun run;
   const Shot first = shot(scenario, plan.reference_frame, plan.grain);
-  auto reference = make_reference(first.view(), plan.site.value_or(simulator::site_of(scenario)), Camera{}, plan.observe);
+  auto reference = make_reference(first.view(), plan.site.value_or(simulator::site_of(scenario)), plan.lens, plan.observe);
   if (!reference) {
     run.problem = reference.error().message;
     return run;
@@ -72,7 +72,9 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   }
   std::size_t first_target = 0;
   while (run.reference.site.markers[first_target].role != Role::kTarget) ++first_target;
-  for (const Sample& sample : method->solve(run.reference, run.observations, plan.solve).samples) {
+  run.solution = method->solve(run.reference, run.observations, plan.solve);
+  const Samples all = std::move(run.solution.samples);
+  for (const Sample& sample : all) {
     if (sample.marker != first_target || sample.frame == plan.reference_frame) continue;
     run.samples.push_back(sample);
     compare(scenario, sample, plan.reference_frame, run);

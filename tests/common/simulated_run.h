@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "moiregauge/displacement/method.h"
+#include "moiregauge/geometry/camera.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge::test {
@@ -17,22 +18,24 @@ struct RunPlan {
   std::string method = "two-stage";
   Grain grain = Grain::kSensor;
   long first = 0;
-  long step = 1;              // every step-th frame of the scenario
-  long frames = -1;           // at most so many; -1: to the end
+  long step = 1;     // every step-th frame of the scenario
+  long frames = -1;  // at most so many; -1: to the end
   long reference_frame = 0;
   ObserveOptions observe;
   SolveOptions solve;
-  std::optional<Site> site;   // not given: the scenario's
+  std::optional<Site> site;  // not given: the scenario's
+  Camera lens;               // as --camera gives it; without distortion and of focal length 1: not given
 };
 
 struct MeasuredRun {
   Reference reference;
   std::vector<Observation> observations;
-  Samples samples;                       // of the first target only, reference frame left out
-  std::vector<double> error_x_um;        // measured minus true, since the reference frame; of samples with numbers
+  Samples samples;                 // of the first target only, reference frame left out
+  std::vector<double> error_x_um;  // measured minus true, since the reference frame; of samples with numbers
   std::vector<double> error_y_um;
   std::vector<double> u_x_um, u_y_um;
-  std::string problem;                   // empty, or why there is no reference frame
+  Solution solution;    // what else the method said; its samples moved to `samples`
+  std::string problem;  // empty, or why there is no reference frame
 };
 
 [[nodiscard]] MeasuredRun measured(const simulator::Scenario& scenario, const RunPlan& plan);

@@ -45,7 +45,7 @@ struct SimulateWords {
 std::string list_of_scenarios() {
   std::string text;
   for (const auto& entry : simulator::built_in_scenarios())
-    text += fmt::format("{:<11} {}\n", entry.name, entry.summary);
+    text += fmt::format("{:<15} {}\n", entry.name, entry.summary);
   return text;
 }
 

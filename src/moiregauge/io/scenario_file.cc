@@ -63,10 +63,11 @@ void read_markers(const toml::value& list, simulator::Scenario& scenario, std::v
   }
 }
 
-// Gratings must be there before [grating] speaks of all of them, and a marker's own word is the last.
+// Gratings must be there before [grating] speaks of all of them, and a marker's own word is the last; so is that of one
+// kind of draw.
 int turn_of(const Entry& entry) {
   if (entry.name.ends_with(".grating_mm")) return 0;
-  return entry.name.starts_with("grating.") ? 1 : 2;
+  return entry.name.starts_with("grating.") || entry.name == "truth.draw_known_to" ? 1 : 2;
 }
 
 std::optional<std::string> problem_applying(simulator::Scenario& scenario, const std::string& name,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/simulator/built_in.h"
+#include "moiregauge/simulator/scenario.h"
 
 namespace moiregauge {
 namespace {
@@ -59,6 +60,32 @@ TEST(Setting, ChangesOneValue) {
   EXPECT_EQ(scenario.markers.back().dy.at(3.0), 0.0);
   EXPECT_TRUE(apply_setting(scenario, "grating.pattern=cosine"));
   EXPECT_EQ(scenario.markers.front().print.grating->pattern, Pattern::kCosine);
+}
+
+TEST(Setting, SaysHowWellTheSiteIsKnownAndWhatIsDrawn) {
+  const auto scenario = parse_scenario(
+      "base = \"small-1x\"\n[truth]\ndraw_print_scale = false\ndraw_known_to = true\n[known_to]\nposition_mm = 5\n"
+      "rotation_deg = 0.5\n",
+      "drawn.toml");
+  ASSERT_TRUE(scenario) << scenario.error().front();
+  EXPECT_EQ(scenario->known_to.position_mm, 5.0);
+  EXPECT_EQ(scenario->known_to.height_mm, 3.0) << "the default where the file is silent";
+  EXPECT_TRUE(scenario->draw.position && scenario->draw.rotation && scenario->draw.height);
+  EXPECT_FALSE(scenario->draw.print_scale) << "the word about one kind is the last, wherever it stands";
+}
+
+TEST(Setting, HoldsCoversReadoutAndRandomPoses) {
+  auto scenario = *simulator::built_in("small-1x");
+  EXPECT_TRUE(apply_setting(scenario, "marker.NE.cover.frames=[[20, 40], [60, 61]]"));
+  EXPECT_EQ(scenario.markers[1].cover.frames[1].from, 60);
+  EXPECT_FALSE(apply_setting(scenario, "marker.NE.cover.frames=[20, 40.5]"));
+  EXPECT_FALSE(apply_setting(scenario, "marker.NE.cover.frames=[40, 20]"));
+  EXPECT_TRUE(apply_setting(scenario, "sensor.readout_s=0.02"));
+  EXPECT_EQ(simulator::delay_of_row(scenario, 511), 0.02 * (0.5 - 0.5 / 512));
+  EXPECT_TRUE(apply_setting(scenario, "shift.x.random=50"));
+  EXPECT_NE(scenario.mount.shift_x.at(0.1), scenario.mount.shift_x.at(0.2));
+  EXPECT_TRUE(apply_setting(scenario, "marker.NE.place.print_scale=0.001"));
+  EXPECT_EQ(simulator::true_place(scenario, scenario.markers[1]).print_scale, 0.001);
 }
 
 TEST(Setting, ThatMakesNoSenseIsRefused) {

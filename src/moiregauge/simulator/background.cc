@@ -62,8 +62,13 @@ Background::Background(const Scenario& scenario, long frame)
       grey_(scenario.light.background),
       texture_(scenario.light.texture),
       seed_(scenario.seed),
-      board_from_ray_(inverse(camera_from_print(scenario, SceneMarker{}, time_of(scenario, frame)))),
-      decoys_(strewn(scenario)) {}
+      decoys_(strewn(scenario)) {
+  const bool is_rolling = scenario.sensor.readout_s > 0.0;
+  for (int y = 0; y < (is_rolling ? scenario.camera.height : 1); ++y) {
+    const double time = time_of(scenario, frame) + (is_rolling ? delay_of_row(scenario, y) : 0.0);
+    board_from_ray_.push_back(inverse(camera_from_print(scenario, SceneMarker{}, time)));
+  }
+}
 
 // Three sizes of grain, coarse ones stronger, as on concrete; scaled to an rms of 1.
 double Background::roughness(double x_mm, double y_mm) const {
@@ -74,11 +79,12 @@ double Background::roughness(double x_mm, double y_mm) const {
 void Background::fill(int y, std::span<double> row) const {
   std::fill(row.begin(), row.end(), grey_);
   if (texture_ == 0.0) return;
+  const Matrix3& board_from_ray = board_from_ray_[board_from_ray_.size() > 1 ? static_cast<std::size_t>(y) : 0];
   Ray start{-camera_.cx / camera_.fx, (y - camera_.cy) / camera_.fy};
   for (std::size_t x = 0; x < row.size(); ++x) {
     const RayPatch sight = ray_through(camera_, {static_cast<double>(x), static_cast<double>(y)}, start);
     start = {sight.ray.x + sight.dx_du, sight.ray.y + sight.dy_du};
-    const Vector3 point = product(board_from_ray_, Vector3{sight.ray.x, sight.ray.y, 1.0});
+    const Vector3 point = product(board_from_ray, Vector3{sight.ray.x, sight.ray.y, 1.0});
     row[x] += texture_ * roughness(point[0] / point[2], point[1] / point[2]);
   }
 }

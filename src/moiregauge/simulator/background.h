@@ -24,7 +24,7 @@ class Background {
   Camera camera_;
   double grey_, texture_;
   std::uint64_t seed_;
-  Matrix3 board_from_ray_;
+  std::vector<Matrix3> board_from_ray_;  // one, or one for every row of a rolling shutter
   std::vector<SceneMarker> decoys_;
 };
 

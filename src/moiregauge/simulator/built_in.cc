@@ -2,6 +2,9 @@
 #include "moiregauge/simulator/built_in.h"
 
 #include <array>
+#include <initializer_list>
+
+#include "moiregauge/units/units.h"
 
 namespace moiregauge::simulator {
 namespace {
@@ -65,6 +68,96 @@ Scenario small_rig() {
   return scenario;
 }
 
+void turn(Mount& mount, const Sway& sway) {
+  const std::vector<Knot> knots{{0.0, sway.from_deg}, {kRunLength_s, sway.to_deg}};
+  mount.rotation_x.knots = knots;
+  if (sway.all_axes) mount.rotation_y.knots = mount.rotation_z.knots = knots;
+}
+
+void pose_anew(Mount& mount, double within_deg, double within_mm) {
+  for (Track* track : {&mount.rotation_x, &mount.rotation_y, &mount.rotation_z}) track->random = within_deg;
+  for (Track* track : {&mount.shift_x, &mount.shift_y, &mount.shift_z}) track->random = within_mm;
+}
+
+// The pivot is the board's middle: it stays where it is, and as far away. Half the angle up and down meanwhile.
+void orbit(Scenario& scenario, double angle_deg) {
+  scenario.mount.pivot_z_mm = scenario.mount.distance_mm;
+  scenario.mount.rotation_y.knots = {{0.0, -angle_deg}, {kRunLength_s, angle_deg}};
+  scenario.mount.rotation_x.amplitude = 0.5 * angle_deg;
+  scenario.mount.rotation_x.frequency_hz = 1.0 / kRunLength_s;
+}
+
+SceneMarker& marker_named(Scenario& scenario, std::string_view name) {
+  for (SceneMarker& marker : scenario.markers) {
+    if (marker.print.name == name) return marker;
+  }
+  return scenario.markers.front();
+}
+
+// The site does not state the target's height, so the instrument must find it.
+void travel(Scenario& scenario, double within_mm) {
+  pose_anew(scenario.mount, 1.0, within_mm);
+  marker_named(scenario, "mid").place.z_mm = -30.0;
+}
+
+// 145 px more to every side.
+void enlarge(Camera& camera) {
+  constexpr int kMore = 160;
+  camera.width += 2 * kMore;
+  camera.height += 2 * kMore;
+  camera.cx += kMore;
+  camera.cy += kMore;
+}
+
+// 0.63 pitch, 6.3 mm, in the fastest tenth of a second.
+void walk(Scenario& scenario) {
+  turn(scenario.mount, kSways[2]);
+  SceneMarker& target = marker_named(scenario, "mid");
+  target.print.grating->centre = {0.0, -30.0};
+  target.dy = Track{.offset = 30.0, .amplitude = 30.0, .frequency_hz = 63.0 / (30.0 * kTurn), .phase_deg = -90.0};
+}
+
+void add_two_references(Scenario& scenario) {
+  for (const double side : {-1.0, 1.0}) {
+    SceneMarker marker;
+    marker.print.name = side < 0.0 ? "W" : "E";
+    marker.print.circle = Circle{{52.0 * side, 20.0 * side}, 16.0};
+    marker.print.grating = crossed_lines({52.0 * side, -14.0 * side}, 30.0);
+    marker.paper_margin_mm = 7.0;
+    scenario.markers.insert(scenario.markers.end() - 1, marker);
+  }
+}
+
+struct Programme {
+  std::string_view suffix;
+  void (*apply)(Scenario&);
+};
+
+constexpr std::array kProgrammes{
+    Programme{"spread-1", [](Scenario& s) { pose_anew(s.mount, 1.0, 0.0); }},
+    Programme{"orbit-20", [](Scenario& s) { orbit(s, 20.0); }},
+    Programme{"orbit-40", [](Scenario& s) { orbit(s, 40.0); }},
+    Programme{"travel-5", [](Scenario& s) { travel(s, 5.0); }},
+    Programme{"travel-50",
+              [](Scenario& s) {
+                enlarge(s.camera);
+                travel(s, 50.0);
+              }},
+    Programme{"walk", walk},
+    Programme{"six-slip",
+              [](Scenario& s) {
+                turn(s.mount, kSways[2]);
+                add_two_references(s);
+                marker_named(s, "NE").dy.knots = {{8.0, 0.0}, {8.1, 1.0}};
+              }},
+    Programme{"covered",
+              [](Scenario& s) {
+                turn(s.mount, kSways[2]);
+                marker_named(s, "NE").cover.frames = {{40, 60}};
+                marker_named(s, "mid").cover.frames = {{90, 100}};
+              }},
+};
+
 }  // namespace
 
 Track paper_motion() {
@@ -82,6 +175,15 @@ const std::vector<BuiltIn>& built_in_scenarios() {
       {"small-0.1x", "the small rig, 1024x512, camera turning 0 to 0.1 deg about x"},
       {"small-1x", "the small rig, camera turning 0 to 1 deg about x"},
       {"small-1xyz", "the small rig, camera turning 0 to 1 deg about x, y and z"},
+      {"small-still", "the small rig, camera standing still"},
+      {"small-spread-1", "the small rig, camera posed anew within -1 to 1 deg about x, y and z for every frame"},
+      {"small-orbit-20", "the small rig, camera going round the board from -20 to 20 deg"},
+      {"small-orbit-40", "the small rig, camera going round the board from -40 to 40 deg"},
+      {"small-travel-5", "the small rig, target 30 mm behind the plane, camera posed anew within -5 to 5 mm, 1 deg"},
+      {"small-travel-50", "the same in a larger picture, within -50 to 50 mm, 1 deg"},
+      {"small-walk", "the small rig as small-1xyz, target walking up and down 60 mm, up to 0.63 pitch per frame"},
+      {"small-six-slip", "the small rig as small-1xyz with six references, of which NE slips up 1 mm half way"},
+      {"small-covered", "the small rig as small-1xyz, NE covered in frames 40 to 59, target in frames 90 to 99"},
   };
   return list;
 }
@@ -89,15 +191,14 @@ const std::vector<BuiltIn>& built_in_scenarios() {
 std::optional<Scenario> built_in(const std::string& name) {
   for (const BuiltIn& entry : built_in_scenarios()) {
     if (entry.name != name) continue;
-    const bool is_small = name.starts_with("small-");
-    Scenario scenario = is_small ? small_rig() : rig();
+    Scenario scenario = name.starts_with("small-") ? small_rig() : rig();
     scenario.name = name;
+    const std::string programme = name.substr(name.find('-') + 1);
     for (const Sway& sway : kSways) {
-      if (name.substr(name.find('-') + 1) != sway.suffix) continue;
-      Track turn;
-      turn.knots = {{0.0, sway.from_deg}, {kRunLength_s, sway.to_deg}};
-      scenario.mount.rotation_x = turn;
-      if (sway.all_axes) scenario.mount.rotation_y = scenario.mount.rotation_z = turn;
+      if (programme == sway.suffix) turn(scenario.mount, sway);
+    }
+    for (const Programme& special : kProgrammes) {
+      if (programme == special.suffix) special.apply(scenario);
     }
     return scenario;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "moiregauge/simulator/gaussian.h"
 
@@ -17,8 +18,8 @@ int cells_for(double psf_sigma_px) {
   return psf_sigma_px >= 0.35 ? 4 : 8;
 }
 
-// A movement of one point spread is averaged well by two moments; each further one buys 0.8 px. One alone is for what is
-// short (its smear widens the point spread by less than 1e-3) and straight: its mean is then the middle.
+// A movement of one point spread is averaged well by two moments; each further one buys 0.8 px. One alone is for what
+// is short (its smear widens the point spread by less than 1e-3) and straight: its mean is then the middle.
 constexpr double kShort_px = 0.1;
 constexpr double kStraight_px = 1e-4;
 
@@ -44,9 +45,8 @@ std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marke
   std::vector<double> cuts{from_s, to_s};
   for (const Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z,
                              &marker.dx, &marker.dy, &marker.dz}) {
-    for (const Knot& knot : track->knots) {
-      if (knot.time_s > from_s && knot.time_s < to_s) cuts.push_back(knot.time_s);
-    }
+    const std::vector<double> corners = track->corners(from_s, to_s);
+    cuts.insert(cuts.end(), corners.begin(), corners.end());
   }
   std::sort(cuts.begin(), cuts.end());
   cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
@@ -56,19 +56,49 @@ std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marke
 }  // namespace
 
 ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame)
-    : print_(marker),
+    : ExposedMarker(scenario, marker, frame, PrintedMarker(marker),
+                    {scenario.light.white, scenario.light.white - scenario.light.black}) {}
+
+// It hangs before the sheet and moves with it; at a share of 1 nothing of the sheet shows beside it.
+ExposedMarker ExposedMarker::cover_of(const Scenario& scenario, const SceneMarker& marker, long frame) {
+  const PrintedMarker whole(marker);
+  const double width = whole.high().x - whole.low().x, beyond = 0.1 * width;
+  const BoardPoint low{whole.low().x - beyond, whole.low().y - beyond};
+  const double right = marker.cover.share < 1.0 ? whole.low().x + marker.cover.share * width : whole.high().x + beyond;
+  return {scenario, marker, frame, PrintedMarker(low, {right, whole.high().y + beyond}), {marker.cover.grey, 0.0}};
+}
+
+ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame, PrintedMarker print,
+                             Ink ink)
+    : print_(std::move(print)),
       camera_(scenario.camera),
-      white_(scenario.light.white),
-      contrast_(scenario.light.white - scenario.light.black),
+      ink_(ink),
       cells_(cells_for(scenario.sensor.psf_sigma_px)),
       cell_variance_(scenario.sensor.psf_sigma_px * scenario.sensor.psf_sigma_px + 1.0 / (12.0 * cells_ * cells_)),
       reach_px_(kGaussianReach * std::sqrt(cell_variance_) + std::sqrt(0.5)) {
-  choose_moments(scenario, marker, frame);
   find_window(scenario, marker, frame);
+  choose_moments(scenario, marker, frame);
 }
 
 void ExposedMarker::choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame) {
-  const double now = time_of(scenario, frame), half = 0.5 * scenario.sensor.exposure_s;
+  const double now = time_of(scenario, frame);
+  if (scenario.sensor.readout_s == 0.0) return choose_moments_about(scenario, marker, now);
+  for (int y = top_; y < bottom_; ++y) {
+    row_begins_.push_back(moments_.size());
+    choose_moments_about(scenario, marker, now + delay_of_row(scenario, y));
+  }
+  row_begins_.push_back(moments_.size());
+}
+
+std::span<const ExposedMarker::Moment> ExposedMarker::moments_of_row(int y) const {
+  const std::span<const Moment> all(moments_);
+  if (row_begins_.empty()) return all;
+  const auto row = static_cast<std::size_t>(y - top_);
+  return all.subspan(row_begins_[row], row_begins_[row + 1] - row_begins_[row]);
+}
+
+void ExposedMarker::choose_moments_about(const Scenario& scenario, const SceneMarker& marker, double now) {
+  const double half = 0.5 * scenario.sensor.exposure_s;
   if (half == 0.0) return add_moment_at(scenario, marker, now, 1.0);
   const std::vector<double> cuts = pieces_of(scenario, marker, now - half, now + half);
   for (std::size_t i = 1; i < cuts.size(); ++i) {
@@ -108,8 +138,10 @@ Movement ExposedMarker::movement(const Scenario& scenario, const SceneMarker& ma
 
 void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& marker, long frame) {
   double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9;
-  for (const double share : {-0.5, 0.0, 0.5}) {
-    const double time = time_of(scenario, frame) + share * scenario.sensor.exposure_s;
+  const double span = scenario.sensor.exposure_s + scenario.sensor.readout_s;
+  const int looks = scenario.sensor.readout_s > 0.0 ? 16 : 2;
+  for (int look = 0; look <= looks; ++look) {
+    const double time = time_of(scenario, frame) + span * (static_cast<double>(look) / looks - 0.5);
     const Matrix3 seen = camera_from_print(scenario, marker, time);
     for (const BoardPoint point : outline(print_)) {
       if (product(seen, Vector3{point.x, point.y, 1.0})[2] <= 1.0) return;  // beside or behind the camera
@@ -128,12 +160,13 @@ void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& mar
 }
 
 void ExposedMarker::lay_over(int y, std::span<double> row) const {
+  const std::span<const Moment> moments = moments_of_row(y);
   Ray start{(left_ - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy};
   for (int x = left_; x < right_; ++x) {
     const RayPatch sight = ray_through(camera_, {static_cast<double>(x), static_cast<double>(y)}, start);
     start = {sight.ray.x + sight.dx_du, sight.ray.y + sight.dy_du};
     double paper = 0.0, level = 0.0;
-    for (const Moment& moment : moments_) see(moment, sight, paper, level);
+    for (const Moment& moment : moments) see(moment, sight, paper, level);
     double& grey = row[static_cast<std::size_t>(x)];
     grey = grey * (1.0 - paper) + level;
   }
@@ -154,7 +187,7 @@ void ExposedMarker::see(const Moment& moment, const RayPatch& sight, double& pap
   const double longest = std::sqrt(0.5 * (xx + yy + std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)));
   const Seen seen = print_.seen({centre, xu, xv, yu, yv, cells_, reach_px_ * longest}, blur);
   paper += moment.weight * seen.paper;
-  level += moment.weight * (seen.paper * white_ - seen.ink * contrast_);
+  level += moment.weight * (seen.paper * ink_.white - seen.ink * ink_.contrast);
 }
 
 }  // namespace moiregauge::simulator

@@ -2,6 +2,7 @@
 // One marker during one exposure: its window in the picture, and what each pixel of it receives.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct Movement {
 class ExposedMarker {
  public:
   ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame);
+  // What covers a marker in this frame.
+  [[nodiscard]] static ExposedMarker cover_of(const Scenario& scenario, const SceneMarker& marker, long frame);
   // Half open; empty when the marker is out of sight.
   [[nodiscard]] int left() const { return left_; }
   [[nodiscard]] int right() const { return right_; }
@@ -32,19 +35,28 @@ class ExposedMarker {
     Matrix3 print_from_ray;
     double weight;
   };
+  struct Ink {
+    double white;
+    double contrast;  // to black
+  };
+  ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame, PrintedMarker print, Ink ink);
   void choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame);
+  void choose_moments_about(const Scenario& scenario, const SceneMarker& marker, double middle_s);
+  [[nodiscard]] std::span<const Moment> moments_of_row(int y) const;
   void add_moment_at(const Scenario& scenario, const SceneMarker& marker, double time_s, double weight);
-  [[nodiscard]] Movement movement(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) const;
+  [[nodiscard]] Movement movement(const Scenario& scenario, const SceneMarker& marker, double from_s,
+                                  double to_s) const;
   void find_window(const Scenario& scenario, const SceneMarker& marker, long frame);
   void see(const Moment& moment, const RayPatch& sight, double& paper, double& level) const;
 
   PrintedMarker print_;
   Camera camera_;
-  double white_, contrast_;
+  Ink ink_;
   int cells_;             // a pixel is cells x cells squares, each as good as a Gaussian
   double cell_variance_;  // px^2, point spread and cell together
   double reach_px_;       // of the blur, and half a pixel's diagonal
   std::vector<Moment> moments_;
+  std::vector<std::size_t> row_begins_;  // in moments_, from top_ on, one more than rows; empty when all rows share all
   int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;
 };
 

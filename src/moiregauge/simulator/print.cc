@@ -48,7 +48,8 @@ bool Stripes::is_even(double x, double distance) const {
 
 namespace {
 
-constexpr double kSmallDisc = 6.0;  // radius in point spreads: below it the rim is no longer a straight edge to the blur
+constexpr double kSmallDisc =
+    6.0;  // radius in point spreads: below it the rim is no longer a straight edge to the blur
 
 // Chord by chord, as wide as the blur allows: the rows of the disc at radius sin(turn), evenly spaced in turn.
 double seen_small_disc(double x, double y, double radius, const Blur& blur) {
@@ -137,7 +138,9 @@ double PrintedGrating::dots_ink(double x, double y, const Blur& blur) const {
   const double dx = offset_from_dot(x, grating_.width_mm), dy = offset_from_dot(y, grating_.height_mm);
   // The blur may reach the neighbours' rims: each at most once, none beyond the last whole one.
   const double reach = radius + kGaussianReach * std::max(blur.sigma_x, blur.sigma_y);
-  const auto is_beyond_last = [&](double at, double size_mm) { return std::abs(offset_from_dot(at, size_mm)) > 0.5 * p; };
+  const auto is_beyond_last = [&](double at, double size_mm) {
+    return std::abs(offset_from_dot(at, size_mm)) > 0.5 * p;
+  };
   double dot = 0.0;
   for (const int j : {-1, 0, 1}) {
     if (std::abs(dy - j * p) > reach || is_beyond_last(y - dy + j * p, grating_.height_mm)) continue;

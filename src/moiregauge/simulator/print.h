@@ -64,8 +64,8 @@ class Stripes {
   double edges_per_mm_ = 0.0;
 };
 
-// Share of a disc about the origin, seen from (x, y): a straight edge plus the first term of its curvature; chord by chord
-// where the disc is so small that this would not do.
+// Share of a disc about the origin, seen from (x, y): a straight edge plus the first term of its curvature; chord by
+// chord where the disc is so small that this would not do.
 [[nodiscard]] double seen_disc(double x, double y, double radius, const Blur& blur);
 
 // One grating in its own axes.
@@ -93,6 +93,8 @@ class PrintedGrating {
 class PrintedMarker {
  public:
   explicit PrintedMarker(const SceneMarker& marker);
+  // A bare sheet.
+  PrintedMarker(BoardPoint low, BoardPoint high);
   // What a pixel sees of the sheet: the mean over its cells, each blurred.
   [[nodiscard]] Seen seen(const Footprint& pixel, const Blur& blur) const;
   // The sheet's corners: low, high.

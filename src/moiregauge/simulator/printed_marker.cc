@@ -34,6 +34,12 @@ PrintedMarker::PrintedMarker(const SceneMarker& marker) {
   paper_y_ = Stripes::box(0.5 * (high_.y - low_.y));
 }
 
+PrintedMarker::PrintedMarker(BoardPoint low, BoardPoint high)
+    : low_(low),
+      high_(high),
+      paper_x_(Stripes::box(0.5 * (high.x - low.x))),
+      paper_y_(Stripes::box(0.5 * (high.y - low.y))) {}
+
 namespace {
 
 // The mean of `at(x, y)` over the cells of a pixel; one look at the centre where all is even.

@@ -100,9 +100,10 @@ BoardPoint centre_of(const Marker& marker) {
 
 Matrix3 camera_from_print(const Scenario& scenario, const SceneMarker& marker, double time_s) {
   const Mount& m = scenario.mount;
-  const auto& place = marker.place;
+  const SceneMarker::Place place = true_place(scenario, marker);
   const BoardPoint centre = centre_of(marker.print);
-  const double turn = radians_from_degrees(place.rotation_deg), c = std::cos(turn), s = std::sin(turn);
+  const double turn = radians_from_degrees(place.rotation_deg), scale = 1.0 + place.print_scale;
+  const double c = scale * std::cos(turn), s = scale * std::sin(turn);
   const double x0 = centre.x - c * centre.x + s * centre.y + place.x_mm + marker.dx.at(time_s);
   const double y0 = centre.y - s * centre.x - c * centre.y + place.y_mm + marker.dy.at(time_s);
   const double z0 = marker.print.z_mm.value_or(0.0) + place.z_mm + marker.dz.at(time_s);

@@ -38,7 +38,7 @@ struct RayPatch {
 
 [[nodiscard]] Ray ray_of(const Matrix3& camera_from_print, BoardPoint point);
 
-// The middle of a marker's print, about which its `place` turns it.
+// The middle of a marker's print, about which its `place` turns and stretches it.
 [[nodiscard]] BoardPoint centre_of(const Marker& marker);
 
 }  // namespace moiregauge::simulator

@@ -57,6 +57,12 @@ class Rendering {
       : scenario_(scenario), area_(area), lighting_(scenario), readout_(scenario, frame), background_(scenario, frame) {
     for (const SceneMarker& decoy : background_.decoys()) markers_.emplace_back(scenario, decoy, frame);
     for (const SceneMarker& marker : scenario.markers) markers_.emplace_back(scenario, marker, frame);
+    for (const SceneMarker& marker : scenario.markers) {
+      const auto& spans = marker.cover.frames;
+      const auto holds = [&](FrameSpan span) { return frame >= span.from && frame < span.to; };
+      if (std::any_of(spans.begin(), spans.end(), holds))
+        markers_.push_back(ExposedMarker::cover_of(scenario, marker, frame));
+    }
   }
 
   void fill(int y, std::span<Grey> out) const {

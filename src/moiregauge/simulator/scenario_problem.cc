@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -10,7 +11,7 @@ namespace moiregauge::simulator {
 namespace {
 
 std::optional<std::string> problem_with_sensor(const Scenario& s) {
-  const auto& [psf, sigma, gain, bits, fps, exposure] = s.sensor;
+  const auto& [psf, sigma, gain, bits, fps, exposure, readout] = s.sensor;
   if (s.camera.width < 16 || s.camera.height < 16 || s.camera.width > 20000 || s.camera.height > 20000) {
     return fmt::format("a picture of {}x{} px: width and height must lie in 16 to 20000", s.camera.width,
                        s.camera.height);
@@ -22,10 +23,35 @@ std::optional<std::string> problem_with_sensor(const Scenario& s) {
   if (exposure < 0.0 || exposure > 1.0 / fps) {
     return fmt::format("sensor.exposure_s is {}: it must lie in 0 to 1 / fps = {}", exposure, 1.0 / fps);
   }
+  if (readout < 0.0 || readout > 1.0 / fps) {
+    return fmt::format("sensor.readout_s is {}: it must lie in 0 to 1 / fps = {}", readout, 1.0 / fps);
+  }
   if (psf < 0.0 || psf > 20.0) return "sensor.psf_sigma_px must lie in 0 to 20";
   if (sigma < 0.0 || gain < 0.0) return "noise.sigma and noise.gain must not be negative";
   if (s.frames < 1 || s.frames > 1000000) return "frames must lie in 1 to 1000000";
   if (s.decoys > 10000) return "decoys must not be more than 10000";
+  return std::nullopt;
+}
+
+std::optional<std::string> problem_with_tracks(const Scenario& s) {
+  std::vector<const Track*> tracks{&s.mount.rotation_x, &s.mount.rotation_y, &s.mount.rotation_z,
+                                   &s.mount.shift_x,    &s.mount.shift_y,    &s.mount.shift_z};
+  for (const SceneMarker& marker : s.markers) tracks.insert(tracks.end(), {&marker.dx, &marker.dy, &marker.dz});
+  for (const Track* track : tracks) {
+    // A thousandth for what decimals of 1 / fps leave out.
+    if (track->random != 0.0 && !(track->random_step_s >= 0.999 / s.sensor.fps)) {
+      return fmt::format("a random_step_s is {}: it must be 1 / fps = {} or longer", track->random_step_s,
+                         1.0 / s.sensor.fps);
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> problem_with_known_to(const KnownTo& known) {
+  if (known.position_mm < 0.0 || known.rotation_rad < 0.0 || known.height_mm < 0.0 || known.print_scale < 0.0)
+    return "known_to: standard uncertainties must not be negative";
+  // Five of them must leave a print that can be printed.
+  if (known.print_scale > 0.1) return "known_to.print_scale must not be more than 0.1";
   return std::nullopt;
 }
 
@@ -34,6 +60,12 @@ std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
   if (!print.circle && !print.grating) return fmt::format("marker {} needs a circle, a grating, or both", print.name);
   if (print.circle && !(print.circle->diameter_mm > 0.0)) {
     return fmt::format("marker {}: circle_diameter_mm must be greater than 0", print.name);
+  }
+  if (!(marker.cover.share > 0.0 && marker.cover.share <= 1.0)) {
+    return fmt::format("marker {}: cover.share must be greater than 0 and not more than 1", print.name);
+  }
+  if (std::abs(marker.place.print_scale) > 0.5) {
+    return fmt::format("marker {}: place.print_scale must lie in -0.5 to 0.5", print.name);
   }
   if (!print.grating) return std::nullopt;
   const Grating& grating = *print.grating;
@@ -51,6 +83,8 @@ std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
 
 std::optional<std::string> problem_with(const Scenario& scenario) {
   if (const auto problem = problem_with_sensor(scenario)) return problem;
+  if (const auto problem = problem_with_tracks(scenario)) return problem;
+  if (const auto problem = problem_with_known_to(scenario.known_to)) return problem;
   if (scenario.markers.empty()) return "there is no marker to be seen";
   std::set<std::string> names;
   for (const SceneMarker& marker : scenario.markers) {

@@ -76,12 +76,29 @@ class Collector {
   void text(const std::string& name, const std::string& kind, std::function<bool(const std::string&)> take) {
     settings.push_back({name, kind, std::move(take)});
   }
+  void frames(const std::string& name, std::vector<FrameSpan>& spans) {
+    text(name, "pairs of whole numbers, first frame and the one after the last", [&spans](const std::string& words) {
+      const auto read = numbers_in(words);
+      if (!read || read->size() % 2 != 0) return false;
+      std::vector<FrameSpan> taken;
+      for (std::size_t i = 0; i < read->size(); i += 2) {
+        const double from = (*read)[i], to = (*read)[i + 1];
+        if (from < 0.0 || to < from || to > 2e9 || from != std::floor(from) || to != std::floor(to)) return false;
+        taken.push_back({static_cast<long>(from), static_cast<long>(to)});
+      }
+      spans = taken;
+      return true;
+    });
+  }
   void track(const std::string& name, Track& track) {
     number(name + ".scale", track.scale);
     number(name + ".offset", track.offset);
     number(name + ".amplitude", track.amplitude);
     number(name + ".frequency_hz", track.frequency_hz);
     number(name + ".phase_deg", track.phase_deg);
+    number(name + ".random", track.random);
+    number(name + ".random_step_s", track.random_step_s);
+    whole(name + ".random_seed", track.random_seed);
     text(name + ".knots", "pairs of time and value, times rising", [&track](const std::string& words) {
       const auto read = numbers_in(words);
       if (!read || read->size() % 2 != 0) return false;
@@ -137,9 +154,23 @@ void add_light(Collector& all, Scenario& s) {
   all.whole("sensor.bits", s.sensor.bits);
   all.number("sensor.fps", s.sensor.fps);
   all.number("sensor.exposure_s", s.sensor.exposure_s);
+  all.number("sensor.readout_s", s.sensor.readout_s);
   all.whole("decoys", s.decoys);
   all.whole("frames", s.frames);
   all.whole("seed", s.seed);
+}
+
+void add_site_errors(Collector& all, Scenario& s) {
+  all.number("known_to.position_mm", s.known_to.position_mm);
+  all.number("known_to.rotation_deg", [&s](double value) { s.known_to.rotation_rad = radians_from_degrees(value); });
+  all.number("known_to.height_mm", s.known_to.height_mm);
+  all.number("known_to.print_scale", s.known_to.print_scale);
+  all.flag("truth.draw_known_to", {&s.draw.position, &s.draw.rotation, &s.draw.height, &s.draw.print_scale});
+  all.flag("truth.draw_position", {&s.draw.position});
+  all.flag("truth.draw_rotation", {&s.draw.rotation});
+  all.flag("truth.draw_height", {&s.draw.height});
+  all.flag("truth.draw_print_scale", {&s.draw.print_scale});
+  all.whole("truth.seed", s.draw.seed);
 }
 
 std::function<bool(const std::string&)> pattern_setter(std::vector<SceneMarker*> markers) {
@@ -207,6 +238,10 @@ void add_marker(Collector& all, SceneMarker& m) {
   all.number(name + "place.y_mm", m.place.y_mm);
   all.number(name + "place.z_mm", m.place.z_mm);
   all.number(name + "place.rotation_deg", m.place.rotation_deg);
+  all.number(name + "place.print_scale", m.place.print_scale);
+  all.frames(name + "cover.frames", m.cover.frames);
+  all.number(name + "cover.share", m.cover.share);
+  all.number(name + "cover.grey", m.cover.grey);
   all.track(name + "dx", m.dx);
   all.track(name + "dy", m.dy);
   all.track(name + "dz", m.dz);
@@ -218,6 +253,7 @@ std::vector<Setting> settings_of(Scenario& scenario) {
   Collector all;
   add_camera(all, scenario);
   add_light(all, scenario);
+  add_site_errors(all, scenario);
   add_print(all, scenario);
   for (SceneMarker& marker : scenario.markers) add_marker(all, marker);
   return std::move(all.settings);

@@ -31,6 +31,7 @@ Site site_of(const Scenario& scenario) {
   for (const SceneMarker& marker : scenario.markers) {
     if (marker.listed) site.markers.push_back(marker.print);
   }
+  site.known_to = scenario.known_to;
   std::stable_sort(site.markers.begin(), site.markers.end(), [](const Marker& a, const Marker& b) {
     return a.role == Role::kReference && b.role == Role::kTarget;
   });

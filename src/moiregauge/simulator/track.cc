@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "moiregauge/simulator/gaussian.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::simulator {
@@ -35,11 +36,32 @@ double area_under(const std::vector<Knot>& knots, double from_s, double to_s) {
   return area;
 }
 
+long step_at(const Track& track, double time_s) {
+  return static_cast<long>(std::floor(time_s / track.random_step_s + 0.5));
+}
+
+double random_of(const Track& track, long step) {
+  if (track.random == 0.0) return 0.0;
+  return track.random * (2.0 * hashed_unit(track.random_seed, static_cast<std::uint64_t>(step)) - 1.0);
+}
+
+double random_mean(const Track& track, double from_s, double to_s) {
+  if (track.random == 0.0) return 0.0;
+  double area = 0.0;
+  for (long step = step_at(track, from_s); step <= step_at(track, to_s); ++step) {
+    const double middle = static_cast<double>(step) * track.random_step_s, half = 0.5 * track.random_step_s;
+    const double shared = std::min(to_s, middle + half) - std::max(from_s, middle - half);
+    area += std::max(shared, 0.0) * random_of(track, step);
+  }
+  return area / (to_s - from_s);
+}
+
 }  // namespace
 
 double Track::at(double time_s) const {
   const double phase = kTurn * frequency_hz * time_s + radians_from_degrees(phase_deg);
-  return offset + scale * value_of(knots, time_s) + amplitude * std::sin(phase);
+  return offset + scale * value_of(knots, time_s) + amplitude * std::sin(phase) +
+         random_of(*this, step_at(*this, time_s));
 }
 
 double Track::mean(double from_s, double to_s) const {
@@ -48,7 +70,19 @@ double Track::mean(double from_s, double to_s) const {
   const double half_turn = kPi * frequency_hz * (to_s - from_s);
   const double sinc = half_turn == 0.0 ? 1.0 : std::sin(half_turn) / half_turn;
   const double phase = kTurn * frequency_hz * middle + radians_from_degrees(phase_deg);
-  return offset + scale * area_under(knots, from_s, to_s) / (to_s - from_s) + amplitude * sinc * std::sin(phase);
+  return offset + scale * area_under(knots, from_s, to_s) / (to_s - from_s) + amplitude * sinc * std::sin(phase) +
+         random_mean(*this, from_s, to_s);
+}
+
+std::vector<double> Track::corners(double from_s, double to_s) const {
+  std::vector<double> times;
+  for (const Knot& knot : knots) times.push_back(knot.time_s);
+  if (random != 0.0) {
+    for (long step = step_at(*this, from_s); step < step_at(*this, to_s); ++step)
+      times.push_back((static_cast<double>(step) + 0.5) * random_step_s);
+  }
+  std::erase_if(times, [&](double time) { return !(time > from_s && time < to_s); });
+  return times;
 }
 
 }  // namespace moiregauge::simulator

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "studies/precise_cases.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+namespace moiregauge::study {
+namespace {
+
+using simulator::Scenario;
+using simulator::Track;
+
+Scenario scene(const char* name) { return *simulator::built_in(name); }
+
+// Radial distortion `percent` at the picture's own corner.
+void bend(Scenario& s, double percent) {
+  const double corner = 0.5 * std::hypot(s.camera.width, s.camera.height) / s.camera.fx;
+  s.camera.k1 = 0.01 * percent / (corner * corner);
+}
+
+void set_pattern(Scenario& s, Pattern pattern) {
+  for (auto& marker : s.markers) marker.print.grating->pattern = pattern;
+}
+
+void pose_anew(Scenario& s, double x_deg, double y_deg, double z_deg) {
+  s.mount.rotation_x.random = x_deg;
+  s.mount.rotation_y.random = y_deg;
+  s.mount.rotation_z.random = z_deg;
+}
+
+Scenario small(double percent, double within_deg) {
+  Scenario s = scene("small-still");
+  bend(s, percent);
+  pose_anew(s, within_deg, within_deg, within_deg);
+  return s;
+}
+
+// Room for 4 deg to every side.
+Scenario small_in_large_picture(double percent) {
+  Scenario s = scene("small-still");
+  constexpr int kMore = 320;
+  s.camera.width += 2 * kMore;
+  s.camera.height += 2 * kMore;
+  s.camera.cx += kMore;
+  s.camera.cy += kMore;
+  bend(s, percent);
+  pose_anew(s, 4.0, 4.0, 4.0);
+  return s;
+}
+
+// Anywhere within so many degrees to the side and half as many up and down.
+Scenario orbit(double percent, double within_deg) {
+  Scenario s = scene("small-still");
+  s.mount.pivot_z_mm = s.mount.distance_mm;
+  bend(s, percent);
+  pose_anew(s, 0.5 * within_deg, within_deg, 0.0);
+  return s;
+}
+
+// The target rests for the first ten frames; then the paper's movement.
+Scenario travel(const char* name) {
+  Scenario s = scene(name);
+  bend(s, -1.0);
+  s.markers.back().dy.knots = {{1.0, 0}, {3.0, 1}, {3.5, 1}, {5.5, 2}, {6.0, 2}};
+  return s;
+}
+
+void add_known_lens(std::vector<PreciseCase>& all) {
+  struct View {
+    const char* name;
+    Scenario scenario;
+  };
+  for (const Pattern pattern : {Pattern::kCosine, Pattern::kGrid}) {
+    const bool is_cosine = pattern == Pattern::kCosine;
+    for (const View& view : {View{"0", small(-1.0, 0.0)},
+                             {"8", small_in_large_picture(-1.0)},
+                             {"20", orbit(-1.0, 20.0)},
+                             {"40", orbit(-1.0, 40.0)}}) {
+      PreciseCase c{.name = fmt::format("known-{}-{}", is_cosine ? "cos" : "bin", view.name),
+                    .gate = is_cosine ? "<= 1.15 x" : "<= 1.5 x full",
+                    .scenario = view.scenario,
+                    .lens_known = true,
+                    .frames = 21};
+      set_pattern(c.scenario, pattern);
+      if (!is_cosine) c.bound = Bound::kFull;
+      all.push_back(c);
+    }
+  }
+  for (const View& view : {View{"8", small_in_large_picture(-1.0)}, {"20", orbit(-1.0, 20.0)}}) {
+    all.push_back({.name = fmt::format("solved-bin-{}", view.name),
+                   .gate = "<= 2.2 x full",
+                   .scenario = view.scenario,
+                   .bound = Bound::kFull,
+                   .frames = 30});
+  }
+}
+
+void add_unknown_lens(std::vector<PreciseCase>& all) {
+  for (const double percent : {-0.3, -1.0, -2.0}) {
+    for (const bool tangential : {false, true}) {
+      PreciseCase c{.name = fmt::format("unknown{}{}-60", percent, tangential ? "-p" : ""),
+                    .gate = "<= 1.0 x",
+                    .scenario = small(percent, 1.0)};
+      if (tangential) c.scenario.camera.p1 = 0.003, c.scenario.camera.p2 = -0.002;
+      all.push_back(c);
+    }
+  }
+  all.push_back({.name = "unknown-1-cos-60", .gate = "<= 1.5 x", .scenario = small(-1.0, 1.0)});
+  set_pattern(all.back().scenario, Pattern::kCosine);
+  all.push_back(
+      {.name = "unknown-1-10", .gate = "<= 2 x", .scenario = small(-1.0, 1.0), .frames = 10, .step = 6, .runs = 20});
+  all.push_back(
+      {.name = "unknown-1-5", .gate = "<= 3 x", .scenario = small(-1.0, 1.0), .frames = 5, .step = 12, .runs = 40});
+  PreciseCase rig{
+      .name = "unknown-1-rig-8", .gate = "<= 1.0 x", .scenario = scene("rig-1x"), .runs = 2, .coverage_runs = 0};
+  rig.scenario.mount.rotation_x.knots.clear();
+  rig.scenario.camera.k1 = -0.0225;
+  pose_anew(rig.scenario, 4.0, 4.0, 4.0);
+  all.push_back(rig);
+  for (auto& c : all) {
+    if (c.name.starts_with("unknown")) c.scenario.known_to.position_mm = 5.0;
+  }
+  all.push_back({.name = "tiny-0.1", .gate = "<= 1.5 x", .scenario = small(-1.0, 0.1)});
+  all.push_back({.name = "still", .gate = "<= 1.5 x", .scenario = small(-1.0, 0.0)});
+}
+
+void add_travel(std::vector<PreciseCase>& all) {
+  for (const bool far : {false, true}) {
+    const Scenario s = travel(far ? "small-travel-50" : "small-travel-5");
+    const std::string name = far ? "travel-50" : "travel-5";
+    all.push_back({.name = name, .gate = far ? "<= 8 um" : "<= 1.5 um", .scenario = s, .frames = 40});
+    all.push_back({.name = name + "-rest",
+                   .gate = "<= 1.5 um",
+                   .scenario = s,
+                   .rest = FrameRange{.first = 0, .end = 10},
+                   .frames = 40,
+                   .coverage_frames = 20,
+                   .coverage_step = 2});
+  }
+}
+
+void add_events(std::vector<PreciseCase>& all) {
+  all.push_back({.name = "walk", .gate = "<= 2 x, every order", .scenario = scene("small-walk"), .coverage_step = 1});
+  all.push_back({.name = "six-slip",
+                 .gate = "rms as six-still",
+                 .scenario = scene("small-six-slip"),
+                 .frames = 80,
+                 .step = 2,
+                 .coverage_frames = 12,
+                 .coverage_step = 12});
+  Scenario six = scene("small-six-slip");
+  for (auto& marker : six.markers) {
+    if (marker.print.role == Role::kReference) marker.dy = Track{};
+  }
+  all.push_back({.name = "six-still",
+                 .gate = "<= 1.5 x",
+                 .scenario = six,
+                 .frames = 80,
+                 .step = 2,
+                 .coverage_frames = 12,
+                 .coverage_step = 12});
+  all.push_back({.name = "covered",
+                 .gate = "no covered ok",
+                 .scenario = scene("small-covered"),
+                 .frames = 110,
+                 .coverage_runs = 0});
+}
+
+}  // namespace
+
+const std::vector<PreciseCase>& precise_cases() {
+  static const std::vector<PreciseCase> list = [] {
+    std::vector<PreciseCase> all;
+    add_known_lens(all);
+    add_unknown_lens(all);
+    add_travel(all);
+    add_events(all);
+    return all;
+  }();
+  return list;
+}
+
+Scenario drawn_anew(const Scenario& scenario, int seed) {
+  Scenario s = scenario;
+  s.seed = static_cast<std::uint64_t>(seed);
+  auto& m = s.mount;
+  for (Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z})
+    track->random_seed += 100 * s.seed;
+  return s;
+}
+
+}  // namespace moiregauge::study

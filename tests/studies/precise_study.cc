@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// precise_study [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--noise-free] [--verbose]: one row of
+// a Markdown table per case whose name holds WORD.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/simulated_run.h"
+#include "studies/precise_bounds.h"
+#include "studies/precise_cases.h"
+
+namespace moiregauge::study {
+namespace {
+
+struct Words {
+  std::string cases;
+  std::string method = "precise";
+  int runs = -1;
+  int coverage = -1;
+  int seed = 1;
+  bool noise_free = false;
+  bool verbose = false;
+};
+
+constexpr double kUmPerPitch = 10000.0;
+
+struct Axis {
+  std::vector<double> about_mean, raw, u, bound;
+  int inside = 0;
+};
+
+// What was seen over many runs of one case.
+struct Tally {
+  Axis x, y;
+  int rows = 0, ok = 0, wrong_orders = 0, lies = 0, covered_ok = 0, problems = 0, runs = 0;
+  std::map<std::string, int> models;
+  std::map<std::string, std::vector<double>> budget_y, budget_x;
+};
+
+void add_axis(Axis& axis, const std::vector<double>& errors, const std::vector<double>& u) {
+  double mean = 0.0;
+  for (const double e : errors) mean += e / static_cast<double>(errors.size());
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    axis.about_mean.push_back(errors[k] - mean);
+    axis.raw.push_back(errors[k]);
+    axis.u.push_back(u[k]);
+    axis.inside += std::abs(errors[k]) < 1.96 * u[k];
+  }
+}
+
+bool is_covered(const simulator::Scenario& s, const test::MeasuredRun& run, const Sample& sample) {
+  const auto* marker = simulator::find_marker(s, run.reference.site.markers[sample.marker].name);
+  for (const auto& span : marker->cover.frames) {
+    if (sample.frame >= span.from && sample.frame < span.to) return true;
+  }
+  return false;
+}
+
+void add_run(Tally& tally, const simulator::Scenario& s, const test::MeasuredRun& run) {
+  ++tally.runs;
+  tally.problems += !run.problem.empty();
+  std::vector<double> ex, ey, ux, uy;
+  std::size_t number = 0;
+  for (const Sample& sample : run.samples) {
+    const bool covered = is_covered(s, run, sample), ok = sample.status == Status::kOk;
+    tally.rows += !covered;
+    const std::size_t k = number;
+    number += has_numbers(sample.status);
+    if (!ok) continue;
+    if (covered) {
+      ++tally.covered_ok;
+      continue;
+    }
+    ++tally.ok;
+    ex.push_back(run.error_x_um[k]);
+    ey.push_back(run.error_y_um[k]);
+    ux.push_back(run.u_x_um[k]);
+    uy.push_back(run.u_y_um[k]);
+    const auto is_lie = [](double error, double u) { return std::abs(error) > std::max(5.0 * u, 0.5); };
+    tally.lies += is_lie(ex.back(), ux.back()) || is_lie(ey.back(), uy.back());
+    tally.wrong_orders += std::max(std::abs(ex.back()), std::abs(ey.back())) > 0.5 * kUmPerPitch;
+    for (const BudgetPart& part : kBudgetParts) {
+      tally.budget_x[part.name].push_back(1000.0 * (sample.budget.*part.value).x);
+      tally.budget_y[part.name].push_back(1000.0 * (sample.budget.*part.value).y);
+    }
+  }
+  add_axis(tally.x, ex, ux);
+  add_axis(tally.y, ey, uy);
+  ++tally.models[run.solution.scene ? run.solution.scene->solved ? run.solution.scene->model.name() : "unsolved" : "-"];
+}
+
+Camera lens_of(const simulator::Camera& c) {
+  return {c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+}
+
+test::RunPlan plan_of(const PreciseCase& c, const Words& words) {
+  test::RunPlan plan;
+  plan.method = words.method;
+  plan.grain = words.noise_free ? test::Grain::kNoiseFree : test::Grain::kSensor;
+  plan.frames = c.frames;
+  plan.step = c.step;
+  plan.solve.rest = c.rest;
+  if (c.lens_known) plan.lens = lens_of(c.scenario.camera);
+  return plan;
+}
+
+void tell(const simulator::Scenario& s, const test::MeasuredRun& run) {
+  std::fprintf(stderr, "  seed %llu: scatter %.3f %.3f raw %.3f %.3f u %.3f %.3f ",
+               static_cast<unsigned long long>(s.seed), test::scatter(run.error_x_um), test::scatter(run.error_y_um),
+               test::rms(run.error_x_um), test::rms(run.error_y_um), test::rms(run.u_x_um), test::rms(run.u_y_um));
+  if (run.solution.scene) {
+    const Scene& scene = *run.solution.scene;
+    std::fprintf(stderr, "%s chi2/dof %.2f f %.1f c %.1f %.1f k %.4f %.3f p %.5f %.5f %s", scene.model.name().c_str(),
+                 scene.chi2_dof, scene.camera.fx, scene.camera.cx, scene.camera.cy, scene.camera.k1, scene.camera.k2,
+                 scene.camera.p1, scene.camera.p2, scene.problem.c_str());
+  }
+  std::fprintf(stderr, "%s\n", run.problem.c_str());
+  for (const std::string& note : run.solution.notes) std::fprintf(stderr, "    %s\n", note.c_str());
+}
+
+// Long runs: positions drawn, prints exact, so that what is left is the method's own. The bound is that of the frames
+// measured; the full bound costs four pictures per marker, so it is taken of every tenth.
+Tally long_runs(const PreciseCase& c, const Words& words) {
+  Tally tally;
+  const int runs = words.runs >= 0 ? words.runs : c.runs;
+  for (int n = 0; n < runs; ++n) {
+    simulator::Scenario s = drawn_anew(c.scenario, words.seed + n);
+    s.draw.position = true;
+    const test::MeasuredRun run = test::measured(s, plan_of(c, words));
+    if (words.verbose) tell(s, run);
+    add_run(tally, s, run);
+    const bool full = c.bound == Bound::kFull;
+    for (std::size_t k = 0; k < run.samples.size(); k += full ? 10 : 1) {
+      const auto bound = full ? full_bound_um(s, run.samples[k].frame) : phase_bound_um(s, run.samples[k].frame);
+      tally.x.bound.push_back(bound.x);
+      tally.y.bound.push_back(bound.y);
+    }
+  }
+  return tally;
+}
+
+// Short runs: all that [known_to] speaks of is drawn.
+Tally short_runs(const PreciseCase& c, const Words& words) {
+  Tally tally;
+  const int runs = words.coverage >= 0 ? words.coverage : c.coverage_runs;
+  for (int n = 0; n < runs; ++n) {
+    simulator::Scenario s = drawn_anew(c.scenario, 100000 + words.seed + n);
+    s.draw = {.position = true, .rotation = true, .height = true, .print_scale = true};
+    test::RunPlan plan = plan_of(c, words);
+    plan.frames = c.coverage_frames;
+    plan.step = c.coverage_step;
+    const test::MeasuredRun run = test::measured(s, plan);
+    if (words.verbose) tell(s, run);
+    add_run(tally, s, run);
+  }
+  return tally;
+}
+
+std::string models_of(const Tally& tally) {
+  std::string text;
+  for (const auto& [name, count] : tally.models) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
+  return text;
+}
+
+std::string share(int part, std::size_t whole) {
+  return whole == 0 ? "-" : fmt::format("{:.1f}", 100.0 * part / static_cast<double>(whole));
+}
+
+void print_budget(const char* what, const Tally& tally) {
+  std::fprintf(stderr, "  %s budget x / y, rms um:", what);
+  for (const BudgetPart& part : kBudgetParts) {
+    const auto x = tally.budget_x.find(part.name), y = tally.budget_y.find(part.name);
+    if (x != tally.budget_x.end())
+      std::fprintf(stderr, " %s %.3f/%.3f", part.name, test::rms(x->second), test::rms(y->second));
+  }
+  std::fprintf(stderr, "\n");
+}
+
+void print_row(const PreciseCase& c, const Words& words) {
+  const Tally run = long_runs(c, words), brief = short_runs(c, words);
+  const double bx = test::rms(run.x.bound), by = test::rms(run.y.bound);
+  const double sx = test::rms(run.x.about_mean), sy = test::rms(run.y.about_mean);
+  fmt::print(
+      "| {} | {} | {} x {} | {} | {:.2f} | {:.2f} | {:.3f} / {:.3f} | {:.3f} / {:.3f} | {:.2f} / {:.2f} | {:.2f} / "
+      "{:.2f} | "
+      "{} / {} ({}) | {:.2f} / {:.2f} | {:.2f} / {:.2f} | {} | {} | {}; {} |\n",
+      c.name, c.gate, run.runs, c.frames, share(run.ok, static_cast<std::size_t>(run.rows)), sy / by, sx / bx, sy, sx,
+      by, bx, test::rms(run.y.raw), test::rms(run.x.raw), test::rms(run.y.u), test::rms(run.x.u),
+      share(brief.y.inside, brief.y.raw.size()), share(brief.x.inside, brief.x.raw.size()), brief.runs,
+      test::rms(brief.y.raw), test::rms(brief.x.raw), test::rms(brief.y.u), test::rms(brief.x.u),
+      share(brief.ok, static_cast<std::size_t>(brief.rows)), run.lies + brief.lies,
+      fmt::format("{} wrong orders, {} covered ok, {} refused", run.wrong_orders + brief.wrong_orders, run.covered_ok,
+                  run.problems + brief.problems),
+      models_of(run));
+  std::fflush(stdout);
+  if (!words.verbose) return;
+  print_budget("long", run);
+  print_budget("short", brief);
+}
+
+Words words_of(int argc, char** argv) {
+  Words words;
+  const std::map<std::string, int*> numbers{
+      {"--runs", &words.runs}, {"--coverage", &words.coverage}, {"--seed", &words.seed}};
+  const std::map<std::string, std::string*> texts{{"--cases", &words.cases}, {"--method", &words.method}};
+  const std::map<std::string, bool*> flags{{"--noise-free", &words.noise_free}, {"--verbose", &words.verbose}};
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool has_value = i + 1 < argc;
+    if (const auto flag = flags.find(word); flag != flags.end()) {
+      *flag->second = true;
+    } else if (const auto number = numbers.find(word); number != numbers.end() && has_value) {
+      *number->second = std::atoi(argv[++i]);
+    } else if (const auto text = texts.find(word); text != texts.end() && has_value) {
+      *text->second = argv[++i];
+    } else {
+      std::fprintf(stderr,
+                   "error: bad option: %s: --cases WORD, --runs N, --coverage N, --seed S, --method M, --noise-free or "
+                   "--verbose\n",
+                   word.c_str());
+      std::exit(2);
+    }
+  }
+  return words;
+}
+
+int study(const Words& words) {
+  if (method_named(words.method) == nullptr) {
+    std::fprintf(stderr, "error: no such method: %s: name one of moiregauge measure --help\n", words.method.c_str());
+    return 2;
+  }
+  fmt::print(
+      "| case | gate | runs x frames | % ok | dy ratio | dx ratio | dy / dx scatter, um | bound | dy / dx raw rms | "
+      "mean u | "
+      "% inside 1.96 u, dy / dx (short runs) | short: raw rms | u | % ok | lies | rows; models |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  int found = 0;
+  for (const PreciseCase& c : precise_cases()) {
+    if (c.name.find(words.cases) == std::string::npos) continue;
+    ++found;
+    print_row(c, words);
+  }
+  if (found > 0) return 0;
+  std::fprintf(stderr, "error: no such case: %s: known are", words.cases.c_str());
+  for (const PreciseCase& c : precise_cases()) std::fprintf(stderr, " %s", c.name.c_str());
+  std::fprintf(stderr, "\n");
+  return 2;
+}
+
+}  // namespace
+}  // namespace moiregauge::study
+
+int main(int argc, char** argv) { return moiregauge::study::study(moiregauge::study::words_of(argc, argv)); }
