@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <unsupported/Eigen/FFT>
 
 #include "moiregauge/units/units.h"
 
@@ -25,39 +26,102 @@ constexpr long kLeastPixelsPerUnknown = 4;
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
 // sum over pixels of value exp(-2 pi i (m X + n Y)) for |m|, |n| <= highest, from what they left in the bins; n
-// slowest. Values are real: one half is the other's conjugate.
+// slowest.
 std::vector<Complex> spectrum(const std::vector<double>& value, int side, int highest) {
   const int wide = 2 * highest + 1;
-  std::vector<double> c, s;  // of the turns
-  for (int k = 0; k < side; ++k) c.push_back(std::cos(kTurn * k / side)), s.push_back(-std::sin(kTurn * k / side));
-  std::vector<Complex> rows(static_cast<std::size_t>(side * (highest + 1))), out(static_cast<std::size_t>(wide * wide));
+  const auto bin = [side](int k) { return k < 0 ? k + side : k; };
+  Eigen::FFT<double> fft;
+  Eigen::MatrixXcd columns(side, wide);  // row by row transformed, the orders kept
+  Eigen::VectorXcd line(side), out(side);
   for (int j = 0; j < side; ++j) {
-    const double* from = value.data() + static_cast<std::ptrdiff_t>(j) * side;
-    for (int m = 0; m <= highest; ++m) {
-      double re = 0.0, im = 0.0;
-      for (int i = 0, k = 0; i < side; ++i, k += m) {
-        if (k >= side) k -= side;
-        re += from[i] * c[static_cast<std::size_t>(k)];
-        im += from[i] * s[static_cast<std::size_t>(k)];
-      }
-      rows[static_cast<std::size_t>(j * (highest + 1) + m)] = {re, im};
-    }
+    line = Eigen::Map<const Eigen::VectorXd>(value.data() + static_cast<std::ptrdiff_t>(j) * side, side);
+    fft.fwd(out, line);
+    for (int m = -highest; m <= highest; ++m) columns(j, m + highest) = out(bin(m));
   }
-  for (int n = -highest; n <= highest; ++n) {
-    for (int m = 0; m <= highest; ++m) {
-      Complex sum = 0.0;
-      for (int j = 0, k = 0, step = n < 0 ? n + side : n; j < side; ++j, k += step) {
-        if (k >= side) k -= side;
-        sum += rows[static_cast<std::size_t>(j * (highest + 1) + m)] *
-               Complex(c[static_cast<std::size_t>(k)], s[static_cast<std::size_t>(k)]);
-      }
+  std::vector<Complex> sums(static_cast<std::size_t>(wide * wide));
+  for (int m = -highest; m <= highest; ++m) {
+    line = columns.col(m + highest);
+    fft.fwd(out, line);
+    for (int n = -highest; n <= highest; ++n) {
       const double shared = sinc(double(m) / side) * sinc(double(n) / side);
-      sum /= shared * shared;
-      out[static_cast<std::size_t>((n + highest) * wide + m + highest)] = sum;
-      out[static_cast<std::size_t>((highest - n) * wide + highest - m)] = std::conj(sum);
+      sums[static_cast<std::size_t>((n + highest) * wide + m + highest)] = out(bin(n)) / (shared * shared);
     }
   }
-  return out;
+  return sums;
+}
+
+// A matrix whose entries depend on differences of orders only, times a vector of orders: a convolution, so products of
+// spectra on a grid wide enough for all differences. A direct solution would cost the sixth power of the order.
+class DifferenceMatrix {
+ public:
+  DifferenceMatrix(const std::vector<Complex>& weight, int order) : wide_(2 * order + 1) {
+    while (side_ < 4 * order + 1) side_ *= 2;
+    Grid grid = Grid::Zero(side_, side_);
+    for (int n = -2 * order; n <= 2 * order; ++n) {
+      for (int m = -2 * order; m <= 2 * order; ++m)
+        grid((m + side_) % side_, (n + side_) % side_) =
+            weight[static_cast<std::size_t>((n + 2 * order) * (4 * order + 1) + m + 2 * order)];
+    }
+    weight_ = transformed(grid, true);
+  }
+
+  [[nodiscard]] Eigen::VectorXcd operator*(const Eigen::VectorXcd& c) {
+    Grid grid = Grid::Zero(side_, side_);
+    grid.topLeftCorner(wide_, wide_) = Eigen::Map<const Grid>(c.data(), wide_, wide_);
+    const Grid out = transformed(transformed(grid, true).cwiseProduct(weight_), false);
+    Eigen::VectorXcd product(c.size());
+    Eigen::Map<Grid>(product.data(), wide_, wide_) = out.topLeftCorner(wide_, wide_);
+    return product;
+  }
+
+ private:
+  using Grid = Eigen::MatrixXcd;
+
+  [[nodiscard]] Grid transformed(Grid grid, bool forward) {
+    Eigen::VectorXcd line(side_), out(side_);
+    for (const bool columns : {true, false}) {
+      for (int k = 0; k < side_; ++k) {
+        if (columns)
+          line = grid.col(k);
+        else
+          line = grid.row(k).transpose();
+        if (forward)
+          fft_.fwd(out, line);
+        else
+          fft_.inv(out, line);
+        if (columns)
+          grid.col(k) = out;
+        else
+          grid.row(k) = out.transpose();
+      }
+    }
+    return grid;
+  }
+
+  int wide_, side_ = 1;
+  Eigen::FFT<double> fft_;
+  Grid weight_;
+};
+
+// Conjugate gradients. How often the window shows each part of the print differs by a small factor, so the error falls
+// several times a step; what it does not show stays near zero.
+constexpr int kMostSteps = 60;
+constexpr double kSmallEnough = 1e-9;  // residual against the right side
+
+Eigen::VectorXcd solved(DifferenceMatrix& normal, double ridge, const Eigen::VectorXcd& right) {
+  Eigen::VectorXcd x = Eigen::VectorXcd::Zero(right.size()), r = right, p = r;
+  double rr = r.squaredNorm();
+  const double enough = kSmallEnough * kSmallEnough * rr;
+  for (int step = 0; step < kMostSteps && rr > enough; ++step) {
+    const Eigen::VectorXcd ap = normal * p + ridge * p;
+    const double along = rr / p.dot(ap).real();
+    x += along * p;
+    r -= along * ap;
+    const double next = r.squaredNorm();
+    p = r + (next / rr) * p;
+    rr = next;
+  }
+  return x;
 }
 
 }  // namespace
@@ -82,48 +146,15 @@ void PrintBins::add(PrintPoint p, double grey) {
 }
 
 std::optional<PrintTemplate> PrintBins::fit() const {
-  const int wide = 2 * order_ + 1, half = (wide * wide - 1) / 2, unknowns = 2 * half + 1;
+  const int wide = 2 * order_ + 1, unknowns = wide * wide;
   if (pixels_ < kLeastPixelsPerUnknown * unknowns) return std::nullopt;
-  // The series is real: one half of its exponentials, as cosines and sines, beside the mean. Products of two of them
-  // are cosines and sines of sums and differences, so two spectra hold the whole of the normal equations.
+  // The normal equations of exponentials depend on differences of their orders only.
   const auto weight = spectrum(count_, side_, 2 * order_);
   const auto right = spectrum(sum_, side_, order_);
-  const int far = 4 * order_ + 1;
-  const auto w = [&](int m, int n) {
-    return weight[static_cast<std::size_t>((n + 2 * order_) * far + m + 2 * order_)];
-  };
-  std::vector<std::pair<int, int>> orders;  // m, n of the half that comes after (0, 0)
-  for (int k = half + 1; k < wide * wide; ++k) orders.emplace_back(k % wide - order_, k / wide - order_);
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);  // mean, cosines, sines; lower half
-  Eigen::VectorXd r(unknowns);
-  normal(0, 0) = w(0, 0).real();
-  r(0) = right[static_cast<std::size_t>(half)].real();
-  for (int a = 0; a < half; ++a) {
-    const auto [ma, na] = orders[static_cast<std::size_t>(a)];
-    const Complex own = w(ma, na), rhs = right[static_cast<std::size_t>(half + 1 + a)];
-    normal(1 + a, 0) = own.real();
-    normal(1 + half + a, 0) = -own.imag();
-    r(1 + a) = rhs.real();
-    r(1 + half + a) = -rhs.imag();
-    for (int b = 0; b < half; ++b) {
-      const auto [mb, nb] = orders[static_cast<std::size_t>(b)];
-      const Complex less = w(ma - mb, na - nb), more = w(ma + mb, na + nb);
-      normal(1 + half + a, 1 + b) = 0.5 * (-more.imag() - less.imag());
-      if (b > a) continue;
-      normal(1 + a, 1 + b) = 0.5 * (less.real() + more.real());
-      normal(1 + half + a, 1 + half + b) = 0.5 * (less.real() - more.real());
-    }
-  }
-  normal.diagonal().array() += 0.5 * kRidge * static_cast<double>(pixels_);
-  const Eigen::LLT<Eigen::MatrixXd> llt(normal);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  const Eigen::VectorXd c = llt.solve(r);
-  std::vector<Complex> series(static_cast<std::size_t>(wide * wide));
-  for (int a = 0; a < half; ++a) {
-    const Complex value(0.5 * c(1 + a), -0.5 * c(1 + half + a));
-    series[static_cast<std::size_t>(half + 1 + a)] = value;
-    series[static_cast<std::size_t>(half - 1 - a)] = std::conj(value);
-  }
+  DifferenceMatrix normal(weight, order_);
+  const Eigen::VectorXcd c =
+      solved(normal, kRidge * static_cast<double>(pixels_), Eigen::Map<const Eigen::VectorXcd>(right.data(), unknowns));
+  const std::vector<Complex> series(c.data(), c.data() + unknowns);
   return PrintTemplate(order_, series);
 }
 
