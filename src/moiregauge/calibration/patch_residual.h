@@ -74,6 +74,9 @@ class PatchResidual {
     return (*this)(camera, shape, pose, still, residual);
   }
 
+  // Whitens: root^T root is the patch's information.
+  [[nodiscard]] const Eigen::Matrix<double, kSize, kSize>& root() const { return root_; }
+
  private:
   PatchFit fit_;
   double x_mm_, y_mm_, angle_rad_, pitch_mm_;

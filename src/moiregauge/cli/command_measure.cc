@@ -8,7 +8,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/measure_options.h"
@@ -18,7 +17,6 @@
 #include "moiregauge/drawing/overlay.h"
 #include "moiregauge/drawing/overlay_inspection.h"
 #include "moiregauge/io/run_directory.h"
-#include "moiregauge/io/run_json.h"
 #include "moiregauge/io/stabilised_folder.h"
 
 namespace moiregauge::cli {
@@ -68,10 +66,6 @@ std::vector<std::uint8_t> overlay_of(const Measurement& m, const MeasureOptions&
   return draw_inspection({picture, seen, {}, "not measured: " + m.input.path});
 }
 
-int fail_output(const OutputError& error) {
-  return fail(error.usage ? Exit::kUsage : Exit::kOutputUnwritable, error.message);
-}
-
 // The two folders are each put in place as a whole: neither may hold the other.
 std::optional<std::string> stabilised_problem(const MeasureWords& words, const std::string& output) {
   if (words.stabilised.empty() || !overlaps(words.stabilised, output)) return std::nullopt;
@@ -117,20 +111,8 @@ int run(const MeasureWords& words) {
       stabilised ? stabilised->finish() : tl::expected<void, OutputError>{};
   if (!pictures) measured->exit = Exit::kOutputUnwritable;  // the results are kept all the same
   if (const auto written = directory.write(*measured, *options); !written) return fail_output(written.error());
-  if (words.json) {
-    fmt::print("{}\n",
-               run_json(*measured, *options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-  } else if (!words.quiet) {
-    fmt::print("{}", report_lines(*measured, *options, output));
-  }
-  for (const std::string& warning : measured->warnings) {
-    if (!words.quiet) fmt::print(stderr, "warning: {}\n", warning);
-  }
-  if (!pictures) return fail_output(pictures.error());
-  if (measured->exit == Exit::kRefused)
-    return fail(Exit::kRefused,
-                fmt::format("refused: {}: {}: see {}/overlay.png", words.input, measured->refusal, output));
-  return static_cast<int>(measured->exit);
+  const int exit = report(*measured, *options, {words.input, output, words.quiet, words.json});
+  return pictures ? exit : fail_output(pictures.error());
 }
 
 }  // namespace
@@ -161,6 +143,7 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->type_name("N");
   command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")
       ->type_name("A:B:STEP");
+  command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
   command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");
   command
       ->add_option("--stabilised", words->stabilised,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/measure_options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <vector>
@@ -36,6 +37,33 @@ std::string method_names() {
 }
 
 }  // namespace
+
+tl::expected<const Method*, UsageError> method_of(const std::string& word) {
+  const Method* method = method_named(word);
+  if (method == nullptr)
+    return usage(fmt::format("unknown method: --method {}: choose one of {}", word, method_names()));
+  return method;
+}
+
+tl::expected<Site, UsageError> site_of_file(const std::string& path) {
+  auto site = read_site(path);
+  if (!site) return usage(mistakes(path, site.error()));
+  return *std::move(site);
+}
+
+tl::expected<Camera, UsageError> camera_of_file(const std::string& path) {
+  auto camera = read_camera(path);
+  if (!camera) return usage(camera.error());
+  return *camera;
+}
+
+tl::expected<FrameRange, UsageError> rest_frames(const std::string& text) {
+  const auto range = frame_range(text);
+  const auto colons = std::count(text.begin(), text.end(), ':');
+  if (!range || colons != 1)
+    return usage(fmt::format("frames at rest: --rest {}: write A:B, half open, e.g. 0:20", text));
+  return range;
+}
 
 tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
   FrameRange range;
@@ -79,9 +107,9 @@ std::optional<std::string> camera_problem(const Camera& camera, const InputInfo&
 
 tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
   MeasureOptions options;
-  options.method = method_named(words.method);
-  if (options.method == nullptr)
-    return usage(fmt::format("unknown method: --method {}: choose one of {}", words.method, method_names()));
+  const auto method = method_of(words.method);
+  if (!method) return tl::unexpected(method.error());
+  options.method = *method;
   if (!words.pitch.empty() && !words.site.empty())
     return usage("--pitch and --site together: the site file states the pitch: leave one of them out");
   if (!words.axes.empty() && words.pitch.empty())
@@ -98,19 +126,24 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     return usage("no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or a site file "
                  "(docs/file-formats.md)");
   if (!words.site.empty()) {
-    auto site = read_site(words.site);
-    if (!site) return usage(mistakes(words.site, site.error()));
+    auto site = site_of_file(words.site);
+    if (!site) return tl::unexpected(site.error());
     options.site = std::move(*site);
   }
   if (!words.camera.empty()) {
-    auto camera = read_camera(words.camera);
-    if (!camera) return usage(camera.error());
+    const auto camera = camera_of_file(words.camera);
+    if (!camera) return tl::unexpected(camera.error());
     options.camera = *camera;
   }
   if (words.fps && !(*words.fps > 0.0)) return usage(fmt::format("frame rate: --fps {}: must be above 0", *words.fps));
   auto range = frame_range(words.frames);
   if (!range) return tl::unexpected(range.error());
   options.frames = *range;
+  if (!words.rest.empty()) {
+    const auto rest = rest_frames(words.rest);
+    if (!rest) return tl::unexpected(rest.error());
+    options.solve.rest = *rest;
+  }
   if (words.reference_frame && *words.reference_frame < 0)
     return usage(fmt::format("reference frame: --reference-frame {}: frames count from 0", *words.reference_frame));
   options.reference_frame = words.reference_frame;

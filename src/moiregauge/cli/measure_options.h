@@ -22,6 +22,7 @@ struct MeasureWords {
   std::optional<double> fps;
   std::optional<long> reference_frame;
   std::string frames;
+  std::string rest;
   std::string output;
   std::string stabilised;
   bool sequence = false;
@@ -36,6 +37,12 @@ struct UsageError {
 
 [[nodiscard]] tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words);
 [[nodiscard]] tl::expected<FrameRange, UsageError> frame_range(const std::string& text);
+
+// What `measure` and `solve` both take; each fails with what is wrong with the option's word.
+[[nodiscard]] tl::expected<const Method*, UsageError> method_of(const std::string& word);
+[[nodiscard]] tl::expected<Site, UsageError> site_of_file(const std::string& path);
+[[nodiscard]] tl::expected<Camera, UsageError> camera_of_file(const std::string& path);
+[[nodiscard]] tl::expected<FrameRange, UsageError> rest_frames(const std::string& text);  // A:B
 
 // <input name without extension, or before %> + suffix, in the current directory.
 [[nodiscard]] std::string default_output(const std::string& input, const std::string& suffix = "-moiregauge");

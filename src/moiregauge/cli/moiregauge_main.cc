@@ -10,6 +10,7 @@
 #include "moiregauge/cli/command_measure.h"
 #include "moiregauge/cli/command_reproduce.h"
 #include "moiregauge/cli/command_simulate.h"
+#include "moiregauge/cli/command_solve.h"
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/version.h"
 
@@ -23,6 +24,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = 0;
   moiregauge::cli::add_measure(app, exit_code);
+  moiregauge::cli::add_solve(app, exit_code);
   moiregauge::cli::add_inspect(app, exit_code);
   moiregauge::cli::add_simulate(app, exit_code);
   moiregauge::cli::add_reproduce(app, exit_code);

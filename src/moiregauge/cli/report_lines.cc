@@ -3,8 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/cli/exit_line.h"
+#include "moiregauge/io/run_json.h"
 
 namespace moiregauge::cli {
 namespace {
@@ -57,6 +62,26 @@ std::string next_line(const Measurement& m, const std::string& output) {
 
 std::string report_lines(const Measurement& measurement, const MeasureOptions& options, const std::string& output) {
   return found_line(measurement, options) + "\n" + result_line(measurement, options) + "\n" + next_line(measurement, output) + "\n";
+}
+
+int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words) {
+  if (words.json) {
+    fmt::print("{}\n", run_json(measurement, options)
+                           .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  } else if (!words.quiet) {
+    fmt::print("{}", report_lines(measurement, options, words.output));
+  }
+  for (const std::string& warning : measurement.warnings) {
+    if (!words.quiet) fmt::print(stderr, "warning: {}\n", warning);
+  }
+  if (measurement.exit == Exit::kRefused)
+    return fail(Exit::kRefused,
+                fmt::format("refused: {}: {}: see {}/overlay.png", words.input, measurement.refusal, words.output));
+  return static_cast<int>(measurement.exit);
+}
+
+int fail_output(const OutputError& error) {
+  return fail(error.usage ? Exit::kUsage : Exit::kOutputUnwritable, error.message);
 }
 
 }  // namespace moiregauge::cli

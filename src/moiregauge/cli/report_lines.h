@@ -3,12 +3,25 @@
 
 #include <string>
 
-#include "moiregauge/run/measure.h"
+#include "moiregauge/run/result_sink.h"
 
 namespace moiregauge::cli {
 
 // The three lines at the end of a run: what was found, the result with its uncertainty, what to do next.
 [[nodiscard]] std::string report_lines(const Measurement& measurement, const MeasureOptions& options,
                                        const std::string& output);
+
+struct ReportWords {
+  std::string input;   // as typed
+  std::string output;  // folder of the results
+  bool quiet = false;
+  bool json = false;  // run.json instead of the three lines
+};
+
+// Says how a run ended on stdout and stderr; returns its exit code.
+int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words);
+
+// Results that could not be written.
+int fail_output(const OutputError& error);
 
 }  // namespace moiregauge::cli

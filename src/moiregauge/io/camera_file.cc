@@ -2,6 +2,7 @@
 #include "moiregauge/io/camera_file.h"
 
 #include <exception>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -71,7 +72,24 @@ bool is_yaml(const std::string& text) {
          text.find("amera_Matrix:") != std::string::npos;
 }
 
+// The shortest text that reads back to the same bits; TOML wants a point in a real number.
+std::string real(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
 }  // namespace
+
+std::string write_camera(const Camera& camera) {
+  std::string text = "# Pixels; OpenCV's lens model and signs.\n[camera]\n";
+  if (camera.width > 0) text += fmt::format("width = {}\nheight = {}\n", camera.width, camera.height);
+  const std::pair<const char*, double> keys[] = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx},
+                                                 {"cy", camera.cy}, {"k1", camera.k1}, {"k2", camera.k2},
+                                                 {"p1", camera.p1}, {"p2", camera.p2}, {"k3", camera.k3}};
+  for (const auto& [key, value] : keys) text += fmt::format("{} = {}\n", key, real(value));
+  return text;
+}
 
 tl::expected<Camera, std::string> parse_camera(const std::string& text, const std::string& path) {
   try {

@@ -15,4 +15,7 @@ namespace moiregauge {
 [[nodiscard]] tl::expected<Camera, std::string> read_camera(const std::string& path);
 [[nodiscard]] tl::expected<Camera, std::string> parse_camera(const std::string& text, const std::string& path);
 
+// A file that read_camera gives back as it was, to the last bit of every number.
+[[nodiscard]] std::string write_camera(const Camera& camera);
+
 }  // namespace moiregauge

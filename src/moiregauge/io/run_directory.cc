@@ -12,8 +12,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/io/camera_file.h"
 #include "moiregauge/io/displacement_csv.h"
+#include "moiregauge/io/run_file.h"
 #include "moiregauge/io/run_json.h"
+#include "moiregauge/io/site_file.h"
+#include "moiregauge/io/solved_scene.h"
 
 namespace moiregauge {
 namespace {
@@ -24,24 +28,44 @@ OutputError unwritable(const std::string& path, const std::string& why) {
   return {false, fmt::format("cannot write results: {}: {}: free the space or choose another folder with -o", path, why)};
 }
 
-tl::expected<void, OutputError> put(const fs::path& path, const char* bytes, std::size_t size) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) return tl::unexpected(unwritable(path, std::strerror(errno)));
-  while (size > 0) {
-    const ssize_t done = ::write(file, bytes, size);
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) {
-      const std::string why = std::strerror(errno);
-      ::close(file);
-      return tl::unexpected(unwritable(path, why));
-    }
-    bytes += done;
-    size -= static_cast<std::size_t>(done);
+// A new file, written piece by piece and brought to the disk at the end.
+class NewFile {
+ public:
+  explicit NewFile(const fs::path& path)
+      : path_(path), file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)) {
+    if (file_ < 0) why_ = std::strerror(errno);
   }
-  const bool synced = ::fsync(file) == 0;
-  const std::string why = std::strerror(errno);
-  if (::close(file) != 0 || !synced) return tl::unexpected(unwritable(path, why));
-  return {};
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+  ~NewFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  bool put(std::string_view bytes) {
+    while (file_ >= 0 && why_.empty() && !bytes.empty()) {
+      const ssize_t done = ::write(file_, bytes.data(), bytes.size());
+      if (done >= 0) bytes.remove_prefix(static_cast<std::size_t>(done));
+      else if (errno != EINTR) why_ = std::strerror(errno);
+    }
+    return why_.empty();
+  }
+  tl::expected<void, OutputError> finish() {
+    if (why_.empty() && ::fsync(file_) != 0) why_ = std::strerror(errno);
+    if (file_ >= 0 && ::close(file_) != 0 && why_.empty()) why_ = std::strerror(errno);
+    file_ = -1;
+    if (!why_.empty()) return tl::unexpected(unwritable(path_, why_));
+    return {};
+  }
+
+ private:
+  std::string path_;
+  int file_;
+  std::string why_;  // it failed; empty while it did not
+};
+
+tl::expected<void, OutputError> put(const fs::path& path, std::string_view bytes) {
+  NewFile file(path);
+  file.put(bytes);
+  return file.finish();
 }
 
 std::string sha256_of_run(const fs::path& dir) {
@@ -51,18 +75,57 @@ std::string sha256_of_run(const fs::path& dir) {
   return json["input"]["sha256"].is_string() ? json["input"]["sha256"].get<std::string>() : std::string{};
 }
 
-tl::expected<void, OutputError> put_all(const fs::path& dir, const Measurement& measurement, const MeasureOptions& options,
-                                        const DrawOverlay& draw_overlay) {
-  const std::string csv = displacement_csv(site_of(measurement, options), measurement.samples);
-  if (measurement.reference) {
-    if (auto done = put(dir / "displacement.csv", csv.data(), csv.size()); !done) return done;
-  }
+// What `measure` alone can make, or what it once made and `solve` keeps.
+tl::expected<void, OutputError> put_seen(const fs::path& dir, const Measurement& measurement,
+                                         const MeasureOptions& options, const DrawOverlay& draw_overlay) {
   const std::vector<std::uint8_t> overlay = draw_overlay(measurement);
-  if (auto done = put(dir / "overlay.png", reinterpret_cast<const char*>(overlay.data()), overlay.size()); !done) return done;
+  if (auto done = put(dir / "overlay.png", {reinterpret_cast<const char*>(overlay.data()), overlay.size()}); !done)
+    return done;
+  NewFile file(dir / kRunFileName);
+  write_run(measurement, options, [&](std::string_view bytes) { return file.put(bytes); });
+  return file.finish();
+}
+
+// The same files under another name; a copy where the file system has no such thing.
+tl::expected<void, OutputError> keep_seen(const fs::path& dir, const fs::path& from) {
+  for (const char* name : {"overlay.png", kRunFileName.data()}) {
+    std::error_code error;
+    if (!fs::exists(from / name, error)) continue;
+    fs::create_hard_link(from / name, dir / name, error);
+    if (error) fs::copy_file(from / name, dir / name, error);
+    if (error) return tl::unexpected(unwritable(dir / name, error.message()));
+  }
+  return {};
+}
+
+tl::expected<void, OutputError> put_results(const fs::path& dir, const Measurement& measurement,
+                                            const MeasureOptions& options) {
+  if (measurement.reference) {
+    const std::string csv = displacement_csv(site_of(measurement, options), measurement.samples);
+    if (auto done = put(dir / "displacement.csv", csv); !done) return done;
+  }
+  if (measurement.reference && measurement.scene && measurement.scene->solved) {
+    const Site solved = solved_site(measurement.reference->site, *measurement.scene);
+    if (auto done = put(dir / "site.toml", write_site(solved)); !done) return done;
+  }
+  if (measurement.scene && has_solved_lens(*measurement.scene)) {
+    Camera solved = measurement.scene->camera;
+    solved.width = measurement.input.width;
+    solved.height = measurement.input.height;
+    if (auto done = put(dir / "camera.toml", write_camera(solved)); !done) return done;
+  }
   // What other people called their files is not always UTF-8; the JSON is.
   const std::string json =
       run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  return put(dir / "run.json", json.data(), json.size());
+  return put(dir / "run.json", json);
+}
+
+// The folder itself, whatever name leads to it.
+fs::path real_place(const std::string& path) {
+  std::error_code error;
+  fs::path place = fs::weakly_canonical(path, error);
+  if (error) place = fs::path(path).lexically_normal();
+  return place.has_filename() ? place : place.parent_path();
 }
 
 }  // namespace
@@ -83,13 +146,15 @@ tl::expected<void, OutputError> RunDirectory::check(const std::string& input_sha
 tl::expected<void, OutputError> RunDirectory::write(const Measurement& measurement, const MeasureOptions& options) {
   if (auto allowed = check(measurement.input.sha256); !allowed) return allowed;
   std::error_code error;
-  fs::path target = fs::path(path_).lexically_normal();
-  if (!target.has_filename()) target = target.parent_path();
+  const fs::path target = real_place(path_);
   const fs::path partial = target.string() + fmt::format(".partial-{}", ::getpid());
   const fs::path old = target.string() + fmt::format(".old-{}", ::getpid());
   fs::create_directories(partial, error);
   if (error) return tl::unexpected(unwritable(partial, error.message()));
-  if (auto done = put_all(partial, measurement, options, draw_overlay_); !done) {
+  auto done = solved_from_.empty() ? put_seen(partial, measurement, options, draw_overlay_)
+                                   : keep_seen(partial, solved_from_);
+  if (done) done = put_results(partial, measurement, options);
+  if (!done) {
     fs::remove_all(partial, error);
     return done;
   }

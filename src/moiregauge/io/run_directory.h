@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DIR of a run: displacement.csv, run.json, overlay.png; written beside it under another name and renamed as a whole.
+// DIR of a run: displacement.csv, run.json, run.mgj, overlay.png, of a solved scene camera.toml and site.toml; written
+// beside it under another name and renamed as a whole.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,14 @@ using DrawOverlay = std::function<std::vector<std::uint8_t>(const Measurement&)>
 
 class RunDirectory : public ResultSink {
  public:
-  RunDirectory(std::string path, DrawOverlay draw_overlay) : path_(std::move(path)), draw_overlay_(std::move(draw_overlay)) {}
+  RunDirectory(std::string path, DrawOverlay draw_overlay)
+      : path_(std::move(path)), draw_overlay_(std::move(draw_overlay)) {}
+  // For new results of what was measured into another folder, or the same: its run.mgj and overlay.png are kept.
+  [[nodiscard]] static RunDirectory solved_from(std::string path, std::string measured) {
+    RunDirectory directory(std::move(path), {});
+    directory.solved_from_ = std::move(measured);
+    return directory;
+  }
 
   // May this place be written? An existing run is replaced only if it came from the same input; anything else that is not
   // an empty folder is left alone. Asked before measuring, so that hours are not lost.
@@ -26,6 +34,7 @@ class RunDirectory : public ResultSink {
  private:
   std::string path_;
   DrawOverlay draw_overlay_;
+  std::string solved_from_;  // empty: just measured
 };
 
 }  // namespace moiregauge

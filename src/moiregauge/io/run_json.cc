@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/io/solved_scene.h"
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
 
@@ -28,9 +29,14 @@ Json input_json(const InputInfo& input, long seen) {
           {"time_source", input.time_source}};
 }
 
+Json range_json(const FrameRange& range) {
+  return {{"first", range.first}, {"end", range.end >= 0 ? Json(range.end) : Json(nullptr)}, {"step", range.step}};
+}
+
 Json config_json(const Measurement& measurement, const MeasureOptions& options) {
   const KnownTo& known_to = site_of(measurement, options).known_to;
-  Json config{{"frames", {{"first", options.frames.first}, {"end", nullptr}, {"step", options.frames.step}}},
+  Json config{{"frames", range_json(options.frames)},
+              {"rest", options.solve.rest ? range_json(*options.solve.rest) : Json(nullptr)},
               {"reference_frame", nullptr},
               {"region_px", options.observe.raster.region_px},
               {"sampling_pitch_px", nullptr},
@@ -42,7 +48,6 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
                 {"print_scale", known_to.print_scale}}}};
   config["pitch_mm"] = options.pitch_mm ? Json(*options.pitch_mm) : Json(nullptr);
   config["axes"] = options.axes == BoardAxes::kPrint ? "print" : "image";
-  if (options.frames.end >= 0) config["frames"]["end"] = options.frames.end;
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
   if (options.observe.raster.sampling_pitch_px > 0) config["sampling_pitch_px"] = options.observe.raster.sampling_pitch_px;
   return config;
@@ -50,7 +55,7 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
 
 // The camera solved from the footage, else the given one.
 Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
-  const bool solved = measurement.scene && measurement.scene->solved && measurement.scene->model.radial;
+  const bool solved = measurement.scene && has_solved_lens(*measurement.scene);
   if (solved) camera = measurement.scene->camera;
   Json json{{"model", camera ? "brown" : "none"}, {"width", measurement.input.width}, {"height", measurement.input.height}};
   const Camera c = camera.value_or(Camera{});
@@ -71,14 +76,37 @@ Json scene_json(const Measurement& measurement) {
   return {{"model", scene.model.name()}, {"chi2_dof", number(scene.chi2_dof)}, {"key_frames", scene.key_frames}};
 }
 
-Json marker_json(const Measurement& measurement, const Marker& marker, std::size_t i) {
-  const BoardPoint at = marker.grating ? marker.grating->centre : marker.circle->centre;
+BoardPoint place_of(const Marker& marker) { return marker.grating ? marker.grating->centre : marker.circle->centre; }
+
+// What a scene tells of a marker, each number with its u where one was solved.
+void add_solved(const Site& site, const Scene& scene, std::size_t i, Json& json) {
+  const Marker solved = solved_marker(site, scene, i);
+  const MarkerShape u = u_of_marker(scene, i);
+  const auto add = [&](const char* key, double value, double of_it) {
+    if (!(of_it > 0.0)) return;
+    json[key] = number(value);
+    json["u"][key] = number(of_it);
+  };
+  const BoardPoint at = place_of(solved);
+  add("x_mm", at.x, u.value[MarkerShape::kX]);
+  add("y_mm", at.y, u.value[MarkerShape::kY]);
+  add("z_mm", scene.markers[i].value[MarkerShape::kHeight], u.value[MarkerShape::kHeight]);
+  if (!solved.grating) return;
+  add("angle_deg", degrees_from_radians(solved.grating->angle_rad),
+      degrees_from_radians(u.value[MarkerShape::kTurn]));
+  add("pitch_mm", solved.grating->pitch_mm, site.markers[i].grating->pitch_mm * u.value[MarkerShape::kScale]);
+}
+
+Json marker_json(const Measurement& measurement, const Site& site, std::size_t i) {
+  const Marker& marker = site.markers[i];
+  const BoardPoint at = place_of(marker);
   Json json{{"name", marker.name},
             {"role", marker.role == Role::kReference ? "reference" : "target"},
             {"x_mm", at.x},
             {"y_mm", at.y},
             {"z_mm", marker.z_mm ? Json(*marker.z_mm) : Json(nullptr)},
             {"angle_deg", marker.grating ? Json(degrees_from_radians(marker.grating->angle_rad)) : Json(nullptr)},
+            {"pitch_mm", marker.grating ? Json(marker.grating->pitch_mm) : Json(nullptr)},
             {"pitch_px", nullptr},
             {"modulation", nullptr},
             {"u", Json::object()}};
@@ -88,6 +116,7 @@ Json marker_json(const Measurement& measurement, const Marker& marker, std::size
     const auto& modulation = reference.seen.markers[i].patch.modulation;
     json["modulation"] = number(std::fmax(modulation[0], modulation[1]));
   }
+  if (measurement.scene && measurement.scene->solved) add_solved(site, *measurement.scene, i, json);
   return json;
 }
 
@@ -121,7 +150,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
   json["markers"] = Json::array();
   const Site& site = site_of(measurement, options);
   for (std::size_t i = 0; i < site.markers.size(); ++i)
-    json["markers"].push_back(marker_json(measurement, site.markers[i], i));
+    json["markers"].push_back(marker_json(measurement, site, i));
   json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
   for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(site, target));

@@ -83,6 +83,23 @@ Observation observe_conventional(const GreyPicture& picture, const Reference& re
   return observation;
 }
 
+std::optional<IdealFromBoard> second_view(const Reference& reference, const std::vector<CirclePoint>& circles,
+                                          const Observation& seen) {
+  std::vector<BoardPoint> then, refined;
+  for (const CirclePoint& point : circles) {
+    const MarkerObservation& now = seen.markers[point.marker];
+    if (now.loss != Loss::kNone) continue;
+    Extent<frame::Board> moved;
+    if (reference.site.markers[point.marker].grating)
+      moved = displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, now.patch);
+    then.push_back(point.board);
+    refined.push_back(point.board + known_part(moved));
+  }
+  const auto second = fit_homography<frame::Board, frame::Board>(then, refined);
+  if (!second) return std::nullopt;
+  return seen.stage1 * *second;
+}
+
 Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
                               PatchWorkspace& work) {
   Observation observation;
@@ -100,7 +117,6 @@ Observation observe_two_stage(const GreyPicture& picture, const Reference& refer
   // Step 2: the patches of the references; what they moved is added at their circles.
   for (const CirclePoint& point : now.points)
     read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker], work);
-  std::vector<BoardPoint> then, refined;
   for (const CirclePoint& point : now.points) {
     MarkerObservation& seen = observation.markers[point.marker];
     const auto& at_rest = reference.seen.markers[point.marker].patch;
@@ -108,19 +124,13 @@ Observation observe_two_stage(const GreyPicture& picture, const Reference& refer
     if (seen.loss == Loss::kNone && reference.site.markers[point.marker].grating &&
         is_bent(reference.plans[point.marker], at_rest, seen.patch))
       seen.loss = Loss::kCovered;
-    if (seen.loss != Loss::kNone) continue;
-    Extent<frame::Board> moved;
-    if (reference.site.markers[point.marker].grating)
-      moved = displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, seen.patch);
-    then.push_back(point.board);
-    refined.push_back(point.board + known_part(moved));
   }
-  const auto second = fit_homography<frame::Board, frame::Board>(then, refined);
+  const auto second = second_view(reference, now.points, observation);
   if (!second) {
     observation.reference_problem = "fewer than four references have a readable grating";
     return observation;
   }
-  observation.stage2 = *first * *second;
+  observation.stage2 = *second;
   observation.references_seen = true;
   // Step 3: the targets, through both.
   for (std::size_t i = 0; i < observation.markers.size(); ++i) {

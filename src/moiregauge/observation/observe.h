@@ -2,6 +2,7 @@
 // One frame -> one Observation: the pixel side of the methods `conventional` and `two-stage`.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "moiregauge/observation/reference.h"
@@ -23,6 +24,12 @@ struct Prediction {
 // circles -> second homography -> target.
 [[nodiscard]] Observation observe_two_stage(const GreyPicture& picture, const Reference& reference,
                                             const Prediction& prediction, PatchWorkspace& work);
+
+// Fig. 5's second homography: stage 1 of `seen`, corrected by what its references' patches moved at their circles. None
+// when fewer than four can be read.
+[[nodiscard]] std::optional<IdealFromBoard> second_view(const Reference& reference,
+                                                        const std::vector<CirclePoint>& circles,
+                                                        const Observation& seen);
 
 // What `precise` adds to the reference frame: every print's template, learned from its picture, and the points it shows there.
 void learn_prints(const GreyPicture& picture, Reference& reference);

@@ -180,7 +180,10 @@ tl::expected<PatchFit, Failure> fit_in(const ImageView<Grey>& picture, const Pri
       Eigen::Matrix<double, 2 * kFieldColumns, 2 * kFieldColumns>::Zero();
   both.topLeftCorner<kFieldColumns, kFieldColumns>() = back;
   both.bottomRightCorner<kFieldColumns, kFieldColumns>() = back;
-  if (fit.sigma > 0.0) fit.information = both.transpose() * s.information * both / (fit.sigma * fit.sigma);
+  if (fit.sigma > 0.0) {  // symmetric to the last bit, so that one triangle tells it all
+    const PatchInformation whole = both.transpose() * s.information * both / (fit.sigma * fit.sigma);
+    fit.information = whole.selfadjointView<Eigen::Lower>();
+  }
   return fit;
 }
 

@@ -33,6 +33,7 @@ Observation unmeasured(const Frame& frame, std::size_t markers, std::string why)
   observation.decode_error = frame.damaged;
   observation.reference_problem = std::move(why);
   observation.markers.resize(markers);
+  for (MarkerObservation& marker : observation.markers) marker.loss = Loss::kNotSeen;
   return observation;
 }
 
@@ -70,7 +71,7 @@ class Run {
       return false;
     }
     out_.refusal.clear();
-    out_.warnings.insert(out_.warnings.end(), notes.begin(), notes.end());
+    out_.notes.insert(out_.notes.end(), notes.begin(), notes.end());
     out_.reference = std::move(*made);
     if (options_.method->prepare != nullptr) options_.method->prepare({frame.luma, out_.input.bits}, *out_.reference);
     out_.reference->seen.frame = frame.number;
@@ -110,7 +111,7 @@ class Run {
 
 void note_damage(Measurement& out, const InputError& error) {
   out.input_damaged = true;
-  out.warnings.push_back(error.message);
+  out.notes.push_back(error.message);
 }
 
 // --reference-frame: read up to that frame through a source of its own; it may lie outside the selection.
@@ -165,13 +166,25 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
   return {};
 }
 
+}  // namespace
+
+const Site& site_of(const Measurement& measurement, const MeasureOptions& options) {
+  return measurement.reference ? measurement.reference->site : options.site;
+}
+
 void conclude(const MeasureOptions& options, Measurement& out) {
+  out.warnings = out.notes;
   for (const Observation& seen : out.observations) out.input_damaged |= seen.decode_error;
   if (out.observations.empty() && out.refusal.empty()) out.refusal = "no frame of the input is selected by --frames";
   if (!out.reference) {
     out.exit = Exit::kRefused;
     return;
   }
+  out.refusal.clear();
+  // Frames that went by before the reference frame told how many markers there are.
+  MarkerObservation not_seen;
+  not_seen.loss = Loss::kNotSeen;
+  for (Observation& seen : out.observations) seen.markers.resize(out.reference->site.markers.size(), not_seen);
   Solution solution = options.method->solve(*out.reference, out.observations, options.solve);
   out.samples = std::move(solution.samples);
   out.scene = std::move(solution.scene);
@@ -191,12 +204,6 @@ void conclude(const MeasureOptions& options, Measurement& out) {
                                : "no row is ok (" + list + ")";
 }
 
-}  // namespace
-
-const Site& site_of(const Measurement& measurement, const MeasureOptions& options) {
-  return measurement.reference ? measurement.reference->site : options.site;
-}
-
 tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                               const OnProgress& on_progress, FrameSink* frames) {
   Measurement out;
@@ -211,8 +218,8 @@ tl::expected<Measurement, InputError> measure(const OpenInput& open, const Measu
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
     out.input = (*source)->info();
   }
-  out.warnings.insert(out.warnings.begin(), out.input.warnings.begin(), out.input.warnings.end());
-  if (std::isnan(out.input.fps)) out.warnings.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");
+  out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
+  if (std::isnan(out.input.fps)) out.notes.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");
   conclude(options, out);
   return out;
 }

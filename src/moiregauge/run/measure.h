@@ -36,19 +36,24 @@ struct KeptPicture {
   Image<std::uint8_t> grey;
 };
 
-struct Measurement {
+// What the frames told, before anything is concluded from it: all that is needed to solve again without them.
+struct Seen {
   InputInfo input;
   std::optional<Reference> reference;  // empty: refused before anything was measured
   std::vector<Observation> observations;
+  std::vector<std::string> notes;  // what the user should know about input and reference frame
+  std::string refusal;             // why nothing is or can be measured, in words; empty otherwise
+  bool input_damaged = false;
+  bool interrupted = false;
+};
+
+struct Measurement : Seen {
   Samples samples;
   std::optional<Scene> scene;  // of a method that solves one
   bool references_verified = false;
   std::vector<TargetSummary> targets;
   KeptPicture picture;
-  std::vector<std::string> warnings;
-  std::string refusal;  // why there is nothing `ok`, in words; empty otherwise
-  bool input_damaged = false;
-  bool interrupted = false;
+  std::vector<std::string> warnings;  // the notes, and those of the solution
   Exit exit = Exit::kInternalError;
 };
 
@@ -63,5 +68,8 @@ using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, Input
 // is one, is handed every selected frame with what was seen in it.
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                                             const OnProgress& on_progress, FrameSink* frames = nullptr);
+
+// The end of every run: what was seen turned into samples, summaries and an exit code. Used again by `solve`.
+void conclude(const MeasureOptions& options, Measurement& out);
 
 }  // namespace moiregauge

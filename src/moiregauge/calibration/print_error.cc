@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/print_error.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "moiregauge/calibration/patch_residual.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kSize = PatchResidual::kSize;
+using Matrix18 = Eigen::Matrix<double, kSize, kSize>;
+using Vector18 = Eigen::Matrix<double, kSize, 1>;
+
+// chi2 this many of its own standard deviations above its degrees of freedom is not chance.
+constexpr double kNotChance = 3.0;
+constexpr double kMostError_pitches = 0.05;  // beyond, the points are not those of this print
+constexpr int kHalvings = 40;
+
+// Of an error of 1 in each coordinate, and of 1 in common.
+Matrix18 unit_covariance() {
+  Matrix18 m = Matrix18::Identity();
+  m.topLeftCorner<kPatchPoints, kPatchPoints>().array() += 1.0;
+  m.bottomRightCorner<kPatchPoints, kPatchPoints>().array() += 1.0;
+  return m;
+}
+
+// (C + u^2 M)^-1 where C^-1 = information may be singular: an axis that the print does not show stays unknown.
+PatchInformation inflated(const PatchInformation& information, double u_pitches) {
+  const Matrix18 a = Matrix18::Identity() + u_pitches * u_pitches * information * unit_covariance();
+  const PatchInformation out = a.partialPivLu().solve(information);
+  return 0.5 * (out + out.transpose());
+}
+
+// One patch against the scene: the off of its points, in pitches, whitened by noise; and how a print error looks in
+// that measure, along the axes in which it is independent.
+struct Whitened {
+  Vector18 squared;   // of the residual along each axis
+  Vector18 of_error;  // variance that an error of one millimetre gives along it
+  [[nodiscard]] double chi2(double u_mm) const {
+    return (squared.array() / (1.0 + u_mm * u_mm * of_error.array())).sum();
+  }
+};
+
+Whitened whitened(const PatchFit& patch, const Grating& grating, const Scene& scene, const MarkerShape& shape,
+                  const FrameFit& fit, Extent<frame::Board> shift) {
+  const PatchResidual residual(patch, grating);
+  const Camera& c = scene.camera;
+  const std::array<double, kCameraParameters> camera{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  const std::array<double, 6> pose{fit.pose.turn[0],  fit.pose.turn[1],  fit.pose.turn[2],
+                                   fit.pose.shift[0], fit.pose.shift[1], fit.pose.shift[2]};
+  const std::array<double, 2> moved{shift.x, shift.y};
+  Vector18 r;
+  residual(camera.data(), shape.value.data(), pose.data(), moved.data(), r.data());
+  const Matrix18& root = residual.root();
+  const Matrix18 error = root * unit_covariance() * root.transpose() / (grating.pitch_mm * grating.pitch_mm);
+  const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(error);
+  const Vector18 along = eigen.eigenvectors().transpose() * r;
+  return {along.cwiseAbs2(), eigen.eigenvalues().cwiseMax(0.0)};
+}
+
+// How many parameters of the scene the frames determine: all of them where the priors are wide.
+double determined(const Site& site, std::span<const FrameFit> fits, const ScenePrior& prior, const SceneModel& model) {
+  const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, model);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
+  for (const FrameFit& fit : fits) {
+    if (fit.ok) information += fit.scene_information;
+  }
+  return (information * covariance).trace();
+}
+
+}  // namespace
+
+std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames, double u_mm) {
+  std::vector<BundleFrame> out(frames.begin(), frames.end());
+  if (!(u_mm > 0.0)) return out;
+  for (BundleFrame& frame : out) {
+    for (std::size_t i = 0; i < frame.points.size(); ++i) {
+      if (!frame.points[i] || !site.markers[i].grating) continue;
+      frame.points[i]->information = inflated(frame.points[i]->information, u_mm / site.markers[i].grating->pitch_mm);
+    }
+  }
+  return out;
+}
+
+double print_error_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
+                      std::span<const FrameFit> fits, const ScenePrior& prior) {
+  std::vector<Whitened> patches;
+  double dof = -determined(site, fits, prior, scene.model), pitch = 0.0;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (!fits[k].ok) continue;
+    dof += static_cast<double>(fits[k].dof);
+    for (std::size_t i = 0; i < site.markers.size(); ++i) {
+      if (!frames[k].points[i] || !site.markers[i].grating) continue;
+      patches.push_back(
+          whitened(*frames[k].points[i], *site.markers[i].grating, scene, scene.markers[i], fits[k], fits[k].shift[i]));
+      pitch = std::max(pitch, site.markers[i].grating->pitch_mm);
+    }
+  }
+  const auto chi2 = [&](double u_mm) {
+    double sum = 0.0;
+    for (const Whitened& patch : patches) sum += patch.chi2(u_mm);
+    return sum;
+  };
+  if (!(dof > 0.0) || chi2(0.0) <= dof + kNotChance * std::sqrt(2.0 * dof)) return 0.0;
+  double low = 0.0, high = kMostError_pitches * pitch;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (chi2(middle) > dof ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/print_error.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/calibration/patch_residual.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr double kPitch = 10.0;  // mm
+constexpr double kNoise_mm = 1e-3;
+constexpr std::uint64_t kSeed = 11;  // printed with every failure
+
+struct Truth {
+  Site site;
+  Scene scene;
+  ScenePrior prior;
+};
+
+Truth truth() {
+  Truth t;
+  for (const BoardPoint at : {BoardPoint{-300, 150}, {300, 150}, {-300, -150}, {300, -150}, {0, 0}}) {
+    Marker m;
+    m.role = at.x == 0.0 ? Role::kTarget : Role::kReference;
+    m.grating = Grating{at, 60.0, 60.0, kPitch, 0.0, Pattern::kGrid};
+    t.site.markers.push_back(m);
+  }
+  t.scene.camera = {2000, 1500, 2500, 2500, 1000, 750, -0.05, 0, 0, 0, 0};
+  t.scene.markers.resize(t.site.markers.size());
+  t.scene.model = {.radial = true};
+  t.prior = scene_prior(t.site, 2000, 1500, std::nullopt);
+  return t;
+}
+
+// Twelve views; every patch's nine points with noise of their own, and with an error of the print in each and in
+// common.
+std::vector<BundleFrame> views(const Truth& t, double error_mm) {
+  std::mt19937_64 rng(kSeed);
+  std::normal_distribution<double> normal;
+  const Camera& c = t.scene.camera;
+  const double camera[]{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  std::vector<BundleFrame> frames;
+  for (int k = 0; k < 12; ++k) {
+    BundleFrame frame;
+    frame.pose = {{0.2 * normal(rng), 0.2 * normal(rng), 0.2 * normal(rng)}, {0, 0, 1200}};
+    for (const Marker& m : t.site.markers) {
+      PatchFit fit;
+      const double common[]{error_mm * normal(rng), error_mm * normal(rng)};
+      for (std::size_t n = 0; n < kPatchPoints; ++n) {
+        const double x = 20.0 * (static_cast<double>(n % 3) - 1.0), y = 20.0 * (static_cast<double>(n / 3) - 1.0);
+        const double pose[]{frame.pose.turn[0],  frame.pose.turn[1],  frame.pose.turn[2],
+                            frame.pose.shift[0], frame.pose.shift[1], frame.pose.shift[2]};
+        const auto image = projected(camera, pose, {m.grating->centre.x + x, m.grating->centre.y + y, 0.0});
+        fit.image[n] = {image[0], image[1]};
+        fit.print[n] = {(x + common[0] + error_mm * normal(rng) + kNoise_mm * normal(rng)) / kPitch,
+                        (y + common[1] + error_mm * normal(rng) + kNoise_mm * normal(rng)) / kPitch};
+      }
+      fit.information = PatchInformation::Identity() * (kPitch * kPitch) / (kNoise_mm * kNoise_mm);
+      frame.points.emplace_back(fit);
+      frame.shift.push_back({});
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+double estimate(const Truth& t, const std::vector<BundleFrame>& frames) {
+  std::vector<FrameFit> fits;
+  for (const BundleFrame& frame : frames) fits.push_back(fit_frame(t.site, t.scene, frame));
+  // The scene is the truth: nothing of it was solved from these frames.
+  ScenePrior known = t.prior;
+  for (double& u : known.u_camera) u = 1e-12;
+  for (MarkerShape& u : known.u_markers) u.value = {};
+  return print_error_mm(t.site, t.scene, frames, fits, known);
+}
+
+TEST(PrintError, OfAPerfectPrintIsNone) {
+  const Truth t = truth();
+  EXPECT_EQ(estimate(t, views(t, 0.0)), 0.0) << "seed " << kSeed;
+}
+
+// Five prints in twelve views: 960 degrees of freedom tell a scatter to 1 / sqrt(2 n) = 2.3 %; what the nine share are
+// 120 numbers only, hardly in chi2. Four of these, and 2 % for the split between the two.
+TEST(PrintError, IsToldFromTheNoiseByWhatNoiseDoesNotExplain) {
+  const Truth t = truth();
+  for (const double error_mm : {0.002, 0.01})
+    EXPECT_NEAR(estimate(t, views(t, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kSeed;
+}
+
+TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
+  const Truth t = truth();
+  const auto frames = views(t, 0.01);
+  double chi2 = 0.0, dof = 0.0;
+  for (const BundleFrame& frame : with_print_error(t.site, frames, 0.01)) {
+    const FrameFit fit = fit_frame(t.site, t.scene, frame);
+    chi2 += fit.chi2_sum;
+    dof += static_cast<double>(fit.dof);
+  }
+  EXPECT_NEAR(chi2 / dof, 1.0, 4.0 * std::sqrt(2.0 / dof)) << "seed " << kSeed;
+}
+
+// A print of lines says nothing along them, and an error of the print does not change that.
+TEST(PrintError, LeavesUnknownWhatThePrintDoesNotShow) {
+  const Truth t = truth();
+  auto frames = views(t, 0.0);
+  auto& information = frames.front().points.front()->information;
+  information.bottomRightCorner<kPatchPoints, kPatchPoints>().setZero();
+  const auto with = with_print_error(t.site, frames, 0.01);
+  const auto& kept = with.front().points.front()->information;
+  EXPECT_LT((kept.bottomRows<kPatchPoints>().cwiseAbs().maxCoeff()), 1e-9);
+  // One point of nine: its own 1 and 10 um, and 10 um in common.
+  const Eigen::MatrixXd shown = kept.topLeftCorner<kPatchPoints, kPatchPoints>();
+  EXPECT_NEAR(shown.inverse()(0, 0) * kPitch * kPitch, 1e-6 + 2e-4, 1e-8);
+}
+
+}  // namespace
+}  // namespace moiregauge

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/command_solve.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/measure_options.h"
+#include "moiregauge/cli/report_lines.h"
+#include "moiregauge/io/run_directory.h"
+#include "moiregauge/io/run_file.h"
+#include "moiregauge/observation/restated.h"
+
+namespace moiregauge::cli {
+namespace {
+
+struct SolveWords {
+  std::string run;
+  std::string site;
+  std::string camera;
+  std::string method;
+  std::string rest;
+  std::string output;
+  bool quiet = false;
+  bool json = false;
+};
+
+using Done = tl::expected<void, UsageError>;
+
+tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
+
+// `precise` looks at everything that `two-stage` does, and at more; `conventional` looks elsewhere.
+bool has_seen_enough_for(const Method& measured, const Method& wanted) {
+  return measured.name == wanted.name || (measured.name == "precise" && wanted.name == "two-stage");
+}
+
+Done choose_method(const SolveWords& words, MeasureOptions& options) {
+  if (words.method.empty()) return {};
+  const auto wanted = method_of(words.method);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (!has_seen_enough_for(*options.method, **wanted))
+    return usage(
+        fmt::format("other method: --method {}: this run was measured by `{}`, which did not look at what `{}` "
+                    "needs: measure the input again with --method {}",
+                    words.method, options.method->name, words.method, words.method));
+  options.method = *wanted;
+  return {};
+}
+
+// Another site or lens: the observations are carried over to it.
+Done restate(const SolveWords& words, StoredRun& run) {
+  if (!words.site.empty()) {
+    auto site = site_of_file(words.site);
+    if (!site) return tl::unexpected(site.error());
+    run.options.site = *std::move(site);
+    run.options.pitch_mm.reset();
+  }
+  if (!words.camera.empty()) {
+    const auto camera = camera_of_file(words.camera);
+    if (!camera) return tl::unexpected(camera.error());
+    if (const auto problem = camera_problem(*camera, run.seen.input)) return usage(*problem);
+    run.options.camera = *camera;
+  }
+  if (!run.seen.reference || (words.site.empty() && words.camera.empty())) return {};
+  Reference& reference = *run.seen.reference;
+  const Site site = words.site.empty() ? reference.site : run.options.site;
+  auto again = restated(reference, run.seen.observations, site, run.options.camera.value_or(Camera{}));
+  if (!again)
+    return usage(fmt::format("{}: {}: {}: measure the input again with it",
+                             words.site.empty() ? "camera file" : "site file",
+                             words.site.empty() ? words.camera : words.site, again.error()));
+  reference = std::move(again->reference);
+  run.seen.observations = std::move(again->observations);
+  if (!words.site.empty()) run.options.site = reference.site;
+  return {};
+}
+
+Done choose_rest(const SolveWords& words, MeasureOptions& options) {
+  if (words.rest.empty()) return {};
+  const auto rest = rest_frames(words.rest);
+  if (!rest) return tl::unexpected(rest.error());
+  options.solve.rest = *rest;
+  return {};
+}
+
+int run(const SolveWords& words) {
+  auto stored = read_run((std::filesystem::path(words.run) / kRunFileName).string());
+  if (!stored) return fail(Exit::kInputUnreadable, stored.error());
+  for (const Done& done :
+       {choose_method(words, stored->options), choose_rest(words, stored->options), restate(words, *stored)}) {
+    if (!done) return fail(Exit::kUsage, done.error().message);
+  }
+  const std::string output = words.output.empty() ? words.run : words.output;
+  RunDirectory directory = RunDirectory::solved_from(output, words.run);
+  if (const auto free = directory.check(stored->seen.input.sha256); !free) return fail_output(free.error());
+  Measurement solved;
+  static_cast<Seen&>(solved) = std::move(stored->seen);
+  conclude(stored->options, solved);
+  if (const auto written = directory.write(solved, stored->options); !written) return fail_output(written.error());
+  return report(solved, stored->options, {words.run, output, words.quiet, words.json});
+}
+
+}  // namespace
+
+void add_solve(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("solve", "New numbers from a finished run, without its video");
+  auto words = std::make_shared<SolveWords>();
+  command->add_option("DIR", words->run, "folder that `measure` wrote")->required();
+  command->add_option("--site", words->site, "site.toml with better places, turns, heights or known_to")
+      ->type_name("FILE");
+  command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
+  command->add_option("--method", words->method, "two-stage, of a run measured by precise [the run's own]")
+      ->type_name("NAME");
+  command->add_option("-o,--out", words->output, "output folder [DIR: its results are replaced]")->type_name("DIR");
+  command->add_flag("--quiet", words->quiet, "print nothing but errors");
+  command->add_flag("--json", words->json, "print run.json on stdout");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

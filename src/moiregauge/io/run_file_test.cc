@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/run_file.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/io/crc32.h"
+#include "moiregauge/io/run_layout.h"
+#include "moiregauge/io/test_folder.h"
+
+namespace moiregauge {
+namespace {
+
+// "Reads" a value in which no two real numbers, texts or frame numbers are the same, and `count` of everything that is
+// counted; what is optional is there.
+class Filler {
+ public:
+  static constexpr bool kReads = true;
+  explicit Filler(std::size_t count) : count_(count) {}
+  template <typename Number>
+  void number(Number& value) {
+    value = std::is_same_v<Number, int> ? Number(1) : static_cast<Number>(++last_);
+    if constexpr (std::is_same_v<Number, double>) value += 1.0 / 3.0;
+  }
+  [[nodiscard]] static bool flag(bool) { return true; }
+  [[nodiscard]] std::size_t count(std::size_t) const { return count_; }
+  void text(std::string& value) { value = "text " + std::to_string(++last_); }
+  [[nodiscard]] static bool good() { return true; }
+  void fail() {}
+  void open() {}
+  void close() {}
+
+ private:
+  std::size_t count_;
+  long last_ = 0;
+};
+
+StoredRun filled_run(std::size_t count) {
+  StoredRun run;
+  Filler filler(count);
+  store(filler, run.options);
+  run.options.method = method_named("precise");
+  store(filler, run.seen.input);
+  store(filler, run.seen.notes);
+  store(filler, run.seen.refusal);
+  store(filler, run.seen.observations);
+  store(filler, run.seen.reference);
+  for (CirclePoint& point : run.seen.reference->circles) point.marker = count - 1;
+  for (auto& print : run.seen.reference->prints) print->print = PrintTemplate::cosine(1.0 / 7.0, 2.0 / 7.0);
+  run.seen.input_damaged = run.seen.interrupted = true;
+  return run;
+}
+
+std::string bytes_of(const StoredRun& run) {
+  std::string bytes;
+  EXPECT_TRUE(write_run(run.seen, run.options, [&](std::string_view more) {
+    bytes += more;
+    return true;
+  }));
+  return bytes;
+}
+
+tl::expected<StoredRun, std::string> parsed(const std::string& bytes) {
+  std::istringstream file(bytes);
+  return parse_run(file, "here/run.mgj");
+}
+
+TEST(Crc32, IsThatOfPng) { EXPECT_EQ(crc32("123456789"), 0xCBF43926U); }
+
+TEST(RunFile, GivesEveryFieldBackToTheLastBit) {
+  const StoredRun run = filled_run(2);
+  const std::string bytes = bytes_of(run);
+  const auto again = parsed(bytes);
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(bytes_of(*again), bytes);
+  // Not only what writer and reader agree to leave out.
+  EXPECT_EQ(again->options.method, run.options.method);
+  EXPECT_EQ(again->options.reference_frame, run.options.reference_frame);
+  EXPECT_EQ(again->seen.input.warnings, run.seen.input.warnings);
+  EXPECT_EQ(again->seen.observations[1].markers[1].points->information,
+            run.seen.observations[1].markers[1].points->information);
+  EXPECT_EQ(again->seen.observations[1].markers[0].patch.gradient, run.seen.observations[1].markers[0].patch.gradient);
+  EXPECT_EQ(again->seen.reference->prints[1]->print.coefficient(0, 1),
+            run.seen.reference->prints[1]->print.coefficient(0, 1));
+  EXPECT_EQ(again->seen.reference->view.ideal_from_board.matrix(), run.seen.reference->view.ideal_from_board.matrix());
+  EXPECT_TRUE(again->seen.interrupted);
+}
+
+TEST(RunFile, KeepsNumbersThatAreNone) {
+  StoredRun run = filled_run(1);
+  run.seen.observations[0].time_s = std::numeric_limits<double>::quiet_NaN();
+  run.seen.observations[0].markers[0].patch.u_gradient = -0.0;
+  run.seen.observations[0].markers[0].points.reset();
+  const auto again = parsed(bytes_of(run));
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_TRUE(std::isnan(again->seen.observations[0].time_s));
+  EXPECT_TRUE(std::signbit(again->seen.observations[0].markers[0].patch.u_gradient));
+  EXPECT_FALSE(again->seen.observations[0].markers[0].points.has_value());
+}
+
+TEST(RunFile, OfARefusedRunHasNoReference) {
+  StoredRun run = filled_run(1);
+  run.seen.reference.reset();
+  const auto again = parsed(bytes_of(run));
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_FALSE(again->seen.reference.has_value());
+  EXPECT_EQ(again->seen.refusal, run.seen.refusal);
+}
+
+TEST(RunFile, CutOffAnywhereIsAnError) {
+  const std::string whole = bytes_of(filled_run(1));
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    const auto read = parsed(whole.substr(0, size));
+    ASSERT_FALSE(read) << "the first " << size << " of " << whole.size() << " bytes";
+    ASSERT_NE(read.error().find("here/run.mgj"), std::string::npos);
+  }
+  EXPECT_FALSE(parsed(whole + '\0'));
+}
+
+TEST(RunFile, AnyByteThatChangedIsAnError) {
+  std::string bytes = bytes_of(filled_run(1));
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    const char was = bytes[at];
+    bytes[at] = static_cast<char>(was ^ (1 << (at % 8)));
+    ASSERT_FALSE(parsed(bytes)) << "byte " << at << " of " << bytes.size();
+    bytes[at] = was;
+  }
+}
+
+// Behind a check sum that is right anything may stand: it is read or refused, but never trusted with memory or places.
+TEST(RunFile, NothingIsBelievedForItsCheckSum) {
+  const std::string whole = bytes_of(filled_run(1));
+  constexpr std::size_t kHeader = 16;
+  int refused = 0;
+  for (std::size_t start = kHeader; start < whole.size();) {
+    const std::size_t length = from_little_endian(std::string_view(whole).substr(start + 4, 4));
+    const std::size_t end = start + 8 + length;
+    for (std::size_t at = start; at < end; ++at) {
+      if (at >= start + 4 && at < start + 8) continue;  // its length: the test above
+      std::string bytes = whole;
+      bytes[at] = static_cast<char>(0xff);
+      std::string sum;
+      append_little_endian(sum, crc32(std::string_view(bytes).substr(start, 8 + length)), 4);
+      bytes.replace(end, 4, sum);
+      if (!parsed(bytes)) ++refused;
+    }
+    start = end + 4;
+  }
+  EXPECT_GT(refused, 100);  // counts, flags, enumerations, names of methods, numbers of markers
+}
+
+TEST(RunFile, SaysWhatIsWrong) {
+  const TestFolder place;
+  EXPECT_NE(read_run(place / "run.mgj").error().find("no such file"), std::string::npos);
+  EXPECT_NE(read_run(place.path()).error().find("cannot be read"), std::string::npos);
+  EXPECT_NE(parsed("frame,time_s,marker").error().find("not a file of moiregauge"), std::string::npos);
+  std::string bytes = bytes_of(filled_run(1));
+  EXPECT_NE(parsed(bytes.substr(0, bytes.size() - 1)).error().find("breaks off"), std::string::npos);
+  bytes[8] = 99;  // the version
+  EXPECT_NE(parsed(bytes).error().find("another version"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace moiregauge

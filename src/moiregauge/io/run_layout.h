@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// What run.mgj stores. A struct is stored field by field in the order of its declaration; when it gains or loses one,
+// its number below must follow (the compiler insists), and files of before are refused as written by another version.
+#pragma once
+
+#include "moiregauge/io/stored_values.h"
+#include "moiregauge/run/measure.h"
+
+namespace moiregauge {
+
+template <typename Frame>
+inline constexpr std::size_t kFields<Point<Frame>> = 2;
+template <typename Frame>
+inline constexpr std::size_t kFields<Extent<Frame>> = 2;
+
+// clang-format off
+// The site and the camera.
+template <> inline constexpr std::size_t kFields<Site> = 2;
+template <> inline constexpr std::size_t kFields<Marker> = 5;
+template <> inline constexpr std::size_t kFields<Circle> = 2;
+template <> inline constexpr std::size_t kFields<Grating> = 6;
+template <> inline constexpr std::size_t kFields<KnownTo> = 4;
+template <> inline constexpr std::size_t kFields<Camera> = 11;
+
+// One frame.
+template <> inline constexpr std::size_t kFields<Observation> = 8;
+template <> inline constexpr std::size_t kFields<MarkerObservation> = 5;
+template <> inline constexpr std::size_t kFields<SeenCircle> = 9;
+template <> inline constexpr std::size_t kFields<PatchReading> = 10;
+template <> inline constexpr std::size_t kFields<PatchFit> = 9;
+
+// The reference frame.
+template <> inline constexpr std::size_t kFields<Reference> = 12;
+template <> inline constexpr std::size_t kFields<CirclePoint> = 4;
+template <> inline constexpr std::size_t kFields<View> = 2;
+template <> inline constexpr std::size_t kFields<RasterPlan> = 10;
+template <> inline constexpr std::size_t kFields<PrintModel> = 3;
+template <> inline constexpr std::size_t kFields<PatchWindow> = 3;
+template <> inline constexpr std::size_t kFields<PatchFitOptions> = 3;
+template <> inline constexpr std::size_t kFields<CircleSearch> = 2;
+template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
+
+// The run.
+template <> inline constexpr std::size_t kFields<InputInfo> = 11;
+template <> inline constexpr std::size_t kFields<FrameRange> = 3;
+template <> inline constexpr std::size_t kFields<MeasureOptions> = 9;
+template <> inline constexpr std::size_t kFields<SolveOptions> = 1;
+template <> inline constexpr std::size_t kFields<ObserveOptions> = 2;
+template <> inline constexpr std::size_t kFields<RasterOptions> = 3;
+template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
+
+// clang-format on
+
+// Enumerations: a switch, so that the compiler names a value that is missing.
+[[nodiscard]] constexpr bool is_known(Role role) {
+  switch (role) {
+    case Role::kReference:
+    case Role::kTarget:
+      return true;
+  }
+  return false;
+}
+[[nodiscard]] constexpr bool is_known(Pattern pattern) {
+  switch (pattern) {
+    case Pattern::kAuto:
+    case Pattern::kGrid:
+    case Pattern::kSquares:
+    case Pattern::kDots:
+    case Pattern::kLinesX:
+    case Pattern::kLinesY:
+    case Pattern::kCheckerboard:
+    case Pattern::kCosine:
+      return true;
+  }
+  return false;
+}
+[[nodiscard]] constexpr bool is_known(Loss loss) {
+  switch (loss) {
+    case Loss::kNone:
+    case Loss::kNotSeen:
+    case Loss::kOutsidePicture:
+    case Loss::kNoModulation:
+    case Loss::kCovered:
+    case Loss::kTooCoarse:
+      return true;
+  }
+  return false;
+}
+[[nodiscard]] constexpr bool is_known(BoardAxes axes) {
+  switch (axes) {
+    case BoardAxes::kPrint:
+    case BoardAxes::kImage:
+      return true;
+  }
+  return false;
+}
+
+template <typename To, typename From>
+struct Stored<Homography<To, From>> {
+  template <typename Archive, typename Value>
+  static void store(Archive& archive, Value& value) {
+    Matrix3 matrix = value.matrix();
+    moiregauge::store(archive, matrix);
+    if constexpr (Archive::kReads) value = Homography<To, From>(matrix);
+  }
+};
+
+// Symmetric: one triangle is kept.
+template <>
+struct Stored<PatchInformation> {
+  template <typename Archive, typename Value>
+  static void store(Archive& archive, Value& value) {
+    for (int row = 0; row < value.rows(); ++row) {
+      for (int column = 0; column <= row; ++column) {
+        archive.number(value(row, column));
+        if constexpr (Archive::kReads) value(column, row) = value(row, column);
+      }
+    }
+  }
+};
+
+// The series; its table is made again from it.
+template <>
+struct Stored<PrintTemplate> {
+  static constexpr int kHighest = 4096;
+  template <typename Archive, typename Value>
+  static void store(Archive& archive, Value& value) {
+    int order = value.order();
+    std::vector<double> series;  // real and imaginary parts, n slowest
+    for (int n = -order; n <= order; ++n) {
+      for (int m = -order; m <= order; ++m) {
+        series.push_back(value.coefficient(m, n).real());
+        series.push_back(value.coefficient(m, n).imag());
+      }
+    }
+    archive.number(order);
+    moiregauge::store(archive, series);
+    if constexpr (Archive::kReads) {
+      if (order < 1 || order > kHighest) return archive.fail();
+      std::vector<std::complex<double>> read;
+      for (std::size_t k = 0; k + 1 < series.size(); k += 2) read.emplace_back(series[k], series[k + 1]);
+      if (const auto side = static_cast<std::size_t>(2 * order + 1); read.size() != side * side) return archive.fail();
+      value = PrintTemplate(order, read);
+    }
+  }
+};
+
+template <>
+[[nodiscard]] inline PrintModel blank<PrintModel>() {
+  return {PrintTemplate::cosine(0.0, 0.0), {}, {}};
+}
+
+// By its name.
+template <>
+struct Stored<const Method*> {
+  template <typename Archive, typename Value>
+  static void store(Archive& archive, Value& value) {
+    std::string name(value == nullptr ? "" : value->name);
+    archive.text(name);
+    if constexpr (Archive::kReads) {
+      if (name.empty()) return;
+      value = method_named(name);
+      if (value == nullptr) archive.fail();
+    }
+  }
+};
+
+}  // namespace moiregauge
