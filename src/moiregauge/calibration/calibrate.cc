@@ -6,6 +6,7 @@
 #include <set>
 
 #include "moiregauge/calibration/free_parameters.h"
+#include "moiregauge/calibration/print_error.h"
 
 namespace moiregauge {
 namespace {
@@ -35,6 +36,54 @@ long rows_of(std::span<const BundleFrame> frames) {
   return 2 * kPatchPoints * patches;
 }
 
+// The models in ascending order; empty when none can be solved.
+std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
+  BundleSolution best;
+  const int side = std::max(prior.camera.width, prior.camera.height);
+  const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
+  // A lens that is well known stays free within its prior: the plane alone would be the wrong start.
+  bool have = false;
+  const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
+    BundleSolution solution = from == nullptr ? solve_bundle(site, frames, prior, model)
+                                              : solve_bundle(site, from->frames, prior, model, &from->scene);
+    if (!is_sane(solution.scene, side)) return false;
+    const double gain = have ? best.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
+    const int more = have ? parameters(site, model) - parameters(site, best.scene.model) : 0;
+    if (have && gain < price * more) return false;
+    best = std::move(solution);
+    have = true;
+    return true;
+  };
+  for (const SceneModel& model : kModels) attempt(model, have ? &best : nullptr);
+  for (const bool heights : {true, false}) {
+    SceneModel model = best.scene.model;
+    (heights ? model.heights : model.depth) = true;
+    if (have) attempt(model, &best);
+  }
+  if (!have) return std::nullopt;
+  return best;
+}
+
+std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {
+  std::vector<FrameFit> fits;
+  for (const BundleFrame& frame : solution.frames) fits.push_back(fit_frame(site, solution.scene, frame));
+  return fits;
+}
+
+// What is left when everything is free is the print's: a height or a depth left out must not pass for it.
+constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
+
+double print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
+                      const ScenePrior& prior) {
+  BundleSolution largest = solve_bundle(site, solution.frames, prior, kEverything, &solution.scene);
+  if (!largest.scene.solved) return 0.0;
+  const auto fits = fits_of(site, largest);
+  return print_error_mm(site, largest.scene, noise_alone, fits, prior);
+}
+
+// Each estimate is made with weights of the last one; from the second on they hardly change.
+constexpr int kErrorRounds = 3;
+
 }  // namespace
 
 std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
@@ -58,35 +107,24 @@ std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::si
 
 Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
   Calibration best;
-  const int side = std::max(prior.camera.width, prior.camera.height);
-  const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
-  // A lens that is well known stays free within its prior: the plane alone would be the wrong start.
-  bool have = false;
-  const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
-    BundleSolution solution = from == nullptr ? solve_bundle(site, frames, prior, model)
-                                              : solve_bundle(site, from->frames, prior, model, &from->scene);
-    if (!is_sane(solution.scene, side)) return false;
-    const double gain = have ? best.bundle.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
-    const int more = have ? parameters(site, model) - parameters(site, best.bundle.scene.model) : 0;
-    if (have && gain < price * more) return false;
-    best.bundle = std::move(solution);
-    have = true;
-    return true;
-  };
-  for (const SceneModel& model : kModels) attempt(model, have ? &best.bundle : nullptr);
-  for (const bool heights : {true, false}) {
-    SceneModel model = best.bundle.scene.model;
-    (heights ? model.heights : model.depth) = true;
-    if (have) attempt(model, &best.bundle);
-  }
-  if (!have) {
+  auto solution = ascended(site, frames, prior);
+  if (!solution) {
     best.bundle.scene.solved = false;
     best.bundle.scene.problem = "no lens could be solved from these frames";
     best.bundle.scene.camera = prior.camera;
     best.bundle.scene.markers = prior.markers;
     return best;
   }
-  for (const BundleFrame& frame : best.bundle.frames) best.fits.push_back(fit_frame(site, best.bundle.scene, frame));
+  for (int round = 0; round < kErrorRounds; ++round) {
+    const double u_mm = print_error_of(site, *solution, frames, prior);
+    if (u_mm == 0.0) break;
+    auto again = ascended(site, with_print_error(site, frames, u_mm), prior);
+    if (!again) break;
+    solution = std::move(again);
+    best.print_error_mm = u_mm;
+  }
+  best.bundle = *std::move(solution);
+  best.fits = fits_of(site, best.bundle);
   best.bundle.scene.covariance = scene_covariance(site, best.fits, prior, best.bundle.scene.model);
   return best;
 }

@@ -8,8 +8,9 @@
 namespace moiregauge {
 
 struct Calibration {
-  BundleSolution bundle;       // of the model chosen, with its covariance
-  std::vector<FrameFit> fits;  // of the bundle's frames against its scene
+  BundleSolution bundle;        // of the model chosen, with its covariance
+  std::vector<FrameFit> fits;   // of the bundle's frames against its scene
+  double print_error_mm = 0.0;  // added to the patches' noise; other frames need it too (with_print_error)
 };
 
 // Solves the models in ascending order (plane; + radial; + tangential; + heights; + depth), each from where the last

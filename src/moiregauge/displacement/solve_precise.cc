@@ -5,6 +5,7 @@
 
 #include "moiregauge/calibration/calibrate.h"
 #include "moiregauge/calibration/pose.h"
+#include "moiregauge/calibration/print_error.h"
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/sample_parts.h"
@@ -154,6 +155,7 @@ Solution solve_precise(const Reference& reference, const std::vector<Observation
   }
   Solution solution;
   solution.scene = calibration.bundle.scene;
+  frames = with_print_error(reference.site, frames, calibration.print_error_mm);
   const Eigen::MatrixXd covariance = scene_covariance(reference.site, calibration.fits, prior, kEverything);
   // Poses as the solved camera has them: with another focal length they start elsewhere.
   for (std::size_t n = 0; n < observations.size(); ++n) {

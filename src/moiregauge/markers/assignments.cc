@@ -20,6 +20,7 @@ constexpr double kShapeSpreadPx = 0.35;  // px of diameter
 constexpr double kLensSpread = 0.015;    // of the layout's size in the picture, positions
 constexpr double kPositionSlack = 0.05;  // of the layout's size: farther off is another circle
 constexpr double kPositionSlackPx = 3.0;
+constexpr double kPositionSpreads = 3.0;  // of the places stated in the site, allowed beside it
 constexpr double kMaxMisfitPerCircle = 15.0;  // size, and two of shape: three numbers of unit spread; beyond 1 in 500
 constexpr double kMissing = 25.0;             // misfit of a reference that is not seen (five spreads)
 constexpr double kDistanceSlack = 0.25;       // of a distance measured in neighbouring circles' sizes: perspective
@@ -204,7 +205,8 @@ class Searcher {
   }
 
   void take_in_others(Assignment& a) const {
-    const double slack = kPositionSlack * layout_px(a) + kPositionSlackPx;
+    const double stated = kPositionSpreads * position_mm_ * layout_px(a) / layout_mm();
+    const double slack = kPositionSlack * layout_px(a) + kPositionSlackPx + stated;
     for (std::size_t r = 0; r < references_.size(); ++r) {
       if (a.circle_of_reference[r] >= 0) continue;
       const ImagePoint expected = a.image_from_board(references_[r].centre);
@@ -249,13 +251,25 @@ class Searcher {
       const Matrix2 j = a.image_from_board.jacobian(references_[r].centre);
       const Eigen::Matrix2d expected = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(j * j.transpose()).operatorSqrt();
       const double shape = (elongation(gauges_[r][i].px_from_board) - elongation(expected)).norm();
-      const double own = std::pow((sizes[r] - common) / std::hypot(kScaleSpread, kScaleSpreadPx / diameter), 2) +
-                         std::pow(shape / std::hypot(kShapeSpread, kShapeSpreadPx / diameter), 2);
+      const double stretch = map_spread(r);
+      const double own =
+          std::pow((sizes[r] - common) / std::hypot(kScaleSpread, kScaleSpreadPx / diameter, 0.5 * stretch), 2) +
+          std::pow(shape / std::hypot(kShapeSpread, kShapeSpreadPx / diameter, stretch), 2);
       if (own > kMaxMisfitPerCircle) return false;
       const double off = length(a.image_from_board(references_[r].centre) - seen_[i].centre);
       a.misfit += own + std::pow(off / position_spread, 2);
     }
     return true;
+  }
+
+  // How far the map round a reference may be stretched one way because its place and its neighbour's are hardly known.
+  [[nodiscard]] double map_spread(std::size_t r) const {
+    double spacing = 1e300;
+    for (const auto& q : references_) {
+      const double away = length(q.centre - references_[r].centre);
+      if (away > 0.0) spacing = std::min(spacing, away);
+    }
+    return std::sqrt(2.0) * position_mm_ / spacing;
   }
 
   [[nodiscard]] double layout_mm() const {
