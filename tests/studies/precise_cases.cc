@@ -50,12 +50,19 @@ Scenario small_in_large_picture(double percent) {
   return s;
 }
 
+// On an orbit a target's unknown height is all that u consists of: here it is stated.
+void state_heights(Scenario& s) {
+  for (auto& marker : s.markers) marker.print.z_mm = 0.0;
+  s.known_to.height_mm = 0.05;
+}
+
 // Anywhere within so many degrees to the side and half as many up and down.
 Scenario orbit(double percent, double within_deg) {
   Scenario s = scene("small-still");
   s.mount.pivot_z_mm = s.mount.distance_mm;
   bend(s, percent);
   pose_anew(s, 0.5 * within_deg, within_deg, 0.0);
+  state_heights(s);
   return s;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// precise_study [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--noise-free] [--verbose]: one row of
-// a Markdown table per case whose name holds WORD.
+// precise_study [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--no-draw] [--noise-free]
+// [--verbose]: one row of a Markdown table per case whose name begins with WORD.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -25,6 +25,7 @@ struct Words {
   int coverage = -1;
   int seed = 1;
   bool noise_free = false;
+  bool no_draw = false;  // the site is exact, whatever known_to says
   bool verbose = false;
 };
 
@@ -39,7 +40,7 @@ struct Axis {
 struct Tally {
   Axis x, y;
   int rows = 0, ok = 0, wrong_orders = 0, lies = 0, covered_ok = 0, problems = 0, runs = 0;
-  std::map<std::string, int> models;
+  std::map<std::string, int> models, statuses;
   std::map<std::string, std::vector<double>> budget_y, budget_x;
 };
 
@@ -70,6 +71,7 @@ void add_run(Tally& tally, const simulator::Scenario& s, const test::MeasuredRun
   for (const Sample& sample : run.samples) {
     const bool covered = is_covered(s, run, sample), ok = sample.status == Status::kOk;
     tally.rows += !covered;
+    ++tally.statuses[word_for(sample.status)];
     const std::size_t k = number;
     number += has_numbers(sample.status);
     if (!ok) continue;
@@ -131,7 +133,7 @@ Tally long_runs(const PreciseCase& c, const Words& words) {
   const int runs = words.runs >= 0 ? words.runs : c.runs;
   for (int n = 0; n < runs; ++n) {
     simulator::Scenario s = drawn_anew(c.scenario, words.seed + n);
-    s.draw.position = true;
+    s.draw.position = !words.no_draw;
     const test::MeasuredRun run = test::measured(s, plan_of(c, words));
     if (words.verbose) tell(s, run);
     add_run(tally, s, run);
@@ -151,7 +153,7 @@ Tally short_runs(const PreciseCase& c, const Words& words) {
   const int runs = words.coverage >= 0 ? words.coverage : c.coverage_runs;
   for (int n = 0; n < runs; ++n) {
     simulator::Scenario s = drawn_anew(c.scenario, 100000 + words.seed + n);
-    s.draw = {.position = true, .rotation = true, .height = true, .print_scale = true};
+    if (!words.no_draw) s.draw = {.position = true, .rotation = true, .height = true, .print_scale = true};
     test::RunPlan plan = plan_of(c, words);
     plan.frames = c.coverage_frames;
     plan.step = c.coverage_step;
@@ -179,6 +181,7 @@ void print_budget(const char* what, const Tally& tally) {
     if (x != tally.budget_x.end())
       std::fprintf(stderr, " %s %.3f/%.3f", part.name, test::rms(x->second), test::rms(y->second));
   }
+  for (const auto& [status, count] : tally.statuses) std::fprintf(stderr, " %s: %d", status.c_str(), count);
   std::fprintf(stderr, "\n");
 }
 
@@ -209,7 +212,8 @@ Words words_of(int argc, char** argv) {
   const std::map<std::string, int*> numbers{
       {"--runs", &words.runs}, {"--coverage", &words.coverage}, {"--seed", &words.seed}};
   const std::map<std::string, std::string*> texts{{"--cases", &words.cases}, {"--method", &words.method}};
-  const std::map<std::string, bool*> flags{{"--noise-free", &words.noise_free}, {"--verbose", &words.verbose}};
+  const std::map<std::string, bool*> flags{
+      {"--noise-free", &words.noise_free}, {"--no-draw", &words.no_draw}, {"--verbose", &words.verbose}};
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const bool has_value = i + 1 < argc;
@@ -242,7 +246,7 @@ int study(const Words& words) {
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   int found = 0;
   for (const PreciseCase& c : precise_cases()) {
-    if (c.name.find(words.cases) == std::string::npos) continue;
+    if (!c.name.starts_with(words.cases)) continue;
     ++found;
     print_row(c, words);
   }
