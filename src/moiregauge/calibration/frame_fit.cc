@@ -40,6 +40,10 @@ Linear linearised(const Cost& cost, const double* camera, const MarkerShape& sha
   return l;
 }
 
+std::array<double, kCameraParameters> numbers_of(const Camera& c) {
+  return {c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+}
+
 struct Normal {
   Eigen::MatrixXd ff, fg, gg;
   Eigen::VectorXd rf, rg;
@@ -70,8 +74,7 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
     rows += 2;
   }
   if (references < 3) return fit;
-  const Camera& c = scene.camera;
-  const std::array<double, kCameraParameters> camera{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  const auto camera = numbers_of(scene.camera);
   const int globals = scene_parameters(markers);
   Normal n;
   for (int pass = 0; pass <= kPasses; ++pass) {
@@ -111,6 +114,7 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
         for (int b = 0; b < gg.cols(); ++b) n.gg(global_column(a), global_column(b)) += gg(a, b);
       }
     }
+    for (int k = 6; k < rows; ++k) n.ff(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
     if (pass == kPasses) break;
     const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * n.ff * scale.asDiagonal());
@@ -134,6 +138,35 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
   fit.scene_information = n.gg + n.fg.transpose() * fit.sensitivity;
   fit.ok = std::isfinite(fit.chi2_sum);
   return fit;
+}
+
+double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit) {
+  if (!fit.ok) return 0.0;
+  const auto rows = fit.covariance.rows();
+  const auto camera = numbers_of(scene.camera);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(rows + 3, rows + 3);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(rows + 3);
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (!frame.points[i] || !site.markers[i].grating) continue;
+    const Cost cost(new PatchResidual(*frame.points[i], *site.markers[i].grating));
+    const Linear l = linearised(cost, camera.data(), scene.markers[i], fit.pose, fit.shift[i]);
+    // The patch is read at the time of its middle row.
+    const double row = (frame.points[i]->image[kPatchPoints / 2].y - scene.camera.cy) / scene.camera.fx;
+    Eigen::MatrixXd j = Eigen::MatrixXd::Zero(kRows, rows + 3);
+    j.leftCols<6>() = l.pose;
+    if (fit.shift_row[i] >= 0) j.middleCols<2>(fit.shift_row[i]) = l.shift;
+    j.rightCols<3>() = row * l.pose.leftCols<3>();
+    normal += j.transpose() * j;
+    right += j.transpose() * l.residual;
+  }
+  for (Eigen::Index k = 6; k < rows; ++k) normal(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
+  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  const Eigen::VectorXd r = scale.cwiseProduct(right);
+  const auto explained = [&](Eigen::Index size) {
+    return r.head(size).dot(scaled.topLeftCorner(size, size).ldlt().solve(r.head(size)));
+  };
+  return std::max(0.0, explained(rows + 3) - explained(rows));
 }
 
 Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames, const ScenePrior& prior,

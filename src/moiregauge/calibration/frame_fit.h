@@ -23,8 +23,15 @@ struct FrameFit {
 
 [[nodiscard]] int scene_parameters(std::size_t markers);  // 8 + 5 per marker
 
-// A fixed number of Gauss-Newton passes from frame.pose and frame.shift.
+// A fixed number of Gauss-Newton passes from frame.pose and frame.shift. A target's shift along an axis that its print
+// does not show stays where it starts, with kUnknownShift as its standard uncertainty.
 [[nodiscard]] FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame);
+inline constexpr double kUnknownShift = 1e4;  // mm
+
+// chi2 that the frame loses if the camera may turn while its rows are read, at a constant rate (three parameters): a
+// rolling shutter. To first order from the fit.
+[[nodiscard]] double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame,
+                                     const FrameFit& fit);
 
 // Covariance of the scene's parameters from the frames' information and the priors of what the model leaves free.
 [[nodiscard]] Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames,

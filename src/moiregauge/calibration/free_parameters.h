@@ -13,9 +13,10 @@ namespace moiregauge {
 [[nodiscard]] constexpr std::array<bool, kCameraParameters> free_camera(const SceneModel& m) {
   return {m.radial, m.radial, m.radial, m.radial, m.radial, m.tangential, m.tangential, false};
 }
+// A target's place has a prior, and so is solved, only where frames are known in which it rests.
 [[nodiscard]] constexpr std::array<bool, MarkerShape::kParameters> free_shape(const SceneModel& m, Role role) {
   const bool reference = role == Role::kReference;
-  return {reference, reference, true, true, reference ? m.heights : m.depth};
+  return {true, true, true, true, reference ? m.heights : m.depth};
 }
 
 }  // namespace moiregauge

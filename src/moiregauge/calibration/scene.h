@@ -12,8 +12,8 @@
 
 namespace moiregauge {
 
-// Departure of a marker from the site: its place (references only: where a target stands is what is measured), its
-// turn, the scale of its print and its height.
+// Departure of a marker from the site: its place (a target's only if it is known when it rests: where it
+// stands is what is measured), its turn, the scale of its print and its height.
 struct MarkerShape {
   enum Parameter { kX, kY, kTurn, kScale, kHeight, kParameters };
   std::array<double, kParameters> value{};  // mm, mm, rad counter-clockwise, relative, mm above the reference plane

@@ -38,7 +38,8 @@ struct Budget {
   Extent<frame::Board> reference_frame;  // both of the above in the reference frame
   Extent<frame::Board> model;            // what four points cannot absorb: lens, depth, a bent board
   Extent<frame::Board> lens;             // of the solved or given camera
-  Extent<frame::Board> geometry;         // places, turns and heights of the markers, the axes' direction with them
+  Extent<frame::Board> geometry;         // places, turns and heights of the markers
+  Extent<frame::Board> axis;             // the direction of the board's axes, told by the references' places alone
   Extent<frame::Board> print_scale;      // of every print
 };
 
@@ -53,6 +54,7 @@ inline constexpr std::array kBudgetParts{BudgetPart{"noise", &Budget::noise},
                                          BudgetPart{"model", &Budget::model},
                                          BudgetPart{"lens", &Budget::lens},
                                          BudgetPart{"geometry", &Budget::geometry},
+                                         BudgetPart{"axis", &Budget::axis},
                                          BudgetPart{"print_scale", &Budget::print_scale}};
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();

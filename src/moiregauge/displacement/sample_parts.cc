@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/sample_parts.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "moiregauge/units/units.h"
@@ -53,17 +54,23 @@ Status quality(const RasterPlan& plan, const PatchReading& then, const PatchRead
   return Status::kOk;
 }
 
-bool order_in_doubt(const Reference& reference, const Observation& seen) {
+std::vector<bool> references_in_doubt(const Reference& reference, const Observation& seen) {
+  std::vector<bool> doubtful(seen.markers.size(), false);
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
     if (!reference.site.markers[i].grating || seen.markers[i].loss != Loss::kNone) continue;
     const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
     const auto along = raster_from_board(reference.plans[i], moved);
     for (const double d : along) {
-      if (std::abs(d) > kOrderLimit * reference.plans[i].pitch_mm) return true;
+      if (std::abs(d) > kOrderLimit * reference.plans[i].pitch_mm) doubtful[i] = true;
     }
   }
-  return false;
+  return doubtful;
+}
+
+bool order_in_doubt(const Reference& reference, const Observation& seen) {
+  const auto doubtful = references_in_doubt(reference, seen);
+  return std::find(doubtful.begin(), doubtful.end(), true) != doubtful.end();
 }
 
 bool is_target(const Reference& reference, std::size_t i) {

@@ -26,7 +26,9 @@ using BoardExtent = Extent<frame::Board>;
 // Is the print whole, sharp and within the sensor's range? kOk, or what is wrong with it.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 
-// Any reference grating so far from where the circles put it that its lattice line is in doubt?
+// Reference gratings so far from where the circles put them that their lattice line is in doubt; one per site marker.
+[[nodiscard]] std::vector<bool> references_in_doubt(const Reference& reference, const Observation& seen);
+// Any of them?
 [[nodiscard]] bool order_in_doubt(const Reference& reference, const Observation& seen);
 
 [[nodiscard]] bool is_target(const Reference& reference, std::size_t marker);

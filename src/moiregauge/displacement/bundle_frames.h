@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Observations as the calibration takes them.
+#pragma once
+
+#include <vector>
+
+#include "moiregauge/calibration/bundle.h"
+#include "moiregauge/displacement/method.h"
+
+namespace moiregauge {
+
+struct BundleFrames {
+  std::vector<BundleFrame> frames;  // the reference frame first, then those that show enough references
+  std::vector<std::size_t> place;   // of every observation among them; 0: not there
+};
+
+// A frame counts from `least` references on; one whose lattice line is in doubt is left out of its frame.
+[[nodiscard]] BundleFrames bundle_frames(const Reference& reference, const std::vector<Observation>& observations,
+                                         const Camera& camera, const SolveOptions& options, int least);
+
+[[nodiscard]] int references_in(const Site& site, const BundleFrame& frame);
+
+}  // namespace moiregauge

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// References that check each other: does one of them move? The geodesist's test for a single fault (Baarda 1968), with
+// the scene solved anew without each reference in turn.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "moiregauge/calibration/calibrate.h"
+
+namespace moiregauge {
+
+struct ReferenceVerdict {
+  bool verified = false;             // enough of them to name one that moves
+  std::optional<std::size_t> moved;  // that reference (index in the site)
+  bool doubtful = false;             // one of them moves, and it cannot be told which
+};
+
+// Six references show it, or five with a known camera; five without one may show that something is wrong. A reference
+// counts when it is seen in most frames.
+[[nodiscard]] ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> frames,
+                                               const ScenePrior& prior, const SceneModel& model, bool camera_known);
+
+// The frames without that reference.
+[[nodiscard]] std::vector<BundleFrame> without(std::span<const BundleFrame> frames, std::size_t marker);
+
+// How far it went from where it was in the first frame, mm, in the scene solved without it.
+[[nodiscard]] double movement_of(Site site, const Scene& scene, std::span<const BundleFrame> frames,
+                                 std::size_t marker);
+
+}  // namespace moiregauge
