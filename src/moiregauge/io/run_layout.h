@@ -24,7 +24,7 @@ template <> inline constexpr std::size_t kFields<Camera> = 11;
 
 // One frame.
 template <> inline constexpr std::size_t kFields<Observation> = 8;
-template <> inline constexpr std::size_t kFields<MarkerObservation> = 5;
+template <> inline constexpr std::size_t kFields<MarkerObservation> = 6;
 template <> inline constexpr std::size_t kFields<SeenCircle> = 9;
 template <> inline constexpr std::size_t kFields<PatchReading> = 10;
 template <> inline constexpr std::size_t kFields<PatchFit> = 9;
@@ -34,7 +34,8 @@ template <> inline constexpr std::size_t kFields<Reference> = 12;
 template <> inline constexpr std::size_t kFields<CirclePoint> = 4;
 template <> inline constexpr std::size_t kFields<View> = 2;
 template <> inline constexpr std::size_t kFields<RasterPlan> = 10;
-template <> inline constexpr std::size_t kFields<PrintModel> = 3;
+template <> inline constexpr std::size_t kFields<PrintModel> = 4;
+template <> inline constexpr std::size_t kFields<Outline> = 3;
 template <> inline constexpr std::size_t kFields<PatchWindow> = 3;
 template <> inline constexpr std::size_t kFields<PatchFitOptions> = 3;
 template <> inline constexpr std::size_t kFields<CircleSearch> = 2;
@@ -82,6 +83,15 @@ template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
     case Loss::kNoModulation:
     case Loss::kCovered:
     case Loss::kTooCoarse:
+      return true;
+  }
+  return false;
+}
+[[nodiscard]] constexpr bool is_known(Order order) {
+  switch (order) {
+    case Order::kUnproven:
+    case Order::kProven:
+    case Order::kContradicted:
       return true;
   }
   return false;
@@ -144,11 +154,6 @@ struct Stored<PrintTemplate> {
     }
   }
 };
-
-template <>
-[[nodiscard]] inline PrintModel blank<PrintModel>() {
-  return {PrintTemplate::cosine(0.0, 0.0), {}, {}};
-}
 
 // By its name.
 template <>
