@@ -20,6 +20,8 @@ using Samples = std::vector<Sample>;  // by observation, then by target in the s
 // What the user says about the run beyond the site.
 struct SolveOptions {
   std::optional<FrameRange> rest;  // frames in which no target moves
+  // Standard uncertainties of the given camera in the Scene's order, NaN where unknown; none: those of a calibration.
+  std::optional<std::array<double, kCameraParameters>> u_camera;
 };
 
 struct Solution {

@@ -123,8 +123,11 @@ Solution fallback(const Reference& reference, const std::vector<Observation>& ob
 Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
                        const SolveOptions& options) {
   const bool lens_given = !(reference.lens.is_distortion_free() && reference.lens.fx == 1.0);
-  const ScenePrior prior = scene_prior(reference.site, reference.width, reference.height,
-                                       lens_given ? std::optional(reference.lens) : std::nullopt);
+  ScenePrior prior = scene_prior(reference.site, reference.width, reference.height,
+                                 lens_given ? std::optional(reference.lens) : std::nullopt);
+  for (std::size_t k = 0; lens_given && options.u_camera && k < prior.u_camera.size(); ++k) {
+    if (std::isfinite((*options.u_camera)[k])) prior.u_camera[k] = (*options.u_camera)[k];
+  }
   // The reference frame first, then the others that show enough.
   const std::vector<BoardExtent> still(reference.site.markers.size());
   std::vector<BundleFrame> frames{bundle_frame(reference, reference.seen, prior.camera, still)};
@@ -155,6 +158,7 @@ Solution solve_precise(const Reference& reference, const std::vector<Observation
   Solution solution;
   solution.scene = calibration.bundle.scene;
   const Eigen::MatrixXd covariance = scene_covariance(reference.site, calibration.fits, prior, kEverything);
+  solution.scene->full_covariance = covariance;
   // Poses as the solved camera has them: with another focal length they start elsewhere.
   for (std::size_t n = 0; n < observations.size(); ++n) {
     if (place[n] > 0) frames[place[n]].pose = pose_of(observations[n].stage2, solution.scene->camera);
