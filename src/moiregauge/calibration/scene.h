@@ -42,6 +42,8 @@ struct Scene {
   std::vector<MarkerShape> markers;  // one per site marker
   // Of the camera's eight, then of five per marker; zero for what the model holds fixed.
   Eigen::MatrixXd covariance;
+  // The same with all of them free within their priors, as the samples' u has it; empty where it was not made.
+  Eigen::MatrixXd full_covariance;
   SceneModel model;
   double chi2_dof = 0.0;        // of the data
   double penalised_cost = 0.0;  // data plus priors

@@ -60,10 +60,8 @@ Done restate(const SolveWords& words, StoredRun& run) {
     run.options.pitch_mm.reset();
   }
   if (!words.camera.empty()) {
-    const auto camera = camera_of_file(words.camera);
-    if (!camera) return tl::unexpected(camera.error());
-    if (const auto problem = camera_problem(*camera, run.seen.input)) return usage(*problem);
-    run.options.camera = *camera;
+    if (const auto taken = take_camera(words.camera, run.options); !taken) return taken;
+    if (const auto problem = camera_problem(*run.options.camera, run.seen.input)) return usage(*problem);
   }
   if (!run.seen.reference || (words.site.empty() && words.camera.empty())) return {};
   Reference& reference = *run.seen.reference;

@@ -51,10 +51,12 @@ tl::expected<Site, UsageError> site_of_file(const std::string& path) {
   return *std::move(site);
 }
 
-tl::expected<Camera, UsageError> camera_of_file(const std::string& path) {
-  auto camera = read_camera(path);
-  if (!camera) return usage(camera.error());
-  return *camera;
+tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options) {
+  const auto known = read_known_camera(path);
+  if (!known) return usage(known.error());
+  options.camera = known->camera;
+  options.solve.u_camera = known->u;
+  return {};
 }
 
 tl::expected<FrameRange, UsageError> rest_frames(const std::string& text) {
@@ -131,9 +133,7 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     options.site = std::move(*site);
   }
   if (!words.camera.empty()) {
-    const auto camera = camera_of_file(words.camera);
-    if (!camera) return tl::unexpected(camera.error());
-    options.camera = *camera;
+    if (const auto taken = take_camera(words.camera, options); !taken) return tl::unexpected(taken.error());
   }
   if (words.fps && !(*words.fps > 0.0)) return usage(fmt::format("frame rate: --fps {}: must be above 0", *words.fps));
   auto range = frame_range(words.frames);

@@ -41,7 +41,8 @@ struct UsageError {
 // What `measure` and `solve` both take; each fails with what is wrong with the option's word.
 [[nodiscard]] tl::expected<const Method*, UsageError> method_of(const std::string& word);
 [[nodiscard]] tl::expected<Site, UsageError> site_of_file(const std::string& path);
-[[nodiscard]] tl::expected<Camera, UsageError> camera_of_file(const std::string& path);
+// Into the options, with what the file says of how well it is known.
+[[nodiscard]] tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options);
 [[nodiscard]] tl::expected<FrameRange, UsageError> rest_frames(const std::string& text);  // A:B
 
 // <input name without extension, or before %> + suffix, in the current directory.

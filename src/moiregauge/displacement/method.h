@@ -20,6 +20,8 @@ using Samples = std::vector<Sample>;  // by observation, then by target in the s
 // What the user says about the run beyond the site.
 struct SolveOptions {
   std::optional<FrameRange> rest;  // frames in which no target moves
+  // Standard uncertainties of the given camera in the Scene's order, NaN where unknown; none: those of a calibration.
+  std::optional<std::array<double, kCameraParameters>> u_camera;
 };
 
 struct Solution {
@@ -59,7 +61,7 @@ inline constexpr std::array kMethods{
     Method{"precise", "raw pixels against the learned print, lens and markers solved from the footage", learn_prints,
            observe_precise, solve_precise},
 };
-inline constexpr std::string_view kDefaultMethod = "two-stage";
+inline constexpr std::string_view kDefaultMethod = "precise";
 
 [[nodiscard]] constexpr const Method* method_named(std::string_view name) {
   for (const Method& method : kMethods) {

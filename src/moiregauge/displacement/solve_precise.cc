@@ -96,6 +96,9 @@ class Precise {
     lens_given_ = !(reference.lens.is_distortion_free() && reference.lens.fx == 1.0);
     prior_ = scene_prior(reference.site, reference.width, reference.height,
                          lens_given_ ? std::optional(reference.lens) : std::nullopt);
+    for (std::size_t k = 0; lens_given_ && options.u_camera && k < prior_.u_camera.size(); ++k) {
+      if (std::isfinite((*options.u_camera)[k])) prior_.u_camera[k] = (*options.u_camera)[k];
+    }
     if (options.rest) {
       for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
         if (is_target(reference, i))
@@ -144,7 +147,8 @@ class Precise {
 
   void measure(std::vector<BundleFrame> frames, const std::vector<std::size_t>& place, const Calibration& calibration) {
     const Site& site = reference_.site;
-    const PreciseBudget budget(site, scene_covariance(site, calibration.fits, prior_, kEverything),
+    solution_.scene->full_covariance = scene_covariance(site, calibration.fits, prior_, kEverything);
+    const PreciseBudget budget(site, solution_.scene->full_covariance,
                                calibration.fits.front());  // the reference frame leads the key frames
     for (std::size_t n = 0; n < observations_.size(); ++n) {
       const Observation& seen = observations_[n];

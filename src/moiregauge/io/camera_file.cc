@@ -2,6 +2,7 @@
 #include "moiregauge/io/camera_file.h"
 
 #include <exception>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -48,18 +49,36 @@ Camera read_table(const TomlTable& table) {
   return camera;
 }
 
-tl::expected<Camera, std::string> parse_camera_toml(const std::string& text, const std::string& path) {
+constexpr std::array<const char*, kCameraParameters> kWidthKeys{"fx", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+
+std::optional<CameraWidths> read_widths(const TomlTable& camera, TomlMistakes& mistakes) {
+  const toml::value* value = camera.find("u");
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_table()) {
+    camera.mistake("u", "u must be a section: write [camera.u]");
+    return std::nullopt;
+  }
+  const TomlTable table(*value, mistakes);
+  table.refuse_keys_outside({kWidthKeys.begin(), kWidthKeys.end()});
+  CameraWidths u;
+  for (std::size_t k = 0; k < u.size(); ++k)
+    u[k] = table.number_not_negative(kWidthKeys[k]).value_or(std::numeric_limits<double>::quiet_NaN());
+  return u;
+}
+
+tl::expected<KnownCamera, std::string> parse_camera_toml(const std::string& text, const std::string& path) {
   const auto file = parse_toml(text, path, kCameraFileLimit);
   if (!file) return tl::unexpected(file.error());
   TomlMistakes mistakes(path);
   const TomlTable top(*file, mistakes);
   top.refuse_keys_outside({"camera", "truth"});  // [truth] is the simulator's (truth-camera.toml)
   const toml::value* table = top.find("camera");
-  Camera camera;
+  KnownCamera camera;
   if (table == nullptr || !table->is_table()) {
     mistakes.add(1, 1, "no [camera] and no camera_matrix: give our TOML or a calibration YAML of OpenCV or ROS");
   } else {
-    camera = read_table(TomlTable(*table, mistakes));
+    camera.camera = read_table(TomlTable(*table, mistakes));
+    camera.u = read_widths(TomlTable(*table, mistakes), mistakes);
   }
   if (mistakes.empty()) return camera;
   std::string lines;
@@ -81,28 +100,41 @@ std::string real(double value) {
 
 }  // namespace
 
-std::string write_camera(const Camera& camera) {
-  std::string text = "# Pixels; OpenCV's lens model and signs.\n[camera]\n";
+std::string write_camera(const Camera& camera, const CameraWidths& u) {
+  std::string text = "# Pixels; OpenCV's lens model and signs; u: standard uncertainties.\n[camera]\n";
   if (camera.width > 0) text += fmt::format("width = {}\nheight = {}\n", camera.width, camera.height);
   const std::pair<const char*, double> keys[] = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx},
                                                  {"cy", camera.cy}, {"k1", camera.k1}, {"k2", camera.k2},
                                                  {"p1", camera.p1}, {"p2", camera.p2}, {"k3", camera.k3}};
   for (const auto& [key, value] : keys) text += fmt::format("{} = {}\n", key, real(value));
+  text += "\n[camera.u]\n";
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    if (u[k] > 0.0) text += fmt::format("{} = {}\n", kWidthKeys[k], real(u[k]));
+  }
   return text;
 }
 
-tl::expected<Camera, std::string> parse_camera(const std::string& text, const std::string& path) {
+tl::expected<KnownCamera, std::string> parse_known_camera(const std::string& text, const std::string& path) {
   try {
-    return is_yaml(text) ? parse_camera_yaml(text, path) : parse_camera_toml(text, path);
+    if (!is_yaml(text)) return parse_camera_toml(text, path);
+    return parse_camera_yaml(text, path).map([](const Camera& camera) { return KnownCamera{camera, {}}; });
   } catch (const std::exception& error) {  // toml11 throws; what we ask of it should not, but it is not our code
     return tl::unexpected(fmt::format("{}:1:1: {}", path, error.what()));
   }
 }
 
-tl::expected<Camera, std::string> read_camera(const std::string& path) {
+tl::expected<KnownCamera, std::string> read_known_camera(const std::string& path) {
   const auto text = read_small_file(path, kCameraFileLimit);
   if (!text) return tl::unexpected(text.error());
-  return parse_camera(*text, path);
+  return parse_known_camera(*text, path);
+}
+
+tl::expected<Camera, std::string> parse_camera(const std::string& text, const std::string& path) {
+  return parse_known_camera(text, path).map([](const KnownCamera& known) { return known.camera; });
+}
+
+tl::expected<Camera, std::string> read_camera(const std::string& path) {
+  return read_known_camera(path).map([](const KnownCamera& known) { return known.camera; });
 }
 
 }  // namespace moiregauge

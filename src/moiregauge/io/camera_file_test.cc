@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/camera_file.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace moiregauge {
@@ -62,6 +64,33 @@ TEST(CameraFile, MistakesAreNamedWithTheirPlaces) {
   EXPECT_NE(read.error().find("unknown key \"k4\""), std::string::npos) << read.error();
   EXPECT_NE(parse_camera("x = 1\n", "c.toml").error().find("no [camera]"), std::string::npos);
   EXPECT_NE(read_camera("/nowhere/c.toml").error().find("/nowhere/c.toml: cannot be read"), std::string::npos);
+}
+
+TEST(CameraFile, WrittenComesBackToTheLastBitWithWhatIsKnownOfIt) {
+  const double third = 1.0 / 3.0;
+  const Camera camera{640,          480, 500 * third, 500 * third, 320 + third, 240, -0.1 * third, 1e-9 * third, 0,
+                      1e-4 * third, 0};
+  const CameraWidths u{third, 2 * third, 3, 1e-5 * third, 1e-6, 0.0, 1e-7, std::nan("")};
+  const auto read = parse_known_camera(write_camera(camera, u), "camera.toml");
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->camera.width, 640);
+  EXPECT_EQ(read->camera.height, 480);
+  EXPECT_EQ(read->camera.fx, camera.fx);
+  EXPECT_EQ(read->camera.fy, camera.fy);
+  EXPECT_EQ(read->camera.cx, camera.cx);
+  EXPECT_EQ(read->camera.cy, camera.cy);
+  EXPECT_EQ(read->camera.k1, camera.k1);
+  EXPECT_EQ(read->camera.k2, camera.k2);
+  EXPECT_EQ(read->camera.p1, camera.p1);
+  EXPECT_EQ(read->camera.p2, camera.p2);
+  ASSERT_TRUE(read->u);
+  for (const std::size_t k : {0, 1, 2, 3, 4, 6}) EXPECT_EQ((*read->u)[k], u[k]) << k;
+  for (const std::size_t k : {5, 7}) EXPECT_TRUE(std::isnan((*read->u)[k])) << k;
+  EXPECT_FALSE(parse_known_camera("[camera]\nfx = 1.0\nfy = 1.0\ncx = 0.0\ncy = 0.0\n", "c.toml")->u);
+  EXPECT_NE(parse_known_camera("[camera]\nfx = 1.0\nfy = 1.0\ncx = 0.0\ncy = 0.0\n[camera.u]\nf = 1.0\n", "c.toml")
+                .error()
+                .find("unknown key \"f\""),
+            std::string::npos);
 }
 
 }  // namespace

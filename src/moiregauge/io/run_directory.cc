@@ -112,7 +112,7 @@ tl::expected<void, OutputError> put_results(const fs::path& dir, const Measureme
     Camera solved = measurement.scene->camera;
     solved.width = measurement.input.width;
     solved.height = measurement.input.height;
-    if (auto done = put(dir / "camera.toml", write_camera(solved)); !done) return done;
+    if (auto done = put(dir / "camera.toml", write_camera(solved, u_of_camera(*measurement.scene))); !done) return done;
   }
   // What other people called their files is not always UTF-8; the JSON is.
   const std::string json =

@@ -33,7 +33,7 @@ constexpr std::string_view kOptionsTag = "OPTN", kReferenceTag = "REFR", kObserv
 
 template <typename Value>
 void spell(LayoutSpeller& speller) {
-  Value value = blank<Value>();
+  Value value;
   store(speller, value);
 }
 

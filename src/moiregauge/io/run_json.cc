@@ -65,7 +65,10 @@ Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
   json["u"] = Json::object();
   if (!solved) return json;
   const char* names[kCameraParameters] = {"fx", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
-  for (int k = 0; k < kCameraParameters; ++k) json["u"][names[k]] = number(std::sqrt(measurement.scene->covariance(k, k)));
+  const auto u = u_of_camera(*measurement.scene);
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    if (u[k] > 0.0) json["u"][names[k]] = number(u[k]);
+  }
   return json;
 }
 

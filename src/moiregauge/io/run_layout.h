@@ -45,7 +45,7 @@ template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 template <> inline constexpr std::size_t kFields<InputInfo> = 11;
 template <> inline constexpr std::size_t kFields<FrameRange> = 3;
 template <> inline constexpr std::size_t kFields<MeasureOptions> = 9;
-template <> inline constexpr std::size_t kFields<SolveOptions> = 1;
+template <> inline constexpr std::size_t kFields<SolveOptions> = 2;
 template <> inline constexpr std::size_t kFields<ObserveOptions> = 2;
 template <> inline constexpr std::size_t kFields<RasterOptions> = 3;
 template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
@@ -154,11 +154,6 @@ struct Stored<PrintTemplate> {
     }
   }
 };
-
-template <>
-[[nodiscard]] inline PrintModel blank<PrintModel>() {
-  return {PrintTemplate::cosine(0.0, 0.0), {}, {}, {}};
-}
 
 // By its name.
 template <>

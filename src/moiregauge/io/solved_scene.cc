@@ -20,14 +20,20 @@ BoardPoint turned_about(BoardPoint middle, BoardPoint p, double angle_rad, doubl
   return middle + Extent<frame::Board>{c * d.x - s * d.y, s * d.x + c * d.y};
 }
 
+// What uncertainties are stated by: a parameter that the footage does not demand may yet be there.
+const Eigen::MatrixXd& stated(const Scene& scene) {
+  return scene.full_covariance.size() > 0 ? scene.full_covariance : scene.covariance;
+}
+
 // The width of the narrowest ball that holds the covariance of these parameters, or `given` where none was solved.
 double width_over(const Scene& scene, const std::vector<int>& rows, double given) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   if (n == 0) return given;
+  const Eigen::MatrixXd& covariance = stated(scene);
   Eigen::MatrixXd block(n, n);
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b)
-      block(a, b) = scene.covariance(rows[static_cast<std::size_t>(a)], rows[static_cast<std::size_t>(b)]);
+      block(a, b) = covariance(rows[static_cast<std::size_t>(a)], rows[static_cast<std::size_t>(b)]);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(block, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, eigen.eigenvalues()(n - 1)));
@@ -48,10 +54,18 @@ bool has_new_height(const Site& site, const Scene& scene, std::size_t marker) {
 
 bool has_solved_lens(const Scene& scene) { return scene.solved && scene.model.radial; }
 
+std::array<double, kCameraParameters> u_of_camera(const Scene& scene) {
+  std::array<double, kCameraParameters> u;
+  for (int k = 0; k < kCameraParameters; ++k) u[static_cast<std::size_t>(k)] = std::sqrt(stated(scene)(k, k));
+  return u;
+}
+
 MarkerShape u_of_marker(const Scene& scene, std::size_t marker) {
   MarkerShape u;
-  for (int k = 0; k < MarkerShape::kParameters; ++k)
-    u.value[static_cast<std::size_t>(k)] = std::sqrt(scene.covariance(row_of(marker, k), row_of(marker, k)));
+  for (int k = 0; k < MarkerShape::kParameters; ++k) {
+    const int row = row_of(marker, k);
+    if (is_solved(scene, marker, k)) u.value[static_cast<std::size_t>(k)] = std::sqrt(stated(scene)(row, row));
+  }
   return u;
 }
 

@@ -16,6 +16,9 @@ namespace moiregauge {
 // height where one was solved.
 [[nodiscard]] Marker solved_marker(const Site& site, const Scene& scene, std::size_t marker);
 
+// Standard uncertainties of the camera, whatever of it the model holds fixed.
+[[nodiscard]] std::array<double, kCameraParameters> u_of_camera(const Scene& scene);
+
 // Standard uncertainties of one marker's x, y (mm), turn (rad), print scale and height (mm); 0 for what was not solved.
 [[nodiscard]] MarkerShape u_of_marker(const Scene& scene, std::size_t marker);
 

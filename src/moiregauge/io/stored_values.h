@@ -16,12 +16,6 @@
 
 namespace moiregauge {
 
-// A value to read into.
-template <typename Value>
-[[nodiscard]] Value blank() {
-  return {};
-}
-
 template <typename Archive, typename Value>
 void store(Archive& archive, Value& value);
 
@@ -67,7 +61,7 @@ struct Stored<std::optional<Element>> {
     const bool there = archive.flag(value.has_value());
     if constexpr (Archive::kReads) {
       value.reset();
-      if (there) value.emplace(blank<Element>());
+      if (there) value.emplace();
     }
     if (there) moiregauge::store(archive, *value);
   }
@@ -81,7 +75,7 @@ struct Stored<std::vector<Element>> {
     if constexpr (Archive::kReads) value.clear();
     // Grows as elements are there, so a false count takes no memory.
     for (std::size_t k = 0; k < count && archive.good(); ++k) {
-      if constexpr (Archive::kReads) value.push_back(blank<Element>());
+      if constexpr (Archive::kReads) value.emplace_back();
       moiregauge::store(archive, value[k]);
     }
   }

@@ -13,7 +13,7 @@
 namespace moiregauge {
 
 struct PrintModel {
-  PrintTemplate print;
+  PrintTemplate print = PrintTemplate::cosine(0.0, 0.0);
   PatchWindow window;       // pitches
   PatchFitOptions options;  // axes
   std::optional<Outline> outline;
