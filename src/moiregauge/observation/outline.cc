@@ -132,4 +132,45 @@ std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const Vie
   return from + on_board(grating, best);
 }
 
+std::optional<Extent<frame::Board>> offset_of_print(const LumaView& luma, const View& view, const Grating& grating,
+                                                    int pitches) {
+  const double edge = 0.25;  // pitches: cells of the print's rim are half paper
+  const PatchWindow nominal{
+      {0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - edge, 0.5 * grating.height_mm / grating.pitch_mm - edge};
+  const auto map = presence_round(luma, view, grating, nominal, {}, pitches + 1);
+  if (!map) return std::nullopt;
+  Place best;
+  for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
+    for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
+      const Place p{i, j, map->sum(nominal, i, j)};
+      if (p.score > best.score) best = p;
+    }
+  }
+  Outline outline;
+  outline.window = nominal;
+  outline.present = best.score / static_cast<double>(map->cells(nominal, 0, 0).size());
+  if (!is_print(*map, outline, best)) return std::nullopt;
+  // The print fills the window equally far to both sides: one half pitch aside as much is lost on either.
+  const auto middle = [&](bool along_x) {
+    const auto beside = [&](int step) {
+      return best.score - map->sum(nominal, best.i + (along_x ? step : 0), best.j + (along_x ? 0 : step));
+    };
+    const double less = beside(-2), more = beside(2);
+    return less + more > 0.0 ? 0.5 * (less - more) / (less + more) : 0.0;  // pitches
+  };
+  const Axes axes = axes_of(grating);
+  const auto stands_out = [&](bool along_x) {
+    const int x = along_x ? 2 : 0, y = along_x ? 0 : 2;
+    const double beside =
+        std::max(map->sum(nominal, best.i + x, best.j + y), map->sum(nominal, best.i - x, best.j - y));
+    const double strip = 0.5 / (along_x ? nominal.half_x : nominal.half_y);
+    return 1.0 - beside / best.score > kStandsOut * strip;
+  };
+  if ((axes.x && !stands_out(true)) || (axes.y && !stands_out(false))) return std::nullopt;
+  const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);
+  const double x = (0.5 * best.i + middle(true)) * grating.pitch_mm,
+               y = (0.5 * best.j + middle(false)) * grating.pitch_mm;
+  return Extent<frame::Board>{c * x - s * y, s * x + c * y};
+}
+
 }  // namespace moiregauge

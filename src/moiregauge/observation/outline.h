@@ -48,4 +48,9 @@ struct OrderVerdict {
                                                                const Grating& grating, const Outline& outline,
                                                                Extent<frame::Board> from, int pitches);
 
+// How far a print stands from where the site has it, to a quarter pitch, within `pitches`. Nothing when it has no outline
+// in sight.
+[[nodiscard]] std::optional<Extent<frame::Board>> offset_of_print(const LumaView& luma, const View& view,
+                                                                  const Grating& grating, int pitches);
+
 }  // namespace moiregauge

@@ -15,9 +15,11 @@ using Failure = PatchFitFailure;
 
 // A slope power below this part of the other axis': lines, not a weak second grating.
 constexpr double kNoSlope = 1e-3;
-// After the first template the map is corrected by what the fit found, and a second one learned. The first
-// round needs few harmonics to find the map.
-constexpr int kLearningRounds = 3;
+// Template and map are learned in turn. A template takes up a share of what is wrong with the map: of a wrong scale
+// over n periods all but 1 / n^2 is seen, so each round leaves about a tenth. The first rounds, with few harmonics, go
+// on until the map stands still; then the window grows, and the last rounds learn all harmonics.
+constexpr int kMostRounds = 12;
+constexpr double kStandsStill = 1e-6;  // pitches
 constexpr int kFirstOrders = 5;
 
 // To begin with: so much smaller than the site's print that it may hang half a pitch from where the site has it.
@@ -150,41 +152,86 @@ int order_of(const PatchWindow& w, double pitch_px) {
 
 }  // namespace
 
-tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                      Extent<frame::Board> moved) {
-  auto map = local_map(view, grating, moved);
-  if (!map) return tl::unexpected(Failure::kOutsidePicture);
-  const double mm_per_px = view.mm_per_px(grating.centre + moved);
-  PatchWindow window = safe_window(grating, mm_per_px);
-  std::optional<PrintModel> model;
-  PatchFit fit;
-  for (int round = 0; round < kLearningRounds; ++round) {
-    const int order = order_of(window, grating.pitch_mm / mm_per_px);
-    PrintBins bins(round == 0 ? std::min(order, kFirstOrders) : order);
-    std::visit([&](const auto& picture) { gather(picture, *map, window, round > 0 ? &fit : nullptr, bins); }, luma);
+namespace {
+
+// The state of learning, one round after the other.
+class Learning {
+ public:
+  Learning(const LumaView& luma, const Grating& grating, PrintFromImage map, double mm_per_px)
+      : luma_(luma), grating_(grating), map_(std::move(map)), pixel_(mm_per_px / grating.pitch_mm) {
+    window_ = safe_window(grating, mm_per_px);
+  }
+
+  // How far the map moved, pitches.
+  tl::expected<double, Failure> round(int most_orders) {
+    PrintBins bins(std::min(most_orders, order_of(window_, 1.0 / pixel_)));
+    std::visit([&](const auto& picture) { gather(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); }, luma_);
     auto print = bins.fit();
     if (!print) return tl::unexpected(Failure::kTooFewPixels);
     const double px = print->slope_power_x(), py = print->slope_power_y();
     PatchFitOptions options;
     options.along_x = px > kNoSlope * py;
     options.along_y = py > kNoSlope * px;
-    model = PrintModel{*std::move(print), window, options, std::nullopt};
-    auto fitted = fit_patch(luma, *map, window, model->print, options);
+    model_ = PrintModel{*std::move(print), window_, options, std::nullopt};
+    auto fitted = fit_patch(luma_, map_, window_, model_->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
-    fit = *std::move(fitted);
-    if (round + 1 == kLearningRounds) break;
-    if (options.along_x && options.along_y) {
-      if (const auto better = corrected(fit)) map = better;
+    fit_ = *std::move(fitted);
+    if (!options.along_x || !options.along_y) return 0.0;
+    const auto better = corrected(*fit_);
+    if (!better) return 0.0;
+    double moved = 0.0;
+    for (std::size_t n = 0; n < kPatchPoints; ++n) {
+      const PrintPoint was = map_(fit_->image[n]), is = (*better)(fit_->image[n]);
+      moved = std::max(moved, std::hypot(is.x - was.x, is.y - was.y));
     }
-    if (round == 0) continue;  // a few harmonics leave so much over that an edge would pass for print
-    window = std::visit(
-        [&](const auto& picture) {
-          return grown(picture, *map, window, fit, model->print, grating, mm_per_px / grating.pitch_mm);
-        },
-        luma);
+    map_ = *better;
+    return moved;
   }
-  model->outline = learn_outline(luma, view, grating, model->window);
-  return *std::move(model);
+
+  tl::expected<void, Failure> until_it_stands_still(int most_orders) {
+    for (int k = 0; k < kMostRounds; ++k) {
+      const auto moved = round(most_orders);
+      if (!moved) return tl::unexpected(moved.error());
+      if (*moved < kStandsStill) break;
+    }
+    return {};
+  }
+
+  void grow() {
+    window_ = std::visit(
+        [&](const auto& picture) { return grown(picture, map_, window_, *fit_, model_->print, grating_, pixel_); },
+        luma_);
+  }
+
+  PrintModel model() && { return *std::move(model_); }
+
+ private:
+  const LumaView& luma_;
+  const Grating& grating_;
+  PrintFromImage map_;
+  double pixel_;  // pitches
+  PatchWindow window_;
+  std::optional<PatchFit> fit_;
+  std::optional<PrintModel> model_;
+};
+
+constexpr int kAllOrders = 1 << 20;
+
+}  // namespace
+
+tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
+                                                      Extent<frame::Board> moved) {
+  const auto map = local_map(view, grating, moved);
+  if (!map) return tl::unexpected(Failure::kOutsidePicture);
+  Learning learning(luma, grating, *map, view.mm_per_px(grating.centre + moved));
+  if (const auto done = learning.until_it_stands_still(kFirstOrders); !done) return tl::unexpected(done.error());
+  // A few harmonics leave so much over that an edge would pass for print: the window grows by all of them.
+  if (const auto done = learning.round(kAllOrders); !done) return tl::unexpected(done.error());
+  learning.grow();
+  if (const auto done = learning.until_it_stands_still(kAllOrders); !done) return tl::unexpected(done.error());
+  PrintModel model = std::move(learning).model();
+  model.outline = learn_outline(luma, view, grating, model.window);
+  return model;
 }
 
 tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view, const Grating& grating,

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "moiregauge/geometry/conic.h"
+#include "moiregauge/observation/outline.h"
 #include "moiregauge/observation/site_check.h"
 
 namespace moiregauge {
@@ -16,6 +17,19 @@ constexpr double kSamePlace = 0.25;  // diameters: a circle seen where the site 
 double diameter_mm(const Circle& circle, const SeenCircle& seen, const IdealFromBoard& h) {
   if (circle.diameter_mm > 0.0) return circle.diameter_mm;
   return seen.diameter_px * View{h, {}}.mm_per_px(circle.centre);
+}
+
+// Where the site's places are known so roughly that a print may hang beside its window, the window goes to the print.
+constexpr double kBeside = 0.35;  // pitches: nearer, the window holds enough of it
+
+void centre_windows(Reference& reference, const LumaView& luma) {
+  for (Marker& marker : reference.site.markers) {
+    if (!marker.grating) continue;
+    const double may_be_off = 3.0 * reference.site.known_to.position_mm / marker.grating->pitch_mm;
+    if (may_be_off <= kBeside) continue;
+    const auto off = offset_of_print(luma, reference.view, *marker.grating, static_cast<int>(std::ceil(may_be_off)));
+    if (off && length(*off) > kBeside * marker.grating->pitch_mm) marker.grating->centre = marker.grating->centre + *off;
+  }
 }
 
 // Plans one raster per grating; says why where it cannot.
@@ -166,6 +180,7 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
     const int found = who->circle_of_marker[i];
     if (found >= 0) reference.seen.markers[i].circle = reference.search.circles[static_cast<std::size_t>(found)];
   }
+  centre_windows(reference, picture.luma);
   plan_rasters(reference);
   read_patches(reference, picture);
   if (auto problem = problem_of(reference)) return tl::unexpected(std::move(*problem));
