@@ -45,13 +45,16 @@ std::vector<BoardExtent> reference_noise(const Reference& reference, const Obser
 
 Status status_of_loss(Loss loss) { return loss == Loss::kTooCoarse ? Status::kTooCoarse : Status::kLost; }
 
-Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
-  if (is_bent(plan, then, now)) return Status::kPartlyCovered;
+Status sharpness(const PatchReading& then, const PatchReading& now) {
   if (now.clipped_share > kClippedShare) return Status::kSaturated;
   for (std::size_t a = 0; a < 2; ++a) {
     if (now.modulation[a] < kBlurredModulation * then.modulation[a]) return Status::kBlurred;
   }
   return Status::kOk;
+}
+
+Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
+  return is_bent(plan, then, now) ? Status::kPartlyCovered : sharpness(then, now);
 }
 
 std::vector<bool> references_in_doubt(const Reference& reference, const Observation& seen) {

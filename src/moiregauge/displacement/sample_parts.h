@@ -23,6 +23,8 @@ using BoardExtent = Extent<frame::Board>;
 
 [[nodiscard]] Status status_of_loss(Loss loss);
 
+// Is the print sharp and within the sensor's range? kOk, or what is wrong with it.
+[[nodiscard]] Status sharpness(const PatchReading& then, const PatchReading& now);
 // Is the print whole, sharp and within the sensor's range? kOk, or what is wrong with it.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 

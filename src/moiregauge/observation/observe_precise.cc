@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "moiregauge/observation/follow_marker.h"
 #include "moiregauge/observation/observe.h"
 
@@ -24,15 +26,29 @@ Order order_by_circle(const Reference& reference, const View& view, std::size_t 
   return length(went) < kCircleLimit * reference.plans[i].pitch_mm ? Order::kProven : Order::kContradicted;
 }
 
+// Would the target, there, lie over another marker's grating?
+bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> moved) {
+  const Grating& own = *site.markers[target].grating;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (i == target || !site.markers[i].grating || site.markers[i].role == Role::kTarget) continue;
+    const Grating& other = *site.markers[i].grating;
+    const auto apart = own.centre + moved - other.centre;
+    const double reach = 0.4 * (std::min(own.width_mm, own.height_mm) + std::min(other.width_mm, other.height_mm));
+    if (length(apart) < reach) return true;
+  }
+  return false;
+}
+
 // The whole pitch a target stands in, told from its outline or its circle; the raster reading is taken again where
 // continuity had it wrong, or had lost it.
 void prove(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
            const Prediction& prediction, MarkerObservation& seen, PatchWorkspace& work) {
   const auto& outline = reference.prints[i]->outline;
   const Grating& grating = *reference.site.markers[i].grating;
+  const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d); };
   if (seen.loss != Loss::kNone && seen.loss != Loss::kTooCoarse && outline) {
     const auto last = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
-    const auto found = search_print(picture.luma, view, grating, *outline, last, kLostPitches);
+    const auto found = search_print(picture.luma, view, grating, *outline, last, kLostPitches, is_taken);
     if (found) follow_marker(picture, reference, view, i, *found, seen, work);
   }
   if (seen.loss != Loss::kNone) return;
@@ -41,7 +57,7 @@ void prove(const GreyPicture& picture, const Reference& reference, const View& v
     return;
   }
   const auto here = moved(reference, seen, i);
-  const OrderVerdict verdict = prove_order(picture.luma, view, grating, *outline, here);
+  const OrderVerdict verdict = prove_order(picture.luma, view, grating, *outline, here, is_taken);
   seen.order = verdict.order;
   if (verdict.order == Order::kProven && length(verdict.moved - here) > 0.0)
     follow_marker(picture, reference, view, i, verdict.moved, seen, work);

@@ -46,17 +46,24 @@ bool is_print(const PresenceMap& map, const Outline& outline, const Place& p) {
   return static_cast<double>(there) >= kWhole * static_cast<double>(cells.size());
 }
 
+Extent<frame::Board> on_board(const Grating& grating, const Place& p) {
+  const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);
+  const double x = 0.5 * p.i * grating.pitch_mm, y = 0.5 * p.j * grating.pitch_mm;
+  return {c * x - s * y, s * x + c * y};
+}
+
 struct Ranked {
   Place best, next;
 };
 
 // The best place and the best of those that lie beside it along an axis the print shows.
-Ranked rank(const PresenceMap& map, const Grating& grating, const Outline& outline, int pitches) {
+Ranked rank(const PresenceMap& map, const Grating& grating, const Outline& outline, int pitches,
+            const std::function<bool(const Place&)>& is_taken) {
   Ranked r;
   std::vector<Place> all;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
     for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
-      if (!is_whole(grating, i, j)) continue;
+      if (!is_whole(grating, i, j) || is_taken({i, j, 0.0})) continue;
       all.push_back({i, j, map.sum(outline.window, i, j)});
       if (all.back().score > r.best.score) r.best = all.back();
     }
@@ -67,12 +74,6 @@ Ranked rank(const PresenceMap& map, const Grating& grating, const Outline& outli
     if (other && p.score > r.next.score) r.next = p;
   }
   return r;
-}
-
-Extent<frame::Board> on_board(const Grating& grating, const Place& p) {
-  const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);
-  const double x = 0.5 * p.i * grating.pitch_mm, y = 0.5 * p.j * grating.pitch_mm;
-  return {c * x - s * y, s * x + c * y};
 }
 
 }  // namespace
@@ -100,12 +101,13 @@ std::optional<Outline> learn_outline(const LumaView& luma, const View& view, con
 }
 
 OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& grating, const Outline& outline,
-                         Extent<frame::Board> moved) {
+                         Extent<frame::Board> moved, const IsTaken& is_taken) {
   const Axes axes = axes_of(grating);
   for (const int pitches : {kNear, kFar}) {
     const auto map = presence_round(luma, view, grating, outline.window, moved, pitches);
     if (!map) break;
-    const Ranked r = rank(*map, grating, outline, pitches);
+    const Ranked r =
+        rank(*map, grating, outline, pitches, [&](const Place& p) { return is_taken(moved + on_board(grating, p)); });
     const bool at_the_end = std::abs(r.best.i) == 2 * pitches || std::abs(r.best.j) == 2 * pitches;
     if (at_the_end || !is_print(*map, outline, r.best)) continue;
     double step = 1e30;
@@ -118,14 +120,15 @@ OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& 
 }
 
 std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                 const Outline& outline, Extent<frame::Board> from, int pitches) {
+                                                 const Outline& outline, Extent<frame::Board> from, int pitches,
+                                                 const IsTaken& is_taken) {
   const auto map = presence_round(luma, view, grating, outline.window, from, pitches);
   if (!map) return std::nullopt;
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
     for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
       const Place p{i, j, map->sum(outline.window, i, j)};
-      if (p.score > best.score) best = p;
+      if (p.score > best.score && !is_taken(from + on_board(grating, p))) best = p;
     }
   }
   if (!is_print(*map, outline, best)) return std::nullopt;

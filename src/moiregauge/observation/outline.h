@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 
 #include "moiregauge/geometry/view.h"
@@ -37,16 +38,21 @@ struct OrderVerdict {
 [[nodiscard]] std::optional<Outline> learn_outline(const LumaView& luma, const View& view, const Grating& grating,
                                                    const PatchWindow& window);
 
+// Is this place (mm from where the site has the print) another marker's?
+using IsTaken = std::function<bool(Extent<frame::Board>)>;
+
 // `moved`: where the phase puts the print, right but for whole pitches. Looks three pitches round it, and further when
 // what it finds there is not the whole print.
 [[nodiscard]] OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& grating,
-                                       const Outline& outline, Extent<frame::Board> moved);
+                                       const Outline& outline, Extent<frame::Board> moved,
+                                       const IsTaken& is_taken);
 
 // Where the print may stand when nothing is known but that it is not at `from`: the place, to half a pitch, within
 // `pitches` of it that shows most of its lattice. Nothing when half of it is nowhere seen.
 [[nodiscard]] std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view,
                                                                const Grating& grating, const Outline& outline,
-                                                               Extent<frame::Board> from, int pitches);
+                                                               Extent<frame::Board> from, int pitches,
+                                                               const IsTaken& is_taken);
 
 // How far a print stands from where the site has it, to a quarter pitch, within `pitches`. Nothing when it has no outline
 // in sight.

@@ -105,6 +105,12 @@ Complex PrintTemplate::coefficient(int m, int n) const {
   return series_[index_of(order_, m, n)];
 }
 
+double PrintTemplate::contrast() const {
+  double sum = 0.0;
+  for (const Complex& c : series_) sum += std::norm(c);
+  return std::sqrt(sum);
+}
+
 double PrintTemplate::slope_power_x() const {
   double sum = 0.0;
   for (int n = -order_; n <= order_; ++n) {

@@ -39,6 +39,8 @@ class PrintTemplate {
   [[nodiscard]] PrintLevel at(PrintPoint p) const;
   [[nodiscard]] int order() const { return order_; }
   [[nodiscard]] std::complex<double> coefficient(int m, int n) const;
+  // Rms of t over a period, grey levels.
+  [[nodiscard]] double contrast() const;
   // Mean of dx^2 and dy^2 over a period: what a pixel tells of a shift (grey levels per pitch, squared).
   [[nodiscard]] double slope_power_x() const;
   [[nodiscard]] double slope_power_y() const;
