@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photographs of tests/real/data, and runs on them. Their boards are rigid: every displacement measured is an error.
+// The photographs of tests/real/data, and runs on them. Their boards are rigid: every displacement measured is an
+// error.
 #pragma once
 
 #include <string>
