@@ -65,11 +65,12 @@ TEST(SolvedScene, APrintSeenByTheOldSiteAndItsShapeIsSeenByTheSolvedSiteAlone) {
 }
 
 TEST(SolvedScene, ACircleGoesWithItsPrint) {
-  const Site before = site(), after = solved_site(before, scene());
+  const Scene s = scene();
+  const Site before = site(), after = solved_site(before, s);
   for (const std::size_t i : {0, 1}) {
     const auto arm = [](const Marker& m) { return m.circle->centre - m.grating->centre; };
     const auto then = arm(before.markers[i]), now = arm(after.markers[i]);
-    const auto& shape = scene().markers[i].value;
+    const auto& shape = s.markers[i].value;
     EXPECT_NEAR(length(now), length(then) * (1.0 + shape[MarkerShape::kScale]), 1e-12);
     EXPECT_NEAR(std::atan2(now.y, now.x) - std::atan2(then.y, then.x), shape[MarkerShape::kTurn], 1e-12);
   }
