@@ -103,7 +103,7 @@ int run(const CalibrateWords& words) {
     const Photo& photo = (*photos)[i];
     if (photo.board && photo.board->pattern != pattern)
       report.solved.views[i].left_out =
-          fmt::format("it shows a {}, the others a {}", name_of(photo.board->pattern), report.pattern);
+          fmt::format("its print is {}, the others' {}", name_of(photo.board->pattern), report.pattern);
   }
   if (const auto written = write_file_atomically(words.output, camera_text(report)); !written)
     return fail(Exit::kOutputUnwritable,
