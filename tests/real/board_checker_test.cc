@@ -47,8 +47,8 @@ TEST(BoardChecker, TheCirclesAloneLeaveTwoPixels) {
   Extent<frame::Board> mended;
   for (std::size_t k = 0; k < circles.size(); ++k) {
     const std::size_t i = reference.circles[k].marker;
-    const auto d = displacement_between(reference.plans[i], reference.seen.markers[i].patch,
-                                        run.observations[1].markers[i].patch);
+    const auto d =
+        displacement_between(reference.plans[i], reference.seen.markers[i].patch, run.observations[1].markers[i].patch);
     mended.x += weights[k](0, 0) * d.x + weights[k](0, 1) * d.y;
     mended.y += weights[k](1, 0) * d.x + weights[k](1, 1) * d.y;
   }

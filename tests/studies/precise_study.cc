@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// precise_study [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--no-draw] [--noise-free]
+// precise_study [--set KEY=VALUE]... [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--no-draw]
+// [--noise-free]
 // [--verbose]: one row of a Markdown table per case whose name begins with WORD.
 #include <cmath>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "common/simulated_run.h"
+#include "moiregauge/simulator/settings.h"
 #include "studies/precise_bounds.h"
 #include "studies/precise_cases.h"
 
@@ -27,7 +29,17 @@ struct Words {
   bool noise_free = false;
   bool no_draw = false;  // the site is exact, whatever known_to says
   bool verbose = false;
+  std::vector<std::string> settings;  // of every scenario, "KEY=VALUE" as for moiregauge simulate --set
 };
+
+bool apply(const std::string& assignment, simulator::Scenario& scenario) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos) return false;
+  for (const auto& setting : simulator::settings_of(scenario)) {
+    if (setting.name == assignment.substr(0, equals)) return setting.set(assignment.substr(equals + 1));
+  }
+  return false;
+}
 
 constexpr double kUmPerPitch = 10000.0;
 
@@ -118,9 +130,11 @@ void tell(const simulator::Scenario& s, const test::MeasuredRun& run) {
                test::rms(run.error_x_um), test::rms(run.error_y_um), test::rms(run.u_x_um), test::rms(run.u_y_um));
   if (run.solution.scene) {
     const Scene& scene = *run.solution.scene;
-    std::fprintf(stderr, "%s chi2/dof %.2f f %.1f c %.1f %.1f k %.4f %.3f p %.5f %.5f %s", scene.model.name().c_str(),
-                 scene.chi2_dof, scene.camera.fx, scene.camera.cx, scene.camera.cy, scene.camera.k1, scene.camera.k2,
-                 scene.camera.p1, scene.camera.p2, scene.problem.c_str());
+    const auto u = [&](int i) { return i < scene.covariance.rows() ? std::sqrt(scene.covariance(i, i)) : 0.0; };
+    std::fprintf(stderr, "%s chi2/dof %.2f f %.1f+-%.1f c %.1f+-%.1f %.1f k %.4f+-%.4f %.3f p %.5f+-%.5f %.5f %s",
+                 scene.model.name().c_str(), scene.chi2_dof, scene.camera.fx, u(0), scene.camera.cx, u(1),
+                 scene.camera.cy, scene.camera.k1, u(3), scene.camera.k2, scene.camera.p1, u(5), scene.camera.p2,
+                 scene.problem.c_str());
   }
   std::fprintf(stderr, "%s\n", run.problem.c_str());
   for (const std::string& note : run.solution.notes) std::fprintf(stderr, "    %s\n", note.c_str());
@@ -219,6 +233,8 @@ Words words_of(int argc, char** argv) {
     const bool has_value = i + 1 < argc;
     if (const auto flag = flags.find(word); flag != flags.end()) {
       *flag->second = true;
+    } else if (word == "--set" && has_value) {
+      words.settings.emplace_back(argv[++i]);
     } else if (const auto number = numbers.find(word); number != numbers.end() && has_value) {
       *number->second = std::atoi(argv[++i]);
     } else if (const auto text = texts.find(word); text != texts.end() && has_value) {
@@ -245,9 +261,14 @@ int study(const Words& words) {
       "% inside 1.96 u, dy / dx (short runs) | short: raw rms | u | % ok | lies | rows; models |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   int found = 0;
-  for (const PreciseCase& c : precise_cases()) {
+  for (PreciseCase c : precise_cases()) {
     if (!c.name.starts_with(words.cases)) continue;
     ++found;
+    for (const std::string& setting : words.settings) {
+      if (apply(setting, c.scenario)) continue;
+      std::fprintf(stderr, "error: bad setting: --set %s: see docs/cli/simulate.md\n", setting.c_str());
+      return 2;
+    }
     print_row(c, words);
   }
   if (found > 0) return 0;

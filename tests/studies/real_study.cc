@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "real/real_calibration.h"
 #include "real/real_lattices.h"
+#include "real/real_pictures.h"
 
 namespace moiregauge {
 namespace {
@@ -77,6 +79,35 @@ void print_nulls(const SetViews& s) {
              {test::null_by_discs(phases.first, phases.second, first.discs, second.discs)});
 }
 
+// Each set's lens from its own views, and the set's nulls with and without it.
+void print_lens(const SetViews& s) {
+  const BoardCalibration solved = test::calibrated(s.views);
+  const auto row = [&](const std::string& targets, double raw, double raw_worst, double null, double worst) {
+    fmt::print("| {} | {:.1f} | {:.1f} | {:.3f} | {:.3f} | {} of {} | {} | {:.3f} / {:.3f} | {:.3f} / {:.3f} |\n",
+               s.set.name, solved.camera.fx, solved.u[0], solved.rms_px, solved.point_px, solved.matched,
+               s.views.size(), targets, raw, raw_worst, null, worst);
+  };
+  row(s.set.kind == LatticeKind::kDots ? "dots" : "corners", test::median_null(s.views, {}),
+      test::worst_null(s.views, {}), test::median_null(s.views, solved.camera),
+      test::worst_null(s.views, solved.camera));
+  if (s.set.landmarks != Landmarks::kDiscs) return;
+  const auto phases = test::phase_places(s.views[0], s.views[1], s.set.kind);
+  const double raw = test::null_between(phases.first, phases.second).rms_px;
+  const double null = test::null_between(test::without_lens(phases.first, solved.camera),
+                                         test::without_lens(phases.second, solved.camera))
+                          .rms_px;
+  row("lattice phase", raw, raw, null, null);
+}
+
+void print_measured(const char* method) {
+  const Measurement centre = test::real_run("board-checker", method);
+  const Measurement nine = test::real_run("board-checker", method, test::nine_patches("board-checker"));
+  const double px = centre.reference->view.mm_per_px({0, 0});
+  const Sample& sample = test::second_view(centre);
+  fmt::print("| {} | {:.3f} | {:.3f} | {:.3f} / {:.3f} | {} |\n", method, test::null_px(centre),
+             test::rms_null_px(nine), sample.u.x / px, sample.u.y / px, word_for(sample.status));
+}
+
 void print_acceptance(const SetViews& s) {
   const bool dots = s.set.kind == LatticeKind::kDots;
   const auto a = dots ? test::dots_accepted(s.views) : test::squares_accepted(s.views);
@@ -106,6 +137,22 @@ int main(int argc, char** argv) {
       "four references. Outermost points or patches: all the others are targets. Discs: those round the lattice.\n\n"
       "| set | targets | references | views | median | worst |\n|---|---|---|---|---|---|\n");
   for (const SetViews& s : sets) print_nulls(s);
+  fmt::print(
+      "\nThe lens of each set, solved by `calibrate`'s functions from the set's own views, nothing else known. "
+      "Scatter: of a "
+      "point, the print's own errors taken out in the views that were recognised by them. Nulls as above (outermost "
+      "points), median / worst, with the lens in and taken out.\n\n"
+      "| set | f, px | u | rms, px | scatter, px | recognised | targets | lens in | lens out |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
+  for (const SetViews& s : sets) print_lens(s);
+  if (argc <= 1) {
+    fmt::print(
+        "\n`board-checker` measured as a recording of two frames, lens unknown: the null of its centre, and the rms of "
+        "nine "
+        "patches of two periods each, px.\n\n"
+        "| method | centre | nine patches | u of the centre, x / y | status |\n|---|---|---|---|---|\n");
+    for (const char* method : {"two-stage", "precise"}) print_measured(method);
+  }
   fmt::print(
       "\nThe circle test (W > 0.84 and the ellipse test) on real prints, in the whole picture, from {:.0f} px upwards. "
       "What is "

@@ -112,7 +112,7 @@ BoardState solve_board(const BoardData& data, const BoardPrior& prior, const Boa
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = 200;
   options.num_threads = 1;  // the same bits everywhere
-  options.function_tolerance = 1e-12;
+  options.function_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);

@@ -50,6 +50,7 @@ void begin(BoardWork& work, std::span<const BoardView> views, const std::vector<
     if (!verdicts[v].left_out.empty()) continue;
     work.views.push_back(&views[v]);
     work.is_outlier.emplace_back(views[v].points.size(), false);
+    work.turns.push_back(0);
     work.place.emplace_back(views[v].points.size(), kNoPlace);
     planes.push_back(*plane_view(views[v]));
   }
@@ -122,14 +123,14 @@ BoardModel choose(BoardWork& work, const BoardOptions& options) {
 
 CalibratedView described(const BoardWork& work, std::size_t v, const Camera& camera) {
   CalibratedView view;
-  view.pose = work.state.poses[v];
+  const Pose& pose = work.state.poses[v];
   view.rms_px = rms_of(work, v);
   view.outliers = static_cast<int>(std::count(work.is_outlier[v].begin(), work.is_outlier[v].end(), true));
-  const Eigen::Vector3d turn(view.pose.turn[0], view.pose.turn[1], view.pose.turn[2]);
+  const Eigen::Vector3d turn(pose.turn[0], pose.turn[1], pose.turn[2]);
   const Eigen::Vector3d normal =
       Eigen::AngleAxisd(turn.norm(), turn.norm() > 0.0 ? (turn / turn.norm()).eval() : Eigen::Vector3d::UnitX()) *
       Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d sight(view.pose.shift[0], view.pose.shift[1], view.pose.shift[2]);
+  const Eigen::Vector3d sight(pose.shift[0], pose.shift[1], pose.shift[2]);
   view.tilt_rad = std::acos(std::clamp(std::abs(normal.dot(sight)) / sight.norm(), 0.0, 1.0));
   view.null = board_null({camera.width, camera.height, work.data.views[v]}, camera);
   return view;

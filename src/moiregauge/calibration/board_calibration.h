@@ -47,8 +47,7 @@ struct BoardNull {
 };
 
 struct CalibratedView {
-  std::string left_out;  // why, in words; empty: it was used, and the rest holds
-  Pose pose;
+  std::string left_out;   // why, in words; empty: it was used, and the rest holds
   double tilt_rad = 0.0;  // between the board's normal and the line of sight to its middle
   double rms_px = 0.0;    // reprojection error, rms length
   int outliers = 0;       // points that fit no picture of a flat lattice, left out

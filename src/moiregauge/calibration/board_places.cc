@@ -95,7 +95,7 @@ bool is_whole(const std::vector<PlacedPoint>& points) {
 // Two full rectangles of one size lie one way, or turned; anything else may also be shifted.
 std::optional<Laid> lay(Board& board, const std::vector<PlacedPoint>& first, const std::vector<PlacedPoint>& view) {
   const Extents there = extents_of(first, {});
-  const bool whole = is_whole(first) && is_whole(view);
+  const bool whole = is_whole(first) && is_whole(view) && first.size() == view.size();
   const auto least = static_cast<std::size_t>(kLeastShared * static_cast<double>(std::min(first.size(), view.size())));
   Laid best;
   Likeness found;
@@ -126,8 +126,8 @@ std::optional<Laid> lay(Board& board, const std::vector<PlacedPoint>& first, con
 
 }  // namespace
 
-std::vector<Cells> match_places(const std::vector<std::vector<PlacedPoint>>& views) {
-  std::vector<Cells> out(views.size());
+std::vector<MatchedView> match_places(const std::vector<std::vector<PlacedPoint>>& views) {
+  std::vector<MatchedView> out(views.size());
   if (views.size() < 2) return out;
   const auto largest =
       std::max_element(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
@@ -140,8 +140,9 @@ std::vector<Cells> match_places(const std::vector<std::vector<PlacedPoint>>& vie
     for (const PlacedPoint& point : views[v]) {
       const PlacedPoint p = laid(point, how);
       board.add(p);
-      out[v].emplace_back(p.x, p.y);
+      out[v].cells.emplace_back(p.x, p.y);
     }
+    out[v].turns = how.turns;
   };
   const auto first = static_cast<std::size_t>(largest - views.begin());
   take(first, {});
@@ -149,14 +150,15 @@ std::vector<Cells> match_places(const std::vector<std::vector<PlacedPoint>>& vie
   for (bool joined = true; joined;) {
     joined = false;
     for (std::size_t v = 0; v < views.size(); ++v) {
-      if (!out[v].empty() || views[v].empty()) continue;
+      if (!out[v].cells.empty() || views[v].empty()) continue;
       if (const auto how = lay(board, *largest, views[v])) {
         take(v, *how);
         joined = true;
       }
     }
   }
-  if (std::count_if(out.begin(), out.end(), [](const Cells& c) { return !c.empty(); }) < 2) out[first].clear();
+  if (std::count_if(out.begin(), out.end(), [](const MatchedView& m) { return !m.cells.empty(); }) < 2)
+    out[first].cells.clear();
   return out;
 }
 

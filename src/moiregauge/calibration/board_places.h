@@ -18,9 +18,12 @@ struct PlacedPoint {
   Eigen::Vector2d off{0, 0};
 };
 
-// For every view its points' cells in a count common to all; empty for views that could not be recognised. Views in
-// which the print says nothing stay apart.
-using Cells = std::vector<std::pair<int, int>>;
-[[nodiscard]] std::vector<Cells> match_places(const std::vector<std::vector<PlacedPoint>>& views);
+// A view's points in a count common to all. No cells: the view could not be recognised. Views in which the print says
+// nothing stay apart.
+struct MatchedView {
+  int turns = 0;  // quarters, counter-clockwise, from the view's count to the common one
+  std::vector<std::pair<int, int>> cells;
+};
+[[nodiscard]] std::vector<MatchedView> match_places(const std::vector<std::vector<PlacedPoint>>& views);
 
 }  // namespace moiregauge

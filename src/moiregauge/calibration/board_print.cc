@@ -5,6 +5,7 @@
 
 #include "moiregauge/calibration/board_places.h"
 #include "moiregauge/calibration/board_work.h"
+#include "moiregauge/calibration/pose.h"
 
 namespace moiregauge {
 namespace {
@@ -22,24 +23,37 @@ std::vector<PlacedPoint> placed(const BoardWork& work, std::size_t v) {
   return out;
 }
 
+// Board coordinates of one view turned by quarters, its pose with them.
+void turn_view(BoardWork& work, std::size_t v, int turns) {
+  Matrix3 back = Matrix3::Identity();
+  for (int k = 0; k < turns; ++k) back = back * (Matrix3() << 0, 1, 0, -1, 0, 0, 0, 0, 1).finished();
+  const BoardView& view = *work.views[v];
+  work.state.poses[v] = pose_of(IdealFromBoard(view_of_pose(work.state.poses[v], work.state.camera).matrix() * back),
+                                camera_of(work.state.camera, view.width, view.height));
+  work.turns[v] = turns;
+}
+
 // Numbers the cells that two views or more show.
-void number_places(BoardWork& work, const std::vector<Cells>& cells) {
+void number_places(BoardWork& work, const std::vector<MatchedView>& matches) {
   std::map<std::pair<int, int>, int> seen, number;
-  for (const Cells& view : cells) {
-    for (const auto& cell : view) ++seen[cell];
+  for (const MatchedView& view : matches) {
+    for (const auto& cell : view.cells) ++seen[cell];
   }
   for (const auto& [cell, count] : seen) {
     if (count > 1) number.emplace(cell, static_cast<int>(number.size()));
   }
   work.places = static_cast<int>(number.size());
-  for (std::size_t v = 0; v < cells.size(); ++v) {
+  for (std::size_t v = 0; v < matches.size(); ++v) {
+    const auto& cells = matches[v].cells;
+    if (cells.empty()) continue;
+    turn_view(work, v, matches[v].turns);
+    ++work.matched;
     std::size_t next = 0;
     for (std::size_t i = 0; i < work.place[v].size(); ++i) {
-      if (work.is_outlier[v][i] || cells[v].empty()) continue;
-      const auto it = number.find(cells[v][next++]);
+      if (work.is_outlier[v][i]) continue;
+      const auto it = number.find(cells[next++]);
       if (it != number.end()) work.place[v][i] = it->second;
     }
-    work.matched += cells[v].empty() ? 0 : 1;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "moiregauge/geometry/conic.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
@@ -13,6 +14,31 @@ constexpr double kOutlier = 5.0;  // standard uncertainties of a point
 constexpr double kLeastOutlier_px = 0.1;
 // Of two normal coordinates the median length is this many standard deviations of one.
 constexpr double kMedianLength = 1.1774;
+
+// From the image of a dot's centre to the centre of its outline in the picture: the ellipse's own by perspective, and
+// what the lens adds by bending the outline. An ellipse fitted to it follows what moves the outline along its normal n,
+// in the measure in which the ellipse is a unit circle: by 2 mean(n (n . w)).
+Extent<frame::Image> ellipse_offset(const IdealFromBoard& view, const Camera& lens, const BoardPointSeen& dot) {
+  constexpr int kOutline = 12;  // points on it
+  const IdealPoint centre = ellipse_centre(view, dot.board, dot.diameter_mm);
+  const ImagePoint middle = lens.distort(centre);
+  const Matrix2 ideal_axes = 0.5 * dot.diameter_mm * view.jacobian(dot.board);
+  std::array<Eigen::Vector2d, kOutline> normal, out;
+  Matrix2 axes = Matrix2::Zero();
+  for (std::size_t k = 0; k < kOutline; ++k) {
+    const double angle = kTurn * static_cast<double>(k) / kOutline;
+    normal[k] = {std::cos(angle), std::sin(angle)};
+    const Eigen::Vector2d ideal = ideal_axes * normal[k];
+    const auto off = lens.distort({centre.x + ideal.x(), centre.y + ideal.y()}) - middle;
+    out[k] = {off.x, off.y};
+    axes += 2.0 / kOutline * out[k] * normal[k].transpose();
+  }
+  Eigen::Vector2d moved{0, 0};
+  for (std::size_t k = 0; k < kOutline; ++k)
+    moved += 2.0 / kOutline * normal[k] * normal[k].dot(axes.inverse() * out[k]);
+  const Eigen::Vector2d off = axes * moved;
+  return middle + Extent<frame::Image>{off.x(), off.y()} - lens.distort(view(dot.board));
+}
 
 }  // namespace
 
@@ -36,14 +62,16 @@ BoardData data_of(const BoardWork& work) {
   data.print_mm = work.print_mm;
   for (std::size_t v = 0; v < work.views.size(); ++v) {
     const IdealFromBoard view = view_of_pose(work.state.poses[v], work.state.camera);
+    const Camera lens = camera_of(work.state.camera, work.views[v]->width, work.views[v]->height);
     auto& points = data.views.emplace_back();
     auto& u = data.u_px.emplace_back();
     auto& place = data.place.emplace_back();
     for (std::size_t i = 0; i < work.views[v]->points.size(); ++i) {
       if (work.is_outlier[v][i]) continue;
       BoardPointSeen p = work.views[v]->points[i];
+      for (int k = 0; k < work.turns[v]; ++k) p.board = {-p.board.y, p.board.x};
       if (p.diameter_mm > 0.0) {
-        const auto off = ellipse_centre(view, p.board, p.diameter_mm) - view(p.board);
+        const auto off = ellipse_offset(view, lens, p);
         p.at = {p.at.x - off.x, p.at.y - off.y};
       }
       points.push_back(p);
@@ -99,6 +127,8 @@ void find_outliers(BoardWork& work) {
 
 double patch_scatter(const BoardWork& work) {
   double sum = 0.0, count = 0.0;
+  // A view's pose and its part of the camera have taken theirs of its eighteen means.
+  const double left = 1.0 - (6.0 + kCameraParameters / static_cast<double>(work.views.size())) / 18.0;
   for (std::size_t v = 0; v < work.data.views.size(); ++v) {
     const auto patch = patch_of(work.data.views[v]);
     std::array<Extent<frame::Image>, kBoardPatches> mean{};
@@ -113,8 +143,7 @@ double patch_scatter(const BoardWork& work) {
     const double one_point = squares / static_cast<double>(std::max<std::size_t>(1, patch.size()));
     for (std::size_t k = 0; k < kBoardPatches; ++k) {
       if (n[k] == 0.0) continue;
-      // Six numbers of pose have taken their part of the eighteen means of a view.
-      const double x = mean[k].x / n[k], y = mean[k].y / n[k], left = 1.0 - 6.0 / 18.0;
+      const double x = mean[k].x / n[k], y = mean[k].y / n[k];
       sum += (x * x + y * y) / left - one_point / n[k];
       count += 2.0;
     }

@@ -13,6 +13,7 @@ struct BoardWork {
   std::vector<const BoardView*> views;
   std::vector<std::vector<bool>> is_outlier;
   std::vector<std::vector<int>> place;  // of every point of the views, or kNoPlace
+  std::vector<int> turns;               // of every view: quarters by which its board coordinates are turned
   int places = 0;
   int matched = 0;        // views whose points have places
   double point_px = 0.5;  // scatter of a point beyond its own noise, until the residuals have said it

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <glog/logging.h>
 
+#include "moiregauge/cli/command_calibrate.h"
 #include "moiregauge/cli/command_inspect.h"
 #include "moiregauge/cli/command_measure.h"
 #include "moiregauge/cli/command_reproduce.h"
@@ -26,6 +27,7 @@ int run(int argc, char** argv) {
   moiregauge::cli::add_measure(app, exit_code);
   moiregauge::cli::add_solve(app, exit_code);
   moiregauge::cli::add_inspect(app, exit_code);
+  moiregauge::cli::add_calibrate(app, exit_code);
   moiregauge::cli::add_simulate(app, exit_code);
   moiregauge::cli::add_reproduce(app, exit_code);
   try {

@@ -86,13 +86,14 @@ tl::expected<void, OutputError> put_seen(const fs::path& dir, const Measurement&
   return file.finish();
 }
 
-// The same files under another name; a copy where the file system has no such thing.
-tl::expected<void, OutputError> keep_seen(const fs::path& dir, const fs::path& from) {
+// For a folder that takes the place of `from` the same files under another name, else, or where the file system has no
+// such thing, copies.
+tl::expected<void, OutputError> keep_seen(const fs::path& dir, const fs::path& from, bool in_place) {
   for (const char* name : {"overlay.png", kRunFileName.data()}) {
     std::error_code error;
     if (!fs::exists(from / name, error)) continue;
-    fs::create_hard_link(from / name, dir / name, error);
-    if (error) fs::copy_file(from / name, dir / name, error);
+    if (in_place) fs::create_hard_link(from / name, dir / name, error);
+    if (!in_place || error) fs::copy_file(from / name, dir / name, error);
     if (error) return tl::unexpected(unwritable(dir / name, error.message()));
   }
   return {};
@@ -152,7 +153,7 @@ tl::expected<void, OutputError> RunDirectory::write(const Measurement& measureme
   fs::create_directories(partial, error);
   if (error) return tl::unexpected(unwritable(partial, error.message()));
   auto done = solved_from_.empty() ? put_seen(partial, measurement, options, draw_overlay_)
-                                   : keep_seen(partial, solved_from_);
+                                   : keep_seen(partial, solved_from_, target == real_place(solved_from_));
   if (done) done = put_results(partial, measurement, options);
   if (!done) {
     fs::remove_all(partial, error);

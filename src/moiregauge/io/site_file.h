@@ -23,7 +23,8 @@ using SiteErrors = std::vector<std::string>;
 // The same from text in memory; `path` only names it in the messages.
 [[nodiscard]] tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::string& path);
 
-// A file that read_site gives back as it was, to the last bit of every number.
+// A file that read_site gives back as it was, to the last bit of every length; an angle may lose its last bit, since not
+// every number of radians is one of degrees.
 [[nodiscard]] std::string write_site(const Site& site);
 
 }  // namespace moiregauge

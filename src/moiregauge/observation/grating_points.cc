@@ -14,16 +14,19 @@ namespace moiregauge {
 namespace {
 
 constexpr double kReach = 1.25;     // pitches to either side of a point: what its lattice is fitted to
-constexpr double kInside = 1.0;     // of these, how far the print must surely reach
 constexpr double kExplained = 0.7;  // of the grey levels round a point
+constexpr double kAsMuch = 0.95;    // of what is explained in the middle: less where the print ends within reach
 constexpr double kFarOff = 0.15;    // pitches from where the neighbour expects it
-constexpr double kPrinted = 0.01;   // pitches: how well a print's points are where they should be; the scatter of the
-                                    // residuals says it better
+constexpr double kNoise =
+    1e-3;  // pitches, roughly: how far a point's own pixels tell it. The scatter of many says more
+// All of a print's pixels: strewn ones would alias with its sharp edges.
+constexpr LatticeFitOptions kFit{.order = kHighestOrder, .perspective = true, .most_pixels = 10000};
 using Cell = std::pair<int, int>;
 
 struct Node {
   ImagePoint at;
   Lattice lattice;  // its origin at `at`
+  double explained = 0.0;
 };
 
 Image<float> grey_of(const LumaView& luma) {
@@ -48,30 +51,34 @@ double phase_of(const LatticeModel& model, int m, int n) {
   return 0.0;
 }
 
-bool is_inside(const SeenPatch& patch, const Node& node) {
+bool is_inside(const Image<float>& grey, const Lattice& lattice) {
   for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-    if (!holds(patch, node.lattice.at({x * kInside, y * kInside}))) return false;
+    if (std::isnan(grey_at(grey, lattice.at({x * kReach, y * kReach})))) return false;
   }
   return true;
 }
 
-// The point nearest to `expected` at which both fundamentals are at their greatest.
-std::optional<Node> look(const Image<float>& grey, const SeenPatch& patch, Lattice expected, double tolerance) {
-  if (!is_inside(patch, {expected.origin, expected})) return std::nullopt;
+struct Look {
+  double tolerance = 0.5;  // pitches
+  double explained = kExplained;
+};
+
+// The point nearest to the expected lattice's origin at which both fundamentals are at their greatest.
+std::optional<Node> look(const Image<float>& grey, const Lattice& expected, const Look& how) {
+  if (!is_inside(grey, expected)) return std::nullopt;
   LatticeModel model;
   model.lattice = expected;
-  const PhiBox box{{-kReach, -kReach}, {kReach, kReach}};
-  if (!fit_lattice(grey, box, Eigen::Matrix2d::Identity(), {.order = 2, .perspective = true}, model))
+  if (!fit_lattice(grey, {{-kReach, -kReach}, {kReach, kReach}}, Eigen::Matrix2d::Identity(), kFit, model))
     return std::nullopt;
-  if (model.explained() < kExplained) return std::nullopt;
-  // Nearest to the point that was expected; nearest to none in particular for the first.
+  if (model.explained() < how.explained) return std::nullopt;
   const Eigen::Vector2d here = model.lattice.phi(expected.origin), peak(phase_of(model, 1, 0), phase_of(model, 0, 1));
   const Eigen::Vector2d off = (peak - here).array() - (peak - here).array().round();
-  if (off.cwiseAbs().maxCoeff() > tolerance) return std::nullopt;
+  if (off.cwiseAbs().maxCoeff() > how.tolerance) return std::nullopt;
   Node node;
   node.at = model.lattice.at(here + off);
   node.lattice.k = model.lattice.jacobian(node.at);
   node.lattice.origin = node.at;
+  node.explained = model.explained();
   return node;
 }
 
@@ -84,7 +91,7 @@ SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
   middle.k << patch.k_x.x, patch.k_x.y, patch.k_y.x, patch.k_y.y;
   std::map<Cell, Node> nodes;
   std::queue<Cell> fresh;
-  if (const auto first = look(grey, patch, middle, 0.5)) {
+  if (const auto first = look(grey, middle, {})) {
     nodes[{0, 0}] = *first;
     fresh.push({0, 0});
   }
@@ -99,7 +106,7 @@ SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
       // Two in a row say how the step changes.
       if (const auto before = nodes.find({cell.first - dx, cell.second - dy}); before != nodes.end())
         expected.origin = from.at + (from.at - before->second.at);
-      if (auto node = look(grey, patch, expected, kFarOff)) {
+      if (auto node = look(grey, expected, {kFarOff, kAsMuch * nodes.at({0, 0}).explained})) {
         nodes[next] = *node;
         fresh.push(next);
       }
@@ -117,7 +124,7 @@ SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
   board.rows = y1 - y0 + 1;
   for (const auto& [cell, node] : nodes) {
     const double pitch = 1.0 / std::sqrt(std::abs(node.lattice.k.determinant()));
-    board.points.push_back({cell.first - x0, y1 - cell.second, node.at, kPrinted * pitch, pitch});
+    board.points.push_back({cell.first - x0, y1 - cell.second, node.at, kNoise * pitch, pitch});
   }
   return board;
 }
