@@ -36,7 +36,7 @@ def inspected(name, code, *words):
 
 for name, scale in [("site", ["--site", site]), ("pitch", ["--pitch", "10mm"])]:
     seen = inspected(name, 0, frames, *scale)
-    run([program, "measure", frames, *scale, "--frames", "0:2", "-o", work / (name + "-run")])
+    run([program, "measure", frames, *scale, "--frames", "0:2", "--method", "two-stage", "-o", work / (name + "-run")])
     measured = json.loads((work / (name + "-run") / "run.json").read_text(encoding="utf-8"))
     for a, b in zip(seen["markers"], measured["markers"], strict=True):
         for key in ["name", "role", "x_mm", "y_mm", "pitch_px", "angle_deg", "modulation"]:
