@@ -269,7 +269,8 @@ class Searcher {
       const double away = length(q.centre - references_[r].centre);
       if (away > 0.0) spacing = std::min(spacing, away);
     }
-    return std::sqrt(2.0) * position_mm_ / spacing;
+    constexpr double kPerspective = 1.3;  // what the errors of the four corners feign adds
+    return kPerspective * std::sqrt(2.0) * position_mm_ / spacing;
   }
 
   [[nodiscard]] double layout_mm() const {

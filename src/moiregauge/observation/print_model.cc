@@ -172,7 +172,7 @@ class Learning {
     PatchFitOptions options;
     options.along_x = px > kNoSlope * py;
     options.along_y = py > kNoSlope * px;
-    model_ = PrintModel{*std::move(print), window_, options, std::nullopt};
+    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, {}};
     auto fitted = fit_patch(luma_, map_, window_, model_->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
     fit_ = *std::move(fitted);
@@ -203,6 +203,7 @@ class Learning {
         luma_);
   }
 
+  [[nodiscard]] const PrintFromImage& map() const { return map_; }
   PrintModel model() && { return *std::move(model_); }
 
  private:
@@ -231,6 +232,7 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   if (const auto done = learning.until_it_stands_still(kAllOrders); !done) return tl::unexpected(done.error());
   PrintModel model = std::move(learning).model();
   model.outline = learn_outline(luma, view, grating, model.window);
+  model.correction = learning.map() * map->inverse();
   return model;
 }
 
@@ -238,7 +240,7 @@ tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const 
                                                     Extent<frame::Board> moved, const PrintModel& model) {
   const auto map = local_map(view, grating, moved);
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
-  return fit_patch(luma, *map, model.window, model.print, model.options);
+  return fit_patch(luma, model.correction * *map, model.window, model.print, model.options);
 }
 
 }  // namespace moiregauge
