@@ -184,7 +184,7 @@ class Precise {
         BundleFrame& frame = frames[place[n]];
         // As the solved camera has it: with another focal length the pose starts elsewhere. And a target's rest is
         // measured like any other place.
-        frame.pose = pose_of(seen.stage2, solution_.scene->camera);
+        frame.pose = pose_of(site, *solution_.scene, frame).value_or(frame.pose);
         frame.at_rest = false;
         now = fit_frame(site, *solution_.scene, frame);
       }

@@ -136,11 +136,11 @@ std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const Vie
 }
 
 std::optional<Extent<frame::Board>> offset_of_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                    int pitches) {
+                                                    int pitches, const IsHidden& is_hidden) {
   const double edge = 0.25;  // pitches: cells of the print's rim are half paper
   const PatchWindow nominal{
       {0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - edge, 0.5 * grating.height_mm / grating.pitch_mm - edge};
-  const auto map = presence_round(luma, view, grating, nominal, {}, pitches + 1);
+  const auto map = presence_round(luma, view, grating, nominal, {}, pitches + 1, is_hidden);
   if (!map) return std::nullopt;
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
@@ -162,12 +162,13 @@ std::optional<Extent<frame::Board>> offset_of_print(const LumaView& luma, const 
     return less + more > 0.0 ? 0.5 * (less - more) / (less + more) : 0.0;  // pitches
   };
   const Axes axes = axes_of(grating);
+  // Half a pitch off the middle of its cells, a print loses little on one side and twice that on the other.
   const auto stands_out = [&](bool along_x) {
     const int x = along_x ? 2 : 0, y = along_x ? 0 : 2;
-    const double beside =
-        std::max(map->sum(nominal, best.i + x, best.j + y), map->sum(nominal, best.i - x, best.j - y));
-    const double strip = 0.5 / (along_x ? nominal.half_x : nominal.half_y);
-    return 1.0 - beside / best.score > kStandsOut * strip;
+    const double less = best.score - map->sum(nominal, best.i - x, best.j - y);
+    const double more = best.score - map->sum(nominal, best.i + x, best.j + y);
+    const double strip = best.score * 0.5 / (along_x ? nominal.half_x : nominal.half_y);
+    return 0.5 * (less + more) > kStandsOut * strip && std::min(less, more) > 0.3 * kStandsOut * strip;
   };
   if ((axes.x && !stands_out(true)) || (axes.y && !stands_out(false))) return std::nullopt;
   const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);

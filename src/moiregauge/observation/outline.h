@@ -11,6 +11,7 @@
 
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/image/image.h"
+#include "moiregauge/observation/presence.h"
 #include "moiregauge/phase/patch_fit.h"
 #include "moiregauge/site/site.h"
 
@@ -55,8 +56,9 @@ using IsTaken = std::function<bool(Extent<frame::Board>)>;
                                                                const IsTaken& is_taken);
 
 // How far a print stands from where the site has it, to a quarter pitch, within `pitches`. Nothing when it has no outline
-// in sight.
+// in sight. `is_hidden`: pixels that show something else for certain, such as the marker's circle.
 [[nodiscard]] std::optional<Extent<frame::Board>> offset_of_print(const LumaView& luma, const View& view,
-                                                                  const Grating& grating, int pitches);
+                                                                  const Grating& grating, int pitches,
+                                                                  const IsHidden& is_hidden);
 
 }  // namespace moiregauge

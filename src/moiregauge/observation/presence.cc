@@ -95,7 +95,8 @@ double PresenceMap::sum(const PatchWindow& window, int i, int j) const {
 }
 
 std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
-                                          const PatchWindow& window, Extent<frame::Board> moved, int pitches) {
+                                          const PatchWindow& window, Extent<frame::Board> moved, int pitches,
+                                          const IsHidden& is_hidden) {
   const auto map = local_map(view, grating, moved);
   if (!map) return std::nullopt;
   const auto image_from_print = map->inverse();
@@ -113,7 +114,7 @@ std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view
       const ImagePoint at =
           image_from_print({low.x - 0.5 + (i + 0.5) / kPerPitch, low.y - 0.5 + (j + 0.5) / kPerPitch});
       const auto grey = std::visit([&](const auto& picture) { return level(picture, at); }, luma);
-      if (!grey) {
+      if (!grey || (is_hidden && is_hidden(at))) {
         table.set(i, j, {});
         continue;
       }

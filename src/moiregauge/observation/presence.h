@@ -3,6 +3,7 @@
 // about 1.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -38,12 +39,16 @@ class PresenceMap {
   std::vector<double> cells_;
 };
 
+// Does this pixel show something that is known not to be the print?
+using IsHidden = std::function<bool(ImagePoint)>;
+
 // The cells within `pitches` of a print's window, the print standing `moved` from where the site has it. A cell looks
 // at one pitch round its middle: the fundamentals' part of the grey levels' variance there (their geometric mean over
-// both axes, so that a mere edge counts nothing). Cells beyond the picture's edge show nothing. Empty when the window
+// both axes, so that a mere edge counts nothing). Cells beyond the picture's edge, or with
+// anything hidden, show nothing. Empty when the window
 // itself does not lie before the camera.
 [[nodiscard]] std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
                                                         const PatchWindow& window, Extent<frame::Board> moved,
-                                                        int pitches);
+                                                        int pitches, const IsHidden& is_hidden = {});
 
 }  // namespace moiregauge

@@ -22,12 +22,48 @@ double diameter_mm(const Circle& circle, const SeenCircle& seen, const IdealFrom
 // Where the site's places are known so roughly that a print may hang beside its window, the window goes to the print.
 constexpr double kBeside = 0.35;  // pitches: nearer, the window holds enough of it
 
+// Beside a print with soft lines its own circle would pass for more of it.
+constexpr double kCircleAndRim = 1.1;
+
+bool is_circle(const Reference& reference, ImagePoint p) {
+  return std::ranges::any_of(reference.seen.markers, [&](const MarkerObservation& m) {
+    if (!m.circle) return false;
+    const BoardPoint centre = reference.view.board(m.circle->centre);
+    const double radius_mm = 0.5 * m.circle->diameter_px * reference.view.mm_per_px(centre);
+    return length(reference.view.board(p) - centre) < kCircleAndRim * radius_mm;
+  });
+}
+
+// How far, at one standard uncertainty, a print may stand from where the view through the circles puts it: its own place
+// and that of every circle are known to position_mm, and far from short spacings a view magnifies that.
+double u_of_place(const Reference& reference, BoardPoint place) {
+  const double u = reference.site.known_to.position_mm;
+  const IdealPoint seen = reference.view.ideal_from_board(place);
+  double sum = u * u;
+  for (std::size_t k = 0; k < reference.circles.size(); ++k) {
+    for (const Extent<frame::Board> off : {Extent<frame::Board>{u, 0.0}, Extent<frame::Board>{0.0, u}}) {
+      std::vector<CirclePoint> points = reference.circles;
+      points[k].board = points[k].board + off;
+      const auto h = fit_circles(points);
+      if (!h) continue;
+      const auto moved = h->inverse()(seen) - place;
+      sum += length(moved) * length(moved);
+    }
+  }
+  return std::sqrt(sum);
+}
+
+constexpr int kMostPitchesOff = 8;
+
 void centre_windows(Reference& reference, const LumaView& luma) {
+  if (!(reference.site.known_to.position_mm > 0.0)) return;
   for (Marker& marker : reference.site.markers) {
     if (!marker.grating) continue;
-    const double may_be_off = 3.0 * reference.site.known_to.position_mm / marker.grating->pitch_mm;
+    const double may_be_off = 3.0 * u_of_place(reference, marker.grating->centre) / marker.grating->pitch_mm;
     if (may_be_off <= kBeside) continue;
-    const auto off = offset_of_print(luma, reference.view, *marker.grating, static_cast<int>(std::ceil(may_be_off)));
+    const int pitches = std::min(kMostPitchesOff, static_cast<int>(std::ceil(may_be_off)));
+    const auto off = offset_of_print(luma, reference.view, *marker.grating, pitches,
+                                     [&](ImagePoint p) { return is_circle(reference, p); });
     if (off && length(*off) > kBeside * marker.grating->pitch_mm) marker.grating->centre = marker.grating->centre + *off;
   }
 }

@@ -12,8 +12,8 @@ namespace {
 
 // The view's scale is no better than the circles' places. Two of them, each known to u, a spacing s apart, tell it to
 // sqrt(2) u / s along their line; at a corner of the layout the perspective that their errors feign adds, and the short
-// spacing counts for both directions. In the mean over the references perspective drops out and the long spacing
-// counts.
+// spacing counts for both directions. In the mean over the references perspective drops out, and over both directions
+// half of either is left.
 struct ScaleUncertainty {
   double alone = 0.0;  // relative, at one reference
   double mean = 0.0;   // of the mean over all
@@ -29,7 +29,8 @@ ScaleUncertainty scale_uncertainty(const Reference& reference) {
     yy += 4.0 / n * (c.board.y - y) * (c.board.y - y);
   }
   if (!(xx > 0.0 && yy > 0.0)) return {};
-  return {kPerspective * std::sqrt(2.0) * u / std::sqrt(std::min(xx, yy)), u / std::sqrt(std::max(xx, yy))};
+  return {kPerspective * std::sqrt(2.0) * u / std::sqrt(std::min(xx, yy)),
+          0.5 * std::hypot(u / std::sqrt(xx), u / std::sqrt(yy))};
 }
 
 // Beyond so many standard uncertainties it is the site that is wrong, not a place that was hardly known.
