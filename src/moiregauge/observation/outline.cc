@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "moiregauge/observation/presence.h"
+#include "moiregauge/observation/print_model.h"
 #include "moiregauge/observation/raster.h"
 
 namespace moiregauge {
@@ -79,10 +80,11 @@ Ranked rank(const PresenceMap& map, const Grating& grating, const Outline& outli
 }  // namespace
 
 std::optional<Outline> learn_outline(const LumaView& luma, const View& view, const Grating& grating,
-                                     const PatchWindow& window) {
+                                     const PatchWindow& window, const PrintFromPrint& correction) {
   Outline outline;
   outline.window = window;
-  const auto map = presence_round(luma, view, grating, window, {}, 1);
+  outline.correction = correction;
+  const auto map = presence_round(luma, view, grating, window, {}, correction, 1);
   if (!map) return std::nullopt;
   const double here = map->sum(window, 0, 0);
   const auto cells = map->cells(window, 0, 0);
@@ -104,7 +106,7 @@ OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& 
                          Extent<frame::Board> moved, const IsTaken& is_taken) {
   const Axes axes = axes_of(grating);
   for (const int pitches : {kNear, kFar}) {
-    const auto map = presence_round(luma, view, grating, outline.window, moved, pitches);
+    const auto map = presence_round(luma, view, grating, outline.window, moved, outline.correction, pitches);
     if (!map) break;
     const Ranked r =
         rank(*map, grating, outline, pitches, [&](const Place& p) { return is_taken(moved + on_board(grating, p)); });
@@ -122,7 +124,7 @@ OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& 
 std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view, const Grating& grating,
                                                  const Outline& outline, Extent<frame::Board> from, int pitches,
                                                  const IsTaken& is_taken) {
-  const auto map = presence_round(luma, view, grating, outline.window, from, pitches);
+  const auto map = presence_round(luma, view, grating, outline.window, from, outline.correction, pitches);
   if (!map) return std::nullopt;
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
@@ -135,46 +137,77 @@ std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const Vie
   return from + on_board(grating, best);
 }
 
-std::optional<Extent<frame::Board>> offset_of_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                    int pitches, const IsHidden& is_hidden) {
-  const double edge = 0.25;  // pitches: cells of the print's rim are half paper
-  const PatchWindow nominal{
-      {0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - edge, 0.5 * grating.height_mm / grating.pitch_mm - edge};
-  const auto map = presence_round(luma, view, grating, nominal, {}, pitches + 1, is_hidden);
-  if (!map) return std::nullopt;
+namespace {
+
+// The place at which a window holds most of the lattice.
+Place best_place(const PresenceMap& map, const PatchWindow& window, int pitches) {
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
     for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
-      const Place p{i, j, map->sum(nominal, i, j)};
+      const Place p{i, j, map.sum(window, i, j)};
       if (p.score > best.score) best = p;
     }
   }
+  return best;
+}
+
+// What a print loses when its window goes one pitch aside, to the low and to the high side.
+struct Beside {
+  double low, high;
+  [[nodiscard]] double middle() const { return low + high > 0.0 ? 0.5 * (low - high) / (low + high) : 0.0; }  // pitches
+};
+
+Beside beside(const PresenceMap& map, const PatchWindow& window, const Place& best, bool along_x) {
+  const int x = along_x ? 2 : 0, y = along_x ? 0 : 2;
+  return {best.score - map.sum(window, best.i - x, best.j - y), best.score - map.sum(window, best.i + x, best.j + y)};
+}
+
+// Half a pitch off the middle of its cells, a print loses little on one side and twice that on the other.
+bool stands_out(const Beside& b, double score, double half) {
+  const double strip = kStandsOut * score * 0.5 / half;
+  return 0.5 * (b.low + b.high) > strip && std::min(b.low, b.high) > 0.3 * strip;
+}
+
+// Scale and shear of a lattice farther off than this are something else's.
+constexpr double kMostStretched = 0.4;
+
+bool is_plausible(const PrintFromPrint& lattice) {
+  return (lattice.matrix().topLeftCorner<2, 2>() - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() < kMostStretched;
+}
+
+constexpr double kRim = 0.25;  // pitches: cells of the print's rim are half paper
+constexpr int kLatticeRounds = 2;
+
+}  // namespace
+
+std::optional<FoundPrint> find_print(const LumaView& luma, const View& view, const Grating& grating, int pitches,
+                                     const IsHidden& is_hidden) {
   Outline outline;
-  outline.window = nominal;
-  outline.present = best.score / static_cast<double>(map->cells(nominal, 0, 0).size());
-  if (!is_print(*map, outline, best)) return std::nullopt;
-  // The print fills the window equally far to both sides: one half pitch aside as much is lost on either.
-  const auto middle = [&](bool along_x) {
-    const auto beside = [&](int step) {
-      return best.score - map->sum(nominal, best.i + (along_x ? step : 0), best.j + (along_x ? 0 : step));
-    };
-    const double less = beside(-2), more = beside(2);
-    return less + more > 0.0 ? 0.5 * (less - more) / (less + more) : 0.0;  // pitches
-  };
+  outline.window = {{0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - kRim,
+                    0.5 * grating.height_mm / grating.pitch_mm - kRim};
+  const PatchWindow& window = outline.window;
   const Axes axes = axes_of(grating);
-  // Half a pitch off the middle of its cells, a print loses little on one side and twice that on the other.
-  const auto stands_out = [&](bool along_x) {
-    const int x = along_x ? 2 : 0, y = along_x ? 0 : 2;
-    const double less = best.score - map->sum(nominal, best.i - x, best.j - y);
-    const double more = best.score - map->sum(nominal, best.i + x, best.j + y);
-    const double strip = best.score * 0.5 / (along_x ? nominal.half_x : nominal.half_y);
-    return 0.5 * (less + more) > kStandsOut * strip && std::min(less, more) > 0.3 * kStandsOut * strip;
-  };
-  if ((axes.x && !stands_out(true)) || (axes.y && !stands_out(false))) return std::nullopt;
-  const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);
-  const double x = (0.5 * best.i + middle(true)) * grating.pitch_mm,
-               y = (0.5 * best.j + middle(false)) * grating.pitch_mm;
-  return Extent<frame::Board>{c * x - s * y, s * x + c * y};
+  PrintFromPrint correction;
+  for (int round = 0; round <= kLatticeRounds; ++round) {
+    const auto map = presence_round(luma, view, grating, window, {}, correction, pitches + 1, is_hidden);
+    if (!map) return std::nullopt;
+    const Place best = best_place(*map, window, pitches);
+    outline.present = best.score / static_cast<double>(map->cells(window, 0, 0).size());
+    if (!is_print(*map, outline, best)) return std::nullopt;
+    if (round < kLatticeRounds) {
+      correction = map->lattice(window, best.i, best.j, axes) * correction;
+      if (!is_plausible(correction)) return std::nullopt;
+      continue;
+    }
+    const Beside x = beside(*map, window, best, true), y = beside(*map, window, best, false);
+    if ((axes.x && !stands_out(x, best.score, window.half_x)) || (axes.y && !stands_out(y, best.score, window.half_y)))
+      return std::nullopt;
+    const PrintPoint own{0.5 * best.i + x.middle(), 0.5 * best.j + y.middle()};
+    const PrintPoint p = correction.inverse()(own);
+    const auto board = print_from_board(grating, {}).inverse();
+    return FoundPrint{board(p) - board({0, 0}), correction};
+  }
+  return std::nullopt;
 }
 
 }  // namespace moiregauge

@@ -20,6 +20,7 @@ namespace moiregauge {
 // A print's outline in its own pitches, and how clearly it stands out in the reference frame.
 struct Outline {
   PatchWindow window;            // where the print is
+  PrintFromPrint correction;     // to its own coordinates from those that the site gives it through a view
   double present = 0.0;          // of a cell inside
   std::array<double, 2> step{};  // the part of the score lost one pitch beside, along x and y
 };
@@ -37,7 +38,7 @@ struct OrderVerdict {
 
 // Empty where the print has no outline in sight: it goes on beyond the window, or like things surround it.
 [[nodiscard]] std::optional<Outline> learn_outline(const LumaView& luma, const View& view, const Grating& grating,
-                                                   const PatchWindow& window);
+                                                   const PatchWindow& window, const PrintFromPrint& correction);
 
 // Is this place (mm from where the site has the print) another marker's?
 using IsTaken = std::function<bool(Extent<frame::Board>)>;
@@ -55,10 +56,15 @@ using IsTaken = std::function<bool(Extent<frame::Board>)>;
                                                                Extent<frame::Board> from, int pitches,
                                                                const IsTaken& is_taken);
 
-// How far a print stands from where the site has it, to a quarter pitch, within `pitches`. Nothing when it has no outline
-// in sight. `is_hidden`: pixels that show something else for certain, such as the marker's circle.
-[[nodiscard]] std::optional<Extent<frame::Board>> offset_of_print(const LumaView& luma, const View& view,
-                                                                  const Grating& grating, int pitches,
-                                                                  const IsHidden& is_hidden);
+// Where a print hangs that the site knows but roughly.
+struct FoundPrint {
+  Extent<frame::Board> off;   // mm from where the site has it, to a quarter pitch
+  PrintFromPrint correction;  // linear, about its middle: the site's scale and shear there may be wrong by a quarter
+};
+
+// Looks within `pitches`; nothing when the print has no outline in sight. `is_hidden`: pixels that show something else
+// for certain, such as the marker's circle.
+[[nodiscard]] std::optional<FoundPrint> find_print(const LumaView& luma, const View& view, const Grating& grating,
+                                                   int pitches, const IsHidden& is_hidden);
 
 }  // namespace moiregauge

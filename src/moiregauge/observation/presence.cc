@@ -62,12 +62,13 @@ std::vector<Complex> turns(double low, int points) {
   return out;
 }
 
-double presence(const Sums& s, Axes axes) {
+Presence presence(const Sums& s, Axes axes) {
   constexpr double kPoints = kPerPitch * kPerPitch;
-  if (s[0] < kPoints) return 0.0;  // cut by the picture's edge
+  if (s[0] < kPoints) return {};  // cut by the picture's edge, or hidden
   const double mean = std::max(kDarkest, s[1] / kPoints);
-  const double x = 2.0 * std::hypot(s[2], s[3]) / kPoints, y = 2.0 * std::hypot(s[4], s[5]) / kPoints;  // amplitudes
-  return (axes.x && axes.y ? std::sqrt(x * y) : axes.x ? x : y) / mean;
+  const Complex first = 2.0 / kPoints / mean * Complex(s[2], s[3]), second = 2.0 / kPoints / mean * Complex(s[4], s[5]);
+  const double x = std::abs(first), y = std::abs(second);
+  return {axes.x && axes.y ? std::sqrt(x * y) : axes.x ? x : y, first, second};
 }
 
 }  // namespace
@@ -76,17 +77,54 @@ Axes axes_of(const Grating& grating) {
   return {grating.pattern != Pattern::kLinesY, grating.pattern != Pattern::kLinesX};
 }
 
-std::vector<double> PresenceMap::cells(const PatchWindow& w, int i, int j) const {
+PresenceMap::Span PresenceMap::span_of(const PatchWindow& w, int i, int j) const {
   const auto first = [](double low, double edge) { return static_cast<int>(std::ceil(2.0 * (edge - low) - 1e-9)); };
   const auto last = [](double low, double edge) { return static_cast<int>(std::floor(2.0 * (edge - low) + 1e-9)); };
+  return {first(low_.x, w.centre.x - w.half_x) + i, first(low_.y, w.centre.y - w.half_y) + j,
+          last(low_.x, w.centre.x + w.half_x) + i, last(low_.y, w.centre.y + w.half_y) + j};
+}
+
+std::vector<double> PresenceMap::cells(const PatchWindow& w, int i, int j) const {
+  const Span s = span_of(w, i, j);
   std::vector<double> out;
-  for (int b = first(low_.y, w.centre.y - w.half_y) + j; b <= last(low_.y, w.centre.y + w.half_y) + j; ++b) {
-    for (int a = first(low_.x, w.centre.x - w.half_x) + i; a <= last(low_.x, w.centre.x + w.half_x) + i; ++a) {
+  for (int b = s.j0; b <= s.j1; ++b) {
+    for (int a = s.i0; a <= s.i1; ++a) {
       const bool inside = a >= 0 && b >= 0 && a < columns_ && b < rows_;
-      out.push_back(inside ? cells_[static_cast<std::size_t>(b * columns_ + a)] : 0.0);
+      out.push_back(inside ? cells_[static_cast<std::size_t>(b * columns_ + a)].strength : 0.0);
     }
   }
   return out;
+}
+
+PrintFromPrint PresenceMap::lattice(const PatchWindow& w, int i, int j, Axes axes) const {
+  const Span s = span_of(w, i, j);
+  const auto cell = [&](int a, int b) -> const Presence& { return cells_[static_cast<std::size_t>(b * columns_ + a)]; };
+  // Of each fundamental's phase, half a pitch along x and along y.
+  std::array<std::array<Complex, 2>, 2> step{};
+  for (int b = std::max(0, s.j0); b <= std::min(rows_ - 1, s.j1); ++b) {
+    for (int a = std::max(0, s.i0); a <= std::min(columns_ - 1, s.i1); ++a) {
+      const Presence& here = cell(a, b);
+      const auto add = [&](const Presence& next, std::size_t along) {
+        step[0][along] += next.first * std::conj(here.first);
+        step[1][along] += next.second * std::conj(here.second);
+      };
+      if (a < std::min(columns_ - 1, s.i1)) add(cell(a + 1, b), 0);
+      if (b < std::min(rows_ - 1, s.j1)) add(cell(a, b + 1), 1);
+    }
+  }
+  // A print ahead of the map turns the amplitude backwards; a whole turn is a pitch, a step half a pitch.
+  const auto slope = [&](std::size_t which, std::size_t along) { return -std::arg(step[which][along]) / (0.5 * kTurn); };
+  Matrix3 m = Matrix3::Identity();
+  for (const Eigen::Index along : {0, 1}) {
+    const auto k = static_cast<std::size_t>(along);
+    const double first = slope(0, k), second = slope(1, k);
+    if (axes.x) m(0, along) += diagonal_ ? 0.5 * (first + second) : first;
+    if (axes.y) m(1, along) += diagonal_ ? 0.5 * (first - second) : second;
+  }
+  const double x = w.centre.x + 0.5 * i, y = w.centre.y + 0.5 * j;
+  m(0, 2) = x - m(0, 0) * x - m(0, 1) * y;
+  m(1, 2) = y - m(1, 0) * x - m(1, 1) * y;
+  return PrintFromPrint(m);
 }
 
 double PresenceMap::sum(const PatchWindow& window, int i, int j) const {
@@ -95,11 +133,11 @@ double PresenceMap::sum(const PatchWindow& window, int i, int j) const {
 }
 
 std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
-                                          const PatchWindow& window, Extent<frame::Board> moved, int pitches,
-                                          const IsHidden& is_hidden) {
+                                          const PatchWindow& window, Extent<frame::Board> moved,
+                                          const PrintFromPrint& correction, int pitches, const IsHidden& is_hidden) {
   const auto map = local_map(view, grating, moved);
   if (!map) return std::nullopt;
-  const auto image_from_print = map->inverse();
+  const auto image_from_print = (correction * *map).inverse();
   const Axes axes = axes_of(grating);
   const bool diagonal = fundamental_pitch_mm(grating) < 0.9 * grating.pitch_mm;
   const auto cells = [&](double half) { return 2 * static_cast<int>(std::ceil(2.0 * (half + pitches))) + 1; };
@@ -124,7 +162,7 @@ std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view
       table.set(i, j, {1.0, g, first.real(), first.imag(), second.real(), second.imag()});
     }
   }
-  PresenceMap presences(low, columns, rows);
+  PresenceMap presences(low, columns, rows, diagonal);
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i)
       presences.at(i, j) =

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "moiregauge/observation/presence.h"
 #include "moiregauge/phase/print_bins.h"
 
 namespace moiregauge {
@@ -218,13 +219,33 @@ class Learning {
 
 constexpr int kAllOrders = 1 << 20;
 
+// A view through circles that are known to some millimetres only may be stretched or sheared by a fifth: more than
+// alternating fits find back from.
+constexpr double kStretched = 0.02;
+constexpr double kMostStretched = 0.4;
+
+PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Grating& grating,
+                            Extent<frame::Board> moved) {
+  const PatchWindow window = safe_window(grating, view.mm_per_px(grating.centre + moved));
+  PrintFromPrint found;
+  for (int round = 0; round < 2; ++round) {
+    const auto presence = presence_round(luma, view, grating, window, moved, found, 0);
+    if (!presence) return {};
+    found = presence->lattice(window, 0, 0, axes_of(grating)) * found;
+  }
+  const Matrix3 change = found.matrix() / found.matrix()(2, 2) - Matrix3::Identity();
+  const double stretch = change.topLeftCorner<2, 2>().cwiseAbs().maxCoeff();
+  return stretch > kStretched && stretch < kMostStretched ? found : PrintFromPrint{};
+}
+
 }  // namespace
 
 tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
                                                       Extent<frame::Board> moved) {
   const auto map = local_map(view, grating, moved);
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
-  Learning learning(luma, grating, *map, view.mm_per_px(grating.centre + moved));
+  const auto start = lattice_seen(luma, view, grating, moved);
+  Learning learning(luma, grating, start * *map, view.mm_per_px(grating.centre + moved));
   for (const int orders : {1, kFirstOrders}) {
     if (const auto done = learning.until_it_stands_still(orders); !done) return tl::unexpected(done.error());
   }
@@ -233,8 +254,8 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   learning.grow();
   if (const auto done = learning.until_it_stands_still(kAllOrders); !done) return tl::unexpected(done.error());
   PrintModel model = std::move(learning).model();
-  model.outline = learn_outline(luma, view, grating, model.window);
   model.correction = learning.map() * map->inverse();
+  model.outline = learn_outline(luma, view, grating, model.window, model.correction);
   return model;
 }
 

@@ -19,7 +19,7 @@ struct PrintModel {
   std::optional<Outline> outline;
   // From the print coordinates that the site gives through a view to those found: where the site's places are off by
   // millimetres the view is stretched by per cents, the same in every frame, and a fit should not begin there.
-  Homography<frame::Print, frame::Print> correction;
+  PrintFromPrint correction;
 };
 
 // Kept clear of the print's edge: three sigma of a PSF with its pixel box, as the rasters do.

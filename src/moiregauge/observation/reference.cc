@@ -62,9 +62,10 @@ void centre_windows(Reference& reference, const LumaView& luma) {
     const double may_be_off = 3.0 * u_of_place(reference, marker.grating->centre) / marker.grating->pitch_mm;
     if (may_be_off <= kBeside) continue;
     const int pitches = std::min(kMostPitchesOff, static_cast<int>(std::ceil(may_be_off)));
-    const auto off = offset_of_print(luma, reference.view, *marker.grating, pitches,
-                                     [&](ImagePoint p) { return is_circle(reference, p); });
-    if (off && length(*off) > kBeside * marker.grating->pitch_mm) marker.grating->centre = marker.grating->centre + *off;
+    const auto found = find_print(luma, reference.view, *marker.grating, pitches,
+                                  [&](ImagePoint p) { return is_circle(reference, p); });
+    if (found && length(found->off) > kBeside * marker.grating->pitch_mm)
+      marker.grating->centre = marker.grating->centre + found->off;
   }
 }
 

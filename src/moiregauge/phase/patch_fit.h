@@ -21,6 +21,7 @@
 namespace moiregauge {
 
 using PrintFromImage = Homography<frame::Print, frame::Image>;
+using PrintFromPrint = Homography<frame::Print, frame::Print>;
 
 // The pixels that count: |X - centre.x| <= half_x, |Y - centre.y| <= half_y in pitches, the print's edge left out.
 struct PatchWindow {
