@@ -219,10 +219,10 @@ class Learning {
 
 constexpr int kAllOrders = 1 << 20;
 
-// A view through circles that are known to some millimetres only may be stretched or sheared by a fifth: more than
+// A view through circles that are known to some millimetres only may be stretched or sheared by a third: more than
 // alternating fits find back from.
 constexpr double kStretched = 0.02;
-constexpr double kMostStretched = 0.4;
+constexpr double kMostStretched = 0.6;
 
 PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Grating& grating,
                             Extent<frame::Board> moved) {

@@ -55,13 +55,26 @@ double u_of_place(const Reference& reference, BoardPoint place) {
 
 constexpr int kMostPitchesOff = 8;
 
+// A print beyond half the way to another's place would be that other one.
+double half_way_mm(const Site& site, std::size_t own) {
+  double nearest = 1e30;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (i == own || !site.markers[i].grating) continue;
+    nearest = std::min(nearest, length(site.markers[i].grating->centre - site.markers[own].grating->centre));
+  }
+  return 0.5 * nearest;
+}
+
 void centre_windows(Reference& reference, const LumaView& luma) {
   if (!(reference.site.known_to.position_mm > 0.0)) return;
-  for (Marker& marker : reference.site.markers) {
+  const Site as_stated = reference.site;
+  for (std::size_t i = 0; i < as_stated.markers.size(); ++i) {
+    Marker& marker = reference.site.markers[i];
     if (!marker.grating) continue;
     const double may_be_off = 3.0 * u_of_place(reference, marker.grating->centre) / marker.grating->pitch_mm;
     if (may_be_off <= kBeside) continue;
-    const int pitches = std::min(kMostPitchesOff, static_cast<int>(std::ceil(may_be_off)));
+    const double room = half_way_mm(as_stated, i) / marker.grating->pitch_mm;
+    const int pitches = static_cast<int>(std::ceil(std::min({may_be_off, room, double{kMostPitchesOff}})));
     const auto found = find_print(luma, reference.view, *marker.grating, pitches,
                                   [&](ImagePoint p) { return is_circle(reference, p); });
     if (found && length(found->off) > kBeside * marker.grating->pitch_mm)
