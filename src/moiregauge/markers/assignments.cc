@@ -121,7 +121,7 @@ class Searcher {
       if (!sizes_stated_ && depth == 1) continue;
       const double told = gauged_distance(gauges_[base[k]][picked[k]], b) / unit;
       const double stated = length(references_[j].centre - references_[base[k]].centre);
-      if (std::abs(told - stated) > kDistanceSlack * stated + position_mm_) return false;
+      if (std::abs(told - stated) > kDistanceSlack * stated + kPositionSpreads * std::sqrt(2.0) * position_mm_) return false;
     }
     return true;
   }
@@ -253,7 +253,7 @@ class Searcher {
       const double shape = (elongation(gauges_[r][i].px_from_board) - elongation(expected)).norm();
       const double stretch = map_spread(r);
       const double own =
-          std::pow((sizes[r] - common) / std::hypot(kScaleSpread, kScaleSpreadPx / diameter, 0.5 * stretch), 2) +
+          std::pow((sizes[r] - common) / std::hypot(kScaleSpread, kScaleSpreadPx / diameter, stretch), 2) +
           std::pow(shape / std::hypot(kShapeSpread, kShapeSpreadPx / diameter, stretch), 2);
       if (own > kMaxMisfitPerCircle) return false;
       const double off = length(a.image_from_board(references_[r].centre) - seen_[i].centre);
