@@ -42,9 +42,9 @@ inline constexpr double kPrintEdgePx = 2.4;
 [[nodiscard]] std::optional<PrintFromImage> local_map(const View& view, const Grating& grating,
                                                       Extent<frame::Board> moved);
 
-// Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, first with the map as `view` has
-// it, then with what the fit against the first attempt made of it; or the fundamentals alone, as `use` says. Zero
-// displacement is where the site and `moved` put the print.
+// Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, the fundamental first; template
+// and map in turn, beginning with the map as `view` or the phases have it, until the map stands still; or the
+// fundamental alone, as `use` says. Zero displacement is where the site and `moved` put the print.
 [[nodiscard]] tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view,
                                                                     const Grating& grating, Extent<frame::Board> moved,
                                                                     TemplateUse use);
