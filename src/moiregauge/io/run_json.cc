@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/displacement/layout_bound.h"
 #include "moiregauge/io/solved_scene.h"
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
@@ -132,13 +133,21 @@ Json budget_json(const Budget& budget) {
   return json;
 }
 
-Json target_json(const Site& site, const TargetSummary& target) {
+// Of one frame, every edge of the prints counted; nothing where no print was learned.
+Json bound_json(const Measurement& measurement, std::size_t target) {
+  if (!measurement.reference || measurement.reference->prints.empty()) return nullptr;
+  const auto bound = layout_bound(*measurement.reference, target, Bound::kFull);
+  return {{"x", number(bound.x)}, {"y", number(bound.y)}};
+}
+
+Json target_json(const Measurement& measurement, const Site& site, const TargetSummary& target) {
   return {{"name", site.markers[target.marker].name},
           {"frames", target.frames},
           {"ok", target.ok},
           {"status_counts", target.status_counts},
           {"u_dx_mm", number(target.u.x)},
           {"u_dy_mm", number(target.u.y)},
+          {"bound_mm", bound_json(measurement, target.marker)},
           {"budget", budget_json(target.budget)}};
 }
 
@@ -157,7 +166,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
     json["markers"].push_back(marker_json(measurement, site, i));
   json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
-  for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(site, target));
+  for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(measurement, site, target));
   json["references_verified"] = measurement.references_verified;
   json["warnings"] = measurement.warnings;
   json["exit_code"] = static_cast<int>(measurement.exit);
