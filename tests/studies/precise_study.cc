@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // precise_study [--set KEY=VALUE]... [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--no-draw]
-// [--noise-free]
+// [--noise-free] [--template auto|on|off]
 // [--verbose]: one row of a Markdown table per case whose name begins with WORD.
 #include <cmath>
 #include <cstdio>
@@ -23,6 +23,7 @@ namespace {
 struct Words {
   std::string cases;
   std::string method = "precise";
+  std::string template_use = "auto";
   int runs = -1;
   int coverage = -1;
   int seed = 1;
@@ -117,6 +118,7 @@ test::RunPlan plan_of(const PreciseCase& c, const Words& words) {
   test::RunPlan plan;
   plan.method = words.method;
   plan.grain = words.noise_free ? test::Grain::kNoiseFree : test::Grain::kSensor;
+  plan.observe.template_use = template_use_named(words.template_use).value_or(TemplateUse::kAuto);
   plan.frames = c.frames;
   plan.step = c.step;
   plan.solve.rest = c.rest;
@@ -225,7 +227,8 @@ Words words_of(int argc, char** argv) {
   Words words;
   const std::map<std::string, int*> numbers{
       {"--runs", &words.runs}, {"--coverage", &words.coverage}, {"--seed", &words.seed}};
-  const std::map<std::string, std::string*> texts{{"--cases", &words.cases}, {"--method", &words.method}};
+  const std::map<std::string, std::string*> texts{
+      {"--cases", &words.cases}, {"--method", &words.method}, {"--template", &words.template_use}};
   const std::map<std::string, bool*> flags{
       {"--noise-free", &words.noise_free}, {"--no-draw", &words.no_draw}, {"--verbose", &words.verbose}};
   for (int i = 1; i < argc; ++i) {
@@ -241,7 +244,7 @@ Words words_of(int argc, char** argv) {
       *text->second = argv[++i];
     } else {
       std::fprintf(stderr,
-                   "error: bad option: %s: --cases WORD, --runs N, --coverage N, --seed S, --method M, --noise-free or "
+                   "error: bad option: %s: --cases WORD, --runs N, --coverage N, --seed S, --method M, --template WORD, --noise-free or "
                    "--verbose\n",
                    word.c_str());
       std::exit(2);

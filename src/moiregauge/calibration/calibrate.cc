@@ -41,7 +41,6 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
   const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
-  // A lens that is well known stays free within its prior: the plane alone would be the wrong start.
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     BundleSolution solution = from == nullptr ? solve_bundle(site, frames, prior, model)

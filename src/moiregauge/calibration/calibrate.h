@@ -19,7 +19,8 @@ struct Calibration {
 // fit.
 [[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
 
-// At most `most` of the frames, evenly spread in time, the ends and the extremes of the camera's pose among them.
+// `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.
+// All of them where there are no more than `most`.
 [[nodiscard]] std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most);
 
 }  // namespace moiregauge

@@ -143,6 +143,11 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->type_name("N");
   command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")
       ->type_name("A:B:STEP");
+  command
+      ->add_option("--template", words->template_use,
+                   "precise: use the print's harmonics, on, off (fundamentals alone; u is wide on binary prints) or auto "
+                   "[auto]")
+      ->type_name("WORD");
   command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
   command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");
   command

@@ -144,6 +144,12 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     if (!rest) return tl::unexpected(rest.error());
     options.solve.rest = *rest;
   }
+  if (!words.template_use.empty()) {
+    const auto use = template_use_named(words.template_use);
+    if (!use)
+      return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", words.template_use));
+    options.observe.template_use = *use;
+  }
   if (words.reference_frame && *words.reference_frame < 0)
     return usage(fmt::format("reference frame: --reference-frame {}: frames count from 0", *words.reference_frame));
   options.reference_frame = words.reference_frame;

@@ -23,6 +23,7 @@ struct MeasureWords {
   std::optional<long> reference_frame;
   std::string frames;
   std::string rest;
+  std::string template_use;
   std::string output;
   std::string stabilised;
   bool sequence = false;

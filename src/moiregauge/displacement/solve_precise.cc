@@ -10,6 +10,7 @@
 #include "moiregauge/displacement/precise_budget.h"
 #include "moiregauge/displacement/reference_fault.h"
 #include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/observation/fine_pitch.h"
 
 namespace moiregauge {
 namespace {
@@ -214,7 +215,9 @@ class Precise {
 
 Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
                        const SolveOptions& options) {
-  return Precise(reference, observations, options).solve();
+  Solution solution = Precise(reference, observations, options).solve();
+  if (auto note = fine_pitch_note(reference.site, reference.view)) solution.notes.push_back(*std::move(note));
+  return solution;
 }
 
 }  // namespace moiregauge

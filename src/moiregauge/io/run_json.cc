@@ -48,6 +48,7 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
                 {"print_scale", known_to.print_scale}}}};
   config["pitch_mm"] = options.pitch_mm ? Json(*options.pitch_mm) : Json(nullptr);
   config["axes"] = options.axes == BoardAxes::kPrint ? "print" : "image";
+  config["template"] = std::string(word_for(options.observe.template_use));
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
   if (options.observe.raster.sampling_pitch_px > 0) config["sampling_pitch_px"] = options.observe.raster.sampling_pitch_px;
   return config;

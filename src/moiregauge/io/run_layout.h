@@ -46,7 +46,7 @@ template <> inline constexpr std::size_t kFields<InputInfo> = 11;
 template <> inline constexpr std::size_t kFields<FrameRange> = 3;
 template <> inline constexpr std::size_t kFields<MeasureOptions> = 9;
 template <> inline constexpr std::size_t kFields<SolveOptions> = 2;
-template <> inline constexpr std::size_t kFields<ObserveOptions> = 2;
+template <> inline constexpr std::size_t kFields<ObserveOptions> = 3;
 template <> inline constexpr std::size_t kFields<RasterOptions> = 3;
 template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
 
@@ -92,6 +92,15 @@ template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
     case Order::kUnproven:
     case Order::kProven:
     case Order::kContradicted:
+      return true;
+  }
+  return false;
+}
+[[nodiscard]] constexpr bool is_known(TemplateUse use) {
+  switch (use) {
+    case TemplateUse::kAuto:
+    case TemplateUse::kOn:
+    case TemplateUse::kOff:
       return true;
   }
   return false;

@@ -79,7 +79,8 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     MarkerObservation& seen = reference.seen.markers[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
-    auto learned = learn_print(picture.luma, reference.view, *reference.site.markers[i].grating, {});
+    auto learned = learn_print(picture.luma, reference.view, *reference.site.markers[i].grating, {},
+                               reference.options.template_use);
     if (!learned) continue;
     reference.prints[i] = *std::move(learned);
     read(picture, reference, reference.view, i, seen);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which whole pitch a print stands in, told from its outline. A phase repeats with every pitch; the print's own edges
 // do not. Round the place where the phase puts it, cells of half a pitch say whether they show its lattice
-// (fundamentals against the grey levels' whole variance, so light and contrast do not count), and every displacement by
-// whole pitches is scored by how well the print's outline then holds all such cells and no others.
+// (fundamentals against the mean grey level, so light does not count), and every displacement by whole pitches is
+// scored by how much of the lattice the print's outline then holds.
 #pragma once
 
 #include <array>

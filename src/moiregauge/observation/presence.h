@@ -61,11 +61,10 @@ class PresenceMap {
 using IsHidden = std::function<bool(ImagePoint)>;
 
 // The cells within `pitches` of a print's window, the print's coordinates being `correction` times those that the view
-// has for it standing `moved` from where the site has it. A cell looks
-// at one pitch round its middle: the fundamentals' part of the grey levels' variance there (their geometric mean over
-// both axes, so that a mere edge counts nothing). Cells beyond the picture's edge, or with
-// anything hidden, show nothing. Empty when the window
-// itself does not lie before the camera.
+// has for it standing `moved` from where the site has it. A cell looks at one pitch round its middle: the amplitudes of
+// the fundamentals there against the mean grey level (their geometric mean over both axes, so that a mere edge counts
+// nothing). Cells beyond the picture's edge, or with anything hidden, show nothing. Empty when the window itself does
+// not lie before the camera.
 [[nodiscard]] std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
                                                         const PatchWindow& window, Extent<frame::Board> moved,
                                                         const PrintFromPrint& correction, int pitches,

@@ -2,7 +2,9 @@
 #include "moiregauge/observation/print_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -22,6 +24,17 @@ constexpr double kNoSlope = 1e-3;
 constexpr int kMostRounds = 12;
 constexpr double kStandsStill = 1e-6;  // pitches
 constexpr int kFirstOrders = 5;
+
+// A template that leaves this share less than the fundamentals alone is worth its harmonics: the rms residual of some
+// thousand pixels is known to 1 %.
+constexpr double kTemplateHelps = 0.02;
+
+constexpr std::array kTemplateWords{std::pair{TemplateUse::kAuto, std::string_view("auto")},
+                                    std::pair{TemplateUse::kOn, std::string_view("on")},
+                                    std::pair{TemplateUse::kOff, std::string_view("off")}};
+
+// As many whole pitches as the window holds, at least one: over these the harmonics are orthogonal to the fundamentals.
+double whole_pitches(double half) { return std::max(0.5, 0.5 * std::floor(2.0 * half)); }
 
 // To begin with: so much smaller than the site's print that it may hang half a pitch from where the site has it.
 PatchWindow safe_window(const Grating& grating, double mm_per_px) {
@@ -159,14 +172,14 @@ namespace {
 class Learning {
  public:
   Learning(const LumaView& luma, const Grating& grating, PrintFromImage map, double mm_per_px)
-      : luma_(luma), grating_(grating), map_(std::move(map)), pixel_(mm_per_px / grating.pitch_mm) {
+      : luma_(&luma), grating_(&grating), map_(std::move(map)), pixel_(mm_per_px / grating.pitch_mm) {
     window_ = safe_window(grating, mm_per_px);
   }
 
   // How far the map moved, pitches.
   tl::expected<double, Failure> round(int most_orders) {
     PrintBins bins(std::min(most_orders, order_of(window_, 1.0 / pixel_)));
-    std::visit([&](const auto& picture) { gather(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); }, luma_);
+    std::visit([&](const auto& picture) { gather(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); }, *luma_);
     auto print = bins.fit();
     if (!print) return tl::unexpected(Failure::kTooFewPixels);
     const double px = print->slope_power_x(), py = print->slope_power_y();
@@ -174,7 +187,7 @@ class Learning {
     options.along_x = px > kNoSlope * py;
     options.along_y = py > kNoSlope * px;
     model_ = PrintModel{*std::move(print), window_, options, std::nullopt, {}};
-    auto fitted = fit_patch(luma_, map_, window_, model_->print, options);
+    auto fitted = fit_patch(*luma_, map_, window_, model_->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
     fit_ = *std::move(fitted);
     if (!options.along_x || !options.along_y) return 0.0;
@@ -200,16 +213,27 @@ class Learning {
 
   void grow() {
     window_ = std::visit(
-        [&](const auto& picture) { return grown(picture, map_, window_, *fit_, model_->print, grating_, pixel_); },
-        luma_);
+        [&](const auto& picture) { return grown(picture, map_, window_, *fit_, model_->print, *grating_, pixel_); },
+        *luma_);
   }
 
+  // Whole pitches only.
+  void trim() {
+    window_.half_x = std::min(window_.half_x, whole_pitches(window_.half_x));
+    window_.half_y = std::min(window_.half_y, whole_pitches(window_.half_y));
+  }
+
+  // Grey levels, rms residual of what the template was not learned from: harmonics also fit the noise of their pixels.
+  [[nodiscard]] double sigma() const {
+    const double side = 2.0 * model_->print.order() + 1.0;
+    return fit_->sigma / std::sqrt(std::max(0.1, 1.0 - side * side / fit_->pixels));
+  }
   [[nodiscard]] const PrintFromImage& map() const { return map_; }
-  PrintModel model() && { return *std::move(model_); }
+  [[nodiscard]] const PrintModel& model() const { return *model_; }
 
  private:
-  const LumaView& luma_;
-  const Grating& grating_;
+  const LumaView* luma_;  // pointers, so that a state can be copied
+  const Grating* grating_;
   PrintFromImage map_;
   double pixel_;  // pitches
   PatchWindow window_;
@@ -238,10 +262,37 @@ PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Gratin
   return stretch > kStretched && stretch < kMostStretched ? found : PrintFromPrint{};
 }
 
+// The print by all of its harmonics, or by its fundamentals.
+tl::expected<Learning, Failure> chosen(Learning with_template, TemplateUse use) {
+  if (use == TemplateUse::kOn) return with_template;
+  Learning fundamentals = with_template;
+  const auto done = fundamentals.until_it_stands_still(1);
+  const bool helps = !done || with_template.sigma() < (1.0 - kTemplateHelps) * fundamentals.sigma();
+  if (!helps) return fundamentals;
+  if (use == TemplateUse::kAuto) return with_template;
+  fundamentals.trim();
+  if (const auto again = fundamentals.until_it_stands_still(1); !again) return tl::unexpected(again.error());
+  return fundamentals;
+}
+
 }  // namespace
 
+std::string_view word_for(TemplateUse use) {
+  for (const auto& [value, word] : kTemplateWords) {
+    if (value == use) return word;
+  }
+  return {};
+}
+
+std::optional<TemplateUse> template_use_named(std::string_view word) {
+  for (const auto& [value, its_word] : kTemplateWords) {
+    if (its_word == word) return value;
+  }
+  return std::nullopt;
+}
+
 tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                      Extent<frame::Board> moved) {
+                                                      Extent<frame::Board> moved, TemplateUse use) {
   const auto map = local_map(view, grating, moved);
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
   const auto start = lattice_seen(luma, view, grating, moved);
@@ -253,8 +304,10 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   if (const auto done = learning.round(kAllOrders); !done) return tl::unexpected(done.error());
   learning.grow();
   if (const auto done = learning.until_it_stands_still(kAllOrders); !done) return tl::unexpected(done.error());
-  PrintModel model = std::move(learning).model();
-  model.correction = learning.map() * map->inverse();
+  auto taken = chosen(std::move(learning), use);
+  if (!taken) return tl::unexpected(taken.error());
+  PrintModel model = taken->model();
+  model.correction = taken->map() * map->inverse();
   model.outline = learn_outline(luma, view, grating, model.window, model.correction);
   return model;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/observation/outline.h"
@@ -11,6 +12,13 @@
 #include "moiregauge/site/site.h"
 
 namespace moiregauge {
+
+// Which harmonics of a print are used. Off: the fundamentals alone, in a window of whole pitches; what the harmonics
+// leave is then taken for noise, on a binary print ten times the pixels', and u is wide. Auto: the template where it
+// leaves less than the fundamentals do.
+enum class TemplateUse { kAuto, kOn, kOff };
+[[nodiscard]] std::string_view word_for(TemplateUse use);
+[[nodiscard]] std::optional<TemplateUse> template_use_named(std::string_view word);
 
 struct PrintModel {
   PrintTemplate print = PrintTemplate::cosine(0.0, 0.0);
@@ -34,11 +42,12 @@ inline constexpr double kPrintEdgePx = 2.4;
 [[nodiscard]] std::optional<PrintFromImage> local_map(const View& view, const Grating& grating,
                                                       Extent<frame::Board> moved);
 
-// Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, first with the map as `view` has
-// it, then with what the fit against the first attempt made of it. Zero displacement is where the site and `moved` put
-// the print.
+// Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, the fundamental first; template
+// and map in turn, beginning with the map as `view` or the phases have it, until the map stands still; or the
+// fundamental alone, as `use` says. Zero displacement is where the site and `moved` put the print.
 [[nodiscard]] tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view,
-                                                                    const Grating& grating, Extent<frame::Board> moved);
+                                                                    const Grating& grating, Extent<frame::Board> moved,
+                                                                    TemplateUse use);
 
 // The nine points of the marker in a picture; `moved` to within a tenth of a pitch.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view,

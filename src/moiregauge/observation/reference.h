@@ -14,6 +14,7 @@ namespace moiregauge {
 struct ObserveOptions {
   RasterOptions raster;
   CircleOptions circles;
+  TemplateUse template_use = TemplateUse::kAuto;  // of `precise`
 };
 
 struct GreyPicture {

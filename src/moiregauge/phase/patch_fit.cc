@@ -17,7 +17,6 @@ using Field = Eigen::Matrix<double, kFieldColumns, 1>;
 using Vandermonde = Eigen::Matrix<double, kFieldColumns, kFieldColumns>;
 using Failure = PatchFitFailure;
 
-// A slope whose power is below this part of the other axis' cannot show motion (lines).
 constexpr int kLeastPixelsPerUnknown = 4;
 
 // The patch's own coordinates: u, v about -1 to 1 inside it.
