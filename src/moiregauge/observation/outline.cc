@@ -168,7 +168,8 @@ bool stands_out(const Beside& b, double score, double half) {
   return 0.5 * (b.low + b.high) > strip && std::min(b.low, b.high) > 0.3 * strip;
 }
 
-// Scale and shear of a lattice farther off than this are something else's. (The first round sees too much of a stretch.)
+// Scale and shear of a lattice farther off than this are something else's. (The first round sees too much of a
+// stretch.)
 constexpr double kMostStretched = 0.6;
 
 bool is_plausible(const PrintFromPrint& lattice) {
@@ -183,8 +184,8 @@ constexpr int kLatticeRounds = 2;
 std::optional<FoundPrint> find_print(const LumaView& luma, const View& view, const Grating& grating, int pitches,
                                      const IsHidden& is_hidden) {
   Outline outline;
-  outline.window = {{0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - kRim,
-                    0.5 * grating.height_mm / grating.pitch_mm - kRim};
+  outline.window = {
+      {0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - kRim, 0.5 * grating.height_mm / grating.pitch_mm - kRim};
   const PatchWindow& window = outline.window;
   const Axes axes = axes_of(grating);
   PrintFromPrint correction;

@@ -113,7 +113,9 @@ PrintFromPrint PresenceMap::lattice(const PatchWindow& w, int i, int j, Axes axe
     }
   }
   // A print ahead of the map turns the amplitude backwards; a whole turn is a pitch, a step half a pitch.
-  const auto slope = [&](std::size_t which, std::size_t along) { return -std::arg(step[which][along]) / (0.5 * kTurn); };
+  const auto slope = [&](std::size_t which, std::size_t along) {
+    return -std::arg(step[which][along]) / (0.5 * kTurn);
+  };
   Matrix3 m = Matrix3::Identity();
   for (const Eigen::Index along : {0, 1}) {
     const auto k = static_cast<std::size_t>(along);

@@ -22,7 +22,6 @@ struct Axes {
 };
 [[nodiscard]] Axes axes_of(const Grating& grating);
 
-
 // One cell: how much of the lattice it shows, and both fundamentals' amplitudes against the nominal lattice.
 struct Presence {
   double strength = 0.0;
@@ -68,6 +67,7 @@ using IsHidden = std::function<bool(ImagePoint)>;
 // not lie before the camera.
 [[nodiscard]] std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
                                                         const PatchWindow& window, Extent<frame::Board> moved,
-                                                        const PrintFromPrint& correction, int pitches, const IsHidden& is_hidden = {});
+                                                        const PrintFromPrint& correction, int pitches,
+                                                        const IsHidden& is_hidden = {});
 
 }  // namespace moiregauge

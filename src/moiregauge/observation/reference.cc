@@ -34,8 +34,8 @@ bool is_circle(const Reference& reference, ImagePoint p) {
   });
 }
 
-// How far, at one standard uncertainty, a print may stand from where the view through the circles puts it: its own place
-// and that of every circle are known to position_mm, and far from short spacings a view magnifies that.
+// How far, at one standard uncertainty, a print may stand from where the view through the circles puts it: its own
+// place and that of every circle are known to position_mm, and far from short spacings a view magnifies that.
 double u_of_place(const Reference& reference, BoardPoint place) {
   const double u = reference.site.known_to.position_mm;
   const IdealPoint seen = reference.view.ideal_from_board(place);
@@ -136,16 +136,19 @@ std::optional<ReferenceFailure> problem_of(const Reference& reference) {
           reference.search};
     if (marker.role != Role::kTarget || loss != Loss::kNone) continue;
     any_target = true;
-    if (shows_an_axis(reference.plans[i])) any_axis = true;
-    else askew = marker.name;
+    if (shows_an_axis(reference.plans[i]))
+      any_axis = true;
+    else
+      askew = marker.name;
   }
   if (!any_target)
     return ReferenceFailure{ReferenceProblem::kNoGrating,
                             "no grating of the stated pitch is seen where the site puts the targets", reference.search};
   if (!any_axis)
-    return ReferenceFailure{ReferenceProblem::kNoGrating,
-                            "the lines of target '" + askew + "' lie askew to the board's axes and show neither dx nor dy",
-                            reference.search};
+    return ReferenceFailure{
+        ReferenceProblem::kNoGrating,
+        "the lines of target '" + askew + "' lie askew to the board's axes and show neither dx nor dy",
+        reference.search};
   if (const auto disagreement = site_disagreement(reference))
     return ReferenceFailure{ReferenceProblem::kSiteDisagrees, *disagreement, reference.search};
   return std::nullopt;

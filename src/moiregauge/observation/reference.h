@@ -37,13 +37,13 @@ struct Reference {
   int width = 0;  // px, of the picture
   int height = 0;
   ObserveOptions options;
-  std::vector<CirclePoint> circles;  // of the reference markers, in the site's order
-  View view;                         // the board as the circles of the reference frame show it
-  std::vector<RasterPlan> plans;     // one per site marker; pitch_mm = 0 where there is no grating
-  Observation seen;                  // the reference frame itself, patches in `view`
+  std::vector<CirclePoint> circles;               // of the reference markers, in the site's order
+  View view;                                      // the board as the circles of the reference frame show it
+  std::vector<RasterPlan> plans;                  // one per site marker; pitch_mm = 0 where there is no grating
+  Observation seen;                               // the reference frame itself, patches in `view`
   std::vector<std::optional<PrintModel>> prints;  // of `precise`, one per site marker; empty: not learned
-  std::vector<Loss> plan_loss;       // kTooCoarse etc., one per marker
-  CircleSearch search;               // everything that looked like a circle, for the overlay
+  std::vector<Loss> plan_loss;                    // kTooCoarse etc., one per marker
+  CircleSearch search;                            // everything that looked like a circle, for the overlay
 };
 
 enum class ReferenceProblem { kNotFound, kTooCoarse, kNoGrating, kSiteDisagrees };

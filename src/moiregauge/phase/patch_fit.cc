@@ -68,7 +68,8 @@ PatchMoments moments(const ImageView<Grey>& picture, const Model& model, const P
       if (!(std::abs(px - w.centre.x) <= w.half_x && std::abs(py - w.centre.y) <= w.half_y)) continue;
       const PrintLevel t = print.at({px, py});
       const double gain = model.gain[0] + model.gain[1] * u + model.gain[2] * v;
-      sums.add({u, static_cast<double>(row[static_cast<std::size_t>(x)]) - offset, t.t, gain * t.dx, gain * t.dy});
+      sums.add({u, static_cast<double>(row[static_cast<std::size_t>(x)]) - offset, t.t, gain * t.dx, gain * t.dy,
+                gain * t.dxx, gain * t.dyy});
     }
     sums.end_row(v);
   }
@@ -84,7 +85,12 @@ struct Solution {
   bool ok = false;
 };
 
+// Relative. On a print of one harmonic more blur is less contrast: then contrast has it.
+constexpr double kBlurRidge = 1e-6;
+
 Solution solved(NormalMatrix n, NormalVector r, const PatchFitOptions& options) {
+  const double slopes = n(0, 0) + n(3, 3);
+  for (int i = kLightColumns; i < kBaseColumns; ++i) n(i, i) = n(i, i) * (1.0 + kBlurRidge) + 1e-12 * slopes;
   const auto silence = [&](int first) {  // a column that is not there: unit diagonal, nothing else
     for (int i = first; i < first + kFieldColumns; ++i) {
       n.row(i).setZero();

@@ -2,8 +2,9 @@
 // Demodulation without a warp: every raw pixel of a patch is compared with the print's template at the print
 // coordinates that a map gives it, and least squares corrects the map (docs/methods/precise.md).
 //
-//   I(p) = b0 + bu u + bv v + (g0 + gu u + gv v) t( X(p) + dX(p), Y(p) + dY(p) ) + noise
+//   I(p) = b0 + bu u + bv v + (g0 + gu u + gv v) t( X(p) + dX(p), Y(p) + dY(p) ) + hx t_XX + hy t_YY + noise
 //
+// hx, hy: a little more or less blur than the template has, from focus, motion or a nearer camera.
 // p a pixel, (u, v) its place in the patch, X, Y the map's print coordinates, dX, dY biquadratic in (u, v): as many
 // unknowns as 3 x 3 points with two coordinates, so these points carry all that the patch tells, in rows of one
 // information matrix.

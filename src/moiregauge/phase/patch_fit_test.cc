@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/phase/patch_fit.h"
 
+#include <array>
 #include <cmath>
+#include <complex>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -70,8 +72,39 @@ TEST(PatchFit, WithoutNoiseEveryPointIsWhereThePrintHasIt) {
     ASSERT_TRUE(fit) << turn;
     // Rounding of 1/256 grey level over 8000 pixels, 18 unknowns: 1e-6 pitches.
     EXPECT_LT(largest_error(*fit, truth), 1e-5) << turn;
-    EXPECT_NEAR(fit->gain[0], 256.0 * 42.5 / 40, 0.01);
+    // Of one harmonic, contrast and blur are the same; what blur takes of it is the table's error in t_XX / (2 pi)^2.
+    EXPECT_NEAR(fit->gain[0], 256.0 * 42.5 / 40, 0.1);
   }
+}
+
+// A camera gone nearer, or out of focus, sees the same lines with more blur than the template has. Where a window ends
+// within an edge, what the template cannot hold would pass for displacement.
+TEST(PatchFit, MoreBlurThanTheTemplateHasMovesNothing) {
+  const auto amplitude = [](int k, double psf) {
+    return 35.0 / k * std::exp(-0.5 * kTurn * kTurn * k * k * psf * psf);
+  };
+  constexpr std::array<int, 5> kOrders{1, 3, 5, 7, 9};
+  constexpr double kThen = 0.03, kNow = 0.032;  // pitches, sigma of the PSF: 0.87 and 0.93 px
+  const auto edges = [&](PrintPoint p) {
+    double level = 0.0;
+    for (const int k : kOrders)
+      level += amplitude(k, kNow) * (std::cos(k * kTurn * p.x) + std::cos(k * kTurn * (p.y + 0.2)));
+    return level;
+  };
+  std::array<std::complex<double>, 19 * 19> series{};
+  for (const int k : kOrders) {
+    for (const int m : {-k, k}) {
+      series[static_cast<std::size_t>(9 * 19 + 9 + m)] = 0.5 * amplitude(k, kThen);
+      series[static_cast<std::size_t>((9 + m) * 19 + 9)] = 0.5 * amplitude(k, kThen) * std::polar(1.0, 0.2 * m * kTurn);
+    }
+  }
+  const auto truth = oblique(17.0);
+  const auto picture = seen(truth, {}, edges, 1);
+  const PatchWindow cut{{0.05, -0.1}, 1.31, 1.24};  // ends within lines' edges
+  const auto fit = fit_patch(picture.view(), truth, cut, PrintTemplate(9, series), {});
+  ASSERT_TRUE(fit);
+  // The blur's second order, a thousandth of the edges' height over the half pixel that they are wide.
+  EXPECT_LT(largest_error(*fit, truth), 2e-5);
 }
 
 // The field is biquadratic in pixels: a light from one side, a contrast that varies and a bent sheet do not enter.

@@ -9,8 +9,11 @@
 
 namespace moiregauge {
 
-// Unknowns in this order: b0 bu bv g0 gu gv, then dX of u^i v^j (i fastest, i, j <= 2), then dY.
-inline constexpr int kBaseColumns = 6;
+// Unknowns in this order: b0 bu bv g0 gu gv, blur along X and along Y, then dX of u^i v^j (i fastest, i, j <= 2), then
+// dY.
+inline constexpr int kLightColumns = 6;
+inline constexpr int kBlurColumns = 2;
+inline constexpr int kBaseColumns = kLightColumns + kBlurColumns;
 inline constexpr int kFieldColumns = 9;
 inline constexpr int kColumns = kBaseColumns + 2 * kFieldColumns;
 using NormalMatrix = Eigen::Matrix<double, kColumns, kColumns>;
@@ -22,6 +25,8 @@ struct PatchPixel {
   double t = 0.0;     // template
   double tx = 0.0;    // its slopes times the gain
   double ty = 0.0;
+  double bx = 0.0;  // its second derivatives times the gain
+  double by = 0.0;
 };
 
 class PatchMoments {
@@ -34,11 +39,42 @@ class PatchMoments {
 
  private:
   // Products f whose moments are needed.
-  enum Product { kTx2, kTxTy, kTy2, kTx, kTy, kTTx, kTTy, kGTx, kGTy, kOne, kT, kT2, kGrey, kGreyT, kGrey2, kProducts };
+  enum Product {
+    kTx2,
+    kTxTy,
+    kTy2,
+    kTx,
+    kTy,
+    kTTx,
+    kTTy,
+    kGTx,
+    kGTy,
+    kOne,
+    kT,
+    kT2,
+    kGrey,
+    kGreyT,
+    kGrey2,
+    kBxTx,
+    kBxTy,
+    kByTx,
+    kByTy,
+    kBx,
+    kBy,
+    kTBx,
+    kTBy,
+    kGBx,
+    kGBy,
+    kBx2,
+    kBxBy,
+    kBy2,
+    kProducts
+  };
   static constexpr int kPowers = 5;
   [[nodiscard]] double moment(Product f, int k, int l) const {
     return total_[static_cast<std::size_t>(f)][static_cast<std::size_t>(k)][static_cast<std::size_t>(l)];
   }
+  void write_blur(NormalMatrix& matrix, NormalVector& right) const;
   std::array<std::array<double, kPowers>, kProducts> row_{};                         // by power of u
   std::array<std::array<std::array<double, kPowers>, kPowers>, kProducts> total_{};  // and of v
   int pixels_ = 0;

@@ -29,11 +29,12 @@ std::vector<Complex> turns(int side) {
 
 // Weights of the four neighbours at t in [0, 1), and their derivatives by t (cubic convolution, a = -1/2).
 struct Weights {
-  std::array<double, 4> w, d;
+  std::array<double, 4> w, d, dd;
   explicit Weights(double t)
       : w{((-0.5 * t + 1.0) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1.0, ((-1.5 * t + 2.0) * t + 0.5) * t,
           (0.5 * t - 0.5) * t * t},
-        d{(-1.5 * t + 2.0) * t - 0.5, (4.5 * t - 5.0) * t, (-4.5 * t + 4.0) * t + 0.5, (1.5 * t - 1.0) * t} {}
+        d{(-1.5 * t + 2.0) * t - 0.5, (4.5 * t - 5.0) * t, (-4.5 * t + 4.0) * t + 0.5, (1.5 * t - 1.0) * t},
+        dd{-3.0 * t + 2.0, 9.0 * t - 5.0, -9.0 * t + 4.0, 3.0 * t - 1.0} {}
 };
 
 }  // namespace
@@ -86,17 +87,22 @@ PrintLevel PrintTemplate::at(PrintPoint p) const {
   PrintLevel level;
   for (int row = 0; row < 4; ++row) {
     const float* t = table_.data() + (j + row) * wide + i;
-    double value = 0.0, slope = 0.0;
+    double value = 0.0, slope = 0.0, bend = 0.0;
     for (int column = 0; column < 4; ++column) {
       value += across.w[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
       slope += across.d[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
+      bend += across.dd[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
     }
     level.t += up.w[static_cast<std::size_t>(row)] * value;
     level.dx += up.w[static_cast<std::size_t>(row)] * slope;
     level.dy += up.d[static_cast<std::size_t>(row)] * value;
+    level.dxx += up.w[static_cast<std::size_t>(row)] * bend;
+    level.dyy += up.dd[static_cast<std::size_t>(row)] * value;
   }
   level.dx *= side_;
   level.dy *= side_;
+  level.dxx *= side_ * side_;
+  level.dyy *= side_ * side_;
   return level;
 }
 

@@ -19,11 +19,13 @@ struct Print;  // pitches along a print's own two axes, x to the right and y up 
 }
 using PrintPoint = Point<frame::Print>;
 
-// Grey level and its derivatives per pitch.
+// Grey level and its derivatives by pitches.
 struct PrintLevel {
   double t = 0.0;
   double dx = 0.0;
   double dy = 0.0;
+  double dxx = 0.0;  // to a few per cent: what a little more blur does
+  double dyy = 0.0;
 };
 
 // t(X, Y) = sum over |m|, |n| <= order of c(m, n) exp(2 pi i (m X + n Y)), real, without its mean (c(0, 0) = 0).
