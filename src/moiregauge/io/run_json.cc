@@ -133,9 +133,9 @@ Json budget_json(const Budget& budget) {
   return json;
 }
 
-// Of one frame, every edge of the prints counted; nothing where no print was learned.
+// Of one frame, every edge of the prints counted; of `precise` only.
 Json bound_json(const Measurement& measurement, std::size_t target) {
-  if (!measurement.reference || measurement.reference->prints.empty()) return nullptr;
+  if (!measurement.reference || !measurement.scene) return nullptr;
   const auto bound = layout_bound(*measurement.reference, target, Bound::kFull);
   return {{"x", number(bound.x)}, {"y", number(bound.y)}};
 }
