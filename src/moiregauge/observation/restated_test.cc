@@ -122,8 +122,9 @@ TEST(Restated, PointsOfAPrintCountFromWhereTheNewSiteHasIt) {
     return (*map)(PrintPoint{0, 0});
   };
   EXPECT_GT(length(middle(then.reference) - middle(now.reference)), 2.0);  // px: 0.8 and 0.5 mm
-  // A template's zero stays where its first map had it but for what the later rounds move: nothing measured hangs on it.
-  EXPECT_LT(length(middle(again->reference) - middle(now.reference)), 0.05);
+  // A template's zero stays where its first map had it but for what the rounds move, which begin elsewhere by those 2 px:
+  // nothing measured hangs on it.
+  EXPECT_LT(length(middle(again->reference) - middle(now.reference)), 0.3);
 }
 
 TEST(Restated, SaysWhichMarkerCannotHaveBeenThere) {

@@ -86,7 +86,7 @@ struct Solution {
 };
 
 // Relative. On a print of one harmonic more blur is less contrast: then contrast has it.
-constexpr double kBlurRidge = 1e-6;
+constexpr double kBlurRidge = 1e-4;
 
 Solution solved(NormalMatrix n, NormalVector r, const PatchFitOptions& options) {
   const double slopes = n(0, 0) + n(3, 3);

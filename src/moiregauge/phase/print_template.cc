@@ -29,13 +29,38 @@ std::vector<Complex> turns(int side) {
 
 // Weights of the four neighbours at t in [0, 1), and their derivatives by t (cubic convolution, a = -1/2).
 struct Weights {
-  std::array<double, 4> w, d, dd;
+  std::array<double, 4> w, d;
   explicit Weights(double t)
       : w{((-0.5 * t + 1.0) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1.0, ((-1.5 * t + 2.0) * t + 0.5) * t,
           (0.5 * t - 0.5) * t * t},
-        d{(-1.5 * t + 2.0) * t - 0.5, (4.5 * t - 5.0) * t, (-4.5 * t + 4.0) * t + 0.5, (1.5 * t - 1.0) * t},
-        dd{-3.0 * t + 2.0, 9.0 * t - 5.0, -9.0 * t + 4.0, 3.0 * t - 1.0} {}
+        d{(-1.5 * t + 2.0) * t - 0.5, (4.5 * t - 5.0) * t, (-4.5 * t + 4.0) * t + 0.5, (1.5 * t - 1.0) * t} {}
 };
+
+// The series on the grid: its rows summed over m for every column, then over n for every row.
+std::vector<float> tabulated(const std::vector<Complex>& series, int order, int side) {
+  const auto turn = turns(side);
+  const auto at = [&](int k, int step) { return turn[static_cast<std::size_t>(((k * step) % side + side) % side)]; };
+  std::vector<Complex> partial(static_cast<std::size_t>((2 * order + 1) * side));
+  for (int n = -order; n <= order; ++n) {
+    for (int i = 0; i < side; ++i) {
+      Complex sum = 0.0;
+      for (int m = -order; m <= order; ++m) sum += series[index_of(order, m, n)] * at(m, i);
+      partial[static_cast<std::size_t>((n + order) * side + i)] = sum;
+    }
+  }
+  const int wide = side + 3;
+  std::vector<float> table(static_cast<std::size_t>(wide * wide));
+  for (int j = 0; j < wide; ++j) {
+    for (int i = 0; i < wide; ++i) {
+      const int column = (i - 1 + side) % side;
+      Complex sum = 0.0;
+      for (int n = -order; n <= order; ++n)
+        sum += partial[static_cast<std::size_t>((n + order) * side + column)] * at(n, j - 1);
+      table[static_cast<std::size_t>(j * wide + i)] = static_cast<float>(sum.real());
+    }
+  }
+  return table;
+}
 
 }  // namespace
 
@@ -48,28 +73,16 @@ PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : order
   }
   series_[index_of(order, 0, 0)] = 0.0;
   side_ = std::max(kLeastSide, kPointsPerPeriod * order);
-  // Rows of the series summed over m for every table column, then over n for every table row.
-  const auto turn = turns(side_);
-  const auto at = [&](int k, int step) { return turn[static_cast<std::size_t>(((k * step) % side_ + side_) % side_)]; };
-  std::vector<Complex> partial(static_cast<std::size_t>((2 * order + 1) * side_));
-  for (int n = -order; n <= order; ++n) {
-    for (int i = 0; i < side_; ++i) {
-      Complex sum = 0.0;
-      for (int m = -order; m <= order; ++m) sum += series_[index_of(order, m, n)] * at(m, i);
-      partial[static_cast<std::size_t>((n + order) * side_ + i)] = sum;
+  const auto bent = [&](bool along_x) {
+    std::vector<Complex> second = series_;
+    for (int n = -order; n <= order; ++n) {
+      for (int m = -order; m <= order; ++m) second[index_of(order, m, n)] *= -kTurn * kTurn * (along_x ? m * m : n * n);
     }
-  }
-  const int wide = side_ + 3;
-  table_.resize(static_cast<std::size_t>(wide * wide));
-  for (int j = 0; j < wide; ++j) {
-    for (int i = 0; i < wide; ++i) {
-      const int column = (i - 1 + side_) % side_;
-      Complex sum = 0.0;
-      for (int n = -order; n <= order; ++n)
-        sum += partial[static_cast<std::size_t>((n + order) * side_ + column)] * at(n, j - 1);
-      table_[static_cast<std::size_t>(j * wide + i)] = static_cast<float>(sum.real());
-    }
-  }
+    return second;
+  };
+  table_ = tabulated(series_, order, side_);
+  table_xx_ = tabulated(bent(true), order, side_);
+  table_yy_ = tabulated(bent(false), order, side_);
 }
 
 PrintTemplate PrintTemplate::cosine(double amplitude_x, double amplitude_y) {
@@ -86,23 +99,24 @@ PrintLevel PrintTemplate::at(PrintPoint p) const {
   const int wide = side_ + 3;
   PrintLevel level;
   for (int row = 0; row < 4; ++row) {
-    const float* t = table_.data() + (j + row) * wide + i;
-    double value = 0.0, slope = 0.0, bend = 0.0;
+    const int first = (j + row) * wide + i;
+    double value = 0.0, slope = 0.0, xx = 0.0, yy = 0.0;
     for (int column = 0; column < 4; ++column) {
-      value += across.w[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
-      slope += across.d[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
-      bend += across.dd[static_cast<std::size_t>(column)] * static_cast<double>(t[column]);
+      const auto k = static_cast<std::size_t>(column), at = static_cast<std::size_t>(first + column);
+      value += across.w[k] * static_cast<double>(table_[at]);
+      slope += across.d[k] * static_cast<double>(table_[at]);
+      xx += across.w[k] * static_cast<double>(table_xx_[at]);
+      yy += across.w[k] * static_cast<double>(table_yy_[at]);
     }
-    level.t += up.w[static_cast<std::size_t>(row)] * value;
-    level.dx += up.w[static_cast<std::size_t>(row)] * slope;
-    level.dy += up.d[static_cast<std::size_t>(row)] * value;
-    level.dxx += up.w[static_cast<std::size_t>(row)] * bend;
-    level.dyy += up.dd[static_cast<std::size_t>(row)] * value;
+    const auto k = static_cast<std::size_t>(row);
+    level.t += up.w[k] * value;
+    level.dx += up.w[k] * slope;
+    level.dy += up.d[k] * value;
+    level.dxx += up.w[k] * xx;
+    level.dyy += up.w[k] * yy;
   }
   level.dx *= side_;
   level.dy *= side_;
-  level.dxx *= side_ * side_;
-  level.dyy *= side_ * side_;
   return level;
 }
 

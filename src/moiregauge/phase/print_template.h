@@ -24,7 +24,7 @@ struct PrintLevel {
   double t = 0.0;
   double dx = 0.0;
   double dy = 0.0;
-  double dxx = 0.0;  // to a few per cent: what a little more blur does
+  double dxx = 0.0;
   double dyy = 0.0;
 };
 
@@ -51,7 +51,9 @@ class PrintTemplate {
   int order_ = 0;
   int side_ = 0;  // of the table
   std::vector<std::complex<double>> series_;
-  std::vector<float> table_;  // side x side, wrapped by one row and column before and two after
+  // side x side, wrapped by one row and column before and two after. The second derivatives have their own: those of
+  // the look-up's cubics jump from cell to cell.
+  std::vector<float> table_, table_xx_, table_yy_;
 };
 
 // The highest order that pixels carry for a pitch of so many px: beyond P / 2.2 harmonics fold back onto lower ones.
