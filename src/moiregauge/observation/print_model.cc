@@ -297,9 +297,7 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
   const auto start = lattice_seen(luma, view, grating, moved);
   Learning learning(luma, grating, start * *map, view.mm_per_px(grating.centre + moved));
-  for (const int orders : {1, kFirstOrders}) {
-    if (const auto done = learning.until_it_stands_still(orders); !done) return tl::unexpected(done.error());
-  }
+  if (const auto done = learning.until_it_stands_still(kFirstOrders); !done) return tl::unexpected(done.error());
   // A few harmonics leave so much over that an edge would pass for print: the window grows by all of them.
   if (const auto done = learning.round(kAllOrders); !done) return tl::unexpected(done.error());
   learning.grow();
