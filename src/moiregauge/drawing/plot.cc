@@ -9,31 +9,31 @@
 namespace moiregauge::figure {
 namespace {
 
-constexpr double kTitleRoom = 11.0, kLegendRoom = 10.0, kTickLength = 2.5, kTickSpacing = 11.0, kRim = 0.04;
+constexpr double kTitleRoom = 11.0, kLegendRoom = 10.0, kRim = 0.04;
+constexpr double kTickLength = 2.5, kSmallTickLength = 1.4, kTickSpacing = 11.0, kTickSpacingAcross = 20.0;
+constexpr Colour kGridColour{0.87, 0.87, 0.87}, kZeroColour{0.8, 0.8, 0.8};
 
-Range extent_of(const std::vector<Series>& series, bool right, bool of_x) {
-  Range range{1.0, 0.0};
+std::vector<double> y_of(const std::vector<Series>& series, bool right) {
+  std::vector<double> all;
   for (const Series& s : series) {
-    if (!of_x && s.on_right_axis != right) continue;
-    for (const double v : of_x ? s.x : s.y) {
-      if (!std::isfinite(v)) continue;
-      const bool is_first = range.low > range.high;
-      range = is_first ? Range{v, v} : Range{std::min(range.low, v), std::max(range.high, v)};
-    }
+    if (s.on_right_axis == right) all.insert(all.end(), s.y.begin(), s.y.end());
   }
-  if (range.low > range.high) return {0.0, 1.0};
-  const double rim = of_x || right ? 0.0 : kRim * (range.high - range.low);  // so that no point lies on the frame
-  return {range.low - rim, range.high + rim};
+  return all;
+}
+
+std::vector<double> x_of(const std::vector<Series>& series) {
+  std::vector<double> all;
+  for (const Series& s : series) all.insert(all.end(), s.x.begin(), s.x.end());
+  return all;
 }
 
 // Where the axes stand, and what they count.
 struct Axes {
   Box box;
-  Range x, y, right;
-  [[nodiscard]] double at_x(double v) const { return box.x + box.width * (v - x.low) / (x.high - x.low); }
+  PlotAxis x, y, right;
+  [[nodiscard]] double at_x(double v) const { return box.x + box.width * x.place(v); }
   [[nodiscard]] double at_y(double v, bool on_right) const {
-    const Range& r = on_right ? right : y;
-    return box.y + box.height * (r.high - v) / (r.high - r.low);
+    return box.y + box.height * (1.0 - (on_right ? right : y).place(v));
   }
 };
 
@@ -44,71 +44,79 @@ Axes axes_of(Box box, const Panel& panel, std::size_t named) {
   const double top = kTitleRoom + (named > 1 ? kLegendRoom : 0.0), bottom = panel.x_label.empty() ? 5.0 : 22.0;
   const double side = panel.right_label.empty() ? kRightRoom : kRightAxisRoom;
   axes.box = {box.x + kLeftRoom, box.y + top, box.width - kLeftRoom - side, box.height - top - bottom};
-  axes.x = panel.x_range.value_or(extent_of(panel.series, false, true));
-  if (!(axes.x.high > axes.x.low)) axes.x.high = axes.x.low + 1.0;
-  const auto covered = [&](bool right) {
-    const auto ticks = nice_ticks(extent_of(panel.series, right, false), most_ticks(axes.box.height, kTickSpacing));
-    return Range{ticks.front(), ticks.back()};
-  };
-  axes.y = panel.y_range.value_or(covered(false));
-  axes.right = covered(true);
+  axes.x = {panel.x_range.value_or(extent_of(x_of(panel.series), panel.x_scale, 0.0)), panel.x_scale};
+  if (!(axes.x.range.high > axes.x.range.low)) axes.x.range.high = axes.x.range.low + 1.0;
+  const int most = most_ticks(axes.box.height, kTickSpacing);
+  // A rim, so that no point lies on the frame.
+  axes.y = to_whole_ticks({extent_of(y_of(panel.series, false), panel.y_scale, kRim), panel.y_scale}, most);
+  if (panel.y_range) axes.y.range = *panel.y_range;
+  axes.right = to_whole_ticks({extent_of(y_of(panel.series, true), Scale::kLinear, 0.0)}, most);
   return axes;
 }
 
 void draw_side(Canvas& canvas, const Axes& axes, const std::string& label, bool right) {
-  const Range& range = right ? axes.right : axes.y;
-  const auto ticks = nice_ticks(range, most_ticks(axes.box.height, kTickSpacing));
   const double edge = right ? axes.box.x + axes.box.width : axes.box.x, out = right ? 1.0 : -1.0;
   double widest = 0.0;
-  for (const double v : ticks) {
-    if (v < range.low - 1e-9 || v > range.high + 1e-9) continue;
-    const double y = axes.at_y(v, right);
-    canvas.line({{edge, y}, {edge - out * kTickLength, y}}, {});
-    const std::string words = tick_label(v, ticks[1] - ticks[0]);
-    widest = std::max(widest, canvas.text_width(words));
-    canvas.text({edge + out * 3.0, y + 2.5}, words, {.align = right ? Align::kLeft : Align::kRight});
+  for (const Tick& tick : ticks_of(right ? axes.right : axes.y, most_ticks(axes.box.height, kTickSpacing))) {
+    const double y = axes.at_y(tick.value, right);
+    canvas.line({{edge, y}, {edge - out * (tick.label.empty() ? kSmallTickLength : kTickLength), y}}, {});
+    widest = std::max(widest, canvas.text_width(tick.label));
+    canvas.text({edge + out * 3.0, y + 2.5}, tick.label, {.align = right ? Align::kLeft : Align::kRight});
   }
   const double x = edge + out * (widest + (right ? 5.0 + kTextSize : 7.0));
   canvas.text({x, axes.box.y + 0.5 * axes.box.height}, label, {.align = Align::kCentre, .angle_rad = -0.5 * kPi});
 }
 
 void draw_bottom(Canvas& canvas, const Axes& axes, const std::string& label) {
-  const auto ticks = nice_ticks(axes.x, most_ticks(axes.box.width, 20.0));
   const double edge = axes.box.y + axes.box.height;
-  for (const double v : ticks) {
-    if (v < axes.x.low - 1e-9 || v > axes.x.high + 1e-9) continue;
-    canvas.line({{axes.at_x(v), edge}, {axes.at_x(v), edge - kTickLength}}, {});
-    if (!label.empty())
-      canvas.text({axes.at_x(v), edge + 9.0}, tick_label(v, ticks[1] - ticks[0]), {.align = Align::kCentre});
+  for (const Tick& tick : ticks_of(axes.x, most_ticks(axes.box.width, kTickSpacingAcross))) {
+    const double x = axes.at_x(tick.value);
+    canvas.line({{x, edge}, {x, edge - (tick.label.empty() ? kSmallTickLength : kTickLength)}}, {});
+    if (!label.empty()) canvas.text({x, edge + 9.0}, tick.label, {.align = Align::kCentre});
   }
   canvas.text({axes.box.x + 0.5 * axes.box.width, edge + 18.5}, label, {.align = Align::kCentre});
+}
+
+// Factors of ten are read off these lines; a linear axis has its zero instead.
+void draw_guides(Canvas& canvas, const Axes& axes) {
+  const auto across = [&](double v, Colour colour) {
+    const double y = axes.at_y(v, false);
+    canvas.line({{axes.box.x, y}, {axes.box.x + axes.box.width, y}}, {colour, 0.4});
+  };
+  if (axes.y.scale == Scale::kLinear) {
+    if (axes.y.range.low < 0.0 && axes.y.range.high > 0.0) across(0.0, kZeroColour);
+    return;
+  }
+  for (const Tick& tick : ticks_of(axes.y, most_ticks(axes.box.height, kTickSpacing))) {
+    if (!tick.label.empty()) across(tick.value, kGridColour);
+  }
 }
 
 void draw_series(Canvas& canvas, const Axes& axes, const Series& series) {
   std::vector<Spot> points;
   for (std::size_t i = 0; i < series.x.size(); ++i)
     points.push_back({axes.at_x(series.x[i]), axes.at_y(series.y[i], series.on_right_axis)});
-  if (series.mark != Mark::kDots)
+  if (joins_points(series.mark))
     return canvas.line(points, {series.colour, series.width, series.mark == Mark::kDashed});
-  for (const Spot& p : points) canvas.dot(p, series.width, series.colour);
-}
-
-void draw_legend(Canvas& canvas, const Axes& axes, const Panel& panel) {
-  double x = axes.box.x;
-  const double y = axes.box.y - 4.0;
-  for (const Series& s : panel.series) {
-    if (s.name.empty()) continue;
-    if (s.mark == Mark::kDots) {
-      canvas.dot({x + 7.0, y - 2.5}, std::max(1.2, s.width), s.colour);
-    } else {
-      canvas.line({{x, y - 2.5}, {x + 14.0, y - 2.5}}, {s.colour, s.width, s.mark == Mark::kDashed});
-    }
-    canvas.text({x + 17.0, y}, s.name);
-    x += 17.0 + canvas.text_width(s.name) + 9.0;
-  }
+  for (const Spot& p : points) draw_mark(canvas, series.mark, p, series.width, series.colour);
 }
 
 }  // namespace
+
+void draw_legend(Canvas& canvas, Spot at, const std::vector<Series>& series) {
+  constexpr double kSample = 14.0, kSmallestMark = 1.2;
+  const double middle = at.y - 2.5;
+  for (const Series& s : series) {
+    if (s.name.empty()) continue;
+    if (joins_points(s.mark)) {
+      canvas.line({{at.x, middle}, {at.x + kSample, middle}}, {s.colour, s.width, s.mark == Mark::kDashed});
+    } else {
+      draw_mark(canvas, s.mark, {at.x + 0.5 * kSample, middle}, std::max(kSmallestMark, s.width), s.colour);
+    }
+    canvas.text({at.x + kSample + 3.0, at.y}, s.name);
+    at.x += kSample + 12.0 + canvas.text_width(s.name);
+  }
+}
 
 void draw_panel(Canvas& canvas, Box box, const Panel& panel) {
   const auto named =
@@ -117,17 +125,14 @@ void draw_panel(Canvas& canvas, Box box, const Panel& panel) {
   canvas.text({box.x, box.y + 7.5}, panel.letter, {.bold = true});
   canvas.text({axes.box.x, box.y + 7.5}, panel.title);
   canvas.clip(axes.box);
-  if (axes.y.low < 0.0 && axes.y.high > 0.0) {
-    const double zero = axes.at_y(0.0, false);
-    canvas.line({{axes.box.x, zero}, {axes.box.x + axes.box.width, zero}}, {{0.8, 0.8, 0.8}, 0.4});
-  }
+  draw_guides(canvas, axes);
   for (const Series& s : panel.series) draw_series(canvas, axes, s);
   canvas.unclip();
   canvas.frame(axes.box, {});
   draw_side(canvas, axes, panel.y_label, false);
   if (!panel.right_label.empty()) draw_side(canvas, axes, panel.right_label, true);
   draw_bottom(canvas, axes, panel.x_label);
-  if (named > 1) draw_legend(canvas, axes, panel);
+  if (named > 1) draw_legend(canvas, {axes.box.x, axes.box.y - 4.0}, panel.series);
 }
 
 }  // namespace moiregauge::figure

@@ -7,18 +7,17 @@
 #include <vector>
 
 #include "moiregauge/drawing/canvas.h"
-#include "moiregauge/drawing/ticks.h"
+#include "moiregauge/drawing/marks.h"
+#include "moiregauge/drawing/plot_axis.h"
 
 namespace moiregauge::figure {
-
-enum class Mark { kLine, kDashed, kDots };
 
 struct Series {
   std::string name{};  // in the legend; empty: not there
   std::vector<double> x{}, y{};
   Colour colour = kBlack;
   Mark mark = Mark::kLine;
-  double width = 0.9;
+  double width = 0.9;  // of the line, or the radius of a mark
   bool on_right_axis = false;
 };
 
@@ -29,12 +28,16 @@ struct Panel {
   std::string y_label{};
   std::string right_label{};  // empty: no right axis
   std::vector<Series> series{};
-  std::optional<Range> x_range{}, y_range{};  // else what the series need
+  std::optional<Range> x_range{}, y_range{};                 // else what the series need
+  Scale x_scale = Scale::kLinear, y_scale = Scale::kLinear;  // the right axis is always linear
 };
 
 // Room round the axes inside the box given to draw_panel.
 inline constexpr double kLeftRoom = 40.0, kRightRoom = 8.0, kRightAxisRoom = 32.0;
 
+// With a legend of its own when more than one series has a name.
 void draw_panel(Canvas& canvas, Box box, const Panel& panel);
+// The named series in one line that begins at `at`, the foot of its letters.
+void draw_legend(Canvas& canvas, Spot at, const std::vector<Series>& series);
 
 }  // namespace moiregauge::figure

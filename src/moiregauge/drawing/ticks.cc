@@ -23,6 +23,18 @@ std::vector<double> nice_ticks(Range range, int most) {
   return ticks;
 }
 
+std::vector<double> decade_ticks(Range range, int most) {
+  constexpr double kSlack = 1e-9;  // of a decade: an end that is a power of ten itself needs no further one
+  const double low = std::log10(range.low) + kSlack, high = std::log10(range.high) - kSlack;
+  double step = 1.0;
+  const auto first = [&] { return std::floor(low / step); };
+  const auto last = [&] { return std::max(std::ceil(high / step), first() + 1.0); };
+  while (last() - first() + 1.0 > std::max(most, 2)) step += 1.0;
+  std::vector<double> ticks;
+  for (double i = first(); i <= last(); i += 1.0) ticks.push_back(std::pow(10.0, i * step));
+  return ticks;
+}
+
 std::string tick_label(double value, double step) {
   const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
   const std::string words = fmt::format("{:.{}f}", std::abs(value), digits);
