@@ -6,20 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/cli/reproduce_summary.h"
+
 namespace moiregauge::cli {
 namespace {
-
-std::vector<double> numbers_of(const std::vector<double>& values) {
-  std::vector<double> numbers;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(numbers), [](double v) { return std::isfinite(v); });
-  return numbers;
-}
-
-double rms(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
 
 // Three digits that count, down to a tenth of a micrometre.
 std::string millimetres(double value) {
@@ -29,21 +19,18 @@ std::string millimetres(double value) {
 }
 
 std::string errors(const MethodRun& run) {
-  const auto numbers = numbers_of(run.error_mm);
-  if (numbers.empty()) return "no number";
-  double largest = 0.0;
-  for (const double v : numbers) largest = std::max(largest, std::abs(v));
-  std::string text = fmt::format("{} ({})", millimetres(rms(numbers)), millimetres(largest));
-  if (const auto lost = run.error_mm.size() - numbers.size(); lost > 0)
-    text += fmt::format("; {} of {} frames lost", lost, run.error_mm.size());
+  const ErrorSummary summary = summary_of(run.error_mm);
+  if (summary.lost == run.error_mm.size()) return "no number";
+  std::string text = fmt::format("{} ({})", millimetres(summary.rms), millimetres(summary.largest));
+  if (summary.lost > 0) text += fmt::format("; {} of {} frames lost", summary.lost, run.error_mm.size());
   return text;
 }
 
 // Of the default method: the conventional one does not follow the target, so its budget speaks of other pixels.
 std::string bound(const CellRun& cell) {
   for (const MethodRun& run : cell.methods) {
-    const auto numbers = numbers_of(run.bound_mm);
-    if (run.method == kDefaultMethod && !numbers.empty()) return millimetres(rms(numbers));
+    const ErrorSummary summary = summary_of(run.bound_mm);
+    if (run.method == kDefaultMethod && summary.lost < run.bound_mm.size()) return millimetres(summary.rms);
   }
   return "none";
 }
@@ -63,7 +50,7 @@ std::string reproduce_table(const ReproducePlan& plan, const std::vector<CellRun
   text += " bound |" + rule + "---|\n";
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const ReproduceCase& which = plan.cases[i / plan.lenses.size()];
-    text += fmt::format("| {} | {} | {} |", which.rotation, plan.lenses[i % plan.lenses.size()].name, which.paper_mm);
+    text += fmt::format("| {} | {} | {:g} |", which.rotation, plan.lenses[i % plan.lenses.size()].name, which.paper_mm);
     for (const MethodRun& run : cells[i].methods) text += fmt::format(" {} |", errors(run));
     text += fmt::format(" {} |\n", bound(cells[i]));
   }
