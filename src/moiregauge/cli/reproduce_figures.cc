@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "moiregauge/cli/reproduce_pictures.h"
+#include "moiregauge/cli/reproduce_rotation.h"
 #include "moiregauge/drawing/figure_principle.h"
+#include "moiregauge/drawing/figure_rotation.h"
 #include "moiregauge/drawing/figure_series.h"
 #include "moiregauge/simulator/simulator.h"
 
@@ -52,6 +54,8 @@ std::vector<FigureJob> figure_jobs(const ReproducePlan& plan, const std::vector<
   std::vector<FigureJob> jobs;
   jobs.push_back({figure_name(2), [] { return files_of(figure::principle_of_sampling_moire({})); }});
   jobs.push_back({figure_name(4), [] { return tilted_circles(); }});
+  jobs.push_back({"error-against-rotation",
+                  [&plan, &cells] { return files_of(error_against_rotation(rotation_of(plan, cells))); }});
   for (std::size_t i = 0; i < plan.cases.size(); ++i) {
     const ReproduceCase& which = plan.cases[i];
     if (which.pictures > 0) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The counterparts of the paper's figures, from simulated pictures and what was measured.
+// The counterparts of the paper's figures, and the error against rotation, from simulated pictures and what was
+// measured.
 #pragma once
 
 #include <functional>
@@ -13,7 +14,7 @@ namespace moiregauge::cli {
 
 // A figure still to be made: making it may take seconds, and its pictures live only while it is drawn.
 struct FigureJob {
-  std::string name;  // "fig02"
+  std::string name;  // "fig02": the paper's number; a figure the paper has not is named in words
   std::function<figure::FigureFiles()> make;
 };
 

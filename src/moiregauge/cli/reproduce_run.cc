@@ -66,11 +66,11 @@ MethodRun compared(const Walk& walk, const Reference& reference, const Scenario&
 }  // namespace
 
 ReproducePlan paper_plan() {
-  return {.cases = {{"rig-0.1x", "0.1° about x", "0.02", 0, 12, 0, 0},
-                    {"rig-1x", "1° about x", "0.248", 0, 13, 0, 0},
-                    {"rig-1xyz", "1° about x, y and z", "0.311", 0, 14, 8, 200},
+  return {.cases = {{"rig-0.1x", "0.1° about x", 0.02, 0, 12, 0, 0},
+                    {"rig-1x", "1° about x", 0.248, 0, 13, 0, 0},
+                    {"rig-1xyz", "1° about x, y and z", 0.311, 0, 14, 8, 200},
                     // Against the frame in which the camera faces the board, as the paper did.
-                    {"rig-8xyz", "8° about x, y and z", "1.861", 80, 15, 10, 700}},
+                    {"rig-8xyz", "8° about x, y and z", 1.861, 80, 15, 10, 700}},
           // Distortion at the corner of the sensor, 2317 px from its centre.
           .lenses = {{"no distortion", 0.0}, {"lens −1 %", -0.0225}, {"lens −2 %", -0.0451}, {"lens −3 %", -0.0676}},
           .step = 2};
@@ -78,9 +78,9 @@ ReproducePlan paper_plan() {
 
 // There is no 8 degree case: it would leave the small rig's picture.
 ReproducePlan quick_plan() {
-  return {.cases = {{"small-0.1x", "0.1° about x", "0.02", 0, 12, 0, 0},
-                    {"small-1x", "1° about x", "0.248", 0, 13, 0, 0},
-                    {"small-1xyz", "1° about x, y and z", "0.311", 0, 14, 8, 200}},
+  return {.cases = {{"small-0.1x", "0.1° about x", 0.02, 0, 12, 0, 0},
+                    {"small-1x", "1° about x", 0.248, 0, 13, 0, 0},
+                    {"small-1xyz", "1° about x, y and z", 0.311, 0, 14, 8, 200}},
           .lenses = {{"no distortion", 0.0}, {"lens −1 %", -0.370}},
           .step = 40};
 }

@@ -15,9 +15,9 @@
 namespace moiregauge::cli {
 
 struct ReproduceCase {
-  std::string scenario;  // built-in
-  std::string rotation;  // for people
-  std::string paper_mm;  // the error the paper reports
+  std::string scenario;   // built-in
+  std::string rotation;   // for people
+  double paper_mm = 0.0;  // the error the paper reports
   long reference_frame = 0;
   int figure = 0;       // number of the figure with its displacement over time
   int pictures = 0;     // of the one with its pictures; 0: none. The next number shows the target over time
