@@ -11,6 +11,7 @@ namespace moiregauge::figure {
 namespace {
 
 constexpr double kMargin = 4.0, kPanelHeight = 176.0, kLegendLine = 11.0, kLegendHeight = 2.0 * kLegendLine + 4.0;
+constexpr double kBetweenRows = 6.0;
 constexpr std::size_t kColumns = 2;
 constexpr double kRim = 0.08;  // of the axes: marks of the outermost points stay whole
 constexpr double kMarkRadius = 1.7, kPublishedRadius = 2.4, kCrossRadius = 3.0, kLargestWidth = 1.1, kRmsWidth = 0.6;
@@ -109,11 +110,10 @@ Figure error_against_rotation(const RotationFigure& contents) {
             share_axes(panels);
             const double width = (kTwoColumns - 2.0 * kMargin) / static_cast<double>(kColumns);
             for (std::size_t i = 0; i < panels.size(); ++i) {
-              const auto column = static_cast<double>(i % kColumns), row = static_cast<double>(i / kColumns);
-              draw_panel(
-                  canvas,
-                  {kMargin + column * width, kMargin + kLegendHeight + row * kPanelHeight, width, kPanelHeight - 6.0},
-                  panels[i]);
+              const std::size_t row = i / kColumns, column = i % kColumns;
+              const double x = kMargin + static_cast<double>(column) * width;
+              const double y = kMargin + kLegendHeight + static_cast<double>(row) * kPanelHeight;
+              draw_panel(canvas, {x, y, width, kPanelHeight - kBetweenRows}, panels[i]);
             }
           }};
 }

@@ -26,12 +26,12 @@ std::vector<double> nice_ticks(Range range, int most) {
 std::vector<double> decade_ticks(Range range, int most) {
   constexpr double kSlack = 1e-9;  // of a decade: an end that is a power of ten itself needs no further one
   const double low = std::log10(range.low) + kSlack, high = std::log10(range.high) - kSlack;
-  double step = 1.0;
-  const auto first = [&] { return std::floor(low / step); };
-  const auto last = [&] { return std::max(std::ceil(high / step), first() + 1.0); };
-  while (last() - first() + 1.0 > std::max(most, 2)) step += 1.0;
+  int step = 1;  // decades
+  const auto first = [&] { return static_cast<int>(std::floor(low / step)); };
+  const auto last = [&] { return std::max(static_cast<int>(std::ceil(high / step)), first() + 1); };
+  while (last() - first() + 1 > std::max(most, 2)) ++step;
   std::vector<double> ticks;
-  for (double i = first(); i <= last(); i += 1.0) ticks.push_back(std::pow(10.0, i * step));
+  for (int i = first(); i <= last(); ++i) ticks.push_back(std::pow(10.0, i * step));
   return ticks;
 }
 
