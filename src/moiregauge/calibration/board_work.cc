@@ -47,13 +47,7 @@ Camera camera_of(const CameraBlock& b, int width, int height) {
 }
 
 IdealFromBoard view_of_pose(const Pose& pose, const CameraBlock& camera) {
-  const Eigen::Vector3d axis(pose.turn[0], pose.turn[1], pose.turn[2]);
-  const double angle = axis.norm();
-  const Matrix3 r = angle > 0.0 ? Eigen::AngleAxisd(angle, axis / angle).toRotationMatrix() : Matrix3::Identity();
-  Matrix3 k, h;
-  k << camera[0], 0, camera[1], 0, camera[0], camera[2], 0, 0, 1;
-  h << r.col(0), -r.col(1), Eigen::Vector3d(pose.shift[0], pose.shift[1], pose.shift[2]);
-  return IdealFromBoard(k * h);
+  return view_of(pose, camera_of(camera, 0, 0));
 }
 
 BoardData data_of(const BoardWork& work) {

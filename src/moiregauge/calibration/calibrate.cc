@@ -80,6 +80,23 @@ double print_error_of(const Site& site, const BundleSolution& solution, std::spa
   return print_error_mm(site, largest.scene, noise_alone, fits, prior);
 }
 
+// How much of what noise alone does not explain goes when the camera may turn while rows are read. Asked before a print
+// error is allowed for: that would take it all.
+Turning turning_of(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits) {
+  Turning out;
+  double chi2 = 0.0, gone = 0.0;
+  long dof = 0;
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    if (!fits[k].ok) continue;
+    chi2 += fits[k].chi2_sum, dof += fits[k].dof;
+    gone += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k]);
+  }
+  if (dof <= 0 || !(chi2 > 0.0)) return out;
+  out.chi2_dof = chi2 / static_cast<double>(dof);
+  out.share = gone / chi2;
+  return out;
+}
+
 // Each estimate is made with weights of the last one; from the second on they hardly change.
 constexpr int kErrorRounds = 3;
 
@@ -114,6 +131,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     best.bundle.scene.markers = prior.markers;
     return best;
   }
+  best.turning = turning_of(site, *solution, fits_of(site, *solution));
   for (int round = 0; round < kErrorRounds; ++round) {
     const double u_mm = print_error_of(site, *solution, frames, prior);
     if (u_mm == 0.0) break;

@@ -4,13 +4,8 @@
 #include <optional>
 
 #include "moiregauge/calibration/bundle.h"
-#include "moiregauge/geometry/view.h"
 
 namespace moiregauge {
-
-// The pose from which a camera with this f, cx, cy sees the board as `view` says: exact when the view is a picture of a
-// plane by that camera, else the nearest rotation.
-[[nodiscard]] Pose pose_of(const IdealFromBoard& view, const Camera& camera);
 
 // The pose from which the scene's camera sees the prints of the frame's references where they were read, heights left
 // out: where to begin a fit. From places that a site knows to a few millimetres only, a fit can end in the mirrored

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "moiregauge/geometry/camera.h"
+#include "moiregauge/geometry/pose.h"
 
 namespace moiregauge {
 
@@ -17,13 +18,6 @@ namespace moiregauge {
 struct MarkerShape {
   enum Parameter { kX, kY, kTurn, kScale, kHeight, kParameters };
   std::array<double, kParameters> value{};  // mm, mm, rad counter-clockwise, relative, mm above the reference plane
-};
-
-// Where the camera is: X_cam = R(turn) (X, -Y, -Z) + shift for a board point (X, Y, Z) in mm; camera x right, y down, z
-// forward.
-struct Pose {
-  std::array<double, 3> turn{};   // axis times angle, rad
-  std::array<double, 3> shift{};  // mm
 };
 
 inline constexpr int kCameraParameters = 8;  // f cx cy k1 k2 p1 p2 k3

@@ -29,15 +29,15 @@ BundleFrame bundle_frame(const Reference& reference, const Observation& seen, co
 
 }  // namespace
 
-int references_in(const Site& site, const BundleFrame& frame) {
-  int count = 0;
+std::size_t references_in(const Site& site, const BundleFrame& frame) {
+  std::size_t count = 0;
   for (std::size_t i = 0; i < frame.points.size(); ++i)
-    count += frame.points[i].has_value() && site.markers[i].role == Role::kReference;
+    if (frame.points[i].has_value() && site.markers[i].role == Role::kReference) ++count;
   return count;
 }
 
 BundleFrames bundle_frames(const Reference& reference, const std::vector<Observation>& observations,
-                           const Camera& camera, const SolveOptions& options, int least) {
+                           const Camera& camera, const SolveOptions& options, std::size_t least) {
   const auto rests = [&](long frame) { return options.rest && options.rest->holds(frame); };
   const std::vector<BoardExtent> still(reference.site.markers.size());
   BundleFrames out;

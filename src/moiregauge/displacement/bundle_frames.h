@@ -16,8 +16,8 @@ struct BundleFrames {
 
 // A frame counts from `least` references on; one whose lattice line is in doubt is left out of its frame.
 [[nodiscard]] BundleFrames bundle_frames(const Reference& reference, const std::vector<Observation>& observations,
-                                         const Camera& camera, const SolveOptions& options, int least);
+                                         const Camera& camera, const SolveOptions& options, std::size_t least);
 
-[[nodiscard]] int references_in(const Site& site, const BundleFrame& frame);
+[[nodiscard]] std::size_t references_in(const Site& site, const BundleFrame& frame);
 
 }  // namespace moiregauge

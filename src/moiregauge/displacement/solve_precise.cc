@@ -7,6 +7,7 @@
 #include "moiregauge/calibration/pose.h"
 #include "moiregauge/calibration/print_error.h"
 #include "moiregauge/displacement/bundle_frames.h"
+#include "moiregauge/displacement/layout_advice.h"
 #include "moiregauge/displacement/precise_budget.h"
 #include "moiregauge/displacement/reference_fault.h"
 #include "moiregauge/displacement/sample_parts.h"
@@ -72,16 +73,8 @@ std::vector<BundleFrame> key_frames_of(const std::vector<BundleFrame>& frames) {
   return key;
 }
 
-bool shutter_rolls(const Site& site, const Calibration& calibration) {
-  double chi2 = 0.0, gone = 0.0;
-  long dof = 0;
-  for (std::size_t k = 0; k < calibration.fits.size(); ++k) {
-    const FrameFit& fit = calibration.fits[k];
-    if (!fit.ok) continue;
-    chi2 += fit.chi2_sum, dof += fit.dof;
-    gone += chi2_of_turning(site, calibration.bundle.scene, calibration.bundle.frames[k], fit);
-  }
-  return chi2 > kRollingChi2 * static_cast<double>(dof) && gone > kRollingShare * chi2;
+bool shutter_rolls(const Turning& turning) {
+  return turning.chi2_dof > kRollingChi2 && turning.share > kRollingShare;
 }
 
 void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, const FrameFit& now) {
@@ -107,13 +100,16 @@ void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, c
 // cannot hold, harmonics beyond the pixels', is odd about every printed edge and passes for a little scale. Noise-free
 // runs show 0.016 px; it is the same in all frames, so the bundle cannot see it.
 constexpr double kTemplateEdgePx = 0.016;
+// It is learned through the lens as it is known then. Of one that is not, a print's own bend of some hundredths of a
+// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px).
+constexpr double kUnknownLensEdgePx = 0.05;
 
 // One run's way from observations to samples.
 class Precise {
  public:
   Precise(const Reference& reference, const std::vector<Observation>& observations, const SolveOptions& options)
       : reference_(reference), observations_(observations), options_(options) {
-    lens_given_ = !(reference.lens.is_distortion_free() && reference.lens.fx == 1.0);
+    lens_given_ = reference.knows_camera();
     prior_ = scene_prior(reference.site, reference.width, reference.height,
                          lens_given_ ? std::optional(reference.lens) : std::nullopt);
     for (std::size_t k = 0; lens_given_ && options.u_camera && k < prior_.u_camera.size(); ++k) {
@@ -125,7 +121,7 @@ class Precise {
       const double half_px =
           0.5 * std::min(grating->width_mm, grating->height_mm) / reference.view.mm_per_px(grating->centre);
       double& u = prior_.u_markers[i].value[MarkerShape::kScale];
-      if (u > 0.0) u = std::hypot(u, kTemplateEdgePx / half_px);
+      if (u > 0.0) u = std::hypot(u, (lens_given_ ? kTemplateEdgePx : kUnknownLensEdgePx) / half_px);
     }
     if (options.rest) {
       for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
@@ -136,7 +132,7 @@ class Precise {
   }
 
   Solution solve() {
-    auto [frames, place] = bundle_frames(reference_, observations_, prior_.camera, options_, lens_given_ ? 3 : 4);
+    auto [frames, place] = bundle_frames(reference_, observations_, prior_.camera, options_, lens_given_ ? kLeastForPose : kLeastForHomography);
     if (references_in(reference_.site, frames.front()) < 4)
       return fallback(reference_, observations_, options_,
                       "the prints of four references could not be learned from the reference frame");
@@ -144,7 +140,7 @@ class Precise {
     if (calibration.bundle.scene.solved) leave_out_what_moves(frames, calibration);
     if (!calibration.bundle.scene.solved)
       return fallback(reference_, observations_, options_, calibration.bundle.scene.problem);
-    if (shutter_rolls(reference_.site, calibration))
+    if (shutter_rolls(calibration.turning))
       return fallback(reference_, observations_, options_,
                       "the camera turns while the rows of a frame are read (a rolling shutter)");
     solution_.scene = calibration.bundle.scene;
@@ -176,6 +172,8 @@ class Precise {
   void measure(std::vector<BundleFrame> frames, const std::vector<std::size_t>& place, const Calibration& calibration) {
     const Site& site = reference_.site;
     solution_.scene->full_covariance = scene_covariance(site, calibration.fits, prior_, kEverything);
+    if (!lens_given_) note(still_camera_note(*solution_.scene, calibration.bundle.frames));
+    note(weak_axis_note(reference_));
     const PreciseBudget budget(site, solution_.scene->full_covariance,
                                calibration.fits.front());  // the reference frame leads the key frames
     for (std::size_t n = 0; n < observations_.size(); ++n) {
@@ -200,6 +198,10 @@ class Precise {
         solution_.samples.push_back(sample);
       }
     }
+  }
+
+  void note(std::optional<std::string> line) {
+    if (line) solution_.notes.push_back(*std::move(line));
   }
 
   const Reference& reference_;

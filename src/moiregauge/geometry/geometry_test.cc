@@ -8,6 +8,7 @@
 
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/geometry/homography.h"
+#include "moiregauge/geometry/pose.h"
 
 namespace moiregauge {
 namespace {
@@ -114,6 +115,32 @@ TEST(Camera, TheLensesOfTheRigAreNamedByTheirDistortionAtTheSensorsCorner) {
   camera.k1 = -0.0225;
   const ImagePoint seen = camera.distort({2059.3 + 2317.0, 494.3});
   EXPECT_NEAR((seen.x - 2059.3) / 2317.0 - 1.0, -0.01, 5e-5);  // -1 %, as rounded in k1's three digits
+}
+
+// A known camera tells a pose from three points; from another pose near it, as a frame before would be.
+TEST(Pose, OfAKnownCameraFollowsFromThreePoints) {
+  Camera camera;
+  camera.fx = camera.fy = 3000.0, camera.cx = 1000.0, camera.cy = 500.0;
+  const Pose before{{0.02, -0.10, 0.05}, {-12.0, 5.0, 1200.0}}, now{{0.05, -0.13, 0.04}, {-30.0, 9.0, 1230.0}};
+  const std::array<BoardPoint, 3> board{{{-100, 40}, {100, 40}, {-100, -40}}};
+  std::array<IdealPoint, 3> seen;
+  for (std::size_t i = 0; i < 3; ++i) seen[i] = view_of(now, camera)(board[i]);
+  const auto view = view_of_three(board, seen, camera, view_of(before, camera));
+  ASSERT_TRUE(view);
+  const BoardPoint fourth{100, -40};  // 1e-9 px reached at three points, carried on by less than ten
+  EXPECT_LT(length((*view)(fourth)-view_of(now, camera)(fourth)), 1e-8);
+  const Pose again = pose_of(*view, camera);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(again.turn[k], now.turn[k], 1e-10);
+}
+
+TEST(Pose, DoesNotFollowFromThreePointsOnALine) {
+  Camera camera;
+  camera.fx = camera.fy = 3000.0;
+  const Pose pose{{0.02, -0.10, 0.05}, {-12.0, 5.0, 1200.0}};
+  const std::array<BoardPoint, 3> board{{{-100, 0}, {0, 0}, {100, 0}}};
+  std::array<IdealPoint, 3> seen;
+  for (std::size_t i = 0; i < 3; ++i) seen[i] = view_of(pose, camera)(board[i]) + Extent<frame::Ideal>{0.5, i == 1 ? 0.2 : 0.0};
+  EXPECT_FALSE(view_of_three(board, seen, camera, view_of(pose, camera)));
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "moiregauge/geometry/pose.h"
 #include "moiregauge/observation/follow_marker.h"
 
 namespace moiregauge {
@@ -43,11 +45,29 @@ Located located(const Reference& reference, const CircleSearch& search, const Id
   return result;
 }
 
-Located locate(const GreyPicture& picture, const Reference& reference, const Prediction& prediction) {
+// Three circles cannot prove who they are; each is the one that stood there in the frame before.
+Located as_before(const Reference& reference, const CircleSearch& near, const IdealFromBoard& predicted) {
+  const View view{predicted, reference.lens};
+  Identified who;
+  who.circle_of_marker.assign(reference.site.markers.size(), -1);
+  who.image_from_board = Homography<frame::Image, frame::Board>(predicted.matrix());
+  for (const CirclePoint& point : reference.circles) {
+    const ImagePoint there = view(point.board);
+    double nearest = kReach * reference.seen.markers[point.marker].circle->diameter_px;
+    for (std::size_t i = 0; i < near.circles.size(); ++i) {
+      const double away = length(near.circles[i].centre - there);
+      if (away < nearest) nearest = away, who.circle_of_marker[point.marker] = static_cast<int>(i);
+    }
+  }
+  return located(reference, near, who);
+}
+
+Located locate(const GreyPicture& picture, const Reference& reference, const Prediction& prediction, std::size_t least) {
   const IdealFromBoard& last = prediction.view ? *prediction.view : reference.seen.stage1;
   const PreviousCircles previous{Homography<frame::Image, frame::Board>(last.matrix()), 0.0};
+  CircleSearch near;
   if (prediction.view) {
-    const CircleSearch near = search_near(picture, reference, *prediction.view);
+    near = search_near(picture, reference, *prediction.view);
     if (near.circles.size() >= reference.circles.size()) {
       const auto who = identify_next(reference.site, near, previous);
       if (who) {
@@ -58,8 +78,28 @@ Located locate(const GreyPicture& picture, const Reference& reference, const Pre
   }
   const CircleSearch whole = find_circles(picture.luma, reference.options.circles);
   const auto who = identify_next(reference.site, whole, previous);
-  if (!who) return {{}, {}, who.error().reason};
-  return located(reference, whole, *who);
+  if (who) return located(reference, whole, *who);
+  if (prediction.view && near.circles.size() >= least) {
+    Located result = as_before(reference, near, *prediction.view);
+    if (result.points.size() >= least) return result;
+  }
+  return {{}, {}, who.error().reason};
+}
+
+// The view that carries `board` to `ideal`: a homography through four or more; through three the pose of a known camera.
+std::optional<IdealFromBoard> view_through(const Reference& reference, std::span<const BoardPoint> board,
+                                           std::span<const IdealPoint> ideal, const IdealFromBoard& near) {
+  if (board.size() == 3 && reference.knows_camera()) return view_of_three(board, ideal, reference.lens, near);
+  const auto fitted = fit_homography<frame::Ideal, frame::Board>(board, ideal);
+  return fitted ? std::optional(IdealFromBoard(*fitted)) : std::nullopt;
+}
+
+std::optional<IdealFromBoard> first_view(const Reference& reference, const std::vector<CirclePoint>& circles,
+                                         const Prediction& prediction) {
+  std::vector<BoardPoint> board;
+  std::vector<IdealPoint> ideal;
+  for (const CirclePoint& p : circles) board.push_back(p.board), ideal.push_back(p.ideal);
+  return view_through(reference, board, ideal, prediction.view.value_or(reference.seen.stage1));
 }
 
 void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
@@ -85,7 +125,8 @@ Observation observe_conventional(const GreyPicture& picture, const Reference& re
 
 std::optional<IdealFromBoard> second_view(const Reference& reference, const std::vector<CirclePoint>& circles,
                                           const Observation& seen) {
-  std::vector<BoardPoint> then, refined;
+  std::vector<BoardPoint> then;
+  std::vector<IdealPoint> refined;
   for (const CirclePoint& point : circles) {
     const MarkerObservation& now = seen.markers[point.marker];
     if (now.loss != Loss::kNone) continue;
@@ -93,23 +134,29 @@ std::optional<IdealFromBoard> second_view(const Reference& reference, const std:
     if (reference.site.markers[point.marker].grating)
       moved = displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, now.patch);
     then.push_back(point.board);
-    refined.push_back(point.board + known_part(moved));
+    refined.push_back(seen.stage1(point.board + known_part(moved)));
   }
-  const auto second = fit_homography<frame::Board, frame::Board>(then, refined);
-  if (!second) return std::nullopt;
-  return seen.stage1 * *second;
+  return view_through(reference, then, refined, seen.stage1);
 }
 
-Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
-                              PatchWorkspace& work) {
+namespace {
+
+std::string too_few(std::size_t least, const char* what) {
+  return std::string(least == kLeastForPose ? "fewer than three " : "fewer than four ") + what;
+}
+
+}  // namespace
+
+Observation observe_board(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
+                          std::size_t least, PatchWorkspace& work) {
   Observation observation;
   observation.markers.resize(reference.site.markers.size());
   // Step 1: circles, first homography.
-  const Located now = locate(picture, reference, prediction);
+  const Located now = locate(picture, reference, prediction, least);
   observation.reference_problem = now.problem;
-  const auto first = fit_circles(now.points);
+  const auto first = first_view(reference, now.points, prediction);
   if (!first) {
-    if (observation.reference_problem.empty()) observation.reference_problem = "fewer than four reference circles are seen";
+    if (observation.reference_problem.empty()) observation.reference_problem = too_few(least, "reference circles are seen");
     return observation;
   }
   observation.stage1 = observation.stage2 = *first;
@@ -127,7 +174,7 @@ Observation observe_two_stage(const GreyPicture& picture, const Reference& refer
   }
   const auto second = second_view(reference, now.points, observation);
   if (!second) {
-    observation.reference_problem = "fewer than four references have a readable grating";
+    observation.reference_problem = too_few(least, "references have a readable grating");
     return observation;
   }
   observation.stage2 = *second;
@@ -139,6 +186,11 @@ Observation observe_two_stage(const GreyPicture& picture, const Reference& refer
     follow_marker(picture, reference, {observation.stage2, reference.lens}, i, travel, observation.markers[i], work);
   }
   return observation;
+}
+
+Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
+                              PatchWorkspace& work) {
+  return observe_board(picture, reference, prediction, kLeastForHomography, work);
 }
 
 }  // namespace moiregauge

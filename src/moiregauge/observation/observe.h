@@ -20,13 +20,20 @@ struct Prediction {
 [[nodiscard]] Observation observe_conventional(const GreyPicture& picture, const Reference& reference,
                                                const Prediction& prediction, PatchWorkspace& work);
 
+inline constexpr std::size_t kLeastForHomography = 4, kLeastForPose = 3;  // references
+
+// The first stage and the second through at least so many references: kLeastForPose of a known camera will do where the
+// frame before says which three are seen.
+[[nodiscard]] Observation observe_board(const GreyPicture& picture, const Reference& reference,
+                                        const Prediction& prediction, std::size_t least, PatchWorkspace& work);
+
 // Seed paper 2.2, Fig. 5: circle centres -> homography -> patches of the references -> their displacements added at the
 // circles -> second homography -> target.
 [[nodiscard]] Observation observe_two_stage(const GreyPicture& picture, const Reference& reference,
                                             const Prediction& prediction, PatchWorkspace& work);
 
 // Fig. 5's second homography: stage 1 of `seen`, corrected by what its references' patches moved at their circles. None
-// when fewer than four can be read.
+// when too few can be read.
 [[nodiscard]] std::optional<IdealFromBoard> second_view(const Reference& reference,
                                                         const std::vector<CirclePoint>& circles,
                                                         const Observation& seen);

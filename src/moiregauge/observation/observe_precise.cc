@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include "moiregauge/observation/follow_marker.h"
 #include "moiregauge/observation/observe.h"
@@ -26,13 +27,15 @@ Order order_by_circle(const Reference& reference, const View& view, std::size_t 
   return length(went) < kCircleLimit * reference.plans[i].pitch_mm ? Order::kProven : Order::kContradicted;
 }
 
-// Would the target, there, lie over another marker's grating?
-bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> moved) {
+// Would the target, there, lie over another marker's grating? Other targets stand where the last frame left them.
+bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> moved, const Prediction& prediction) {
   const Grating& own = *site.markers[target].grating;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
-    if (i == target || !site.markers[i].grating || site.markers[i].role == Role::kTarget) continue;
+    if (i == target || !site.markers[i].grating) continue;
     const Grating& other = *site.markers[i].grating;
-    const auto apart = own.centre + moved - other.centre;
+    const bool travels = site.markers[i].role == Role::kTarget && i < prediction.travel.size();
+    const auto gone = travels ? prediction.travel[i] : Extent<frame::Board>{};
+    const auto apart = own.centre + moved - (other.centre + gone);
     const double reach = 0.4 * (std::min(own.width_mm, own.height_mm) + std::min(other.width_mm, other.height_mm));
     if (length(apart) < reach) return true;
   }
@@ -45,7 +48,7 @@ void prove(const GreyPicture& picture, const Reference& reference, const View& v
            const Prediction& prediction, MarkerObservation& seen, PatchWorkspace& work) {
   const auto& outline = reference.prints[i]->outline;
   const Grating& grating = *reference.site.markers[i].grating;
-  const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d); };
+  const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
   if (seen.loss != Loss::kNone && seen.loss != Loss::kTooCoarse && outline) {
     const auto last = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
     const auto found = search_print(picture.luma, view, grating, *outline, last, kLostPitches, is_taken);
@@ -63,13 +66,32 @@ void prove(const GreyPicture& picture, const Reference& reference, const View& v
     follow_marker(picture, reference, view, i, verdict.moved, seen, work);
 }
 
+// What pixels miss a template by, rms, of its contrast: more than this and the print is not whole.
+constexpr double kWholeContrast = 0.1;
+
+// The raster takes a reference whose window reaches beyond its print for covered; its template says whether it is, or
+// whether it slipped.
+bool is_whole(const PatchFit& points, const MarkerObservation& at_rest, const PrintModel& model) {
+  if (!at_rest.points) return false;
+  const double noise = at_rest.points->sigma;
+  const double more = std::sqrt(std::max(0.0, points.sigma * points.sigma - noise * noise));
+  return more < kWholeContrast * points.gain[0] * model.print.contrast();
+}
+
 void read(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
           MarkerObservation& seen) {
-  if (seen.loss != Loss::kNone || !reference.prints[i]) return;
+  if (!reference.prints[i]) return;
   const bool is_target = reference.site.markers[i].role == Role::kTarget;
-  const auto d = is_target ? moved(reference, seen, i) : Extent<frame::Board>{};
+  const bool may_have_slipped = !is_target && seen.loss == Loss::kCovered;
+  if (seen.loss != Loss::kNone && !may_have_slipped) return;
+  const auto d = is_target || may_have_slipped ? moved(reference, seen, i) : Extent<frame::Board>{};
   const auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, *reference.prints[i]);
-  if (points) seen.points = *points;
+  if (!points) return;
+  if (may_have_slipped) {
+    if (!is_whole(*points, reference.seen.markers[i], *reference.prints[i])) return;
+    seen.loss = Loss::kNone;
+  }
+  seen.points = *points;
 }
 
 }  // namespace
@@ -89,7 +111,8 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
 
 Observation observe_precise(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
                             PatchWorkspace& work) {
-  Observation seen = observe_two_stage(picture, reference, prediction, work);
+  const std::size_t least = reference.knows_camera() ? kLeastForPose : kLeastForHomography;
+  Observation seen = observe_board(picture, reference, prediction, least, work);
   if (!seen.references_seen) return seen;
   const View view{seen.stage2, reference.lens};
   for (std::size_t i = 0; i < seen.markers.size(); ++i) {

@@ -171,10 +171,9 @@ std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, con
   // The offset hardly depends on the homography's last digits: one pass with the rough one, one with the better.
   const std::vector<CirclePoint> raw = points;
   for (int pass = 0; pass < 2; ++pass) {
-    const auto h = fit_circles(points);
-    if (!h) break;
+    const IdealFromBoard h = fit_circles(points).value_or(rough);
     for (std::size_t k = 0; k < points.size(); ++k) {
-      const auto offset = ellipse_centre(*h, raw[k].board, diameters[k]) - (*h)(raw[k].board);
+      const auto offset = ellipse_centre(h, raw[k].board, diameters[k]) - h(raw[k].board);
       points[k].ideal = raw[k].ideal + (-1.0) * offset;
     }
   }

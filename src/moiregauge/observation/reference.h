@@ -44,6 +44,9 @@ struct Reference {
   std::vector<std::optional<PrintModel>> prints;  // of `precise`, one per site marker; empty: not learned
   std::vector<Loss> plan_loss;                    // kTooCoarse etc., one per marker
   CircleSearch search;                            // everything that looked like a circle, for the overlay
+
+  // Was a camera given? Then three references tell a pose where a homography needs four.
+  [[nodiscard]] bool knows_camera() const { return !lens.is_distortion_free() || lens.fx != 1.0; }
 };
 
 enum class ReferenceProblem { kNotFound, kTooCoarse, kNoGrating, kSiteDisagrees };

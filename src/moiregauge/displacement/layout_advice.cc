@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/layout_advice.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "moiregauge/displacement/layout_bound.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+// One axis this many times worse than the other is worth a word: the layout does it, not the print.
+constexpr double kWeak = 2.5;
+// Below this a frame shows the prints where the reference frame showed them: the lens bends all frames alike.
+constexpr double kHardlyTurns_deg = 0.25;
+constexpr double kHardlyGoes = 0.005;  // of the distance
+
+struct Span {
+  double x = 0.0, y = 0.0;  // mm
+};
+
+Span references_span(const Site& site) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  BoardPoint low{kFar, kFar}, high{-kFar, -kFar};
+  for (const Marker& marker : site.markers) {
+    if (marker.role != Role::kReference) continue;
+    const BoardPoint p = marker.grating ? marker.grating->centre : marker.circle->centre;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  }
+  return {high.x - low.x, high.y - low.y};
+}
+
+}  // namespace
+
+std::optional<std::string> weak_axis_note(const Reference& reference) {
+  double worst = kWeak;
+  std::optional<std::size_t> target;
+  Extent<frame::Board> u;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    if (reference.site.markers[i].role != Role::kTarget || !reference.site.markers[i].grating) continue;
+    const auto bound = layout_bound(reference, i, Bound::kFull);
+    const double ratio = std::max(bound.x / bound.y, bound.y / bound.x);
+    if (ratio > worst) worst = ratio, target = i, u = bound;
+  }
+  if (!target) return std::nullopt;
+  const Span span = references_span(reference.site);
+  const bool is_flat = span.y < span.x;
+  return fmt::format(
+      "the references span {:.2g} of their {} in {}: of target '{}' u_dx cannot be below {:.2g} um, u_dy not below "
+      "{:.2g} um; move two of the references further {} for more",
+      is_flat ? span.y / span.x : span.x / span.y, is_flat ? "width" : "height", is_flat ? "height" : "width",
+      reference.site.markers[*target].name, 1000.0 * u.x, 1000.0 * u.y, is_flat ? "up or down" : "to the side");
+}
+
+std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames) {
+  std::array<double, 3> turns{}, goes{};
+  const Pose& first = frames.front().pose;
+  for (const BundleFrame& frame : frames) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      turns[k] = std::max(turns[k], std::abs(frame.pose.turn[k] - first.turn[k]));
+      goes[k] = std::max(goes[k], std::abs(frame.pose.shift[k] - first.shift[k]));
+    }
+  }
+  const double turn_deg = std::hypot(turns[0], turns[1], turns[2]) * 360.0 / kTurn;
+  if (turn_deg > kHardlyTurns_deg || std::hypot(goes[0], goes[1], goes[2]) > kHardlyGoes * std::abs(first.shift[2]))
+    return std::nullopt;
+  return fmt::format(
+      "the camera turns by {:.2g} deg only: what displacement it fakes is small whatever the lens, but a lens solved "
+      "from such footage (k1 {:.2g}) is not to be used for other footage; for that, move the camera on purpose",
+      turn_deg, scene.camera.k1);
+}
+
+}  // namespace moiregauge
