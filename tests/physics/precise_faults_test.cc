@@ -2,6 +2,7 @@
 // What `precise` says and does when something is not as it should be: a reference that slips or is covered, rows that
 // are not read at once, a camera that shows nothing of its lens, a layout that shows little of one axis.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -114,6 +115,21 @@ TEST(PreciseFaults, AFlatLayoutIsToldWhatItCannotShow) {
   }
   const auto run = precisely(flat, {.frames = 4});
   EXPECT_TRUE(notes(run, kNote)) << ::testing::PrintToString(run.solution.notes);
+}
+
+TEST(PreciseFaults, ReferencesOnALineAreRefused) {
+  auto line = scene("small-still");
+  std::array<double, 4> x{-110.0, -38.0, 38.0, 110.0};
+  std::size_t next = 0;
+  for (auto& marker : line.markers) {
+    if (marker.print.role != Role::kReference) continue;
+    Circle& circle = *marker.print.circle;
+    Grating& grating = *marker.print.grating;
+    grating.centre = {x[next] + grating.centre.x - circle.centre.x, 60.0 - std::abs(grating.centre.y - circle.centre.y)};
+    circle.centre = {x[next++], 60.0};
+  }
+  const auto run = test::measured(line, {.method = "precise", .frames = 2});
+  EXPECT_NE(run.problem.find("lie on a line"), std::string::npos) << run.problem;
 }
 
 }  // namespace

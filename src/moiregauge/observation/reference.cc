@@ -8,6 +8,7 @@
 #include "moiregauge/geometry/conic.h"
 #include "moiregauge/observation/outline.h"
 #include "moiregauge/observation/site_check.h"
+#include "moiregauge/observation/site_layout.h"
 
 namespace moiregauge {
 namespace {
@@ -212,6 +213,8 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
   reference.height = height_of(picture.luma);
   reference.options = options;
   reference.search = find_circles(picture.luma, options.circles);
+  if (auto line = references_on_a_line(site))
+    return tl::unexpected(ReferenceFailure{ReferenceProblem::kSiteDisagrees, *std::move(line), reference.search});
   const auto sized = identify_first(site, reference.search);
   const auto who = sized ? sized : identify_without_diameters(site, reference.search);
   const auto not_found = [&] {
