@@ -18,13 +18,10 @@ using Vandermonde = Eigen::Matrix<double, kFieldColumns, kFieldColumns>;
 using Failure = PatchFitFailure;
 
 constexpr int kLeastPixelsPerUnknown = 4;
-
-// The patch's own coordinates: u, v about -1 to 1 inside it.
-struct Frame {
-  double x0 = 0.0, y0 = 0.0, scale = 1.0;  // px
-  [[nodiscard]] double u(double x) const { return (x - x0) / scale; }
-  [[nodiscard]] double v(double y) const { return (y - y0) / scale; }
-};
+// A fit whose last pass still moves a point by this much (pitches) has found nothing to hold on to.
+constexpr double kStillMoving = 0.1;
+// A contrast of less than this many of its own standard uncertainties is that of noise.
+constexpr double kSeenContrast = 6.0;
 
 Field powers(double u, double v) {
   Field f;
@@ -32,48 +29,13 @@ Field powers(double u, double v) {
   return f;
 }
 
-// What one pass of the least squares corrects: map plus field, light and contrast.
-struct Model {
-  PrintFromImage map;
-  Frame frame;
-  Field dx = Field::Zero(), dy = Field::Zero();
-  std::array<double, 3> gain{1.0, 0.0, 0.0};
+double u_of(const PatchMap& map, double x) { return (x - map.x0) / map.scale; }
+double v_of(const PatchMap& map, double y) { return (y - map.y0) / map.scale; }
 
-  [[nodiscard]] PrintPoint at(double x, double y) const {
-    const PrintPoint p = map({x, y});
-    const Field f = powers(frame.u(x), frame.v(y));
-    return {p.x + f.dot(dx), p.y + f.dot(dy)};
-  }
-};
-
-template <typename Grey>
-PatchMoments moments(const ImageView<Grey>& picture, const Model& model, const PatchWindow& w,
-                     const PrintTemplate& print, const PixelBox& box, double offset) {
-  PatchMoments sums;
-  const Matrix3& h = model.map.matrix();
-  for (int y = box.y0; y <= box.y1; ++y) {
-    const double v = model.frame.v(y);
-    // The field on this row is quadratic in u.
-    std::array<double, 3> dx{}, dy{};
-    for (int i = 0; i < 3; ++i) {
-      dx[static_cast<std::size_t>(i)] = model.dx(i) + v * (model.dx(3 + i) + v * model.dx(6 + i));
-      dy[static_cast<std::size_t>(i)] = model.dy(i) + v * (model.dy(3 + i) + v * model.dy(6 + i));
-    }
-    const auto row = picture.row(y);
-    for (int x = box.x0; x <= box.x1; ++x) {
-      const double u = model.frame.u(x);
-      const double z = 1.0 / (h(2, 0) * x + h(2, 1) * y + h(2, 2));
-      const double px = (h(0, 0) * x + h(0, 1) * y + h(0, 2)) * z + dx[0] + u * (dx[1] + u * dx[2]);
-      const double py = (h(1, 0) * x + h(1, 1) * y + h(1, 2)) * z + dy[0] + u * (dy[1] + u * dy[2]);
-      if (!(std::abs(px - w.centre.x) <= w.half_x && std::abs(py - w.centre.y) <= w.half_y)) continue;
-      const PrintLevel t = print.at({px, py});
-      const double gain = model.gain[0] + model.gain[1] * u + model.gain[2] * v;
-      sums.add({u, static_cast<double>(row[static_cast<std::size_t>(x)]) - offset, t.t, gain * t.dx, gain * t.dy,
-                gain * t.dxx, gain * t.dyy});
-    }
-    sums.end_row(v);
-  }
-  return sums;
+PrintPoint at(const PatchMap& map, ImagePoint at) {
+  const PrintPoint p = map.map(at);
+  const Field f = powers(u_of(map, at.x), v_of(map, at.y));
+  return {p.x + f.dot(Eigen::Map<const Field>(map.dx.data())), p.y + f.dot(Eigen::Map<const Field>(map.dy.data()))};
 }
 
 // Least squares with the columns that the print shows; the others stay 0.
@@ -135,50 +97,66 @@ std::array<ImagePoint, kPatchPoints> points_in(const Homography<frame::Image, fr
   return points;
 }
 
-template <typename Grey>
-tl::expected<PatchFit, Failure> fit_in(const ImageView<Grey>& picture, const PrintFromImage& start,
-                                       const PatchWindow& window, const PrintTemplate& print,
-                                       const PatchFitOptions& options) {
+// The middle of the range of the print's levels, whatever they are: from the patch's middle row.
+double first_light(const LumaView& luma, const PixelBox& box) {
+  return std::visit([&](const auto& picture) { return static_cast<double>(picture.at((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)); }, luma);
+}
+
+}  // namespace
+
+tl::expected<PatchFit, Failure> fit_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
+                                          const PrintTemplate& print, const PatchFitOptions& options) {
   const auto image_from_print = start.inverse();
   const PixelBox box = box_round(image_from_print, window);
-  if (box.x0 < 0 || box.y0 < 0 || box.x1 >= picture.width || box.y1 >= picture.height)
+  if (box.x0 < 0 || box.y0 < 0 || box.x1 >= width_of(luma) || box.y1 >= height_of(luma))
     return tl::unexpected(Failure::kOutsidePicture);
   PatchFit fit;
   fit.image = points_in(image_from_print, window);
-  Model model{start,
-              {0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1), 0.5 * std::max(box.x1 - box.x0, box.y1 - box.y0)}};
+  PatchMap model{start, 0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1), 0.5 * std::max(box.x1 - box.x0, box.y1 - box.y0)};
+  model.light[0] = first_light(luma, box);
   Vandermonde at_points;
   for (int n = 0; n < kPatchPoints; ++n) {
     const ImagePoint p = fit.image[static_cast<std::size_t>(n)];
-    at_points.row(n) = powers(model.frame.u(p.x), model.frame.v(p.y)).transpose();
+    at_points.row(n) = powers(u_of(model, p.x), v_of(model, p.y)).transpose();
   }
-  const double offset = static_cast<double>(picture.at((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2));
   Solution s;
+  double pattern = 0.0;  // sum of t^2
   for (int pass = 0; pass < options.passes; ++pass) {
-    const PatchMoments sums = moments(picture, model, window, print, box, offset);
-    if (sums.pixels() < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    const bool is_last = pass + 1 == options.passes;
+    const int step = is_last ? 1 : options.row_step;
+    PatchSums sums;
+    sum_patch(luma, model, window, print.nodes(), box, step, sums);
+    if (step * sums.pixels() < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
     NormalMatrix n;
     NormalVector r;
-    sums.write(n, r);
+    normal_equations(sums, n, r);
     s = solved(n, r, options);
-    if (!s.ok || !(s.value(3) > 0.0)) return tl::unexpected(Failure::kNoPattern);
+    for (std::size_t k = 0; s.ok && k < 3; ++k) {
+      model.light[k] += s.value(static_cast<Eigen::Index>(k));
+      model.contrast[k] += s.value(static_cast<Eigen::Index>(3 + k));
+    }
+    if (!s.ok || !(model.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
     // The slopes were taken with the last pass' contrast.
-    const double contrast = model.gain[0] / s.value(3);
+    const double contrast = model.gain[0] / model.contrast[0];
     const Field dx = contrast * s.value.segment<kFieldColumns>(kBaseColumns),
                 dy = contrast * s.value.tail<kFieldColumns>();
-    model.dx += dx;
-    model.dy += dy;
-    model.gain = {s.value(3), s.value(4), s.value(5)};
+    Eigen::Map<Field>(model.dx.data()) += dx;
+    Eigen::Map<Field>(model.dy.data()) += dy;
+    model.gain = model.contrast;
     fit.last_step = std::max((at_points * dx).cwiseAbs().maxCoeff(), (at_points * dy).cwiseAbs().maxCoeff());
-    fit.middle = {model.frame.x0, model.frame.y0};
-    fit.light = {s.value(0) + offset, s.value(1) / model.frame.scale, s.value(2) / model.frame.scale};
-    fit.gain = {s.value(3), s.value(4) / model.frame.scale, s.value(5) / model.frame.scale};
+    pattern = sums.moment(PatchProduct::kT2, 0, 0);
     fit.pixels = sums.pixels();
-    fit.sigma = std::sqrt(std::max(0.0, sums.grey_squared() - s.value.dot(r)) / (sums.pixels() - kColumns));
+    fit.sigma = std::sqrt(std::max(0.0, sums.moment(PatchProduct::kGrey2, 0, 0) - s.value.dot(r)) / (sums.pixels() - kColumns));
   }
+  const double u_contrast = fit.sigma / std::sqrt(std::max(1e-300, pattern));
+  if (!(model.contrast[0] > kSeenContrast * u_contrast) || !(fit.last_step < kStillMoving))
+    return tl::unexpected(Failure::kNoPattern);
+  fit.middle = {model.x0, model.y0};
+  fit.light = {model.light[0], model.light[1] / model.scale, model.light[2] / model.scale};
+  fit.gain = {model.contrast[0], model.contrast[1] / model.scale, model.contrast[2] / model.scale};
   for (int n = 0; n < kPatchPoints; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    fit.print[i] = model.at(fit.image[i].x, fit.image[i].y);
+    fit.print[i] = at(model, fit.image[i]);
   }
   const Vandermonde back = at_points.inverse();
   Eigen::Matrix<double, 2 * kFieldColumns, 2 * kFieldColumns> both =
@@ -192,8 +170,6 @@ tl::expected<PatchFit, Failure> fit_in(const ImageView<Grey>& picture, const Pri
   return fit;
 }
 
-}  // namespace
-
 PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w) {
   double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
   for (const double sx : {-1.0, 1.0}) {
@@ -205,12 +181,6 @@ PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_prin
   constexpr double kFar = 1e6;
   const auto whole = [kFar](double v) { return static_cast<int>(std::clamp(v, -kFar, kFar)); };
   return {whole(std::floor(x0)) - 1, whole(std::floor(y0)) - 1, whole(std::ceil(x1)) + 1, whole(std::ceil(y1)) + 1};
-}
-
-tl::expected<PatchFit, PatchFitFailure> fit_patch(const LumaView& luma, const PrintFromImage& start,
-                                                  const PatchWindow& window, const PrintTemplate& print,
-                                                  const PatchFitOptions& options) {
-  return std::visit([&](const auto& picture) { return fit_in(picture, start, window, print, options); }, luma);
 }
 
 }  // namespace moiregauge

@@ -40,6 +40,7 @@ struct PixelBox {
 
 struct PatchFitOptions {
   int passes = 3;       // fixed: same bits for the same pixels. From 0.1 pitch two reach the fixed point
+  int row_step = 1;     // all passes but the last look at every row_step-th row only
   bool along_x = true;  // the print shows motion along its x
   bool along_y = true;
 };

@@ -3,7 +3,9 @@
 // which a binary print's harmonics and cross terms, rounded by lens and pixel, are all contained.
 #pragma once
 
+#include <array>
 #include <complex>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,17 +30,35 @@ struct PrintLevel {
   double dyy = 0.0;
 };
 
+// The period on a grid of nodes, each with the Taylor series of third order round it: from the nearest node t and its
+// slopes are read without neighbours, continuous to the error of the series. Ten coefficients of 16 bits, two to a
+// word, in the order of kNodePowers; coefficient k is its 16 bits times scale[k]. In units of the distance between nodes.
+struct PrintNodes {
+  static constexpr int kWords = 5;
+  int side = 0;  // nodes to a pitch; the table holds one more to every side
+  std::vector<std::int32_t> words;
+  std::array<float, 2 * kWords> scale{};
+  [[nodiscard]] int wide() const { return side + 2; }
+};
+
+struct NodePower {
+  int x, y;
+};
+inline constexpr std::array<NodePower, 2 * PrintNodes::kWords> kNodePowers{
+    {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {3, 0}, {2, 1}, {1, 2}, {0, 3}}};
+
 // t(X, Y) = sum over |m|, |n| <= order of c(m, n) exp(2 pi i (m X + n Y)), real, without its mean (c(0, 0) = 0).
 class PrintTemplate {
  public:
-  // `series`: (2 order + 1)^2 coefficients, n slowest, both from -order; made real by symmetry. The series is tabulated
-  // on a grid so fine that the cubic look-up errs by less than 1e-3 of the highest harmonic, 2e-5 of a lone first.
+  // `series`: (2 order + 1)^2 coefficients, n slowest, both from -order; made real by symmetry. The nodes lie so close
+  // that t errs by less than 1e-3 of the highest harmonic, 1e-5 of a lone first.
   PrintTemplate(int order, std::span<const std::complex<double>> series);
 
   // The first harmonics only: amplitude_x cos(2 pi X) + amplitude_y cos(2 pi Y).
   [[nodiscard]] static PrintTemplate cosine(double amplitude_x, double amplitude_y);
 
   [[nodiscard]] PrintLevel at(PrintPoint p) const;
+  [[nodiscard]] const PrintNodes& nodes() const { return nodes_; }
   [[nodiscard]] int order() const { return order_; }
   [[nodiscard]] std::complex<double> coefficient(int m, int n) const;
   // Rms of t over a period, grey levels.
@@ -49,11 +69,8 @@ class PrintTemplate {
 
  private:
   int order_ = 0;
-  int side_ = 0;  // of the table
   std::vector<std::complex<double>> series_;
-  // side x side, wrapped by one row and column before and two after. The second derivatives have their own: those of
-  // the look-up's cubics jump from cell to cell.
-  std::vector<float> table_, table_xx_, table_yy_;
+  PrintNodes nodes_;
 };
 
 // The highest order that pixels carry for a pitch of so many px: beyond P / 2.2 harmonics fold back onto lower ones.
