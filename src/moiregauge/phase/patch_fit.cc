@@ -20,8 +20,8 @@ using Failure = PatchFitFailure;
 constexpr int kLeastPixelsPerUnknown = 4;
 // A fit whose last pass still moves a point by this much (pitches) has found nothing to hold on to.
 constexpr double kStillMoving = 0.1;
-// A contrast of less than this many of its own standard uncertainties is that of noise.
-constexpr double kSeenContrast = 6.0;
+// Of noise, each of the print's columns explains one sigma^2, give or take a third.
+constexpr double kSeenPattern = 4.0;
 
 Field powers(double u, double v) {
   Field f;
@@ -97,6 +97,13 @@ std::array<ImagePoint, kPatchPoints> points_in(const Homography<frame::Image, fr
   return points;
 }
 
+// What the columns of the print explain beyond a plane of light, each.
+double explained(const NormalMatrix& n, const NormalVector& r, const Solution& s) {
+  const Eigen::Matrix3d light = n.topLeftCorner<3, 3>();
+  const Eigen::Vector3d of_light = r.head<3>();
+  return (s.value.dot(r) - of_light.dot(light.ldlt().solve(of_light))) / (kColumns - 3);
+}
+
 // The middle of the range of the print's levels, whatever they are: from the patch's middle row.
 double first_light(const LumaView& luma, const PixelBox& box) {
   return std::visit([&](const auto& picture) { return static_cast<double>(picture.at((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)); }, luma);
@@ -120,7 +127,6 @@ tl::expected<PatchFit, Failure> fit_patch(const LumaView& luma, const PrintFromI
     at_points.row(n) = powers(u_of(model, p.x), v_of(model, p.y)).transpose();
   }
   Solution s;
-  double pattern = 0.0;  // sum of t^2
   for (int pass = 0; pass < options.passes; ++pass) {
     const bool is_last = pass + 1 == options.passes;
     const int step = is_last ? 1 : options.row_step;
@@ -144,13 +150,12 @@ tl::expected<PatchFit, Failure> fit_patch(const LumaView& luma, const PrintFromI
     Eigen::Map<Field>(model.dy.data()) += dy;
     model.gain = model.contrast;
     fit.last_step = std::max((at_points * dx).cwiseAbs().maxCoeff(), (at_points * dy).cwiseAbs().maxCoeff());
-    pattern = sums.moment(PatchProduct::kT2, 0, 0);
     fit.pixels = sums.pixels();
-    fit.sigma = std::sqrt(std::max(0.0, sums.moment(PatchProduct::kGrey2, 0, 0) - s.value.dot(r)) / (sums.pixels() - kColumns));
+    const double left = std::max(0.0, sums.moment(PatchProduct::kGrey2, 0, 0) - s.value.dot(r));
+    fit.sigma = std::sqrt(left / (sums.pixels() - kColumns));
+    if (pass == 0 && explained(n, r, s) < kSeenPattern * fit.sigma * fit.sigma) return tl::unexpected(Failure::kNoPattern);
   }
-  const double u_contrast = fit.sigma / std::sqrt(std::max(1e-300, pattern));
-  if (!(model.contrast[0] > kSeenContrast * u_contrast) || !(fit.last_step < kStillMoving))
-    return tl::unexpected(Failure::kNoPattern);
+  if (!(fit.last_step < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   fit.middle = {model.x0, model.y0};
   fit.light = {model.light[0], model.light[1] / model.scale, model.light[2] / model.scale};
   fit.gain = {model.contrast[0], model.contrast[1] / model.scale, model.contrast[2] / model.scale};
