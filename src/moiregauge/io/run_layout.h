@@ -37,7 +37,7 @@ template <> inline constexpr std::size_t kFields<RasterPlan> = 10;
 template <> inline constexpr std::size_t kFields<PrintModel> = 5;
 template <> inline constexpr std::size_t kFields<Outline> = 4;
 template <> inline constexpr std::size_t kFields<PatchWindow> = 3;
-template <> inline constexpr std::size_t kFields<PatchFitOptions> = 3;
+template <> inline constexpr std::size_t kFields<PatchFitOptions> = 4;
 template <> inline constexpr std::size_t kFields<CircleSearch> = 2;
 template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 

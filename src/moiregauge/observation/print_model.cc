@@ -25,6 +25,9 @@ constexpr int kMostRounds = 12;
 constexpr double kStandsStill = 1e-6;  // pitches
 constexpr int kFirstOrders = 5;
 
+constexpr double kRowsPerPitch = 8.0;
+constexpr int kMostRowStep = 4;
+
 // A template that leaves this share less than the fundamentals alone is worth its harmonics: the rms residual of some
 // thousand pixels is known to 1 %.
 constexpr double kTemplateHelps = 0.02;
@@ -305,6 +308,9 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   auto taken = chosen(std::move(learning), use);
   if (!taken) return tl::unexpected(taken.error());
   PrintModel model = taken->model();
+  // From a start within a tenth of a pitch the first passes need not see every row: eight to a pitch will do.
+  const double pitch_px = grating.pitch_mm / view.mm_per_px(grating.centre + moved);
+  model.options.row_step = std::clamp(static_cast<int>(pitch_px / kRowsPerPitch), 1, kMostRowStep);
   model.correction = taken->map() * map->inverse();
   model.outline = learn_outline(luma, view, grating, model.window, model.correction);
   return model;
