@@ -2,6 +2,7 @@
 #include "cases.h"
 
 #include <cmath>
+#include <utility>
 
 namespace moiregauge::bench {
 namespace {
@@ -32,20 +33,23 @@ struct Case {
 };
 
 struct Errors {
-  double rms = 0.0;
-  double scatter = 0.0;
+  Error rms{};
+  Error scatter{};
 };
 
 Errors errors_of(const Work& work, const Recording& recording) {
   const auto n = static_cast<double>(recording.frames());
-  double squares = 0.0;
-  Error sum{};
+  Error sum{}, squares{};
   for (std::size_t i = 0; i < recording.frames(); ++i) {
     const Error error = work.error(recording.shots(Memory::kRing)[i]);
-    for (std::size_t k = 0; k < 2; ++k) squares += error[k] * error[k], sum[k] += error[k];
+    for (std::size_t k = 0; k < 2; ++k) sum[k] += error[k], squares[k] += error[k] * error[k];
   }
-  const double mean = (sum[0] * sum[0] + sum[1] * sum[1]) / n;
-  return {std::sqrt(squares / (2.0 * n)), std::sqrt((squares - mean) / (2.0 * (n - 1.0)))};
+  Errors errors;
+  for (std::size_t k = 0; k < 2; ++k) {
+    errors.rms[k] = std::sqrt(squares[k] / n);
+    errors.scatter[k] = std::sqrt((squares[k] - sum[k] * sum[k] / n) / (n - 1.0));
+  }
+  return errors;
 }
 
 // Made once, with its errors.
@@ -71,8 +75,12 @@ void add_cases(const std::string& name, std::initializer_list<Memory> memories, 
       const auto run = [one, shared](benchmark::State& state) {
         one->run(state);
         if (!shared->work->error) return;
-        state.counters["error_" + shared->work->error_unit] = shared->errors.rms;
-        state.counters["scatter_" + shared->work->error_unit] = shared->errors.scatter;
+        const Errors& errors = shared->errors;
+        for (const auto& [axis, k] : {std::pair("x_", 0), std::pair("y_", 1)}) {
+          state.counters[std::string("error_") + axis + shared->work->error_unit] = errors.rms[std::size_t(k)];
+          state.counters[std::string("scatter_") + axis + shared->work->error_unit] = errors.scatter[std::size_t(k)];
+        }
+        state.counters["error_frames"] = static_cast<double>(Recording::of(one->size).frames());
       };
       benchmark::RegisterBenchmark((name + "/" + size.name() + "/" + word_for(memory)).c_str(), run)
           ->Unit(benchmark::kMicrosecond);

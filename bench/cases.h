@@ -23,9 +23,9 @@ struct Work {
 };
 using MakeWork = std::function<std::shared_ptr<Work>(const Recording&)>;
 
-// Counters: bytes; lost, the share of the frames; error_<unit>, rms over the ring's frames and both axes; and
-// scatter_<unit>, the same about the ring's mean, in which the noise of the one reference frame has dropped out. Work
-// is made when its first case runs, and shared by the cases of one size.
+// Counters: bytes; lost, the share of the frames; of what is measured, along either axis, error_x_<unit>, rms over the
+// ring's frames, scatter_x_<unit>, about their mean, in which the noise of the one reference frame has dropped out, and
+// error_frames, how many they are. Work is made when its first case runs, and shared by the cases of one size.
 void add_cases(const std::string& name, std::initializer_list<Memory> memories, const MakeWork& make);
 
 void add_yardstick_cases();

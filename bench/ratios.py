@@ -6,7 +6,8 @@
 CHAIN_JSON is what chain_bench wrote (aggregates), FILES_JSON what bench/files.py wrote. Prints a Markdown table; ends 1
 when a gate fails. Milliseconds are of the machine; only ratios within one run mean anything. A ratio counts only when
 nothing was lost and the error is no worse than the yardstick's: its scatter, about the mean of the frames, in which the
-noise of the one reference frame that all of them share has dropped out.
+noise of the one reference frame that all of them share has dropped out. A scatter of n frames is itself known to
+1 / sqrt(2 (n - 1)) only; so much is allowed.
 """
 import argparse
 import json
@@ -92,11 +93,14 @@ class Chain:
         for (name, _), case in ((ours, mine), (yardstick, other)):
             if case["lost"] > 0:
                 spoilt = f"{name} lost {100 * case['lost']:.2g} % of the frames"
-        a, b = mine[f"scatter_{unit}"], other[f"scatter_{unit}"]
-        if not spoilt and not a <= b:  # NaN is spoilt too
-            spoilt = "less exact"
         scale, shown = (1000, "um") if unit == "mm" else (1, unit)
-        return f"{scale * a:.3g} / {scale * b:.3g} {shown}", spoilt
+        texts = []
+        for axis in ("x", "y"):
+            a, b = (case[f"scatter_{axis}_{unit}"] for case in (mine, other))
+            if not spoilt and not a <= b * (1 + 1 / math.sqrt(2 * (mine["error_frames"] - 1))):  # NaN is spoilt too
+                spoilt = f"less exact along {axis}"
+            texts.append(f"{scale * a:.2g} / {scale * b:.2g}")
+        return f"{', '.join(texts)} {shown}", spoilt
 
 
 def chain_rows(chain):
@@ -133,7 +137,7 @@ def file_rows(measured):
 
 
 def table(rows):
-    head = "| work | gate | aim | reached | scatter, ours / textbook's | verdict |\n|---|---|---|---|---|---|\n"
+    head = "| work | gate | aim | reached | scatter along x, y, ours / textbook's | verdict |\n|---|---|---|---|---|---|\n"
     return head + "".join(row.markdown() + "\n" for row in rows)
 
 

@@ -12,7 +12,7 @@ namespace moiregauge::bench {
 namespace {
 
 constexpr const char* kScenario = "rig-1xyz";
-constexpr long kFrames = 12;              // 50 and 106 MB: more than most last-level caches
+constexpr long kFrames = 24;              // 100 and 213 MB: more than most last-level caches
 constexpr long kStep = 4;                 // of the scenario's frames: 1.7 px of camera movement from one to the next
 constexpr double kBeyondCache = 1.5;      // cold: so many times the last-level cache
 constexpr double kMarginDiameters = 1.0;  // round the markers: what a search for a circle may look at

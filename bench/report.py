@@ -22,8 +22,17 @@ STAGES = (("circles", "four circles, in their windows"), ("rasters", "five patch
 MEMORIES = ("hot", "ring", "cold")
 
 
+def errors(row):
+    """Along x, y: rms, and scatter in brackets."""
+    for unit, scale, shown in (("mm", 1000, "um"), ("px", 1, "px")):
+        if f"error_x_{unit}" in row:
+            return ", ".join(f"{scale * row[f'error_{axis}_{unit}']:.2g} ({scale * row[f'scatter_{axis}_{unit}']:.2g})"
+                             for axis in ("x", "y")) + " " + shown
+    return ""
+
+
 def chain_table(chain):
-    lines = ["| work | size | frames | of the textbook chain | of one pass | error rms, scatter | picture bytes |",
+    lines = ["| work | size | frames | of the textbook chain | of one pass | error along x, y | picture bytes |",
              "|---|---|---|---|---|---|---|"]
     for name, title in CASES:
         for size in (ratios.SMALL, ratios.LARGE):
@@ -33,8 +42,7 @@ def chain_table(chain):
                     continue
                 textbook = chain.share(("textbook", "ring"), (name, memory), size)
                 floor = chain.share((name, memory), ("floor", "ring"), size)
-                error = f"{1000 * row['error_mm']:.2f}, {1000 * row['scatter_mm']:.2f} um" if "error_mm" in row else \
-                    f"{row['error_px']:.4f}, {row['scatter_px']:.4f} px" if "error_px" in row else ""
+                error = errors(row)
                 lost = f", {100 * row['lost']:.2g} % lost" if row["lost"] > 0 else ""
                 lines.append(f"| {title} | {size} | {memory} | 1/{textbook:.3g} | {floor:.3g} | {error}{lost} | "
                              f"{row['bytes'] / 1e6:.2f} MB |")
@@ -48,7 +56,8 @@ def stage_table(chain):
         shares = (chain.share((f"stage {name}", "ring"), ("precise", "ring"), size) for size in sizes)
         lines.append(f"| {title} | " + " | ".join(f"{100 * share:.0f} %" for share in shares) + " |")
     scene = (chain.share(("stage scene", "ring"), ("precise", "ring"), size) for size in sizes)
-    lines.append("| once per run: the scene, of 12 frames, in frames | " + " | ".join(f"{s:.0f}" for s in scene) + " |")
+    frames = int(chain.case("precise", ratios.SMALL, "ring")["error_frames"])
+    lines.append(f"| once per run: the scene, of {frames} frames, as many frames' time | " + " | ".join(f"{s:.0f}" for s in scene) + " |")
     return "\n".join(lines)
 
 
@@ -77,11 +86,10 @@ def main():
 Made by `{words.command}`; do not edit. Every figure is a ratio within one run: medians of CPU time of cases that ran in turn, at
 random, on one core. Milliseconds would be those of the machine: {words.cpu}, {cores} cores, {cache:.0f} MiB of last-level cache,
 {words.compiler}. The yardstick is `bench/textbook_chain.cc`, the paper's chain as one writes it with OpenCV on one thread; the floor is
-one plain pass over a frame's bytes. Frames are the simulator's (`rig-1xyz`, every 4th), so that every case states its error too: rms
-over dx and dy since the reference frame, and its scatter about the mean of the twelve frames, in which the noise of the one
-reference frame drops out.
+one plain pass over a frame's bytes. Frames are the simulator's (`rig-1xyz`, every 4th), so that every case states its error too: rms since
+the reference frame, and in brackets the scatter about the frames' mean, in which the noise of the one reference frame drops out.
 
-`hot`: the same frame again and again. `ring`: twelve frames to and fro; their markers' windows stay in the last-level cache, whole
+`hot`: the same frame again and again. `ring`: a few dozen frames to and fro; their markers' windows stay in the last-level cache, whole
 frames do not. `cold`: so many copies that not even the windows stay.
 
 ## Gates
@@ -93,7 +101,7 @@ frames do not. `cold`: so many copies that not even the windows stay.
 
 ## Where a frame's time goes
 
-Shares of a frame of `precise` (ring). What is missing to 100 % is what `two-stage` does twice, identification, and copying.
+Shares of a frame of `precise` (ring). What is missing to 100 % is identification, homographies and copying.
 
 {stage_table(chain)}
 

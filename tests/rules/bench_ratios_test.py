@@ -8,7 +8,7 @@ import unittest
 
 RATIOS = pathlib.Path(__file__).resolve().parents[2] / "bench" / "ratios.py"
 SIZES = ("4104x1012", "4096x2168")
-# Microseconds at either size, scatter, its unit: all of them reach their aims.
+# Microseconds at either size, scatter along x (twice as much along y), its unit: all of them reach their aims.
 GOOD = {
     "floor/ring": (1000, None, ""),
     "textbook/ring": (100000, 0.005, "mm"),
@@ -33,7 +33,7 @@ def chain_of(cases, lost=0.0):
             row = {"run_name": f"{case}/{size}/{memory}", "aggregate_name": "median", "cpu_time": time, "time_unit": "us",
                    "lost": lost if case == "precise" else 0.0}
             if unit:
-                row["scatter_" + unit] = error
+                row |= {f"scatter_x_{unit}": error, f"scatter_y_{unit}": 2 * error, "error_frames": 51}
             # Other aggregates must not be taken for the median.
             rows += [row | {"aggregate_name": "mean", "cpu_time": 1e9}, row]
     return {"context": {}, "benchmarks": rows}
@@ -60,7 +60,7 @@ class Ratios(unittest.TestCase):
     def test_a_run_that_reaches_every_aim_passes(self):
         code, output, _ = ratios(GOOD, FILES)
         self.assertEqual(code, 0)
-        self.assertIn("| >= 40x | >= 400x | 1e+03x | 1 / 5 um | aim |", line(output, "whole chain", "4104x1012"))
+        self.assertIn("| >= 40x | >= 400x | 1e+03x | 1 / 5, 2 / 10 um | aim |", line(output, "whole chain", "4104x1012"))
         self.assertIn("| 500x; 0.2 of a pass |", line(output, "cold, 4096x2168"))
         self.assertIn("| 2.5 | ", line(output, "raw"))
         self.assertIn("| 1.02 | ", line(output, "ffv1"))
@@ -81,7 +81,10 @@ class Ratios(unittest.TestCase):
     def test_a_faster_result_with_a_worse_error_fails(self):
         code, output, _ = ratios(GOOD | {"tracking/cold": (200, 0.006, "mm")})
         self.assertEqual(code, 1)
-        self.assertIn("**fails**: less exact", line(output, "cold, 4104x1012"))
+        self.assertIn("**fails**: less exact along x", line(output, "cold, 4104x1012"))
+
+    def test_what_the_scatter_of_so_few_frames_cannot_tell_apart_passes(self):
+        self.assertEqual(ratios(GOOD | {"tracking/cold": (200, 0.0054, "mm")})[0], 0)
 
     def test_an_error_that_is_no_number_fails(self):
         self.assertEqual(ratios(GOOD | {"detection/ring": (1000, float("nan"), "px")})[0], 1)
