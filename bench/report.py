@@ -32,7 +32,7 @@ def errors(row):
 
 
 def chain_table(chain):
-    lines = ["| work | size | frames | of the textbook chain | of one pass | error along x, y | picture bytes |",
+    lines = ["| work | size | frames | textbook's time over this | this over one pass | error along x, y | picture bytes |",
              "|---|---|---|---|---|---|---|"]
     for name, title in CASES:
         for size in (ratios.SMALL, ratios.LARGE):
@@ -44,7 +44,7 @@ def chain_table(chain):
                 floor = chain.share((name, memory), ("floor", "ring"), size)
                 error = errors(row)
                 lost = f", {100 * row['lost']:.2g} % lost" if row["lost"] > 0 else ""
-                lines.append(f"| {title} | {size} | {memory} | 1/{textbook:.3g} | {floor:.3g} | {error}{lost} | "
+                lines.append(f"| {title} | {size} | {memory} | {textbook:.3g}x | {floor:.3g} | {error}{lost} | "
                              f"{row['bytes'] / 1e6:.2f} MB |")
     return "\n".join(lines)
 
@@ -55,9 +55,11 @@ def stage_table(chain):
     for name, title in STAGES:
         shares = (chain.share((f"stage {name}", "ring"), ("precise", "ring"), size) for size in sizes)
         lines.append(f"| {title} | " + " | ".join(f"{100 * share:.0f} %" for share in shares) + " |")
-    scene = (chain.share(("stage scene", "ring"), ("precise", "ring"), size) for size in sizes)
     frames = int(chain.case("precise", ratios.SMALL, "ring")["error_frames"])
-    lines.append(f"| once per run: the scene, of {frames} frames, as many frames' time | " + " | ".join(f"{s:.0f}" for s in scene) + " |")
+    for name, title in (("reference", "the reference frame: circles, site check, templates"),
+                        ("scene", f"the scene, solved from {frames} frames")):
+        shares = (chain.share((f"stage {name}", "ring"), ("precise", "ring"), size) for size in sizes)
+        lines.append(f"| once per run: {title} | " + " | ".join(f"{share:.1f} frames' time" for share in shares) + " |")
     return "\n".join(lines)
 
 

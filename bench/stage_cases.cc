@@ -84,7 +84,13 @@ bool fit(const SeenRing& ring, const Shot& shot) {
   return reading.u.y > 0.0;
 }
 
-// Once per run, not per frame.
+// The last two are done once per run, not per frame.
+bool reference(const SeenRing& ring, const Shot& shot) {
+  auto made = make_reference({shot.picture, 8}, ring.chain->reference().site, Camera{}, {});
+  if (made) method_named("precise")->prepare({shot.picture, 8}, *made);
+  return made.has_value();
+}
+
 bool scene(const SeenRing& ring, const Shot&) {
   std::vector<Observation> run;
   for (const auto& [frame, one] : ring.seen) run.push_back(one.front());
@@ -109,6 +115,7 @@ void add_stage_cases() {
   add("templates", templates);
   add("outline", outline);
   add("fit and u", fit);
+  add("reference", reference);
   add("scene", scene);
 }
 
