@@ -70,7 +70,11 @@ class Chain:
         with open(path, encoding="utf-8") as file:
             content = json.load(file)
         self.context = content["context"]
-        self.medians = {row["run_name"]: row for row in content["benchmarks"] if row.get("aggregate_name") == "median"}
+        aggregates = {kind: {row["run_name"]: row for row in content["benchmarks"] if row.get("aggregate_name") == kind}
+                      for kind in ("mean", "median")}
+        self.medians = aggregates["median"]
+        for name, row in self.medians.items():  # a median would hide a frame that was lost once
+            row["lost"] = aggregates["mean"][name]["lost"]
 
     def case(self, name, size, memory):
         try:
