@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Our chains, as `measure` runs them for one frame.
+#include "cases.h"
+#include "moiregauge/markers/circles.h"
+#include "product_chain.h"
+
+namespace moiregauge::bench {
+namespace {
+
+std::shared_ptr<Work> chain_work(const Recording& recording, const Method& method, bool with_uncertainty) {
+  const auto chain = std::make_shared<ProductChain>(recording, method);
+  auto work = std::make_shared<Work>();
+  work->bytes = recording.window_bytes();
+  work->error_unit = "mm";
+  work->frame = [chain, with_uncertainty](const Shot& shot) {
+    chain->observe(shot);
+    if (with_uncertainty) benchmark::DoNotOptimize(chain->solve());
+    return !chain->is_lost();
+  };
+  work->error = [chain, &recording](const Shot& shot) {
+    chain->observe(shot);
+    return recording.error(chain->target(), chain->solve().displacement, shot.frame);
+  };
+  return work;
+}
+
+std::shared_ptr<Work> detection_work(const Recording& recording) {
+  auto work = std::make_shared<Work>();
+  work->bytes = recording.frame_bytes();
+  work->error_unit = "px";
+  const std::size_t least = recording.reference().circles.size();
+  work->frame = [least](const Shot& shot) { return find_circles(shot.picture, {}).circles.size() >= least; };
+  work->error = [&recording](const Shot& shot) {
+    std::vector<ImagePoint> found;
+    for (const SeenCircle& circle : find_circles(shot.picture, {}).circles) found.push_back(circle.centre);
+    return recording.circle_error(found, shot.frame);
+  };
+  return work;
+}
+
+}  // namespace
+
+void add_chain_cases() {
+  using enum Memory;
+  add_cases("detection", {kHot, kRing}, detection_work);
+  // Tracking: circles and the phases of the five patches. The chain: with everything up to millimetres and their u.
+  const auto two_stage = [](bool with_uncertainty) {
+    return [=](const Recording& r) { return chain_work(r, *method_named("two-stage"), with_uncertainty); };
+  };
+  add_cases("tracking", {kHot, kRing, kCold}, two_stage(false));
+  add_cases("two-stage", {kRing}, two_stage(true));
+  add_cases("precise", {kHot, kRing, kCold},
+            [](const Recording& r) { return chain_work(r, *method_named("precise"), true); });
+}
+
+}  // namespace moiregauge::bench

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "product_chain.h"
+
+#include <stdexcept>
+
+#include "moiregauge/calibration/pose.h"
+#include "moiregauge/displacement/bundle_frames.h"
+
+namespace moiregauge::bench {
+namespace {
+
+Reference prepared(const Recording& recording, const Method& method) {
+  Reference reference = recording.reference();
+  if (method.prepare != nullptr) method.prepare({recording.reference_frame().view(), 8}, reference);
+  return reference;
+}
+
+std::size_t first_target(const Site& site) {
+  std::size_t i = 0;
+  while (site.markers[i].role != Role::kTarget) ++i;
+  return i;
+}
+
+FrameFit fit(const Site& site, const Scene& scene, BundleFrame& frame) {
+  frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
+  return fit_frame(site, scene, frame);
+}
+
+}  // namespace
+
+ProductChain::ProductChain(const Recording& recording, const Method& method)
+    : method_(method),
+      reference_(prepared(recording, method)),
+      target_(first_target(reference_.site)),
+      follower_(reference_) {
+  std::vector<Observation> run;
+  seen_.resize(1);
+  for (const Shot& shot : recording.shots(Memory::kRing)) {
+    observe(shot);
+    run.push_back(seen_.front());
+  }
+  scene_ = method_.solve(reference_, run, {}).scene;
+  if (!scene_) return;
+  if (!scene_->solved) throw std::runtime_error("the recording's scene is not solved: " + scene_->problem);
+  auto [frames, place] = bundle_frames(reference_, run, scene_->camera, {}, kLeastForHomography);
+  budget_ = std::make_unique<PreciseBudget>(reference_.site, scene_->full_covariance,
+                                            fit(reference_.site, *scene_, frames.front()));
+}
+
+void ProductChain::observe(const Shot& shot) {
+  seen_.front() = method_.observe({shot.picture, 8}, reference_, follower_.prediction(), work_);
+  seen_.front().frame = shot.frame;
+  (void)follower_.follow(reference_, seen_.front());
+}
+
+ProductChain::Reading ProductChain::solve(const std::vector<Observation>& one) const {
+  if (scene_) return solve_in_scene(one);
+  const Solution solution = method_.solve(reference_, one, {});
+  for (const Sample& sample : solution.samples) {
+    if (sample.marker == target_) return {sample.displacement, sample.u};
+  }
+  return {};
+}
+
+// What `precise` does with a frame once the scene is known.
+ProductChain::Reading ProductChain::solve_in_scene(const std::vector<Observation>& one) const {
+  auto [frames, place] = bundle_frames(reference_, one, scene_->camera, {}, kLeastForHomography);
+  if (place.front() == 0) return {};
+  const FrameFit now = fit(reference_.site, *scene_, frames[place.front()]);
+  if (!now.ok) return {};
+  const auto displacement = now.shift[target_] - budget_->then().shift[target_];
+  return {displacement, total(budget_->budget(now, target_, displacement))};
+}
+
+}  // namespace moiregauge::bench

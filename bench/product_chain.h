@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// One of our methods, frame by frame, as `measure` and `solve` run it.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "moiregauge/displacement/follower.h"
+#include "moiregauge/displacement/method.h"
+#include "moiregauge/displacement/precise_budget.h"
+#include "recording.h"
+
+namespace moiregauge::bench {
+
+class ProductChain {
+ public:
+  // For a method that solves a scene, that of the recording is solved here; what is left then is one frame's part.
+  ProductChain(const Recording& recording, const Method& method);
+
+  void observe(const Shot& shot);  // the pixels: looks, and remembers where to look next
+  struct Reading {
+    Extent<frame::Board> displacement{kNotMeasured, kNotMeasured};
+    Extent<frame::Board> u{kNotMeasured, kNotMeasured};
+  };
+  [[nodiscard]] Reading solve() const { return solve(seen_); }  // of the frame observed last, with its uncertainty
+  [[nodiscard]] Reading solve(const std::vector<Observation>& one) const;
+
+  [[nodiscard]] bool is_lost() const { return seen_.front().markers[target_].loss != Loss::kNone; }
+  [[nodiscard]] std::size_t target() const { return target_; }
+  [[nodiscard]] const Reference& reference() const { return reference_; }
+  [[nodiscard]] const std::vector<Observation>& seen() const { return seen_; }  // one: the last
+
+ private:
+  [[nodiscard]] Reading solve_in_scene(const std::vector<Observation>& one) const;
+
+  const Method& method_;
+  Reference reference_;
+  std::size_t target_ = 0;
+  Follower follower_;
+  PatchWorkspace work_;
+  std::vector<Observation> seen_;
+  std::optional<Scene> scene_;
+  std::unique_ptr<PreciseBudget> budget_;
+};
+
+}  // namespace moiregauge::bench

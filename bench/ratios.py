@@ -1,0 +1,167 @@
+#!/usr/bin/python3
+"""Ratios of one run of the benchmarks, against what they must reach.
+
+  bench/ratios.py CHAIN_JSON [--files FILES_JSON]
+
+CHAIN_JSON is what chain_bench wrote (aggregates), FILES_JSON what bench/files.py wrote. Prints a Markdown table; ends 1
+when a gate fails. Milliseconds are of the machine; only ratios within one run mean anything. A ratio counts only when
+nothing was lost and the error is no worse than the yardstick's: its scatter, about the mean of the frames, in which the
+noise of the one reference frame that all of them share has dropped out. A scatter of n frames is itself known to
+1 / sqrt(2 (n - 1)) only; so much is allowed.
+"""
+import argparse
+import json
+import math
+import operator
+import sys
+from dataclasses import dataclass
+
+SMALL, LARGE = "4104x1012", "4096x2168"
+MIB = 1024 * 1024
+
+
+@dataclass
+class Limit:
+    """What is compared with what, and how far: `at least` a number of times as fast, or `at most` a share."""
+    value: float
+    least: bool
+    of: str = ""
+
+    def holds(self, reached):
+        return (operator.ge if self.least else operator.le)(reached, self.value)
+
+    def words(self):
+        return f"{'>=' if self.least else '<='} {self.value:g}{'x' if self.least else ''}{self.of}"
+
+
+def at_least(value):
+    return Limit(value, True)
+
+
+def at_most(value, of=""):
+    return Limit(value, False, of)
+
+
+@dataclass
+class Row:
+    work: str
+    gate: Limit
+    aim: Limit
+    reached: float
+    for_aim: float = math.nan  # where the aim is a ratio to something else
+    error: str = ""
+    spoilt: str = ""  # why the ratio does not count
+
+    def verdict(self):
+        if self.spoilt or not self.gate.holds(self.reached):
+            return "**fails**" + (": " + self.spoilt if self.spoilt else "")
+        return "aim" if self.aim.holds(self.reached if math.isnan(self.for_aim) else self.for_aim) else "gate"
+
+    def markdown(self):
+        other = "" if math.isnan(self.for_aim) else f"; {self.for_aim:.3g}{self.aim.of}"
+        reached = f"{self.reached:.3g}{'x' if self.gate.least else self.gate.of}{other}"
+        return f"| {self.work} | {self.gate.words()} | {self.aim.words()} | {reached} | {self.error} | {self.verdict()} |"
+
+
+class Chain:
+    """The medians of one run of chain_bench."""
+
+    def __init__(self, path):
+        with open(path, encoding="utf-8") as file:
+            content = json.load(file)
+        self.context = content["context"]
+        aggregates = {kind: {row["run_name"]: row for row in content["benchmarks"] if row.get("aggregate_name") == kind}
+                      for kind in ("mean", "median")}
+        self.medians = aggregates["median"]
+        for name, row in self.medians.items():  # a median would hide a frame that was lost once
+            row["lost"] = aggregates["mean"][name]["lost"]
+
+    def case(self, name, size, memory):
+        try:
+            return self.medians[f"{name}/{size}/{memory}"]
+        except KeyError:
+            raise SystemExit(f"error: no median of {name}/{size}/{memory}: run chain_bench with repetitions and all cases")
+
+    def seconds(self, name, size, memory):
+        row = self.case(name, size, memory)
+        return row["cpu_time"] * {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}[row["time_unit"]]
+
+    def share(self, ours, yardstick, size):
+        """Of the yardstick's time; each is (name, memory)."""
+        return self.seconds(ours[0], size, ours[1]) / self.seconds(yardstick[0], size, yardstick[1])
+
+    def errors(self, ours, yardstick, size, unit):
+        """In words, and why the comparison is spoilt (empty: it is not)."""
+        mine, other = (self.case(name, size, memory) for name, memory in (ours, yardstick))
+        spoilt = ""
+        for (name, _), case in ((ours, mine), (yardstick, other)):
+            if case["lost"] > 0:
+                spoilt = f"{name} lost {100 * case['lost']:.2g} % of the frames"
+        scale, shown = (1000, "um") if unit == "mm" else (1, unit)
+        texts = []
+        for axis in ("x", "y"):
+            a, b = (case[f"scatter_{axis}_{unit}"] for case in (mine, other))
+            if not spoilt and not a <= b * (1 + 1 / math.sqrt(2 * (mine["error_frames"] - 1))):  # NaN is spoilt too
+                spoilt = f"less exact along {axis}"
+            texts.append(f"{scale * a:.2g} / {scale * b:.2g}")
+        return f"{', '.join(texts)} {shown}", spoilt
+
+
+def chain_rows(chain):
+    textbook = ("textbook", "ring")
+    for size, gate, aim in ((SMALL, 40, 400), (LARGE, 100, 800)):
+        ours = ("precise", "ring")
+        yield Row(f"whole chain of `precise` with u, frames in memory, {size}, against the textbook chain", at_least(gate),
+                  at_least(aim), 1 / chain.share(ours, textbook, size), math.nan, *chain.errors(ours, textbook, size, "mm"))
+    for size in (SMALL, LARGE):
+        for memory, place, gate in (("ring", "in the last-level cache", 400), ("cold", "cold", 200)):
+            ours = ("tracking", memory)
+            yield Row(f"tracking chain, windows {place}, {size}, against the textbook chain", at_least(gate),
+                      at_most(0.25, " of a pass"), 1 / chain.share(ours, textbook, size),
+                      chain.share(ours, ("floor", "ring"), size), *chain.errors(ours, textbook, size, "mm"))
+    ours = ("detection", "ring")
+    yield Row(f"first detection in the full frame, {LARGE}, share of the textbook chain", at_most(0.2), at_most(0.03),
+              chain.share(ours, textbook, LARGE), math.nan,
+              *chain.errors(ours, ("textbook detection", "ring"), LARGE, "px"))
+
+
+def file_rows(measured):
+    for name, file in measured["files"].items():
+        wall = {program: file[program]["wall_s"] for program in ("measure", "decode", "bytes")}
+        if name == "raw":
+            yield Row("`measure` of raw 4096x2168, wall time against one pass over the file's bytes", at_most(20),
+                      at_most(3), wall["measure"] / wall["bytes"])
+        else:
+            yield Row(f"`measure` of {name} 4096x2168, wall time against decoding alone", at_most(1.10), at_most(1.03),
+                      wall["measure"] / wall["decode"])
+    memory = measured["memory"]
+    more = (memory["measure"]["peak_bytes"] - memory["decode"]["peak_bytes"]) / MIB
+    yield Row(f"{memory['frames']}-frame run, peak memory beyond the decoder's", at_most(200, " MiB"),
+              at_most(64, " MiB"), more)
+
+
+def table(rows):
+    head = "| work | gate | aim | reached | scatter along x, y, ours / textbook's | verdict |\n|---|---|---|---|---|---|\n"
+    return head + "".join(row.markdown() + "\n" for row in rows)
+
+
+def rows_of(chain, files_path):
+    rows = list(chain_rows(chain))
+    if files_path:
+        with open(files_path, encoding="utf-8") as file:
+            rows += file_rows(json.load(file))
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("chain")
+    parser.add_argument("--files")
+    words = parser.parse_args()
+    rows = rows_of(Chain(words.chain), words.files)
+    print(table(rows), end="")
+    return 1 if any(row.verdict().startswith("**fails") for row in rows) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
