@@ -21,10 +21,10 @@ struct RunPlan {
   long step = 1;     // every step-th frame of the scenario
   long frames = -1;  // at most so many; -1: to the end
   long reference_frame = 0;
-  ObserveOptions observe;
-  SolveOptions solve;
-  std::optional<Site> site;  // not given: the scenario's
-  Camera lens;               // as --camera gives it; without distortion and of focal length 1: not given
+  ObserveOptions observe{};
+  SolveOptions solve{};
+  std::optional<Site> site{};  // not given: the scenario's
+  Camera lens{};             // as --camera gives it; without distortion and of focal length 1: not given
 };
 
 struct MeasuredRun {
