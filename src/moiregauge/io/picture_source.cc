@@ -46,6 +46,7 @@ class PictureSource final : public FrameSource {
 
   [[nodiscard]] tl::expected<std::optional<Frame>, InputError> next() override {
     if (broken_off_) return tl::unexpected(*broken_off_);
+    if (picture_.file && !picture_.file->is_whole()) return break_off_cut_short();
     if (number_ >= set_.count) return std::optional<Frame>();
     bool damaged = false;
     if (number_ > 0) {  // the first was read when the input was opened
@@ -73,11 +74,22 @@ class PictureSource final : public FrameSource {
     return tl::unexpected(*broken_off_);
   }
 
+  tl::unexpected<InputError> break_off_cut_short() {
+    broken_off_ = InputError{
+        InputErrorKind::kDamaged,
+        fmt::format("the file was cut short while it was measured: {} at frame {}: measure it when it is complete",
+                    info_.path, number_)};
+    return tl::unexpected(*broken_off_);
+  }
+
   // Even grey: nothing of the frame before may pass for this one.
   void show_nothing(const InputError& error) {
     info_.warnings.push_back(fmt::format("frame {} counts as damaged: {}", number_, error.message));
-    std::visit([](auto& image) { image = std::decay_t<decltype(image)>(image.width(), image.height(), 128); },
-               picture_.grey);
+    const LumaView shape = view_of(picture_);
+    std::visit([this]<typename Grey>(
+                   const ImageView<Grey>& view) { picture_.grey = Image<Grey>(view.width, view.height, Grey{128}); },
+               shape);
+    picture_.in_place.reset();
   }
 
   PictureSet set_;
