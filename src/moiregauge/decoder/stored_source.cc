@@ -26,6 +26,7 @@ class StoredSource final : public FrameSource {
           fmt::format("the file was cut short while it was measured: {} at frame {}: measure it when it is complete",
                       info_.path, number_)});
     }
+    if (at > 0) mapped_.let_go(at - 1);
     if (at >= mapped_.video.frames.size()) return std::optional<Frame>();
     const double time_s = fps_ ? static_cast<double>(number_) / *fps_ : seconds(at) - seconds(0);
     return Frame{number_++, time_s, false, mapped_.luma(at)};
@@ -55,11 +56,16 @@ LumaView MappedVideo::luma(std::size_t frame) const {
                                   row_bytes / 2};
 }
 
+void MappedVideo::let_go(std::size_t frame) const {
+  file->let_go(file->bytes().subspan(video.frames[frame], video.row_bytes * static_cast<std::size_t>(video.height)));
+}
+
 std::optional<MappedVideo> map_video(const std::string& path) {
   auto file = MappedFile::open(path);
   if (!file) return std::nullopt;
   auto video = stored_video(file->bytes());
   if (!video || !file->is_whole()) return std::nullopt;
+  file->let_go(file->bytes());  // the heads of all frames
   return MappedVideo{std::move(file), std::move(*video)};
 }
 

@@ -17,6 +17,7 @@ struct MappedVideo {
   std::shared_ptr<const MappedFile> file;
   StoredVideo video;
   [[nodiscard]] LumaView luma(std::size_t frame) const;
+  void let_go(std::size_t frame) const;  // its pixels have been looked at
 };
 
 // Null unless every picture lies in the file as it was.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -53,7 +54,10 @@ class PictureSource final : public FrameSource {
       auto read = picture_at(number_);
       damaged = !read;
       if (read && !is_of_same_shape(view_of(*read), view_of(picture_))) return break_off(view_of(*read));
-      if (read) picture_ = std::move(*read);
+      if (read) {
+        let_go();
+        picture_ = std::move(*read);
+      }
       if (!read) show_nothing(read.error());
     }
     const double time_s = std::isnan(info_.fps) ? info_.fps : static_cast<double>(number_) / info_.fps;
@@ -72,6 +76,15 @@ class PictureSource final : public FrameSource {
                              fmt::format("the picture size changes: {}: {} instead of {}; measure the parts one by one",
                                          set_.name(number_), shape_text(changed), shape_text(view_of(picture_)))};
     return tl::unexpected(*broken_off_);
+  }
+
+  void let_go() const {
+    if (!picture_.in_place) return;
+    std::visit(
+        [this](const auto& view) {
+          picture_.file->let_go(std::as_bytes(std::span(view.data, view.row(view.height).data())));
+        },
+        *picture_.in_place);
   }
 
   tl::unexpected<InputError> break_off_cut_short() {

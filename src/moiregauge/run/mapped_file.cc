@@ -95,4 +95,10 @@ bool MappedFile::is_whole() const {
          static_cast<std::size_t>(about.st_size) >= size_;
 }
 
+void MappedFile::let_go(std::span<const std::byte> part) const {
+  const auto from = reinterpret_cast<std::uintptr_t>(part.data());
+  const std::uintptr_t first = from / page_bytes * page_bytes;
+  static_cast<void>(::madvise(reinterpret_cast<void*>(first), from + part.size() - first, MADV_DONTNEED));
+}
+
 }  // namespace moiregauge

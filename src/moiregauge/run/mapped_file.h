@@ -22,6 +22,8 @@ class MappedFile {
 
   [[nodiscard]] std::span<const std::byte> bytes() const { return {data_, size_}; }
   [[nodiscard]] bool is_whole() const;
+  // This part is not needed for now: its pages no longer count as ours. What is looked at again comes back.
+  void let_go(std::span<const std::byte> part) const;
 
  private:
   MappedFile() = default;

@@ -21,6 +21,17 @@ TEST(MappedFile, TheBytesOfTheFileAreThere) {
   EXPECT_TRUE(mapped->is_whole());
 }
 
+TEST(MappedFile, WhatWasLetGoComesBackWhenItIsLookedAt) {
+  const TestFolder folder;
+  write_text(folder / "a", std::string(100'000, 'x'));
+  const auto mapped = MappedFile::open(folder / "a");
+  ASSERT_NE(mapped, nullptr);
+  mapped->let_go(mapped->bytes().subspan(5'000, 90'000));
+  mapped->let_go(mapped->bytes());
+  EXPECT_EQ(mapped->bytes()[0], std::byte{'x'});
+  EXPECT_EQ(mapped->bytes()[99'999], std::byte{'x'});
+}
+
 TEST(MappedFile, AFileCutShortWhileItIsReadTurnsToZerosAndSaysSo) {
   const TestFolder folder;
   write_text(folder / "a", std::string(100'000, 'x'));
