@@ -10,6 +10,8 @@ base = [program, "measure", work / "run/frames", "--site", work / "run/site.toml
 run([*base, "-o", work / "all"])
 run([*base, "--threads", "1", "-o", work / "one"])
 insist((work / "all/displacement.csv").read_bytes() == (work / "one/displacement.csv").read_bytes(), "threads change the CSV")
+run([*base, "--threads", "2", "-o", work / "two"])
+insist((work / "all/displacement.csv").read_bytes() == (work / "two/displacement.csv").read_bytes(), "threads change the CSV")
 run([*base, "-o", work / "all"])  # the same input: replaced as a whole
 short = ("frame", "dx_mm", "dy_mm")
 run([*base, "--frames", "0:9:4", "-o", work / "some"])

@@ -137,7 +137,7 @@ int run(const InspectWords& words) {
                 fmt::format("output folder is taken: {}: it holds something else than an inspection: choose "
                             "another with -o",
                             output));
-  const auto source = open_input(input, {words.measure.fps, words.measure.sequence});
+  const auto source = open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);
   if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
   const auto frame = frame_of(**source, words.frame);

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/fingerprint.h"
+#include "moiregauge/cli/frame_times.h"
 #include "moiregauge/cli/measure_options.h"
 #include "moiregauge/cli/open_input.h"
 #include "moiregauge/cli/progress.h"
@@ -78,22 +80,28 @@ int run(const MeasureWords& words) {
   if (!options) return fail(Exit::kUsage, options.error().message);
   const std::string output = words.output.empty() ? default_output(words.input) : words.output;
   if (const auto problem = stabilised_problem(words, output)) return fail(Exit::kUsage, *problem);
-  const InputOptions input_options{words.fps, words.sequence};
-  const auto open = [&] { return open_input(words.input, input_options); };
+  const InputOptions input_options{words.fps, words.sequence, words.threads};
+  auto opened = open_input(words.input, input_options);
+  if (!opened) return fail(Exit::kInputUnreadable, opened.error().message);
+  if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*opened)->info()))
+    return fail(Exit::kUsage, *problem);
+  Fingerprint fingerprint(words.input, input_options);
   RunDirectory directory(output, [&](const Measurement& m) { return overlay_of(m, *options); });
-  {
-    const auto probe = open();  // a taken folder is found before, not after, hours of measuring
-    if (!probe) return fail(Exit::kInputUnreadable, probe.error().message);
-    if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*probe)->info()))
-      return fail(Exit::kUsage, *problem);
-    if (const auto free = directory.check((*probe)->info().sha256); !free)
-      return fail(Exit::kUsage, free.error().message);
-  }
+  // A taken folder is found before, not after, hours of measuring.
+  if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
+    return fail(Exit::kUsage, free.error().message);
   std::optional<StabilisedFolder> stabilised;
   if (!words.stabilised.empty()) {
     stabilised.emplace(words.stabilised);
-    if (const auto opened = stabilised->open(); !opened) return fail_output(opened.error());
+    if (const auto begun = stabilised->open(); !begun) return fail_output(begun.error());
   }
+  FrameTimes times;
+  // What was opened to look at is measured; --reference-frame asks for the input a second time.
+  const auto open = [&]() -> tl::expected<std::unique_ptr<FrameSource>, InputError> {
+    auto source = *opened ? std::move(opened) : open_input(words.input, input_options);
+    if (!source) return source;
+    return timed(std::move(*source), times);
+  };
   tl::expected<Measurement, InputError> measured;
   {
     const InterruptGuard guard;
@@ -101,12 +109,13 @@ int run(const MeasureWords& words) {
     measured = measure(
         open, *options,
         [&](long done, long expected) {
-          progress.show(done, expected);
+          progress.show(done, expected, times.waiting_share());
           return interrupted == 0;
         },
         stabilised ? &*stabilised : nullptr);
   }
   if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
+  measured->input.sha256 = fingerprint.hex();
   const tl::expected<void, OutputError> pictures =
       stabilised ? stabilised->finish() : tl::expected<void, OutputError>{};
   if (!pictures) measured->exit = Exit::kOutputUnwritable;  // the results are kept all the same

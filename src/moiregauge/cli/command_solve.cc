@@ -94,7 +94,7 @@ int run(const SolveWords& words) {
   }
   const std::string output = words.output.empty() ? words.run : words.output;
   RunDirectory directory = RunDirectory::solved_from(output, words.run);
-  if (const auto free = directory.check(stored->seen.input.sha256); !free) return fail_output(free.error());
+  if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free) return fail_output(free.error());
   Measurement solved;
   static_cast<Seen&>(solved) = std::move(stored->seen);
   conclude(stored->options, solved);

@@ -3,9 +3,21 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace moiregauge::cli {
+
+struct ProgressState {
+  long done = 0;
+  long expected = -1;  // < 0: not known
+  double elapsed_s = 0.0;
+  std::optional<double> waiting_share;  // of the time, spent waiting for frames; empty: not a matter of frames read
+};
+
+// "measuring [####....] 240/1000 frames, decode-bound, 24 fps, 32 s left": what limits the run is what most of its time
+// goes into.
+[[nodiscard]] std::string progress_line(const std::string& what, const ProgressState& state);
 
 class Progress {
  public:
@@ -14,7 +26,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   // expected < 0: not known.
-  void show(long done, long expected);
+  void show(long done, long expected, std::optional<double> waiting_share = std::nullopt);
 
  private:
   using Clock = std::chrono::steady_clock;

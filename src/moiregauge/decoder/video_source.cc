@@ -5,16 +5,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "moiregauge/decoder/child_process.h"
-#include "moiregauge/run/sha256.h"
+#include "moiregauge/decoder/stored_source.h"
 
 namespace moiregauge {
 namespace {
@@ -47,19 +47,6 @@ InputError error_in(const Record& record, const std::string& path) {
   const bool known = record.error >= 0 && record.error <= static_cast<int>(InputErrorKind::kDamaged);
   const auto kind = known ? static_cast<InputErrorKind>(record.error) : InputErrorKind::kDamaged;
   return error_of(kind, wire::get(record.what), path, wire::get(record.advice));
-}
-
-std::string sha256_of(int file) {
-  Sha256 sum;
-  std::vector<std::byte> block(std::size_t{1} << 20);
-  off_t at = 0;
-  while (true) {
-    const ssize_t read = ::pread(file, block.data(), block.size(), at);
-    if (read < 0 && errno == EINTR) continue;
-    if (read <= 0) return sum.hex();
-    sum.add({block.data(), static_cast<std::size_t>(read)});
-    at += read;
-  }
 }
 
 class VideoSource final : public FrameSource {
@@ -155,10 +142,9 @@ class VideoSource final : public FrameSource {
   std::optional<InputError> broken_off_;
 };
 
-}  // namespace
+using Opened = tl::expected<std::unique_ptr<FrameSource>, InputError>;
 
-tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::string& path, const InputOptions& options,
-                                                                  const DecoderOptions& decoder) {
+Opened decoded(const std::string& path, const InputOptions& options, const DecoderOptions& decoder) {
   const auto unreadable = [&](const std::string& what, const std::string& advice) {
     return tl::unexpected(error_of(InputErrorKind::kUnreadable, what, path, advice));
   };
@@ -175,10 +161,45 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::str
     return unreadable(fmt::format("no decoder could be started ({})", child.error()), "free memory or processes");
   InputInfo info;
   info.path = path;
-  info.sha256 = sha256_of(file.number());  // while the child opens the file
   auto source = std::make_unique<VideoSource>(std::move(*child), std::move(info), options, decoder.watchdog);
   if (auto opened = source->open(); !opened) return tl::unexpected(opened.error());
-  return source;
+  return std::unique_ptr<FrameSource>(std::move(source));
+}
+
+bool same_pixels(const LumaView& a, const LumaView& b) {
+  if (a.index() != b.index() || width_of(a) != width_of(b) || height_of(a) != height_of(b)) return false;
+  return std::visit(
+      [&b](const auto& mine) {
+        const auto& other = std::get<std::decay_t<decltype(mine)>>(b);
+        for (int y = 0; y < mine.height; ++y) {
+          const auto row = mine.row(y);
+          if (!std::equal(row.begin(), row.end(), other.row(y).begin())) return false;
+        }
+        return true;
+      },
+      a);
+}
+
+// Do the file's own bytes mean to us what they mean to the decoder? Takes its first frame.
+bool agree(const MappedVideo& mapped, FrameSource& decoder) {
+  const InputInfo& info = decoder.info();
+  const auto counted = static_cast<long>(mapped.video.frames.size());
+  if (info.rotation_deg != 0 || info.bits != mapped.video.bits || (info.frames >= 0 && info.frames != counted))
+    return false;
+  const auto first = decoder.next();
+  return first && *first && !(*first)->damaged && info.warnings.empty() && same_pixels((*first)->luma, mapped.luma(0));
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::string& path, const InputOptions& options,
+                                                                  const DecoderOptions& decoder) {
+  auto source = decoded(path, options, decoder);
+  if (!source || !decoder.in_place || (*source)->info().codec != "rawvideo") return source;
+  auto mapped = map_video(path);
+  if (!mapped) return source;
+  if (agree(*mapped, **source)) return stored_source(std::move(*mapped), (*source)->info(), options);
+  return decoded(path, options, decoder);  // anew: its first frame is gone
 }
 
 }  // namespace moiregauge

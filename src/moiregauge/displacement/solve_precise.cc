@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -138,7 +139,8 @@ class Precise {
       return fallback(reference_, observations_, options_,
                       "the camera turns while the rows of a frame are read (a rolling shutter)");
     solution_.scene = calibration.bundle.scene;
-    measure(with_print_error(reference_.site, frames, calibration.print_error_mm), place, calibration);
+    print_error_mm_ = calibration.print_error_mm;
+    measure(frames, place, calibration);
     return std::move(solution_);
   }
 
@@ -174,7 +176,7 @@ class Precise {
                                           reference_.site.markers[*verdict.moved].name, went));
   }
 
-  void measure(std::vector<BundleFrame> frames, const std::vector<std::size_t>& place, const Calibration& calibration) {
+  void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place, const Calibration& calibration) {
     const Site& site = reference_.site;
     solution_.scene->full_covariance = scene_covariance(site, calibration.fits, prior_, kEverything);
     if (!lens_given_) {
@@ -190,7 +192,7 @@ class Precise {
       const Observation& seen = observations_[n];
       FrameFit now;
       if (place[n] > 0) {
-        BundleFrame& frame = frames[place[n]];
+        BundleFrame frame = with_print_error(site, std::span(&frames[place[n]], 1), print_error_mm_).front();
         // As the solved camera has it: with another focal length the pose starts elsewhere. And a target's rest is
         // measured like any other place.
         frame.pose = pose_of(site, *solution_.scene, frame).value_or(frame.pose);
@@ -220,6 +222,7 @@ class Precise {
   ScenePrior prior_;
   bool lens_given_ = false;
   bool doubtful_ = false;
+  double print_error_mm_ = 0.0;
   Solution solution_;
 };
 

@@ -33,14 +33,20 @@ constexpr double kPad = 3.0;  // units round a label's letters
 
 Surface page_with(ImageView<std::uint8_t> picture, int scale, int width, int height) {
   Surface page(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height), cairo_surface_destroy);
-  const Surface grey = grey_surface(picture);
   const Context context(cairo_create(page.get()), cairo_destroy);
   cairo_set_source_rgb(context.get(), 0.11, 0.12, 0.14);
   cairo_paint(context.get());
   cairo_scale(context.get(), scale, scale);
-  cairo_set_source_surface(context.get(), grey.get(), 0, 0);
-  cairo_pattern_set_filter(cairo_get_source(context.get()), CAIRO_FILTER_NEAREST);  // pixels are shown as what they are
-  cairo_paint(context.get());
+  constexpr int kBand = 128;  // rows: a second picture of four bytes a pixel would be the largest thing in memory
+  for (int y = 0; y < picture.height; y += kBand) {
+    const int rows = std::min(kBand, picture.height - y);
+    const Surface grey = grey_surface(picture.part(0, y, picture.width, rows));
+    cairo_set_source_surface(context.get(), grey.get(), 0, y);
+    // Pixels are shown as what they are.
+    cairo_pattern_set_filter(cairo_get_source(context.get()), CAIRO_FILTER_NEAREST);
+    cairo_rectangle(context.get(), 0, y, picture.width, rows);
+    cairo_fill(context.get());
+  }
   return page;
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -11,14 +13,18 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/image/quarter_turn.h"
 #include "moiregauge/run/frame_source.h"
+#include "moiregauge/run/mapped_file.h"
 
 namespace moiregauge {
 
 struct Picture {
-  std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;
+  std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;  // empty where the file shows it in place
   int bits = 8;          // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
   int rotation_deg = 0;  // clockwise, already applied
   std::string codec;     // "png", "jpeg", "tiff"
+  // A picture that lies in its file as it was is not copied: a window on the file's pages, which `file` holds.
+  std::optional<LumaView> in_place = std::nullopt;
+  std::shared_ptr<const MappedFile> file = nullptr;
 };
 
 using PictureOrError = tl::expected<Picture, InputError>;
@@ -31,10 +37,11 @@ inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
 }
 
 [[nodiscard]] inline LumaView view_of(const Picture& picture) {
+  if (picture.in_place) return *picture.in_place;
   return std::visit([](const auto& image) { return LumaView(image.view()); }, picture.grey);
 }
 
-// Applies a rotation tag: quarters clockwise, in degrees.
+// Applies a rotation tag: quarters clockwise, in degrees. Not of a picture in place.
 inline void turn(Picture& picture, int degrees) {
   if (degrees == 0) return;
   picture.rotation_deg = degrees;

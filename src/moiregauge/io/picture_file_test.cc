@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/picture_file.h"
 
+#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "moiregauge/io/exif_orientation.h"
 #include "moiregauge/io/picture_source.h"
 #include "moiregauge/io/test_pictures.h"
+#include "moiregauge/io/tiff_reader.h"
 
 namespace moiregauge {
 namespace {
@@ -101,6 +104,104 @@ TEST(TiffStack, ColourAndOrientationAreUnderstood) {
   EXPECT_EQ(std::get<1>(picture.grey).at(0, 0), 4000);
   write_tiff(folder / "m.tif", 1, 8, 1, 1, 2);
   EXPECT_EQ(read_picture(folder / "m.tif").error().kind, InputErrorKind::kUnsupported) << "mirrored";
+}
+
+// Pages of 40 x 30 pixels, uncompressed; every sample tells page and place.
+void write_plain_tiff(const std::string& path, const char* mode, int pages, int bits, int rows_per_strip) {
+  TIFF* tiff = TIFFOpen(path.c_str(), mode);
+  for (int page = 0; page < pages; ++page) {
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 40);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 30);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, rows_per_strip);
+    for (unsigned y = 0; y < 30; ++y) {
+      std::array<std::uint16_t, 40> words{};
+      std::array<std::uint8_t, 40> bytes{};
+      for (unsigned x = 0; x < 40; ++x)
+        bytes[x] = static_cast<std::uint8_t>(words[x] = static_cast<std::uint16_t>(x + 5 * y + 7U * unsigned(page)));
+      TIFFWriteScanline(tiff, bits == 8 ? static_cast<void*>(bytes.data()) : static_cast<void*>(words.data()), y, 0);
+    }
+    TIFFWriteDirectory(tiff);
+  }
+  TIFFClose(tiff);
+}
+
+void expect_plain_page(const Picture& picture, unsigned page) {
+  std::visit(
+      [page](const auto& view) {
+        ASSERT_EQ(view.width, 40);
+        ASSERT_EQ(view.height, 30);
+        for (int y = 0; y < 30; ++y) {
+          for (int x = 0; x < 40; ++x)
+            ASSERT_EQ(unsigned{view.at(x, y)}, unsigned(x) + 5U * unsigned(y) + 7U * page) << x << "," << y;
+        }
+      },
+      view_of(picture));
+}
+
+TEST(TiffStack, PlainPagesAreShownWhereTheyLieInTheFile) {
+  const TestFolder folder;
+  for (const int bits : {8, 16}) {
+    for (const char* mode : {"w", "w8"}) {
+      for (const int rows : {1, 7, 30}) {
+        write_plain_tiff(folder / "a.tif", mode, 3, bits, rows);
+        const auto stack = TiffStack::open(folder / "a.tif").value();
+        for (unsigned page = 0; page < 3; ++page) {
+          const Picture picture = stack->read(page).value();
+          EXPECT_TRUE(picture.in_place) << bits << mode << rows;
+          EXPECT_EQ(picture.bits, bits);
+          expect_plain_page(picture, page);
+        }
+      }
+    }
+  }
+}
+
+TEST(TiffStack, WordsOfAnotherByteOrderAreReadAndMeanTheSame) {
+  const TestFolder folder;
+  write_plain_tiff(folder / "a.tif", "wb", 2, 16, 30);
+  const Picture words = TiffStack::open(folder / "a.tif").value()->read(1).value();
+  EXPECT_FALSE(words.in_place);
+  expect_plain_page(words, 1);
+}
+
+TEST(TiffStack, APictureInPlaceOutlivesItsStack) {
+  const TestFolder folder;
+  write_plain_tiff(folder / "a.tif", "w", 1, 8, 30);
+  const Picture picture = read_picture(folder / "a.tif").value();
+  EXPECT_TRUE(picture.in_place);
+  expect_plain_page(picture, 0);
+}
+
+TEST(TiffStack, APlainFileThatShrinksUnderOurEyesEndsTheInputThere) {
+  const TestFolder folder;
+  write_plain_tiff(folder / "a.tif", "w", 20, 16, 30);
+  auto source = open_pictures(folder / "a.tif", {}).value();
+  EXPECT_FALSE(source->next().value()->damaged);
+  std::filesystem::resize_file(folder / "a.tif", 3000);
+  const auto cut = source->next();
+  ASSERT_FALSE(cut);
+  EXPECT_EQ(cut.error().kind, InputErrorKind::kDamaged);
+  EXPECT_NE(cut.error().message.find("cut short while it was measured: "), std::string::npos) << cut.error().message;
+  EXPECT_FALSE(source->next()) << "an error stays";
+}
+
+TEST(TiffStack, APlainFileCutAnywhereIsDamagedNotDeadly) {
+  const TestFolder folder;
+  write_plain_tiff(folder / "a.tif", "w", 3, 8, 7);
+  const std::string whole = text_of(folder / "a.tif");
+  for (std::size_t size = 8; size < whole.size(); size += 13) {
+    write_text(folder / "cut.tif", whole.substr(0, size));
+    auto source = open_pictures(folder / "cut.tif", {});
+    for (int i = 0; source && i < 4; ++i) {
+      const auto frame = (*source)->next();
+      if (!frame || !*frame) break;
+      EXPECT_EQ(width_of((*frame)->luma), 40);
+      EXPECT_GE(std::visit([](const auto& view) { return unsigned{view.at(39, 29)}; }, (*frame)->luma), 0U);
+    }
+  }
 }
 
 TEST(TiffStack, AFileCutShortIsDamagedNotDeadly) {

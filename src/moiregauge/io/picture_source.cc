@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/picture_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <optional>
+#include <span>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "moiregauge/io/file_hash.h"
 #include "moiregauge/io/picture_file.h"
 #include "moiregauge/io/picture_list.h"
+#include "moiregauge/io/pictures_ahead.h"
 #include "moiregauge/io/tiff_reader.h"
 
 namespace moiregauge {
@@ -23,6 +27,7 @@ struct PictureSet {
   long count = 0;
   std::function<PictureOrError(long)> read;
   std::function<std::string(long)> name;
+  bool side_by_side = false;  // several may be read at once
 };
 
 bool is_of_same_shape(const LumaView& a, const LumaView& b) {
@@ -35,20 +40,24 @@ std::string shape_text(const LumaView& luma) {
 
 class PictureSource final : public FrameSource {
  public:
-  PictureSource(PictureSet set, Picture first, InputInfo info)
-      : set_(std::move(set)), info_(std::move(info)), picture_(std::move(first)) {}
+  PictureSource(PictureSet set, Picture first, InputInfo info, int readers)
+      : set_(std::move(set)), info_(std::move(info)), picture_(std::move(first)), readers_(readers) {}
 
   [[nodiscard]] const InputInfo& info() const override { return info_; }
 
   [[nodiscard]] tl::expected<std::optional<Frame>, InputError> next() override {
     if (broken_off_) return tl::unexpected(*broken_off_);
+    if (picture_.file && !picture_.file->is_whole()) return break_off_cut_short();
     if (number_ >= set_.count) return std::optional<Frame>();
     bool damaged = false;
     if (number_ > 0) {  // the first was read when the input was opened
-      auto read = set_.read(number_);
+      auto read = picture_at(number_);
       damaged = !read;
       if (read && !is_of_same_shape(view_of(*read), view_of(picture_))) return break_off(view_of(*read));
-      if (read) picture_ = std::move(*read);
+      if (read) {
+        let_go();
+        picture_ = std::move(*read);
+      }
       if (!read) show_nothing(read.error());
     }
     const double time_s = std::isnan(info_.fps) ? info_.fps : static_cast<double>(number_) / info_.fps;
@@ -56,6 +65,12 @@ class PictureSource final : public FrameSource {
   }
 
  private:
+  PictureOrError picture_at(long number) {
+    if (readers_ < 1) return set_.read(number);
+    if (!ahead_) ahead_.emplace(number, set_.count, set_.read, readers_);  // who wants the first only pays for no more
+    return ahead_->take();
+  }
+
   tl::unexpected<InputError> break_off(const LumaView& changed) {
     broken_off_ = InputError{InputErrorKind::kDamaged,
                              fmt::format("the picture size changes: {}: {} instead of {}; measure the parts one by one",
@@ -63,45 +78,49 @@ class PictureSource final : public FrameSource {
     return tl::unexpected(*broken_off_);
   }
 
+  void let_go() const {
+    if (!picture_.in_place) return;
+    std::visit(
+        [this](const auto& view) {
+          picture_.file->let_go(std::as_bytes(std::span(view.data, view.row(view.height).data())));
+        },
+        *picture_.in_place);
+  }
+
+  tl::unexpected<InputError> break_off_cut_short() {
+    broken_off_ = InputError{
+        InputErrorKind::kDamaged,
+        fmt::format("the file was cut short while it was measured: {} at frame {}: measure it when it is complete",
+                    info_.path, number_)};
+    return tl::unexpected(*broken_off_);
+  }
+
   // Even grey: nothing of the frame before may pass for this one.
   void show_nothing(const InputError& error) {
     info_.warnings.push_back(fmt::format("frame {} counts as damaged: {}", number_, error.message));
-    std::visit([](auto& image) { image = std::decay_t<decltype(image)>(image.width(), image.height(), 128); },
-               picture_.grey);
+    const LumaView shape = view_of(picture_);
+    std::visit([this]<typename Grey>(
+                   const ImageView<Grey>& view) { picture_.grey = Image<Grey>(view.width, view.height, Grey{128}); },
+               shape);
+    picture_.in_place.reset();
   }
 
   PictureSet set_;
   InputInfo info_;
   Picture picture_;
+  int readers_ = 0;  // 0: read here
   long number_ = 0;
   std::optional<InputError> broken_off_;
+  std::optional<PicturesAhead> ahead_;
 };
 
 tl::unexpected<InputError> unreadable(const std::string& text) {
   return tl::unexpected(InputError{InputErrorKind::kUnreadable, text});
 }
 
-tl::expected<std::vector<std::string>, InputError> files_of(const std::string& path, const InputOptions& options) {
-  if (options.sequence) return pictures_of_pattern(path);
-  std::error_code ignored;
-  const auto status = std::filesystem::status(path, ignored);
-  if (!std::filesystem::exists(status)) {
-    const bool pattern = path.find('%') != std::string::npos;
-    return unreadable(fmt::format("no such file or folder: {}: {}", path,
-                                  pattern ? "for a pattern add --sequence" : "check the name"));
-  }
-  if (!std::filesystem::is_directory(status)) return std::vector<std::string>{path};
-  auto files = pictures_in_folder(path);
-  if (files && files->empty()) {
-    return unreadable(
-        fmt::format("no picture: {}: neither the folder nor its frames/ holds PNG, TIFF or JPEG files", path));
-  }
-  return files;
-}
-
 PictureSet set_of_files(const std::vector<std::string>& files) {
   return {static_cast<long>(files.size()), [files](long i) { return read_picture(files[static_cast<std::size_t>(i)]); },
-          [files](long i) { return files[static_cast<std::size_t>(i)]; }};
+          [files](long i) { return files[static_cast<std::size_t>(i)]; }, true};
 }
 
 // One file that is a TIFF: every page a picture.
@@ -109,7 +128,7 @@ tl::expected<PictureSet, InputError> set_of_pages(const std::string& path) {
   const auto stack = TiffStack::open(path);
   if (!stack) return tl::unexpected(stack.error());
   return PictureSet{(*stack)->pages(), [stack = *stack](long i) { return stack->read(i); },
-                    [path](long i) { return fmt::format("{} page {}", path, i); }};
+                    [path](long i) { return fmt::format("{} page {}", path, i); }, false};
 }
 
 tl::expected<PictureSet, InputError> set_of(const std::vector<std::string>& files) {
@@ -131,19 +150,44 @@ InputInfo info_of(const std::string& path, const PictureSet& set, const Picture&
   return info;
 }
 
+int readers_of(const PictureSet& set, int threads) {
+  if (threads == 1 || set.count < 3) return 0;
+  if (!set.side_by_side) return 1;
+  return threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
 }  // namespace
+
+tl::expected<std::vector<std::string>, InputError> files_of_input(const std::string& path,
+                                                                  const InputOptions& options) {
+  if (options.sequence) return pictures_of_pattern(path);
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::exists(status)) {
+    const bool pattern = path.find('%') != std::string::npos;
+    return unreadable(fmt::format("no such file or folder: {}: {}", path,
+                                  pattern ? "for a pattern add --sequence" : "check the name"));
+  }
+  if (!std::filesystem::is_directory(status)) return std::vector<std::string>{path};
+  auto files = pictures_in_folder(path);
+  if (files && files->empty()) {
+    return unreadable(
+        fmt::format("no picture: {}: neither the folder nor its frames/ holds PNG, TIFF or JPEG files", path));
+  }
+  return files;
+}
 
 tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::string& path,
                                                                      const InputOptions& options) {
-  const auto files = files_of(path, options);
+  const auto files = files_of_input(path, options);
   if (!files) return tl::unexpected(files.error());
   auto set = set_of(*files);
   if (!set) return tl::unexpected(set.error());
   auto first = set->read(0);
   if (!first) return tl::unexpected(first.error());
   InputInfo info = info_of(path, *set, *first, options);
-  info.sha256 = sha256_of_files(*files);
-  return std::make_unique<PictureSource>(std::move(*set), std::move(*first), std::move(info));
+  const int readers = readers_of(*set, options.threads);
+  return std::make_unique<PictureSource>(std::move(*set), std::move(*first), std::move(info), readers);
 }
 
 }  // namespace moiregauge

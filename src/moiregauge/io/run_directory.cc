@@ -131,7 +131,7 @@ fs::path real_place(const std::string& path) {
 
 }  // namespace
 
-tl::expected<void, OutputError> RunDirectory::check(const std::string& input_sha256) const {
+tl::expected<void, OutputError> RunDirectory::check(const std::function<std::string()>& input_sha256) const {
   std::error_code error;
   if (!fs::exists(path_, error)) return {};
   const auto usage = [&](const char* why) {
@@ -140,12 +140,12 @@ tl::expected<void, OutputError> RunDirectory::check(const std::string& input_sha
   if (!fs::is_directory(path_, error)) return usage("it is not a folder");
   if (fs::is_empty(path_, error)) return {};
   if (!fs::exists(fs::path(path_) / "run.json", error)) return usage("it holds something else than a run");
-  if (sha256_of_run(path_) != input_sha256) return usage("it holds a run of another input");
+  if (sha256_of_run(path_) != input_sha256()) return usage("it holds a run of another input");
   return {};
 }
 
 tl::expected<void, OutputError> RunDirectory::write(const Measurement& measurement, const MeasureOptions& options) {
-  if (auto allowed = check(measurement.input.sha256); !allowed) return allowed;
+  if (auto allowed = check([&] { return measurement.input.sha256; }); !allowed) return allowed;
   std::error_code error;
   const fs::path target = real_place(path_);
   const fs::path partial = target.string() + fmt::format(".partial-{}", ::getpid());

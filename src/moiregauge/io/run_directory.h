@@ -28,7 +28,8 @@ class RunDirectory : public ResultSink {
 
   // May this place be written? An existing run is replaced only if it came from the same input; anything else that is not
   // an empty folder is left alone. Asked before measuring, so that hours are not lost.
-  [[nodiscard]] tl::expected<void, OutputError> check(const std::string& input_sha256) const;
+  // The input's fingerprint takes a pass over all its bytes: it is asked for only where a run stands already.
+  [[nodiscard]] tl::expected<void, OutputError> check(const std::function<std::string()>& input_sha256) const;
   [[nodiscard]] tl::expected<void, OutputError> write(const Measurement& measurement, const MeasureOptions& options) override;
 
  private:

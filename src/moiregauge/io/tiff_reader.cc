@@ -11,28 +11,17 @@
 
 #include "moiregauge/image/luma_of_colour.h"
 #include "moiregauge/io/exif_orientation.h"
+#include "moiregauge/io/tiff_page.h"
 
 namespace moiregauge {
 
 struct TiffStack::State {
   TIFF* tiff = nullptr;
   std::string problem;
+  std::shared_ptr<const MappedFile> file;  // null: pages are read
 };
 
 namespace {
-
-struct PageHead {
-  std::uint32_t width = 0;
-  std::uint32_t height = 0;
-  std::uint16_t word_bits = 1;
-  std::uint16_t samples = 1;
-  std::uint16_t photometric = 0;
-  std::uint16_t planar = PLANARCONFIG_CONTIG;
-  std::uint16_t format = SAMPLEFORMAT_UINT;
-  std::uint16_t orientation = 1;
-  std::uint16_t brightest = 0;  // stated largest value; 0: not stated
-  bool tiled = false;
-};
 
 int note_error(TIFF* /*tiff*/, void* state, const char* /*module*/, const char* format, va_list values) {
   std::array<char, 256> text{};
@@ -45,45 +34,8 @@ int ignore_warning(TIFF* /*tiff*/, void* /*state*/, const char* /*module*/, cons
   return 1;
 }
 
-PageHead head_of(TIFF* tiff) {
-  PageHead head;
-  TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &head.width);
-  TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &head.height);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &head.word_bits);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &head.samples);
-  TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &head.photometric);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &head.planar);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &head.format);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &head.orientation);
-  TIFFGetField(tiff, TIFFTAG_MAXSAMPLEVALUE, &head.brightest);
-  head.tiled = TIFFIsTiled(tiff) != 0;
-  return head;
-}
-
-// Why this page is none we read, or nothing.
-std::string problem_with(const PageHead& head) {
-  const bool grey = head.photometric == PHOTOMETRIC_MINISBLACK || head.photometric == PHOTOMETRIC_MINISWHITE;
-  const bool colour = head.photometric == PHOTOMETRIC_RGB && head.samples >= 3;
-  if (!is_size_allowed(head.width, head.height)) return "it must have 1 to 2^28 pixels";
-  if (!grey && !colour) return "store it as grey or RGB";
-  if (head.word_bits != 8 && head.word_bits != 16)
-    return fmt::format("{} bits a sample; store 8 or 16", head.word_bits);
-  if (head.format != SAMPLEFORMAT_UINT) return "store whole numbers without sign";
-  if (head.planar != PLANARCONFIG_CONTIG && head.samples > 1) return "store the colours of a pixel together";
-  if (head.tiled) return "store it in strips, not tiles";
-  if (!rotation_of_orientation(head.orientation)) return "it is mirrored; store it unmirrored";
-  return {};
-}
-
-// 16-bit words that state a smaller largest value hold fewer bits.
-int significant_bits(const PageHead& head) {
-  int bits = head.word_bits;
-  while (bits > 9 && head.brightest > 0 && head.brightest < 1U << static_cast<unsigned>(bits - 1)) --bits;
-  return bits;
-}
-
 template <typename Grey>
-bool read_rows(TIFF* tiff, const PageHead& head, Image<Grey>& image) {
+bool read_rows(TIFF* tiff, const TiffPage& head, Image<Grey>& image) {
   image = Image<Grey>(static_cast<int>(head.width), static_cast<int>(head.height));
   const std::size_t row_bytes = static_cast<std::size_t>(TIFFScanlineSize(tiff));
   if (row_bytes < std::size_t{head.width} * head.samples * sizeof(Grey)) return false;
@@ -115,14 +67,34 @@ tl::expected<std::shared_ptr<TiffStack>, InputError> TiffStack::open(const std::
   TIFFOpenOptionsSetErrorHandlerExtR(options, &note_error, &stack->state_->problem);
   TIFFOpenOptionsSetWarningHandlerExtR(options, &ignore_warning, nullptr);
   TIFFOpenOptionsSetMaxSingleMemAlloc(options, tmsize_t{1} << 31);
-  stack->state_->tiff = TIFFOpenExt(path.c_str(), "r", options);
+  stack->state_->tiff = TIFFOpenExt(path.c_str(), "rm", options);  // m: it reads; what is mapped, we watch
   TIFFOpenOptionsFree(options);
   if (stack->state_->tiff == nullptr) {
     return tl::unexpected(
         InputError{InputErrorKind::kDamaged, fmt::format("not a readable TIFF: {}: {}", path, stack->state_->problem)});
   }
   stack->pages_ = static_cast<long>(TIFFNumberOfDirectories(stack->state_->tiff));
+  stack->state_->file = MappedFile::open(path);
   return stack;
+}
+
+bool TiffStack::show_in_place(Picture& picture) {
+  const auto& file = state_->file;
+  if (!file || !file->is_whole()) return false;
+  const TiffPage head = page_at_hand(state_->tiff);
+  const auto begin = place_of_rows(state_->tiff, head, file->bytes().size());
+  if (!begin) return false;
+  const auto show = [&]<typename Grey>(const Grey* pixels) {
+    const int width = static_cast<int>(head.width);
+    picture.in_place = ImageView<Grey>{pixels, width, static_cast<int>(head.height), width};
+  };
+  const std::byte* pixels = file->bytes().data() + *begin;
+  if (head.word_bits == 8)
+    show(reinterpret_cast<const std::uint8_t*>(pixels));
+  else
+    show(reinterpret_cast<const std::uint16_t*>(pixels));
+  picture.file = file;
+  return true;
 }
 
 PictureOrError TiffStack::read(long page) {
@@ -135,11 +107,12 @@ PictureOrError TiffStack::read(long page) {
   const bool there = current == page || (current + 1 == page && TIFFReadDirectory(tiff) != 0) ||
                      TIFFSetDirectory(tiff, static_cast<tdir_t>(page)) != 0;
   if (!there) return failure(InputErrorKind::kDamaged, "damaged picture", state_->problem);
-  const PageHead head = head_of(tiff);
+  const TiffPage head = page_at_hand(tiff);
   if (const std::string problem = problem_with(head); !problem.empty()) {
     return failure(InputErrorKind::kUnsupported, "unknown kind of TIFF", problem);
   }
   Picture picture{{}, significant_bits(head), 0, "tiff"};
+  if (show_in_place(picture)) return picture;
   bool read = false;
   if (head.word_bits == 8)
     read = read_rows(tiff, head, picture.grey.emplace<0>());

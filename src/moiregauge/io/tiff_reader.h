@@ -12,7 +12,8 @@
 namespace moiregauge {
 
 // Grey or RGB pages of 8 or 16 bits, in strips, any compression libtiff knows. White-is-zero pages are turned to
-// black-is-zero; a page's orientation is applied. Pages are cheap in order, slower at random.
+// black-is-zero; a page's orientation is applied. Pages are cheap in order, slower at random. An uncompressed grey page of
+// which the strips follow one another is not read at all: its picture is a window on the file (lies_in_place).
 class TiffStack {
  public:
   [[nodiscard]] static tl::expected<std::shared_ptr<TiffStack>, InputError> open(const std::string& path);
@@ -26,6 +27,7 @@ class TiffStack {
  private:
   struct State;
   TiffStack();
+  [[nodiscard]] bool show_in_place(Picture& picture);
   std::unique_ptr<State> state_;
   std::string path_;
   long pages_ = 0;

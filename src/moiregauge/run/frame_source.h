@@ -16,7 +16,8 @@ namespace moiregauge {
 // run.json's `input` block.
 struct InputInfo {
   std::string path;
-  std::string sha256;        // of the file's bytes; of a folder: over the pictures' bytes in order
+  std::string sha256;        // of the file's bytes; of a folder: over the pictures' bytes in order. A source leaves it
+                             // empty: it is taken beside the measuring, not before it (cli/fingerprint.h)
   long frames = -1;          // number of frames in the input; -1: not known before the end
   int width = 0;             // px, as displayed
   int height = 0;            // px, as displayed
@@ -53,6 +54,7 @@ class FrameSource {
 struct InputOptions {
   std::optional<double> fps;  // --fps: time stamps of pictures; also overrides a stream's
   bool sequence = false;      // --sequence: the path is a printf pattern
+  int threads = 0;            // --threads: that read pictures ahead; 0: as many as there are cores, 1: none
 };
 
 }  // namespace moiregauge
