@@ -1,4 +1,7 @@
-"""Threads change nothing; a selection of frames changes nothing in those selected; a run may be repeated in place."""
+"""Threads and SIMD targets change nothing; a selection of frames changes nothing in those selected; a run may be repeated in place."""
+import os
+import subprocess
+
 from runs import insist, rows, run, simulate, start
 
 program, work, _ = start()
@@ -12,6 +15,16 @@ run([*base, "--threads", "1", "-o", work / "one"])
 insist((work / "all/displacement.csv").read_bytes() == (work / "one/displacement.csv").read_bytes(), "threads change the CSV")
 run([*base, "--threads", "2", "-o", work / "two"])
 insist((work / "all/displacement.csv").read_bytes() == (work / "two/displacement.csv").read_bytes(), "threads change the CSV")
+for simd in ("scalar", "avx2", "avx3"):  # avx3: AVX-512
+    os.environ["MOIREGAUGE_SIMD"] = simd
+    here = subprocess.run([program, "--version"], capture_output=True, check=False).returncode == 0
+    insist(here or simd != "scalar", "no scalar loops")
+    if here:
+        run([*base, "-o", work / simd])
+    os.environ.pop("MOIREGAUGE_SIMD")
+    if here:
+        insist((work / "all/displacement.csv").read_bytes() == (work / simd / "displacement.csv").read_bytes(),
+               f"{simd} changes the CSV")
 run([*base, "-o", work / "all"])  # the same input: replaced as a whole
 short = ("frame", "dx_mm", "dy_mm")
 run([*base, "--frames", "0:9:4", "-o", work / "some"])

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program: a table of commands. Every command says what went wrong itself; what escapes it is our fault (exit 1).
+#include <cstdlib>
 #include <exception>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glog/logging.h>
 
 #include "moiregauge/cli/command_calibrate.h"
@@ -13,13 +15,20 @@
 #include "moiregauge/cli/command_simulate.h"
 #include "moiregauge/cli/command_solve.h"
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/phase/simd_target.h"
 #include "moiregauge/version.h"
 
 namespace {
 
 using moiregauge::Exit;
 
+// For comparisons: the bits are the same whatever is chosen.
+constexpr const char* kSimd = "MOIREGAUGE_SIMD";
+
 int run(int argc, char** argv) {
+  if (const char* simd = std::getenv(kSimd); simd != nullptr && !moiregauge::use_simd_target(simd))
+    return moiregauge::cli::fail(Exit::kUsage, fmt::format("{}={}: this machine has {}", kSimd, simd,
+                                                           fmt::join(moiregauge::simd_targets(), ", ")));
   CLI::App app{"moiregauge: displacement in millimetres from a video of printed gratings, whatever the camera did"};
   app.set_version_flag("--version", moiregauge::kVersion);
   app.require_subcommand(1);
