@@ -13,13 +13,28 @@ double or_zero(double d) { return std::isnan(d) ? 0.0 : d; }
 Follower::Follower(const Reference& reference) {
   prediction_.view = reference.seen.stage1;
   prediction_.travel.resize(reference.site.markers.size());
+  expect(prediction_.travel, prediction_.view);
+}
+
+void Follower::expect(const std::vector<Extent<frame::Board>>& last_travel, const std::optional<IdealFromBoard>& last_view) {
+  prediction_.expected = prediction_.view;
+  if (prediction_.view && last_view)
+    prediction_.expected = *prediction_.view * (last_view->inverse() * *prediction_.view);
+  prediction_.travel_expected.resize(last_travel.size());
+  for (std::size_t i = 0; i < last_travel.size(); ++i)
+    prediction_.travel_expected[i] = prediction_.travel[i] + (prediction_.travel[i] + (-1.0) * last_travel[i]);
 }
 
 std::vector<Extent<frame::Board>> Follower::follow(const Reference& reference, const Observation& observation) {
   std::vector<Extent<frame::Board>> travel(reference.site.markers.size(), {kNotMeasured, kNotMeasured});
+  const auto last_view = prediction_.view;
+  const auto last_travel = prediction_.travel;
   // A frame without its references is lost; the next one is looked for afresh.
   prediction_.view = observation.references_seen ? std::optional(observation.stage1) : std::nullopt;
-  if (!observation.references_seen) return travel;
+  if (!observation.references_seen) {
+    expect(last_travel, std::nullopt);
+    return travel;
+  }
   for (std::size_t i = 0; i < travel.size(); ++i) {
     const MarkerObservation& seen = observation.markers[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
@@ -29,6 +44,7 @@ std::vector<Extent<frame::Board>> Follower::follow(const Reference& reference, c
     travel[i] = displacement_at(plan, reference.seen.markers[i].patch, seen.patch, seen.window_shift);
     prediction_.travel[i] = {or_zero(travel[i].x), or_zero(travel[i].y)};
   }
+  expect(last_travel, last_view);
   return travel;
 }
 

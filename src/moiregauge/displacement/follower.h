@@ -19,6 +19,7 @@ class Follower {
   std::vector<Extent<frame::Board>> follow(const Reference& reference, const Observation& observation);
 
  private:
+  void expect(const std::vector<Extent<frame::Board>>& last_travel, const std::optional<IdealFromBoard>& last_view);
   Prediction prediction_;
 };
 

@@ -27,7 +27,7 @@ template <> inline constexpr std::size_t kFields<Observation> = 8;
 template <> inline constexpr std::size_t kFields<MarkerObservation> = 6;
 template <> inline constexpr std::size_t kFields<SeenCircle> = 9;
 template <> inline constexpr std::size_t kFields<PatchReading> = 10;
-template <> inline constexpr std::size_t kFields<PatchFit> = 9;
+template <> inline constexpr std::size_t kFields<PatchFit> = 10;
 
 // The reference frame.
 template <> inline constexpr std::size_t kFields<Reference> = 12;

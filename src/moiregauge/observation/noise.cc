@@ -54,4 +54,23 @@ PixelNoise pixel_noise(const LumaView& luma, int bits, int x0, int y0, int width
   return std::visit([&](const auto& p) { return noise_in(p.part(left, top, right - left, bottom - top), bits); }, luma);
 }
 
+double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
+  const int left = std::clamp(x0, 0, width_of(luma)), right = std::clamp(x0 + width, left, width_of(luma));
+  const int top = std::clamp(y0, 0, height_of(luma)), bottom = std::clamp(y0 + height, top, height_of(luma));
+  if (right == left || bottom == top) return 0.0;
+  return std::visit(
+      [&](const auto& picture) {
+        const int most = (1 << bits) - 1;
+        long clipped = 0;
+        for (int y = top; y < bottom; ++y) {
+          int in_row = 0;
+          for (const auto grey : picture.row(y).subspan(static_cast<std::size_t>(left), static_cast<std::size_t>(right - left)))
+            in_row += static_cast<int>(grey == 0) | static_cast<int>(grey >= most);
+          clipped += in_row;
+        }
+        return static_cast<double>(clipped) / (static_cast<double>(right - left) * (bottom - top));
+      },
+      luma);
+}
+
 }  // namespace moiregauge

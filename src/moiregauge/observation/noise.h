@@ -17,4 +17,7 @@ struct PixelNoise {
 // The box is clipped to the picture.
 [[nodiscard]] PixelNoise pixel_noise(const LumaView& luma, int bits, int x0, int y0, int width, int height);
 
+// The second of these by itself.
+[[nodiscard]] double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, int height);
+
 }  // namespace moiregauge

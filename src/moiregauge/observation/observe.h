@@ -14,6 +14,9 @@ namespace moiregauge {
 struct Prediction {
   std::optional<IdealFromBoard> view;          // how the last frame saw the board
   std::vector<Extent<frame::Board>> travel;    // of each site marker since the reference frame, mm
+  // The same for this frame, at constant velocity; nothing when the last frame was lost.
+  std::optional<IdealFromBoard> expected;
+  std::vector<Extent<frame::Board>> travel_expected;
 };
 
 // Seed paper 2.1, camera assumed still: every window stays where it was in the reference frame.

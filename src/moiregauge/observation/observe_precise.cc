@@ -4,6 +4,8 @@
 
 #include "moiregauge/observation/follow_marker.h"
 #include "moiregauge/observation/observe.h"
+#include "moiregauge/observation/patch_of_points.h"
+#include "moiregauge/observation/track.h"
 
 namespace moiregauge {
 namespace {
@@ -66,18 +68,8 @@ void prove(const GreyPicture& picture, const Reference& reference, const View& v
     follow_marker(picture, reference, view, i, verdict.moved, seen, work);
 }
 
-// What pixels miss a template by, rms, of its contrast: more than this and the print is not whole.
-constexpr double kWholeContrast = 0.1;
-
 // The raster takes a reference whose window reaches beyond its print for covered; its template says whether it is, or
 // whether it slipped.
-bool is_whole(const PatchFit& points, const MarkerObservation& at_rest, const PrintModel& model) {
-  if (!at_rest.points) return false;
-  const double noise = at_rest.points->sigma;
-  const double more = std::sqrt(std::max(0.0, points.sigma * points.sigma - noise * noise));
-  return more < kWholeContrast * points.gain[0] * model.print.contrast();
-}
-
 void read(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
           MarkerObservation& seen) {
   if (!reference.prints[i]) return;
@@ -109,17 +101,57 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
   }
 }
 
+namespace {
+
+// Is the target where it was expected, and in the whole pitch in which its outline stands?
+bool tracked(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+             const Prediction& prediction, MarkerObservation& seen) {
+  if (!reference.prints[i] || !reference.prints[i]->outline) return false;
+  MarkerObservation here;
+  if (!track_target(picture, reference, view, i, prediction, here)) return false;
+  const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
+  const OrderVerdict verdict = prove_order(picture.luma, view, *reference.site.markers[i].grating,
+                                           *reference.prints[i]->outline, here.window_shift, is_taken);
+  if (verdict.order != Order::kProven || length(verdict.moved - here.window_shift) > 0.0) return false;
+  seen = std::move(here);
+  seen.order = Order::kProven;
+  return true;
+}
+
+// By rasters first, then by outline and template.
+void look_for(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+              const Prediction& prediction, bool by_raster, MarkerObservation& seen, PatchWorkspace& work) {
+  const bool may_move = reference.site.markers[i].role == Role::kTarget;
+  if (by_raster) {
+    const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
+    follow_marker(picture, reference, view, i, travel, seen, work);
+  }
+  if (may_move && reference.prints[i]) prove(picture, reference, view, i, prediction, seen, work);
+  read(picture, reference, view, i, seen);
+}
+
+}  // namespace
+
 Observation observe_precise(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
                             PatchWorkspace& work) {
+  auto as_expected = track_references(picture, reference, prediction);
+  if (as_expected) {
+    Observation seen = *std::move(as_expected);
+    const View view{seen.stage2, reference.lens};
+    for (std::size_t i = 0; i < seen.markers.size(); ++i) {
+      const Marker& marker = reference.site.markers[i];
+      if (marker.role != Role::kTarget || !marker.grating) continue;
+      if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
+        look_for(picture, reference, view, i, prediction, true, seen.markers[i], work);
+    }
+    return seen;
+  }
   const std::size_t least = reference.knows_camera() ? kLeastForPose : kLeastForHomography;
   Observation seen = observe_board(picture, reference, prediction, least, work);
   if (!seen.references_seen) return seen;
   const View view{seen.stage2, reference.lens};
-  for (std::size_t i = 0; i < seen.markers.size(); ++i) {
-    const bool may_move = reference.site.markers[i].role == Role::kTarget;
-    if (may_move && reference.prints[i]) prove(picture, reference, view, i, prediction, seen.markers[i], work);
-    read(picture, reference, view, i, seen.markers[i]);
-  }
+  for (std::size_t i = 0; i < seen.markers.size(); ++i)
+    look_for(picture, reference, view, i, prediction, false, seen.markers[i], work);
   return seen;
 }
 

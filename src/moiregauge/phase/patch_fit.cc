@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "moiregauge/phase/patch_moments.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
@@ -156,6 +157,8 @@ tl::expected<PatchFit, Failure> fit_patch(const LumaView& luma, const PrintFromI
     if (pass == 0 && explained(n, r, s) < kSeenPattern * fit.sigma * fit.sigma) return tl::unexpected(Failure::kNoPattern);
   }
   if (!(fit.last_step < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
+  for (std::size_t a = 0; a < 2; ++a)
+    fit.fundamental[a] = model.contrast[0] * (1.0 - kTurn * kTurn * s.value(kLightColumns + static_cast<Eigen::Index>(a)));
   fit.middle = {model.x0, model.y0};
   fit.light = {model.light[0], model.light[1] / model.scale, model.light[2] / model.scale};
   fit.gain = {model.contrast[0], model.contrast[1] / model.scale, model.contrast[2] / model.scale};

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "moiregauge/image/image.h"
+#include "moiregauge/markers/circles.h"
+#include "moiregauge/units/point.h"
+
+namespace moiregauge {
+
+// Where a printed disc stands that was seen before as `like` and is expected within a fifth of its diameter of
+// `expected`: the centroid of how much darker (or lighter) than its paper every pixel is, to about 0.05 px. Nothing
+// where there is no such disc, whole, with paper round it: then one has to look properly.
+[[nodiscard]] std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected, double diameter_px,
+                                                    const SeenCircle& like);
+
+}  // namespace moiregauge
