@@ -102,8 +102,9 @@ void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, c
 // runs show 0.016 px; it is the same in all frames, so the bundle cannot see it.
 constexpr double kTemplateEdgePx = 0.016;
 // It is learned through the lens as it is known then. Of one that is not, a print's own bend of some hundredths of a
-// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px). Displacements,
-// differences of one print's readings, do not know; the solved lens' own u has it.
+// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px), and from scales at
+// the picture's sides against those in its middle the bundle would take a lens. Only references are so far outside; a
+// target's scale also multiplies its displacement, which knows nothing of how its template was learned.
 constexpr double kUnknownLensEdgePx = 0.05;
 
 // One run's way from observations to samples.
@@ -117,7 +118,7 @@ class Precise {
     for (std::size_t k = 0; lens_given_ && options.u_camera && k < prior_.u_camera.size(); ++k) {
       if (std::isfinite((*options.u_camera)[k])) prior_.u_camera[k] = (*options.u_camera)[k];
     }
-    widen_scales(prior_, kTemplateEdgePx);
+    widen_scales();
     if (options.rest) {
       for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
         if (is_target(reference, i))
@@ -145,13 +146,15 @@ class Precise {
   }
 
  private:
-  void widen_scales(ScenePrior& prior, double edge_px) const {
+  // What templates add to the u of their prints' scales.
+  void widen_scales() {
     for (std::size_t i = 0; i < reference_.site.markers.size(); ++i) {
       const auto& grating = reference_.site.markers[i].grating;
       if (!grating) continue;
+      const double edge_px = lens_given_ || is_target(reference_, i) ? kTemplateEdgePx : kUnknownLensEdgePx;
       const double half_px =
           0.5 * std::min(grating->width_mm, grating->height_mm) / reference_.view.mm_per_px(grating->centre);
-      double& u = prior.u_markers[i].value[MarkerShape::kScale];
+      double& u = prior_.u_markers[i].value[MarkerShape::kScale];
       if (u > 0.0) u = std::hypot(u, edge_px / half_px);
     }
   }
@@ -179,12 +182,7 @@ class Precise {
   void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place, const Calibration& calibration) {
     const Site& site = reference_.site;
     solution_.scene->full_covariance = scene_covariance(site, calibration.fits, prior_, kEverything);
-    if (!lens_given_) {
-      ScenePrior wide = prior_;
-      widen_scales(wide, kUnknownLensEdgePx);
-      solution_.scene->covariance = scene_covariance(site, calibration.fits, wide, solution_.scene->model);
-      note(still_camera_note(*solution_.scene, calibration.bundle.frames));
-    }
+    if (!lens_given_) note(still_camera_note(*solution_.scene, calibration.bundle.frames));
     note(weak_axis_note(reference_));
     const PreciseBudget budget(site, solution_.scene->full_covariance,
                                calibration.fits.front());  // the reference frame leads the key frames

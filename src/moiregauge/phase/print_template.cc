@@ -28,25 +28,32 @@ std::vector<Complex> turns(int side) {
   return out;
 }
 
-// The series on the grid: its rows summed over m for every column, then over n for every row.
+// The series on the grid: its rows summed over m for every column, then over n for every row. It is real, so that rows
+// n and -n give the same twice.
 std::vector<double> tabulated(const std::vector<Complex>& series, int order, int side) {
   const auto turn = turns(side);
-  const auto at = [&](int k, int step) { return turn[static_cast<std::size_t>(((k * step) % side + side) % side)]; };
-  std::vector<Complex> partial(static_cast<std::size_t>((2 * order + 1) * side));
-  for (int n = -order; n <= order; ++n) {
+  const auto points = static_cast<std::size_t>(side);
+  std::vector<double> re((static_cast<std::size_t>(order) + 1) * points), im(re.size());
+  for (int n = 0; n <= order; ++n) {
     for (int i = 0; i < side; ++i) {
       Complex sum = 0.0;
-      for (int m = -order; m <= order; ++m) sum += series[index_of(order, m, n)] * at(m, i);
-      partial[static_cast<std::size_t>((n + order) * side + i)] = sum;
+      int at = (order * (side - i)) % side;  // -order i, then i more with every m
+      for (int m = -order; m <= order; ++m) {
+        sum += series[index_of(order, m, n)] * turn[static_cast<std::size_t>(at)];
+        at = at + i < side ? at + i : at + i - side;
+      }
+      const std::size_t k = static_cast<std::size_t>(n) * points + static_cast<std::size_t>(i);
+      re[k] = n == 0 ? sum.real() : 2.0 * sum.real();
+      im[k] = n == 0 ? sum.imag() : 2.0 * sum.imag();
     }
   }
-  std::vector<double> table(static_cast<std::size_t>(side * side));
+  std::vector<double> table(points * points);
   for (int j = 0; j < side; ++j) {
-    for (int i = 0; i < side; ++i) {
-      double sum = 0.0;
-      for (int n = -order; n <= order; ++n)
-        sum += (partial[static_cast<std::size_t>((n + order) * side + i)] * at(n, j)).real();
-      table[static_cast<std::size_t>(j * side + i)] = sum;
+    double* const row = table.data() + static_cast<std::size_t>(j) * points;
+    for (int n = 0; n <= order; ++n) {
+      const Complex t = turn[static_cast<std::size_t>((n * j) % side)];
+      const double *const a = re.data() + static_cast<std::size_t>(n) * points, *const b = im.data() + static_cast<std::size_t>(n) * points;
+      for (std::size_t i = 0; i < points; ++i) row[i] += a[i] * t.real() - b[i] * t.imag();
     }
   }
   return table;
