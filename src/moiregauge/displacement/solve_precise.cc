@@ -102,10 +102,10 @@ void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, c
 // runs show 0.016 px; it is the same in all frames, so the bundle cannot see it.
 constexpr double kTemplateEdgePx = 0.016;
 // It is learned through the lens as it is known then. Of one that is not, a print's own bend of some hundredths of a
-// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px), and from scales at
+// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px), in all references alike, and from scales at
 // the picture's sides against those in its middle the bundle would take a lens. Only references are so far outside; a
 // target's scale also multiplies its displacement, which knows nothing of how its template was learned.
-constexpr double kUnknownLensEdgePx = 0.05;
+constexpr double kUnknownLensEdgePx = 0.08;
 
 // One run's way from observations to samples.
 class Precise {
