@@ -88,4 +88,15 @@ void add_cases(const std::string& name, std::initializer_list<Memory> memories, 
   }
 }
 
+std::shared_ptr<Work> detection_of(const Recording& recording, FindCentres find) {
+  auto work = std::make_shared<Work>();
+  work->bytes = recording.frame_bytes();
+  work->error_unit = "px";
+  work->frame = [find](const Shot& shot) { return find(shot).has_value(); };
+  work->error = [&recording, find](const Shot& shot) {
+    return recording.circle_error(find(shot).value_or(std::vector<ImagePoint>{}), shot.frame);
+  };
+  return work;
+}
+
 }  // namespace moiregauge::bench

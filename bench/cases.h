@@ -5,7 +5,9 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 
@@ -21,6 +23,10 @@ struct Work {
   std::string error_unit;  // "mm", "px"
   std::size_t bytes = 0;   // of the picture that the work is about
 };
+// Finding the circles of a whole picture: `find` gives their centres, or nothing when some are missing.
+using FindCentres = std::function<std::optional<std::vector<ImagePoint>>(const Shot&)>;
+[[nodiscard]] std::shared_ptr<Work> detection_of(const Recording& recording, FindCentres find);
+
 using MakeWork = std::function<std::shared_ptr<Work>(const Recording&)>;
 
 // Counters: bytes; lost, the share of the frames; of what is measured, along either axis, error_x_<unit>, rms over the

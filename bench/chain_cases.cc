@@ -25,17 +25,13 @@ std::shared_ptr<Work> chain_work(const Recording& recording, const Method& metho
 }
 
 std::shared_ptr<Work> detection_work(const Recording& recording) {
-  auto work = std::make_shared<Work>();
-  work->bytes = recording.frame_bytes();
-  work->error_unit = "px";
   const std::size_t least = recording.reference().circles.size();
-  work->frame = [least](const Shot& shot) { return find_circles(shot.picture, {}).circles.size() >= least; };
-  work->error = [&recording](const Shot& shot) {
+  return detection_of(recording, [least](const Shot& shot) -> std::optional<std::vector<ImagePoint>> {
     std::vector<ImagePoint> found;
     for (const SeenCircle& circle : find_circles(shot.picture, {}).circles) found.push_back(circle.centre);
-    return recording.circle_error(found, shot.frame);
-  };
-  return work;
+    if (found.size() < least) return std::nullopt;
+    return found;
+  });
 }
 
 }  // namespace

@@ -73,20 +73,14 @@ std::shared_ptr<Work> textbook_work(const Recording& recording) {
 }
 
 std::shared_ptr<Work> textbook_detection_work(const Recording& recording) {
-  auto work = std::make_shared<Work>();
-  work->bytes = recording.frame_bytes();
-  work->error_unit = "px";
   const double disc_px = textbook_site(recording.reference()).disc_px;
-  work->frame = [disc_px](const Shot& shot) { return textbook_circles(as_mat(shot.picture), disc_px).has_value(); };
-  work->error = [&recording, disc_px](const Shot& shot) {
+  return detection_of(recording, [disc_px](const Shot& shot) -> std::optional<std::vector<ImagePoint>> {
     const auto seen = textbook_circles(as_mat(shot.picture), disc_px);
+    if (!seen) return std::nullopt;
     std::vector<ImagePoint> found;
-    if (seen) {
-      for (const cv::Point2d p : *seen) found.push_back({p.x, p.y});
-    }
-    return recording.circle_error(found, shot.frame);
-  };
-  return work;
+    for (const cv::Point2d p : *seen) found.push_back({p.x, p.y});
+    return found;
+  });
 }
 
 }  // namespace

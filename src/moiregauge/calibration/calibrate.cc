@@ -82,8 +82,8 @@ double print_error_of(const Site& site, const BundleSolution& solution, std::spa
 
 // How much of what noise alone does not explain goes when the camera may turn while rows are read. Asked before a print
 // error is allowed for: that would take it all.
-Turning turning_of(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits) {
-  Turning out;
+ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits) {
+  ShutterTest out;
   double chi2 = 0.0, gone = 0.0;
   long dof = 0;
   for (std::size_t k = 0; k < fits.size(); ++k) {
@@ -131,7 +131,8 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     best.bundle.scene.markers = prior.markers;
     return best;
   }
-  best.turning = turning_of(site, *solution, fits_of(site, *solution));
+  best.fits = fits_of(site, *solution);
+  best.shutter = shutter_test(site, *solution, best.fits);
   for (int round = 0; round < kErrorRounds; ++round) {
     const double u_mm = print_error_of(site, *solution, frames, prior);
     if (u_mm == 0.0) break;
@@ -141,7 +142,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     best.print_error_mm = u_mm;
   }
   best.bundle = *std::move(solution);
-  best.fits = fits_of(site, best.bundle);
+  if (best.print_error_mm > 0.0) best.fits = fits_of(site, best.bundle);
   best.bundle.scene.covariance = scene_covariance(site, best.fits, prior, best.bundle.scene.model);
   return best;
 }

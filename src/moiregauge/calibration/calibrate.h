@@ -9,7 +9,7 @@ namespace moiregauge {
 
 // A rolling shutter's signature: what noise alone does not explain, and how much of it would go if the camera might
 // turn at a constant rate while the rows of each frame are read.
-struct Turning {
+struct ShutterTest {
   double chi2_dof = 0.0;
   double share = 0.0;  // of chi2
 };
@@ -18,7 +18,7 @@ struct Calibration {
   BundleSolution bundle;        // of the model chosen, with its covariance
   std::vector<FrameFit> fits;   // of the bundle's frames against its scene
   double print_error_mm = 0.0;  // added to the patches' noise; other frames need it too (with_print_error)
-  Turning turning;
+  ShutterTest shutter;
 };
 
 // Solves the models in ascending order (plane; + radial; + tangential; + heights; + depth), each from where the last

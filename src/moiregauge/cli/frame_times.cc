@@ -10,6 +10,7 @@ class TimedSource final : public FrameSource {
  public:
   TimedSource(std::unique_ptr<FrameSource> source, FrameTimes& times) : source_(std::move(source)), times_(times) {}
   [[nodiscard]] const InputInfo& info() const override { return source_->info(); }
+  [[nodiscard]] bool is_frame_whole() const override { return source_->is_frame_whole(); }
   [[nodiscard]] tl::expected<std::optional<Frame>, InputError> next() override {
     const auto asked = Clock::now();
     auto frame = source_->next();

@@ -18,6 +18,8 @@ class StoredSource final : public FrameSource {
 
   [[nodiscard]] const InputInfo& info() const override { return info_; }
 
+  [[nodiscard]] bool is_frame_whole() const override { return mapped_.file->is_whole(); }
+
   [[nodiscard]] tl::expected<std::optional<Frame>, InputError> next() override {
     const auto at = static_cast<std::size_t>(number_);
     if (!mapped_.file->is_whole()) {

@@ -19,6 +19,7 @@ constexpr double kWeak = 2.5;
 // Below this a frame shows the prints where the reference frame showed them: the lens bends all frames alike.
 constexpr double kHardlyTurns_deg = 0.25;
 constexpr double kHardlyGoes = 0.005;  // of the distance
+constexpr Eigen::Index kK1 = 3;        // of the camera's eight
 
 struct Span {
   double x = 0.0, y = 0.0;  // mm
@@ -53,7 +54,7 @@ std::optional<std::string> weak_axis_note(const Reference& reference) {
   const bool is_flat = span.y < span.x;
   return fmt::format(
       "the references span {:.2g} of their {} in {}: of target '{}' u_dx cannot be below {:.2g} um, u_dy not below "
-      "{:.2g} um; move two of the references further {} for more",
+      "{:.2g} um (k = 1); move two of the references further {} for less",
       is_flat ? span.y / span.x : span.x / span.y, is_flat ? "width" : "height", is_flat ? "height" : "width",
       reference.site.markers[*target].name, 1000.0 * u.x, 1000.0 * u.y, is_flat ? "up or down" : "to the side");
 }
@@ -70,10 +71,13 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
   const double turn_deg = std::hypot(turns[0], turns[1], turns[2]) * 360.0 / kTurn;
   if (turn_deg > kHardlyTurns_deg || std::hypot(goes[0], goes[1], goes[2]) > kHardlyGoes * std::abs(first.shift[2]))
     return std::nullopt;
+  const std::string lens =
+      scene.model.radial ? fmt::format(" (k1 {:.2g}, u {:.2g})", scene.camera.k1, std::sqrt(scene.covariance(kK1, kK1)))
+                         : "";
   return fmt::format(
       "the camera turns by {:.2g} deg only: what displacement it fakes is small whatever the lens, but a lens solved "
-      "from such footage (k1 {:.2g}) is not to be used for other footage; for that, move the camera on purpose",
-      turn_deg, scene.camera.k1);
+      "from such footage{} is not to be used for other footage; for that, move the camera on purpose",
+      turn_deg, lens);
 }
 
 }  // namespace moiregauge

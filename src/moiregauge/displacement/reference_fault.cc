@@ -72,15 +72,25 @@ ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> 
   return verdict;
 }
 
-double movement_of(Site site, const Scene& scene, std::span<const BundleFrame> frames, std::size_t marker) {
+Movement movement_of(Site site, const Scene& scene, std::span<const BundleFrame> frames, std::size_t marker) {
   site.markers[marker].role = Role::kTarget;
-  std::optional<Extent<frame::Board>> first;
-  double most = 0.0;
+  std::optional<FrameFit> first;
+  Movement most;
+  const auto covariance = [marker](const FrameFit& fit) -> Eigen::Matrix2d {
+    return fit.covariance.block<2, 2>(fit.shift_row[marker], fit.shift_row[marker]);
+  };
   for (const BundleFrame& frame : frames) {
-    const FrameFit fit = fit_frame(site, scene, frame);
+    FrameFit fit = fit_frame(site, scene, frame);
     if (!fit.ok || fit.shift_row[marker] < 0) continue;
-    if (!first) first = fit.shift[marker];
-    most = std::max(most, length(fit.shift[marker] - *first));
+    if (!first) {
+      first = std::move(fit);
+      continue;
+    }
+    const auto went = fit.shift[marker] - first->shift[marker];
+    const double mm = length(went);
+    if (!(mm > most.mm)) continue;
+    const Eigen::Vector2d along = Eigen::Vector2d(went.x, went.y) / mm;
+    most = {mm, std::sqrt(along.dot((covariance(fit) + covariance(*first)) * along))};
   }
   return most;
 }

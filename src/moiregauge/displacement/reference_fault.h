@@ -26,8 +26,13 @@ struct ReferenceVerdict {
 // The frames without that reference.
 [[nodiscard]] std::vector<BundleFrame> without(std::span<const BundleFrame> frames, std::size_t marker);
 
-// How far it went from where it was in the first frame, mm, in the scene solved without it.
-[[nodiscard]] double movement_of(Site site, const Scene& scene, std::span<const BundleFrame> frames,
-                                 std::size_t marker);
+struct Movement {
+  double mm = 0.0;
+  double u_mm = 0.0;  // of both frames' noise, the scene known
+};
+
+// How far it went at most from where it was in the first frame, in the scene solved without it.
+[[nodiscard]] Movement movement_of(Site site, const Scene& scene, std::span<const BundleFrame> frames,
+                                   std::size_t marker);
 
 }  // namespace moiregauge

@@ -13,6 +13,7 @@
 #include "moiregauge/displacement/reference_fault.h"
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/observation/fine_pitch.h"
+#include "moiregauge/observation/patch_of_points.h"
 
 namespace moiregauge {
 namespace {
@@ -42,9 +43,8 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
   const PatchReading& then = reference.seen.markers[i].patch;
   const Status sharp = sharpness(then, seen.patch);
   if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
-  const double noise = reference.seen.markers[i].points->sigma, gain = seen.points->gain[0];
-  const double more = std::sqrt(std::max(0.0, seen.points->sigma * seen.points->sigma - noise * noise));
-  return more > kHiddenContrast * gain * reference.prints[i]->print.contrast() ? Status::kPartlyCovered : Status::kOk;
+  const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i]);
+  return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;
 }
 
 Status status_of(const Reference& reference, const Observation& seen, std::size_t i, const FrameFit& fit) {
@@ -74,8 +74,8 @@ std::vector<BundleFrame> key_frames_of(const std::vector<BundleFrame>& frames) {
   return key;
 }
 
-bool shutter_rolls(const Turning& turning) {
-  return turning.chi2_dof > kRollingChi2 && turning.share > kRollingShare;
+bool shutter_rolls(const ShutterTest& shutter) {
+  return shutter.chi2_dof > kRollingChi2 && shutter.share > kRollingShare;
 }
 
 void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, const FrameFit& now) {
@@ -102,9 +102,10 @@ void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, c
 // runs show 0.016 px; it is the same in all frames, so the bundle cannot see it.
 constexpr double kTemplateEdgePx = 0.016;
 // It is learned through the lens as it is known then. Of one that is not, a print's own bend of some hundredths of a
-// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px), in all references alike, and from scales at
-// the picture's sides against those in its middle the bundle would take a lens. Only references are so far outside; a
-// target's scale also multiplies its displacement, which knows nothing of how its template was learned.
+// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px), in all references
+// alike, and from scales at the picture's sides against those in its middle the bundle would take a lens. Only
+// references are so far outside; a target's scale also multiplies its displacement, which knows nothing of how its
+// template was learned.
 constexpr double kUnknownLensEdgePx = 0.08;
 
 // One run's way from observations to samples.
@@ -128,15 +129,16 @@ class Precise {
   }
 
   Solution solve() {
-    auto [frames, place] = bundle_frames(reference_, observations_, prior_.camera, options_, lens_given_ ? kLeastForPose : kLeastForHomography);
-    if (references_in(reference_.site, frames.front()) < 4)
+    auto [frames, place] = bundle_frames(reference_, observations_, prior_.camera, options_,
+                                         lens_given_ ? kLeastForPose : kLeastForHomography);
+    if (references_in(reference_.site, frames.front()) < kLeastForHomography)
       return fallback(reference_, observations_, options_,
                       "the prints of four references could not be learned from the reference frame");
     auto calibration = calibrate(reference_.site, key_frames_of(frames), prior_);
     if (calibration.bundle.scene.solved) leave_out_what_moves(frames, calibration);
     if (!calibration.bundle.scene.solved)
       return fallback(reference_, observations_, options_, calibration.bundle.scene.problem);
-    if (shutter_rolls(calibration.turning))
+    if (shutter_rolls(calibration.shutter))
       return fallback(reference_, observations_, options_,
                       "the camera turns while the rows of a frame are read (a rolling shutter)");
     solution_.scene = calibration.bundle.scene;
@@ -174,9 +176,10 @@ class Precise {
     frames = without(frames, *verdict.moved);
     calibration = calibrate(reference_.site, key_frames_of(frames), prior_);
     if (!calibration.bundle.scene.solved) return;
-    const double went = movement_of(reference_.site, calibration.bundle.scene, all, *verdict.moved);
-    solution_.notes.push_back(fmt::format("reference '{}' moves by up to {:.3f} mm against the others and is left out",
-                                          reference_.site.markers[*verdict.moved].name, went));
+    const Movement went = movement_of(reference_.site, calibration.bundle.scene, all, *verdict.moved);
+    solution_.notes.push_back(
+        fmt::format("reference '{}' moves by up to {:.3f} mm (u {:.4f} mm) against the others and is left out",
+                    reference_.site.markers[*verdict.moved].name, went.mm, went.u_mm));
   }
 
   void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place, const Calibration& calibration) {

@@ -43,32 +43,37 @@ PixelNoise noise_in(const ImageView<Grey>& p, int bits) {
   return noise;
 }
 
+template <typename Grey>
+ImageView<Grey> clipped_to(const ImageView<Grey>& picture, int x0, int y0, int width, int height) {
+  const int left = std::clamp(x0, 0, picture.width), right = std::clamp(x0 + width, left, picture.width);
+  const int top = std::clamp(y0, 0, picture.height), bottom = std::clamp(y0 + height, top, picture.height);
+  return picture.part(left, top, right - left, bottom - top);
+}
+
 }  // namespace
 
 PixelNoise pixel_noise(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
-  const int left = std::clamp(x0, 0, width_of(luma));
-  const int top = std::clamp(y0, 0, height_of(luma));
-  const int right = std::clamp(x0 + width, left, width_of(luma));
-  const int bottom = std::clamp(y0 + height, top, height_of(luma));
-  if (right - left < 3 || bottom - top < 3) return {kRounding, 0.0};
-  return std::visit([&](const auto& p) { return noise_in(p.part(left, top, right - left, bottom - top), bits); }, luma);
+  return std::visit(
+      [&](const auto& picture) {
+        const auto part = clipped_to(picture, x0, y0, width, height);
+        return part.width < 3 || part.height < 3 ? PixelNoise{kRounding, 0.0} : noise_in(part, bits);
+      },
+      luma);
 }
 
 double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
-  const int left = std::clamp(x0, 0, width_of(luma)), right = std::clamp(x0 + width, left, width_of(luma));
-  const int top = std::clamp(y0, 0, height_of(luma)), bottom = std::clamp(y0 + height, top, height_of(luma));
-  if (right == left || bottom == top) return 0.0;
   return std::visit(
       [&](const auto& picture) {
+        const auto part = clipped_to(picture, x0, y0, width, height);
+        if (part.width == 0 || part.height == 0) return 0.0;
         const int most = (1 << bits) - 1;
         long clipped = 0;
-        for (int y = top; y < bottom; ++y) {
+        for (int y = 0; y < part.height; ++y) {
           int in_row = 0;
-          for (const auto grey : picture.row(y).subspan(static_cast<std::size_t>(left), static_cast<std::size_t>(right - left)))
-            in_row += static_cast<int>(grey == 0) | static_cast<int>(grey >= most);
+          for (const auto grey : part.row(y)) in_row += static_cast<int>(grey == 0) | static_cast<int>(grey >= most);
           clipped += in_row;
         }
-        return static_cast<double>(clipped) / (static_cast<double>(right - left) * (bottom - top));
+        return static_cast<double>(clipped) / (static_cast<double>(part.width) * part.height);
       },
       luma);
 }

@@ -25,8 +25,7 @@ CircleSearch search_near(const GreyPicture& picture, const Reference& reference,
   CircleSearch search;
   const View view{predicted, reference.lens};
   for (const CirclePoint& point : reference.circles) {
-    const double diameter = reference.seen.markers[point.marker].circle->diameter_px *
-                            reference.view.mm_per_px(point.board) / view.mm_per_px(point.board);
+    const double diameter = reference.diameter_px(point, view);
     for (const SeenCircle& circle :
          find_circles_near(picture.luma, view(point.board), diameter, kReach * diameter, reference.options.circles))
       search.circles.push_back(circle);
@@ -53,7 +52,7 @@ Located as_before(const Reference& reference, const CircleSearch& near, const Id
   who.image_from_board = Homography<frame::Image, frame::Board>(predicted.matrix());
   for (const CirclePoint& point : reference.circles) {
     const ImagePoint there = view(point.board);
-    double nearest = kReach * reference.seen.markers[point.marker].circle->diameter_px;
+    double nearest = kReach * reference.diameter_px(point, view);
     for (std::size_t i = 0; i < near.circles.size(); ++i) {
       const double away = length(near.circles[i].centre - there);
       if (away < nearest) nearest = away, who.circle_of_marker[point.marker] = static_cast<int>(i);

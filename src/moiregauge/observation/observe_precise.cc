@@ -80,7 +80,8 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   const auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, *reference.prints[i]);
   if (!points) return;
   if (may_have_slipped) {
-    if (!is_whole(*points, reference.seen.markers[i], *reference.prints[i])) return;
+    const auto& at_rest = reference.seen.markers[i].points;
+    if (!at_rest || !is_whole(*points, *at_rest, *reference.prints[i])) return;
     seen.loss = Loss::kNone;
   }
   seen.points = *points;

@@ -181,8 +181,8 @@ constexpr int kLatticeRounds = 2;
 
 }  // namespace
 
-std::optional<FoundPrint> find_print(const LumaView& luma, const View& view, const Grating& grating, int pitches,
-                                     const IsHidden& is_hidden) {
+std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View& view, const Grating& grating,
+                                               int pitches, const IsHidden& is_hidden) {
   Outline outline;
   outline.window = {
       {0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - kRim, 0.5 * grating.height_mm / grating.pitch_mm - kRim};
@@ -206,7 +206,7 @@ std::optional<FoundPrint> find_print(const LumaView& luma, const View& view, con
     const PrintPoint own{0.5 * best.i + x.middle(), 0.5 * best.j + y.middle()};
     const PrintPoint p = correction.inverse()(own);
     const auto board = print_from_board(grating, {}).inverse();
-    return FoundPrint{board(p) - board({0, 0}), correction};
+    return board(p) - board({0, 0});
   }
   return std::nullopt;
 }

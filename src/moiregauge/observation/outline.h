@@ -55,15 +55,11 @@ using IsTaken = std::function<bool(Extent<frame::Board>)>;
                                                                Extent<frame::Board> from, int pitches,
                                                                const IsTaken& is_taken);
 
-// Where a print hangs that the site knows but roughly.
-struct FoundPrint {
-  Extent<frame::Board> off;   // mm from where the site has it, to a quarter pitch
-  PrintFromPrint correction;  // linear, about its middle: the site's scale and shear there may be wrong by a quarter
-};
-
-// Looks within `pitches`; nothing when the print has no outline in sight. `is_hidden`: pixels that show something else
-// for certain, such as the marker's circle.
-[[nodiscard]] std::optional<FoundPrint> find_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                   int pitches, const IsHidden& is_hidden);
+// How far (mm, to a quarter pitch) a print hangs from where the site, which knows it but roughly, has it; the site's
+// scale and shear there may be wrong by a quarter. Looks within `pitches`; nothing when the print has no outline in
+// sight. `is_hidden`: pixels that show something else for certain, such as the marker's circle.
+[[nodiscard]] std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View& view,
+                                                             const Grating& grating, int pitches,
+                                                             const IsHidden& is_hidden);
 
 }  // namespace moiregauge

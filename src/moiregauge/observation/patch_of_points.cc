@@ -14,30 +14,23 @@ namespace {
 
 constexpr double kWholeContrast = 0.1;  // rms
 
-// Where points seem to be on the board, less where the site has them: a plane, about the grating's middle.
-struct OffField {
-  Eigen::Vector2d off = Eigen::Vector2d::Zero();  // mm
-  Matrix2 gradient = Matrix2::Zero();
-};
-
-OffField off_field(const Reference& reference, const View& view, std::size_t i, const PatchFit& fit) {
+// Where points seem to be on the board, less where the site has them: a plane about the grating's middle.
+PrintMotion off_the_site(const Reference& reference, const View& view, std::size_t i, const PatchFit& fit) {
   const Grating& grating = *reference.site.markers[i].grating;
   const auto board_from_print =
       print_from_board(grating, {}).inverse() * reference.prints[i]->correction.inverse();
+  const auto board_from_ideal = view.ideal_from_board.inverse();
   Eigen::Matrix<double, kPatchPoints, 3> plane;
   Eigen::Matrix<double, kPatchPoints, 2> off;
   for (int n = 0; n < kPatchPoints; ++n) {
     const auto k = static_cast<std::size_t>(n);
-    const BoardPoint nominal = board_from_print(fit.print[k]), seen = view.board(fit.image[k]);
+    const BoardPoint nominal = board_from_print(fit.print[k]);
+    const BoardPoint seen = board_from_ideal(view.lens.undistort(fit.image[k]));
     plane.row(n) << 1.0, nominal.x - grating.centre.x, nominal.y - grating.centre.y;
     off.row(n) << seen.x - nominal.x, seen.y - nominal.y;
   }
   const Eigen::Matrix<double, 3, 2> c = (plane.transpose() * plane).ldlt().solve(plane.transpose() * off);
-  return {c.row(0).transpose(), c.bottomRows<2>().transpose()};
-}
-
-OffField at_rest(const Reference& reference, std::size_t i) {
-  return off_field(reference, reference.view, i, *reference.seen.markers[i].points);
+  return {{c(0, 0), c(0, 1)}, c.bottomRows<2>().transpose()};
 }
 
 // Of a shift of all nine points alike, pitches.
@@ -48,22 +41,21 @@ double u_of_shift(const PatchInformation& information, int axis) {
 
 }  // namespace
 
-Extent<frame::Board> moved_by_points(const Reference& reference, const View& view, std::size_t i, const PatchFit& fit) {
-  const Eigen::Vector2d d = off_field(reference, view, i, fit).off - at_rest(reference, i).off;
-  return {d.x(), d.y()};
+PrintMotion motion_of_points(const Reference& reference, const View& view, std::size_t i, const PatchFit& fit) {
+  const PrintMotion now = off_the_site(reference, view, i, fit);
+  const PrintMotion then = off_the_site(reference, reference.view, i, *reference.seen.markers[i].points);
+  return {now.displacement - then.displacement, now.gradient - then.gradient};
 }
 
-PatchReading patch_of_points(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                             const PatchFit& fit, Extent<frame::Board> shift) {
+PatchReading patch_of_points(const GreyPicture& picture, const Reference& reference, std::size_t i, const PatchFit& fit,
+                             const PrintMotion& motion, Extent<frame::Board> shift) {
   const RasterPlan& plan = reference.plans[i];
   const MarkerObservation& then = reference.seen.markers[i];
-  const OffField now = off_field(reference, view, i, fit), rest = at_rest(reference, i);
   PatchReading patch = then.patch;
-  const Eigen::Vector2d d = now.off - rest.off;
-  const auto along = raster_from_board(plan, {d.x() - shift.x, d.y() - shift.y});
+  const auto along = raster_from_board(plan, motion.displacement - shift);
   const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
   const Matrix2 turn = (Matrix2() << c, -s, s, c).finished();
-  const Matrix2 bent = turn.transpose() * (now.gradient - rest.gradient) * turn;
+  const Matrix2 bent = turn.transpose() * motion.gradient * turn;
   const double pitch_mm = reference.site.markers[i].grating->pitch_mm;
   for (std::size_t a = 0; a < 2; ++a) {
     patch.phase_rad[a] = wrapped(then.patch.phase_rad[a] - kTurn * along[a] / plan.pitch_mm);
@@ -80,11 +72,13 @@ PatchReading patch_of_points(const GreyPicture& picture, const Reference& refere
   return patch;
 }
 
-bool is_whole(const PatchFit& points, const MarkerObservation& at_rest, const PrintModel& model) {
-  if (!at_rest.points) return false;
-  const double noise = at_rest.points->sigma;
-  const double more = std::sqrt(std::max(0.0, points.sigma * points.sigma - noise * noise));
-  return more < kWholeContrast * points.gain[0] * model.print.contrast();
+double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {
+  const double more = std::sqrt(std::max(0.0, points.sigma * points.sigma - at_rest.sigma * at_rest.sigma));
+  return more / (points.gain[0] * model.print.contrast());
+}
+
+bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {
+  return missing_contrast(points, at_rest, model) < kWholeContrast;
 }
 
 }  // namespace moiregauge

@@ -7,15 +7,23 @@
 
 namespace moiregauge {
 
-// How far the middle of the print has gone on the board since the reference frame, mm.
-[[nodiscard]] Extent<frame::Board> moved_by_points(const Reference& reference, const View& view, std::size_t i,
-                                                   const PatchFit& points);
+// How a print has gone on the board since the reference frame: a plane about its middle.
+struct PrintMotion {
+  Extent<frame::Board> displacement;   // mm, of the middle
+  Matrix2 gradient = Matrix2::Zero();  // d(displacement) / d(board point)
+};
+[[nodiscard]] PrintMotion motion_of_points(const Reference& reference, const View& view, std::size_t i,
+                                           const PatchFit& points);
 
 // As read in a window shifted by `shift`.
-[[nodiscard]] PatchReading patch_of_points(const GreyPicture& picture, const Reference& reference, const View& view,
-                                           std::size_t i, const PatchFit& points, Extent<frame::Board> shift);
+[[nodiscard]] PatchReading patch_of_points(const GreyPicture& picture, const Reference& reference, std::size_t i,
+                                           const PatchFit& points, const PrintMotion& motion,
+                                           Extent<frame::Board> shift);
 
-// A print of which pixels miss its template by more than a tenth of its contrast, rms, beyond their noise, is not whole.
-[[nodiscard]] bool is_whole(const PatchFit& points, const MarkerObservation& at_rest, const PrintModel& model);
+// By how much pixels miss the print's template beyond their noise in the reference frame, rms, of its contrast.
+[[nodiscard]] double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);
+
+// More than a tenth, and something hides a part of it.
+[[nodiscard]] bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);
 
 }  // namespace moiregauge

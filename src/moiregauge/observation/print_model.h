@@ -23,7 +23,7 @@ enum class TemplateUse { kAuto, kOn, kOff };
 struct PrintModel {
   PrintTemplate print = PrintTemplate::cosine(0.0, 0.0);
   PatchWindow window;       // pitches
-  PatchFitOptions options;  // axes
+  PatchFitOptions options;  // axes, and the rows that the first passes look at
   std::optional<Outline> outline;
   // From the print coordinates that the site gives through a view to those found: where the site's places are off by
   // millimetres the view is stretched by per cents, the same in every frame, and a fit should not begin there.

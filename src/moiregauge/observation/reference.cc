@@ -78,8 +78,8 @@ void centre_windows(Reference& reference, const LumaView& luma) {
     const int pitches = static_cast<int>(std::ceil(std::min({may_be_off, room, double{kMostPitchesOff}})));
     const auto found = find_print(luma, reference.view, *marker.grating, pitches,
                                   [&](ImagePoint p) { return is_circle(reference, p); });
-    if (found && length(found->off) > kBeside * marker.grating->pitch_mm)
-      marker.grating->centre = marker.grating->centre + found->off;
+    if (found && length(*found) > kBeside * marker.grating->pitch_mm)
+      marker.grating->centre = marker.grating->centre + *found;
   }
 }
 

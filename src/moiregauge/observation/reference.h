@@ -45,6 +45,10 @@ struct Reference {
   std::vector<Loss> plan_loss;                    // kTooCoarse etc., one per marker
   CircleSearch search;                            // everything that looked like a circle, for the overlay
 
+  // Of a reference's circle in another view, px.
+  [[nodiscard]] double diameter_px(const CirclePoint& point, const View& in) const {
+    return seen.markers[point.marker].circle->diameter_px * view.mm_per_px(point.board) / in.mm_per_px(point.board);
+  }
   // Was a camera given? Then three references tell a pose where a homography needs four.
   [[nodiscard]] bool knows_camera() const { return !lens.is_distortion_free() || lens.fx != 1.0; }
 };

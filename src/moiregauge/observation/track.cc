@@ -32,11 +32,10 @@ std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& r
   who.image_from_board = Homography<frame::Image, frame::Board>(expected.matrix());
   for (const CirclePoint& point : reference.circles) {
     SeenCircle circle = *reference.seen.markers[point.marker].circle;
-    const double scale = reference.view.mm_per_px(point.board) / view.mm_per_px(point.board);
-    const auto centre = disc_centre(picture.luma, view(point.board), scale * circle.diameter_px, circle);
+    circle.diameter_px = reference.diameter_px(point, view);
+    const auto centre = disc_centre(picture.luma, view(point.board), circle.diameter_px, circle);
     if (!centre) return std::nullopt;
     circle.centre = *centre;
-    circle.diameter_px *= scale;
     who.circle_of_marker[point.marker] = static_cast<int>(search.circles.size());
     search.circles.push_back(circle);
   }
@@ -47,7 +46,8 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
                                Extent<frame::Board> moved) {
   const PrintModel& print = *reference.prints[i];
   auto fit = read_points(picture.luma, view, *reference.site.markers[i].grating, moved, print);
-  if (!fit || !(fit->last_step < kConverged) || !is_whole(*fit, reference.seen.markers[i], print)) return std::nullopt;
+  if (!fit || !(fit->last_step < kConverged) || !is_whole(*fit, *reference.seen.markers[i].points, print))
+    return std::nullopt;
   return *std::move(fit);
 }
 
@@ -71,10 +71,10 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
     MarkerObservation& marker = seen.markers[i];
     auto fit = fitted(picture, reference, view, i, {});
     if (!fit) return std::nullopt;
-    const auto moved = moved_by_points(reference, view, i, *fit);
-    if (length(moved) > kFarOff * reference.plans[i].pitch_mm) return std::nullopt;
+    const PrintMotion motion = motion_of_points(reference, view, i, *fit);
+    if (length(motion.displacement) > kFarOff * reference.plans[i].pitch_mm) return std::nullopt;
     marker.circle = search->circles[k];
-    marker.patch = patch_of_points(picture, reference, view, i, *fit, {});
+    marker.patch = patch_of_points(picture, reference, i, *fit, motion, {});
     marker.points = *std::move(fit);
     marker.loss = Loss::kNone;
   }
@@ -90,8 +90,9 @@ bool track_target(const GreyPicture& picture, const Reference& reference, const 
   if (!reference.prints[i] || !reference.seen.markers[i].points || !(i < prediction.travel_expected.size())) return false;
   auto fit = fitted(picture, reference, view, i, prediction.travel_expected[i]);
   if (!fit) return false;
-  seen.window_shift = moved_by_points(reference, view, i, *fit);
-  seen.patch = patch_of_points(picture, reference, view, i, *fit, seen.window_shift);
+  const PrintMotion motion = motion_of_points(reference, view, i, *fit);
+  seen.window_shift = motion.displacement;
+  seen.patch = patch_of_points(picture, reference, i, *fit, motion, seen.window_shift);
   seen.points = *std::move(fit);
   seen.loss = Loss::kNone;
   return true;

@@ -105,9 +105,10 @@ double explained(const NormalMatrix& n, const NormalVector& r, const Solution& s
   return (s.value.dot(r) - of_light.dot(light.ldlt().solve(of_light))) / (kColumns - 3);
 }
 
-// The middle of the range of the print's levels, whatever they are: from the patch's middle row.
+// What the first pass takes off, so that single precision sees small numbers: the middle pixel will do.
 double first_light(const LumaView& luma, const PixelBox& box) {
-  return std::visit([&](const auto& picture) { return static_cast<double>(picture.at((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)); }, luma);
+  const int x = (box.x0 + box.x1) / 2, y = (box.y0 + box.y1) / 2;
+  return std::visit([x, y](const auto& picture) { return static_cast<double>(picture.at(x, y)); }, luma);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include "moiregauge/phase/patch_pass.h"
 
 #include <algorithm>
-#include <cmath>
 #include <variant>
 
 #define HWY_COMPILE_ALL_ATTAINABLE  // the scalar one too: it is what the others are compared with
@@ -11,75 +10,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#ifndef MOIREGAUGE_PATCH_PASS_ONCE
-#define MOIREGAUGE_PATCH_PASS_ONCE
-namespace moiregauge {
-namespace {
-
-constexpr int kBlockWidth = 16;
-// Rows of a block share their v: never more of them than a fourteenth of half the patch.
-constexpr int kMostRows = 4;
-constexpr double kRowsShare = 1.0 / 14.0;
-// Highest power of u, and of v, that each product is needed with.
-constexpr std::array<int, kPatchProducts> kHighest{4, 4, 4, 3, 3, 3, 3, 2, 2, 2, 2, 2, 1, 1,
-                                                   0, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0};
-
-// Print coordinates along a block's row, in nodes from the template's middle: a + k (b + k c), k px from the row's middle.
-struct RowMap {
-  std::array<float, 3> x{}, y{};
-  std::array<float, 2> light{}, contrast{}, gain{};  // a + k b; the gain by nodes
-};
-
-struct Job {
-  PatchMap map;
-  Matrix3 h;
-  PatchWindow window;
-  const PrintNodes* nodes = nullptr;
-  PixelBox box;
-  int row_step = 1;
-};
-
-// The field on one row, in u.
-struct RowField {
-  std::array<double, 3> dx{}, dy{};
-};
-
-RowField field_on(const PatchMap& map, double v) {
-  RowField f;
-  for (std::size_t i = 0; i < 3; ++i) {
-    f.dx[i] = map.dx[i] + v * (map.dx[3 + i] + v * map.dx[6 + i]);
-    f.dy[i] = map.dy[i] + v * (map.dy[3 + i] + v * map.dy[6 + i]);
-  }
-  return f;
-}
-
-RowMap row_map(const Job& job, const RowField& f, double x, double y) {
-  const Matrix3& h = job.h;
-  const double u = (x - job.map.x0) / job.map.scale, per_px = 1.0 / job.map.scale, side = job.nodes->side;
-  const double z = 1.0 / (h(2, 0) * x + h(2, 1) * y + h(2, 2)), bend = -h(2, 0) * z;
-  const double px = (h(0, 0) * x + h(0, 1) * y + h(0, 2)) * z, py = (h(1, 0) * x + h(1, 1) * y + h(1, 2)) * z;
-  const double slope_x = h(0, 0) * z + px * bend, slope_y = h(1, 0) * z + py * bend;
-  RowMap row;
-  row.x = {static_cast<float>(side * (px + f.dx[0] + u * (f.dx[1] + u * f.dx[2]))),
-           static_cast<float>(side * (slope_x + per_px * (f.dx[1] + 2.0 * u * f.dx[2]))),
-           static_cast<float>(side * (slope_x * bend + per_px * per_px * f.dx[2]))};
-  row.y = {static_cast<float>(side * (py + f.dy[0] + u * (f.dy[1] + u * f.dy[2]))),
-           static_cast<float>(side * (slope_y + per_px * (f.dy[1] + 2.0 * u * f.dy[2]))),
-           static_cast<float>(side * (slope_y * bend + per_px * per_px * f.dy[2]))};
-  const double v = (y - job.map.y0) / job.map.scale;
-  const auto plane = [&](const std::array<double, 3>& c) {
-    return std::array{static_cast<float>(c[0] + c[1] * u + c[2] * v), static_cast<float>(c[1] * per_px)};
-  };
-  row.light = plane(job.map.light);
-  row.contrast = plane(job.map.contrast);
-  row.gain = plane(job.map.gain);
-  for (float& g : row.gain) g *= static_cast<float>(side);
-  return row;
-}
-
-}  // namespace
-}  // namespace moiregauge
-#endif
+#include "moiregauge/phase/patch_rows.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge {
@@ -90,6 +21,12 @@ using Float = hn::CappedTag<float, kBlockWidth>;
 using Whole = hn::RebindToSigned<Float>;
 using V = hn::Vec<Float>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
+// Rows of a block share their v: never more of them than a fourteenth of half the patch.
+constexpr int kMostRows = 4;
+constexpr double kRowsShare = 1.0 / 14.0;
+// Highest power of u, and of v, that each product is needed with.
+constexpr std::array<int, kPatchProducts> kHighest{4, 4, 4, 3, 3, 3, 3, 2, 2, 2, 2, 2, 1, 1,
+                                                   0, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0};
 
 struct Nodes {
   const std::int32_t* words;
@@ -213,17 +150,46 @@ HWY_INLINE double folded(float* lanes) {
   return static_cast<double>((lanes[0] + lanes[2]) + (lanes[1] + lanes[3]));
 }
 
-template <typename Grey>
-void Pass(const Job& job, const ImageView<Grey>& picture, PatchSums& out) {
+Nodes nodes_of(const PrintNodes& table) {
   const Float d;
-  const PrintNodes& table = *job.nodes;
   const auto side = static_cast<float>(table.side);
   Nodes nodes{table.words.data(), hn::Set(d, side), hn::Set(d, 1.0F / side), hn::Set(d, static_cast<float>(table.wide())),
               hn::Set(d, static_cast<float>(PrintNodes::kWords)), {}};
   for (int k = 0; k < 2 * PrintNodes::kWords; ++k) nodes.scale[k] = hn::Set(d, table.scale[static_cast<std::size_t>(k)]);
-  const auto in_nodes = [&](double pitches) { return hn::Set(d, static_cast<float>(pitches) * side); };
-  const Window window{in_nodes(job.window.centre.x), in_nodes(job.window.centre.y), in_nodes(job.window.half_x),
-                      in_nodes(job.window.half_y)};
+  return nodes;
+}
+
+Window window_of(const PatchWindow& w, float side) {
+  const auto in_nodes = [side](double pitches) { return hn::Set(Float(), static_cast<float>(pitches) * side); };
+  return {in_nodes(w.centre.x), in_nodes(w.centre.y), in_nodes(w.half_x), in_nodes(w.half_y)};
+}
+
+// Lanes folded, rows given the powers of their v.
+void add_rows(LaneSums& lanes, double v, PatchSums& out) {
+  for (int f = 0; f < kPatchProducts; ++f) {
+    const int highest = kHighest[static_cast<std::size_t>(f)];
+    for (int k = 0; k <= highest; ++k) {
+      double value = folded(lanes.of[f][k]);
+      for (int l = 0; l <= highest; ++l, value *= v) out.at(f, k, l) += value;
+    }
+  }
+}
+
+// Sixteen grey levels from (x, y) on; those beyond the picture are nothing, and its memory is not touched.
+template <typename Grey>
+const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[kBlockWidth]) {
+  const Grey* const at = picture.row(y).data() + x;
+  if (x + kBlockWidth <= picture.width) return at;
+  std::fill_n(edge, kBlockWidth, Grey{0});
+  std::copy_n(at, picture.width - x, edge);
+  return edge;
+}
+
+template <typename Grey>
+void Pass(const PatchJob& job, const ImageView<Grey>& picture, PatchSums& out) {
+  const Nodes nodes = nodes_of(*job.nodes);
+  const auto side = static_cast<float>(job.nodes->side);
+  const Window window = window_of(job.window, side);
   const PatchMap& map = job.map;
   const PixelBox& box = job.box;
   const int most = std::clamp(static_cast<int>(map.scale * kRowsShare) / job.row_step, 1, kMostRows);
@@ -242,29 +208,18 @@ void Pass(const Job& job, const ImageView<Grey>& picture, PatchSums& out) {
       for (int r = 0; r < count; ++r) {
         const int row = y + r * job.row_step;
         rows[r] = row_map(job, fields[r], middle, row);
-        grey[r] = picture.row(row).data() + x;
-        if (x + kBlockWidth <= picture.width) continue;
-        std::fill_n(edge[r], kBlockWidth, Grey{0});
-        std::copy_n(grey[r], picture.width - x, edge[r]);
-        grey[r] = edge[r];
+        grey[r] = sixteen(picture, x, row, edge[r]);
       }
       const Block block{rows, count, box.x1 - x, static_cast<float>((middle - map.x0) / map.scale), per_px};
       for (int lane = 0; lane < kBlockWidth; lane += kLanes)
         sum_lanes(nodes, window, block, grey, side, lane, lanes);
     }
-    const double v = (y + 0.5 * (count - 1) * job.row_step - map.y0) / map.scale;
-    for (int f = 0; f < kPatchProducts; ++f) {
-      const int highest = kHighest[static_cast<std::size_t>(f)];
-      for (int k = 0; k <= highest; ++k) {
-        double value = folded(lanes.of[f][k]);
-        for (int l = 0; l <= highest; ++l, value *= v) out.at(f, k, l) += value;
-      }
-    }
+    add_rows(lanes, (y + 0.5 * (count - 1) * job.row_step - map.y0) / map.scale, out);
   }
 }
 
-void Pass8(const Job& job, const ImageView<std::uint8_t>& picture, PatchSums& out) { Pass(job, picture, out); }
-void Pass16(const Job& job, const ImageView<std::uint16_t>& picture, PatchSums& out) { Pass(job, picture, out); }
+void Pass8(const PatchJob& job, const ImageView<std::uint8_t>& picture, PatchSums& out) { Pass(job, picture, out); }
+void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& picture, PatchSums& out) { Pass(job, picture, out); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace moiregauge
@@ -278,7 +233,7 @@ HWY_EXPORT(Pass16);
 
 void sum_patch(const LumaView& luma, const PatchMap& map, const PatchWindow& window, const PrintNodes& nodes,
                const PixelBox& box, int row_step, PatchSums& sums) {
-  const Job job{map, map.map.matrix(), window, &nodes, box, row_step};
+  const PatchJob job{map, map.map.matrix(), window, &nodes, box, row_step};
   sums.total.fill(0.0);
   if (const auto* view = std::get_if<ImageView<std::uint8_t>>(&luma))
     HWY_DYNAMIC_DISPATCH(Pass8)(job, *view, sums);

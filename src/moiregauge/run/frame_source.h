@@ -49,6 +49,8 @@ class FrameSource {
   [[nodiscard]] virtual const InputInfo& info() const = 0;
   // The next frame in order; nullopt at the regular end; an error when the input breaks off (earlier frames stay valid).
   [[nodiscard]] virtual tl::expected<std::optional<Frame>, InputError> next() = 0;
+  // Asked after a frame was measured: were its pixels there until now? A file that is looked at in place may shrink.
+  [[nodiscard]] virtual bool is_frame_whole() const { return true; }
 };
 
 struct InputOptions {

@@ -81,8 +81,14 @@ class Run {
     return true;
   }
 
-  void measure_frame(const Frame& frame) {
-    out_.observations.push_back(observed(frame));
+  void measure_frame(const Frame& frame, const FrameSource& source) {
+    Observation seen = observed(frame);
+    if (!source.is_frame_whole()) {
+      Frame torn = frame;
+      torn.damaged = true;
+      seen = observed(torn);
+    }
+    out_.observations.push_back(std::move(seen));
     if (frames_ == nullptr) return;
     frames_->add(frame, out_.input.bits, out_.reference ? &*out_.reference : nullptr, out_.observations.back());
   }
@@ -155,7 +161,7 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     const Frame& now = **frame;
     if (options.frames.end >= 0 && now.number >= options.frames.end) break;
     if (!options.frames.holds(now.number)) continue;
-    run.measure_frame(now);
+    run.measure_frame(now, source);
     if (run.hopeless() && !out.reference) break;
     if (on_progress && !on_progress(static_cast<long>(out.observations.size()), expected)) {
       out.interrupted = true;
