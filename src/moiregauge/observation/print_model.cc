@@ -25,8 +25,10 @@ constexpr int kMostRounds = 12;
 constexpr double kStandsStill = 1e-6;  // pitches
 constexpr int kFirstOrders = 5;
 
-constexpr double kRowsPerPitch = 8.0;
-constexpr int kMostRowStep = 4;
+// From a start within a tenth of a pitch the first passes need not see every row: from three to a pitch on the
+// fundamental's slopes weigh the same wherever the first row is.
+constexpr double kRowsPerPitch = 3.0;
+constexpr int kMostRowStep = 8;
 
 // A template that leaves this share less than the fundamentals alone is worth its harmonics: the rms residual of some
 // thousand pixels is known to 1 %.
@@ -189,10 +191,11 @@ class Learning {
     PatchFitOptions options;
     options.along_x = px > kNoSlope * py;
     options.along_y = py > kNoSlope * px;
-    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, {}};
+    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}};
     auto fitted = fit_patch(*luma_, map_, window_, model_->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
-    fit_ = *std::move(fitted);
+    fit_ = std::move(fitted->fit);
+    model_->at_rest = std::move(fitted->at_rest);
     if (!options.along_x || !options.along_y) return 0.0;
     const auto better = corrected(*fit_);
     if (!better) return 0.0;
@@ -308,7 +311,6 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   auto taken = chosen(std::move(learning), use);
   if (!taken) return tl::unexpected(taken.error());
   PrintModel model = taken->model();
-  // From a start within a tenth of a pitch the first passes need not see every row: eight to a pitch will do.
   const double pitch_px = grating.pitch_mm / view.mm_per_px(grating.centre + moved);
   model.options.row_step = std::clamp(static_cast<int>(pitch_px / kRowsPerPitch), 1, kMostRowStep);
   model.correction = taken->map() * map->inverse();
@@ -317,10 +319,14 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
 }
 
 tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view, const Grating& grating,
-                                                    Extent<frame::Board> moved, const PrintModel& model) {
+                                                    Extent<frame::Board> moved, const PrintModel& model, Rows rows) {
   const auto map = local_map(view, grating, moved);
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
-  return fit_patch(luma, model.correction * *map, model.window, model.print, model.options);
+  const auto start = model.correction * *map;
+  if (model.at_rest) return follow_patch(luma, start, model.window, model.print, model.options, *model.at_rest, rows);
+  auto first = fit_patch(luma, start, model.window, model.print, model.options);
+  if (!first) return tl::unexpected(first.error());
+  return std::move(first->fit);
 }
 
 }  // namespace moiregauge

@@ -24,6 +24,7 @@ struct PrintModel {
   PrintTemplate print = PrintTemplate::cosine(0.0, 0.0);
   PatchWindow window;       // pitches
   PatchFitOptions options;  // axes, and the rows that the first passes look at
+  std::optional<PatchAtRest> at_rest;  // as it was learned
   std::optional<Outline> outline;
   // From the print coordinates that the site gives through a view to those found: where the site's places are off by
   // millimetres the view is stretched by per cents, the same in every frame, and a fit should not begin there.
@@ -52,6 +53,6 @@ inline constexpr double kPrintEdgePx = 2.4;
 // The nine points of the marker in a picture; `moved` to within a tenth of a pitch.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view,
                                                                   const Grating& grating, Extent<frame::Board> moved,
-                                                                  const PrintModel& model);
+                                                                  const PrintModel& model, Rows rows = Rows::kAll);
 
 }  // namespace moiregauge

@@ -5,104 +5,36 @@
 #include <cmath>
 #include <variant>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-
-#include "moiregauge/phase/patch_moments.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
 
-using Field = Eigen::Matrix<double, kFieldColumns, 1>;
-using Vandermonde = Eigen::Matrix<double, kFieldColumns, kFieldColumns>;
 using Failure = PatchFitFailure;
+using Field = Eigen::Matrix<double, kPatchPoints, 1>;
+using Bend = Eigen::Matrix<double, 8, 2 * kPatchPoints>;
 
 constexpr int kLeastPixelsPerUnknown = 4;
 // A fit whose last pass still moves a point by this much (pitches) has found nothing to hold on to.
 constexpr double kStillMoving = 0.1;
 // Of noise, each of the print's columns explains one sigma^2, give or take a third.
 constexpr double kSeenPattern = 4.0;
+// follow_patch, pitches. A step from so near leaves a hundredth of itself, about as far as normal equations of another
+// frame are from this one's.
+constexpr double kNear = 0.02;
+constexpr double kStands = 0.005;
+constexpr int kMostPasses = 3;  // of each kind
 
-Field powers(double u, double v) {
-  Field f;
-  f << 1, u, u * u, v, v * u, v * u * u, v * v, v * v * u, v * v * u * u;
-  return f;
-}
-
-double u_of(const PatchMap& map, double x) { return (x - map.x0) / map.scale; }
-double v_of(const PatchMap& map, double y) { return (y - map.y0) / map.scale; }
-
-PrintPoint at(const PatchMap& map, ImagePoint at) {
-  const PrintPoint p = map.map(at);
-  const Field f = powers(u_of(map, at.x), v_of(map, at.y));
-  return {p.x + f.dot(Eigen::Map<const Field>(map.dx.data())), p.y + f.dot(Eigen::Map<const Field>(map.dy.data()))};
-}
-
-// Least squares with the columns that the print shows; the others stay 0.
-struct Solution {
-  NormalVector value = NormalVector::Zero();
-  Eigen::Matrix<double, 2 * kFieldColumns, 2 * kFieldColumns> information =
-      Eigen::Matrix<double, 2 * kFieldColumns,
-                    2 * kFieldColumns>::Zero();  // of the field, sigma = 1, the base eliminated
-  bool ok = false;
-};
-
-// Relative. On a print of one harmonic more blur is less contrast: then contrast has it.
-constexpr double kBlurRidge = 1e-4;
-
-Solution solved(NormalMatrix n, NormalVector r, const PatchFitOptions& options) {
-  const double slopes = n(0, 0) + n(3, 3);
-  for (int i = kLightColumns; i < kBaseColumns; ++i) n(i, i) = n(i, i) * (1.0 + kBlurRidge) + 1e-12 * slopes;
-  const auto silence = [&](int first) {  // a column that is not there: unit diagonal, nothing else
-    for (int i = first; i < first + kFieldColumns; ++i) {
-      n.row(i).setZero();
-      n.col(i).setZero();
-      n(i, i) = 1.0;
-      r(i) = 0.0;
-    }
-  };
-  if (!options.along_x) silence(kBaseColumns);
-  if (!options.along_y) silence(kBaseColumns + kFieldColumns);
-  // Columns of unit length, or the pivots would compare grey levels with slopes.
-  const NormalVector length = n.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const NormalMatrix scaled = length.cwiseInverse().asDiagonal() * n * length.cwiseInverse().asDiagonal();
-  const Eigen::LDLT<NormalMatrix> ldlt(scaled);
-  Solution s;
-  s.ok = ldlt.info() == Eigen::Success && ldlt.isPositive() && ldlt.vectorD().minCoeff() > 1e-9;
-  if (!s.ok) return s;
-  s.value = length.cwiseInverse().cwiseProduct(ldlt.solve(length.cwiseInverse().cwiseProduct(r)));
-  const auto base = n.topLeftCorner<kBaseColumns, kBaseColumns>();
-  const auto cross = n.topRightCorner<kBaseColumns, 2 * kFieldColumns>();
-  s.information =
-      n.bottomRightCorner<2 * kFieldColumns, 2 * kFieldColumns>() - cross.transpose() * base.ldlt().solve(cross);
-  if (!options.along_x) {
-    s.information.topRows<kFieldColumns>().setZero();
-    s.information.leftCols<kFieldColumns>().setZero();
-  }
-  if (!options.along_y) {
-    s.information.bottomRows<kFieldColumns>().setZero();
-    s.information.rightCols<kFieldColumns>().setZero();
-  }
-  return s;
-}
-
-// The 3 x 3 points: two thirds of the way to the window's edge, where three points stand for a third of it each.
-std::array<ImagePoint, kPatchPoints> points_in(const Homography<frame::Image, frame::Print>& image_from_print,
-                                               const PatchWindow& w) {
-  std::array<ImagePoint, kPatchPoints> points;
+// The homography about the identity, in (u, v), that comes nearest to a field given at the nine points: rows are
+// a0 a1 a2 b0 b1 b2 g h of  u + a0 + a1 u + a2 v - u (g u + h v),  v + b0 + b1 u + b2 v - v (g u + h v).
+Bend made_bend() {
+  Eigen::Matrix<double, 2 * kPatchPoints, 8> columns = Eigen::Matrix<double, 2 * kPatchPoints, 8>::Zero();
   for (int n = 0; n < kPatchPoints; ++n) {
-    points[static_cast<std::size_t>(n)] = image_from_print(
-        {w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x, w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y});
+    const double u = (n % 3 - 1) * 2.0 / 3.0, v = (n / 3 - 1) * 2.0 / 3.0;
+    columns.row(n) << 1, u, v, 0, 0, 0, -u * u, -u * v;
+    columns.row(kPatchPoints + n) << 0, 0, 0, 1, u, v, -u * v, -v * v;
   }
-  return points;
-}
-
-// What the columns of the print explain beyond a plane of light, each.
-double explained(const NormalMatrix& n, const NormalVector& r, const Solution& s) {
-  const Eigen::Matrix3d light = n.topLeftCorner<3, 3>();
-  const Eigen::Vector3d of_light = r.head<3>();
-  return (s.value.dot(r) - of_light.dot(light.ldlt().solve(of_light))) / (kColumns - 3);
+  return (columns.transpose() * columns).ldlt().solve(columns.transpose());
 }
 
 // What the first pass takes off, so that single precision sees small numbers: the middle pixel will do.
@@ -111,72 +43,162 @@ double first_light(const LumaView& luma, const PixelBox& box) {
   return std::visit([x, y](const auto& picture) { return static_cast<double>(picture.at(x, y)); }, luma);
 }
 
-}  // namespace
+// A patch and its map while passes go over it.
+class Passes {
+ public:
+  Passes(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window, const PrintTemplate& print,
+         const PatchFitOptions& options)
+      : luma_(luma), print_(print), options_(options), model_{start, window} {}
 
-tl::expected<PatchFit, Failure> fit_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
-                                          const PrintTemplate& print, const PatchFitOptions& options) {
-  const auto image_from_print = start.inverse();
-  const PixelBox box = box_round(image_from_print, window);
-  if (box.x0 < 0 || box.y0 < 0 || box.x1 >= width_of(luma) || box.y1 >= height_of(luma))
-    return tl::unexpected(Failure::kOutsidePicture);
-  PatchFit fit;
-  fit.image = points_in(image_from_print, window);
-  PatchMap model{start, 0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1), 0.5 * std::max(box.x1 - box.x0, box.y1 - box.y0)};
-  model.light[0] = first_light(luma, box);
-  Vandermonde at_points;
-  for (int n = 0; n < kPatchPoints; ++n) {
-    const ImagePoint p = fit.image[static_cast<std::size_t>(n)];
-    at_points.row(n) = powers(u_of(model, p.x), v_of(model, p.y)).transpose();
+  // Where the window lies in the picture.
+  [[nodiscard]] bool aim() {
+    box_ = box_round(model_.map.inverse(), model_.window);
+    return box_.x0 >= 0 && box_.y0 >= 0 && box_.x1 < width_of(luma_) && box_.y1 < height_of(luma_);
   }
-  Solution s;
-  for (int pass = 0; pass < options.passes; ++pass) {
-    const bool is_last = pass + 1 == options.passes;
-    const int step = is_last ? 1 : options.row_step;
-    PatchSums sums;
-    sum_patch(luma, model, window, print.nodes(), box, step, sums);
-    if (step * sums.pixels() < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
-    NormalMatrix n;
-    NormalVector r;
-    normal_equations(sums, n, r);
-    s = solved(n, r, options);
-    for (std::size_t k = 0; s.ok && k < 3; ++k) {
-      model.light[k] += s.value(static_cast<Eigen::Index>(k));
-      model.contrast[k] += s.value(static_cast<Eigen::Index>(3 + k));
+
+  void begin(const PatchAtRest* at_rest) {
+    if (at_rest == nullptr) {
+      model_.light[0] = first_light(luma_, box_);
+      return;
     }
-    if (!s.ok || !(model.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
-    // The slopes were taken with the last pass' contrast.
-    const double contrast = model.gain[0] / model.contrast[0];
-    const Field dx = contrast * s.value.segment<kFieldColumns>(kBaseColumns),
-                dy = contrast * s.value.tail<kFieldColumns>();
-    Eigen::Map<Field>(model.dx.data()) += dx;
-    Eigen::Map<Field>(model.dy.data()) += dy;
-    model.gain = model.contrast;
-    fit.last_step = std::max((at_points * dx).cwiseAbs().maxCoeff(), (at_points * dy).cwiseAbs().maxCoeff());
-    fit.pixels = sums.pixels();
-    const double left = std::max(0.0, sums.moment(PatchProduct::kGrey2, 0, 0) - s.value.dot(r));
-    fit.sigma = std::sqrt(left / (sums.pixels() - kColumns));
-    if (pass == 0 && explained(n, r, s) < kSeenPattern * fit.sigma * fit.sigma) return tl::unexpected(Failure::kNoPattern);
+    model_.light = at_rest->light;
+    model_.contrast = model_.gain = at_rest->gain;
   }
-  if (!(fit.last_step < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
-  for (std::size_t a = 0; a < 2; ++a)
-    fit.fundamental[a] = model.contrast[0] * (1.0 - kTurn * kTurn * s.value(kLightColumns + static_cast<Eigen::Index>(a)));
-  fit.middle = {model.x0, model.y0};
-  fit.light = {model.light[0], model.light[1] / model.scale, model.light[2] / model.scale};
-  fit.gain = {model.contrast[0], model.contrast[1] / model.scale, model.contrast[2] / model.scale};
+
+  // Every row_step-th row. Without a system one is made, with the last pass' contrast.
+  tl::expected<void, Failure> pass(int row_step, const PatchSystem* known) {
+    if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
+    if (known == nullptr && is_lit_) model_.gain = model_.contrast;
+    NormalMatrix normal;
+    sum_patch(luma_, model_, print_.nodes(), box_, row_step, sums_, known == nullptr ? &normal : nullptr);
+    if (row_step * sums_.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    if (known == nullptr) {
+      own_ = PatchSystem::of(normal, sums_.pixels, options_);
+      if (!own_) return tl::unexpected(Failure::kNoPattern);
+    }
+    return take(known == nullptr ? *own_ : *known);
+  }
+
+  [[nodiscard]] double last_step() const { return last_step_; }
+  [[nodiscard]] PatchAtRest at_rest() const { return {*own_, light_then_, model_.gain}; }
+  [[nodiscard]] PatchFit fit(const PatchSystem* known) const;
+
+ private:
+  tl::expected<void, Failure> take(const PatchSystem& system) {
+    const NormalVector value = system.solved(sums_);
+    const double explained = value.dot(sums_.right);
+    sigma_ = std::sqrt(std::max(0.0, sums_.left2 - explained) / (sums_.pixels - kColumns));
+    if (!is_lit_ && explained_by_print(value) < kSeenPattern * sigma_ * sigma_)
+      return tl::unexpected(Failure::kNoPattern);
+    is_lit_ = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      model_.light[k] += value(static_cast<Eigen::Index>(k));
+      model_.contrast[k] += value(static_cast<Eigen::Index>(3 + k));
+    }
+    light_then_ = model_.light;
+    if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
+    // The slopes were taken with an earlier contrast.
+    relative_ = model_.gain[0] / model_.contrast[0];
+    blur_ = {value(kLightColumns), value(kLightColumns + 1)};
+    const auto& at_points = values_at_points();
+    dx_ = relative_ * (at_points * value.segment<kFieldColumns>(kBaseColumns));
+    dy_ = relative_ * (at_points * value.tail<kFieldColumns>());
+    last_step_ = std::max(dx_.cwiseAbs().maxCoeff(), dy_.cwiseAbs().maxCoeff());
+    seen_through_ = model_.map;
+    move();
+    return {};
+  }
+
+  // What the print, in contrast and place, has of the grey levels (squared, by each of its columns).
+  [[nodiscard]] double explained_by_print(const NormalVector& value) const {
+    const auto times = [&](int column) { return std::pow(model_.gain[0] * value(column), 2); };
+    const double contrast = std::pow((model_.contrast[0] + value(3)) * print_.contrast(), 2);
+    const double place = times(kBaseColumns) * print_.slope_power_x() +
+                         times(kBaseColumns + kFieldColumns) * print_.slope_power_y();
+    return sums_.pixels * (contrast + place) / (kColumns - 3);
+  }
+
+  // The map follows as a homography; what it cannot follow is left to the next pass, and to the points.
+  void move() {
+    static const Bend bend = made_bend();
+    Eigen::Matrix<double, 2 * kPatchPoints, 1> field;
+    field << dx_ / model_.window.half_x, dy_ / model_.window.half_y;
+    const Eigen::Matrix<double, 8, 1> c = bend * field;
+    Matrix3 change;
+    change << 1.0 + c(1), c(2), c(0), c(4), 1.0 + c(5), c(3), c(6), c(7), 1.0;
+    const auto to_window = window_from_print(model_.window);
+    model_.map = PrintFromImage(to_window.inverse().matrix() * change * to_window.matrix() * model_.map.matrix());
+  }
+
+  const LumaView& luma_;
+  const PrintTemplate& print_;
+  const PatchFitOptions& options_;
+  PatchModel model_;
+  PixelBox box_;
+  PatchSums sums_;
+  std::optional<PatchSystem> own_;
+  bool is_lit_ = false;  // light and contrast are this frame's
+  PatchPlane light_then_{};
+  PrintFromImage seen_through_;  // the map of the last pass
+  Field dx_, dy_;                // what it added at the nine points, pitches
+  std::array<double, 2> blur_{};
+  double relative_ = 1.0, sigma_ = 0.0, last_step_ = 0.0;
+};
+
+PatchFit Passes::fit(const PatchSystem* known) const {
+  const PatchSystem& system = known == nullptr ? *own_ : *known;
+  PatchFit fit;
+  const PatchWindow& w = model_.window;
+  const auto back = seen_through_.inverse();
   for (int n = 0; n < kPatchPoints; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    fit.print[i] = at(model, fit.image[i]);
+    const PrintPoint p{w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x, w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
+    fit.image[i] = back(p);
+    fit.print[i] = {p.x + dx_(n), p.y + dy_(n)};
   }
-  const Vandermonde back = at_points.inverse();
-  Eigen::Matrix<double, 2 * kFieldColumns, 2 * kFieldColumns> both =
-      Eigen::Matrix<double, 2 * kFieldColumns, 2 * kFieldColumns>::Zero();
-  both.topLeftCorner<kFieldColumns, kFieldColumns>() = back;
-  both.bottomRightCorner<kFieldColumns, kFieldColumns>() = back;
-  if (fit.sigma > 0.0) {  // symmetric to the last bit, so that one triangle tells it all
-    const PatchInformation whole = both.transpose() * s.information * both / (fit.sigma * fit.sigma);
-    fit.information = whole.selfadjointView<Eigen::Lower>();
-  }
+  fit.window_from_image = window_from_print(w) * seen_through_;
+  fit.light = model_.light, fit.gain = model_.contrast;
+  for (std::size_t a = 0; a < 2; ++a)
+    fit.fundamental[a] = model_.contrast[0] * (1.0 - kTurn * kTurn * relative_ * blur_[a]);
+  fit.sigma = sigma_;
+  fit.last_step = last_step_;
+  fit.pixels = sums_.pixels;
+  if (sigma_ > 0.0) fit.information = system.information(sums_.pixels) / std::pow(relative_ * sigma_, 2);
   return fit;
+}
+
+}  // namespace
+
+tl::expected<FirstFit, Failure> fit_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
+                                          const PrintTemplate& print, const PatchFitOptions& options) {
+  Passes passes(luma, start, window, print, options);
+  if (!passes.aim()) return tl::unexpected(Failure::kOutsidePicture);
+  passes.begin(nullptr);
+  for (int k = 0; k < options.passes; ++k) {
+    if (const auto done = passes.pass(1, nullptr); !done) return tl::unexpected(done.error());
+  }
+  if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
+  return FirstFit{passes.fit(nullptr), passes.at_rest()};
+}
+
+tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
+                                             const PrintTemplate& print, const PatchFitOptions& options,
+                                             const PatchAtRest& at_rest, Rows rows) {
+  Passes passes(luma, start, window, print, options);
+  passes.begin(&at_rest);
+  const auto until = [&](int row_step, double stands) -> tl::expected<void, Failure> {
+    for (int k = 0; k < kMostPasses; ++k) {
+      if (const auto done = passes.pass(row_step, &at_rest.system); !done) return tl::unexpected(done.error());
+      if (passes.last_step() < stands) break;
+    }
+    return {};
+  };
+  if (const auto done = until(options.row_step, kNear); !done) return tl::unexpected(done.error());
+  if (rows == Rows::kAll) {
+    if (const auto done = until(1, kStands); !done) return tl::unexpected(done.error());
+  }
+  if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
+  return passes.fit(&at_rest.system);
 }
 
 PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w) {

@@ -26,7 +26,7 @@ PrintFromImage oblique(double turn_deg) {
 
 struct Light {
   double amplitude = 42.5;  // of the print's fundamentals
-  double slope = 0.0;       // relative, across the picture
+  double slope = 0.0;       // relative, along the print, over as much of it as the picture is wide
   double sigma = 0.0;       // noise, grey levels
 };
 
@@ -39,7 +39,7 @@ Image<std::uint16_t> seen(const PrintFromImage& map, const Light& light, Print g
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
       const PrintPoint p = map({double(x), double(y)});
-      const double lit = 1.0 + light.slope * (x - 89.5) / 180.0;
+      const double lit = 1.0 + light.slope * p.x * 29.0 / kSide;
       picture.at(x, y) =
           static_cast<std::uint16_t>(std::lround(256.0 * (lit * (125.0 + grey_of(p)) + light.sigma * noise(rng))));
     }
@@ -63,12 +63,18 @@ PrintFromImage off_by(const PrintFromImage& map, double x, double y, double stre
   return PrintFromImage(m * map.matrix());
 }
 
+tl::expected<PatchFit, PatchFitFailure> fitted(const LumaView& luma, const PrintFromImage& start,
+                                               const PatchWindow& window, const PrintTemplate& print,
+                                               const PatchFitOptions& options) {
+  return fit_patch(luma, start, window, print, options).map([](const FirstFit& first) { return first.fit; });
+}
+
 TEST(PatchFit, WithoutNoiseEveryPointIsWhereThePrintHasIt) {
   for (const double turn : {0.0, 17.0, 45.0}) {
     const auto truth = oblique(turn);
     const auto picture = seen(truth, {}, crossed, 1);
     const auto fit =
-        fit_patch(picture.view(), off_by(truth, 0.1, -0.07, 0.004), kWindow, PrintTemplate::cosine(40, 40), {});
+        fitted(picture.view(), off_by(truth, 0.1, -0.07, 0.004), kWindow, PrintTemplate::cosine(40, 40), {});
     ASSERT_TRUE(fit) << turn;
     // Rounding of 1/256 grey level over 8000 pixels, 18 unknowns: 1e-6 pitches.
     EXPECT_LT(largest_error(*fit, truth), 1e-5) << turn;
@@ -101,17 +107,17 @@ TEST(PatchFit, MoreBlurThanTheTemplateHasMovesNothing) {
   const auto truth = oblique(17.0);
   const auto picture = seen(truth, {}, edges, 1);
   const PatchWindow cut{{0.05, -0.1}, 1.31, 1.24};  // ends within lines' edges
-  const auto fit = fit_patch(picture.view(), truth, cut, PrintTemplate(9, series), {});
+  const auto fit = fitted(picture.view(), truth, cut, PrintTemplate(9, series), {});
   ASSERT_TRUE(fit);
   // The blur's second order, a thousandth of the edges' height over the half pixel that they are wide.
   EXPECT_LT(largest_error(*fit, truth), 2e-5);
 }
 
-// The field is biquadratic in pixels: a light from one side, a contrast that varies and a bent sheet do not enter.
+// Light falls on the print: a plane of it there, from one side, with the contrast that it gives, does not enter.
 TEST(PatchFit, LightFromOneSideMovesNothing) {
   const auto truth = oblique(17.0);
   const auto picture = seen(truth, {.slope = 0.5}, crossed, 1);
-  const auto fit = fit_patch(picture.view(), truth, kWindow, PrintTemplate::cosine(42.5, 42.5), {});
+  const auto fit = fitted(picture.view(), truth, kWindow, PrintTemplate::cosine(42.5, 42.5), {});
   ASSERT_TRUE(fit);
   EXPECT_LT(largest_error(*fit, truth), 1e-5);
 }
@@ -124,7 +130,7 @@ TEST(PatchFit, ScattersAsItsInformationSaysAndReachesTheBound) {
   double chi2 = 0.0, shift2 = 0.0, stated = 0.0, bound = 0.0;
   for (int run = 0; run < kRuns; ++run) {
     const auto picture = seen(truth, {.sigma = kSigma}, crossed, 100 + static_cast<std::uint64_t>(run));
-    const auto fit = fit_patch(picture.view(), truth, kWindow, PrintTemplate::cosine(42.5, 42.5), {.passes = 2});
+    const auto fit = fitted(picture.view(), truth, kWindow, PrintTemplate::cosine(42.5, 42.5), {.passes = 2});
     ASSERT_TRUE(fit);
     Eigen::Matrix<double, 18, 1> error;
     for (int i = 0; i < 9; ++i) {
@@ -160,7 +166,7 @@ TEST(PatchFit, LinesShowOneAxisAndSayNothingOfTheOther) {
   PatchFitOptions options;
   options.along_y = false;
   const auto fit =
-      fit_patch(picture.view(), off_by(truth, 0.05, 0.0, 0.0), kWindow, PrintTemplate::cosine(60, 0), options);
+      fitted(picture.view(), off_by(truth, 0.05, 0.0, 0.0), kWindow, PrintTemplate::cosine(60, 0), options);
   ASSERT_TRUE(fit);
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(fit->print[i].x, truth(fit->image[i]).x, 1e-5);
   EXPECT_EQ(fit->information.bottomRows<9>().norm(), 0.0);
@@ -171,10 +177,10 @@ TEST(PatchFit, FlatPaperIsNoPatternAndTheEdgeOfThePictureNoPatch) {
   const auto truth = oblique(0.0);
   const auto flat = seen(
       truth, {.sigma = 1.0}, [](PrintPoint) { return 0.0; }, 7);
-  const auto nothing = fit_patch(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {});
+  const auto nothing = fitted(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_FALSE(nothing) << nothing->gain[0];
   EXPECT_EQ(nothing.error(), PatchFitFailure::kNoPattern);
-  const auto outside = fit_patch(flat.view(), off_by(truth, 2.0, 0.0, 0.0), kWindow, PrintTemplate::cosine(40, 40), {});
+  const auto outside = fitted(flat.view(), off_by(truth, 2.0, 0.0, 0.0), kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_FALSE(outside);
   EXPECT_EQ(outside.error(), PatchFitFailure::kOutsidePicture);
 }

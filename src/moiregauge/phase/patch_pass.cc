@@ -10,7 +10,34 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "moiregauge/phase/patch_rows.h"
+#ifndef MOIREGAUGE_PATCH_JOB
+#define MOIREGAUGE_PATCH_JOB
+namespace moiregauge {
+
+constexpr int kBlockWidth = 16;
+// Single precision holds the sums of so many rows; then they go into doubles.
+constexpr int kBandRows = 16;
+constexpr int kProducts = kColumns * (kColumns + 1) / 2;
+
+// (u, v) of pixels by their distance from the patch's middle pixel: numbers near 1, so that single precision will do.
+struct PatchJob {
+  std::array<float, 9> uv_from_px{};  // a homography, row by row, its last element 1
+  int x = 0, y = 0;                   // of the middle pixel
+  std::array<float, 3> light{}, contrast{}, gain{};
+  std::array<float, 4> nodes{};  // print coordinates in nodes: [0] + u [1], [2] + v [3]
+  const PrintNodes* table = nullptr;
+  PixelBox box;
+  int row_step = 1;
+};
+
+// Sixteen lanes of every sum.
+struct LaneSums {
+  alignas(64) float right[kColumns + 1][kBlockWidth];  // the last: squared
+  alignas(64) float normal[kProducts][kBlockWidth];  // lower triangle, row by row
+};
+
+}  // namespace moiregauge
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge {
@@ -21,52 +48,40 @@ using Float = hn::CappedTag<float, kBlockWidth>;
 using Whole = hn::RebindToSigned<Float>;
 using V = hn::Vec<Float>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
-// Rows of a block share their v: never more of them than a fourteenth of half the patch.
-constexpr int kMostRows = 4;
-constexpr double kRowsShare = 1.0 / 14.0;
-// Highest power of u, and of v, that each product is needed with.
-constexpr std::array<int, kPatchProducts> kHighest{4, 4, 4, 3, 3, 3, 3, 2, 2, 2, 2, 2, 1, 1,
-                                                   0, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0};
-
-struct Nodes {
-  const std::int32_t* words;
-  V side, one_over_side, wide, words_per_node;
-  V scale[2 * PrintNodes::kWords];
-};
-
-struct Level {
-  V t, tx, ty, bx, by;
-};
 
 HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }  // not MulAdd: it rounds once where it can
 
-HWY_INLINE V wrapped(const Nodes& n, V whole) {
-  return hn::Sub(whole, hn::Mul(n.side, hn::Floor(hn::Mul(whole, n.one_over_side))));
+HWY_INLINE V plane(const std::array<float, 3>& c, V u, V v) {
+  const Float d;
+  return plus(plus(hn::Set(d, c[0]), hn::Set(d, c[1]), u), hn::Set(d, c[2]), v);
 }
 
-// PrintTemplate::at, its slopes by nodes.
-HWY_INLINE Level level_at(const Nodes& n, V x, V y) {
-  const Whole di;
+struct Level {
+  V t, tx, ty, bx, by;  // by nodes
+};
+
+// PrintTemplate::at
+HWY_INLINE Level level_at(const PrintNodes& table, V x, V y) {
   const Float d;
-  const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j), one = hn::Set(d, 1.0F);
-  const V node = hn::Add(hn::Mul(hn::Add(wrapped(n, j), one), n.wide), hn::Add(wrapped(n, i), one));
-  const auto at = hn::ConvertTo(di, hn::Mul(node, n.words_per_node));
+  const Whole di;
+  const V side = hn::Set(d, static_cast<float>(table.side)), per_side = hn::Set(d, 1.0F / static_cast<float>(table.side));
+  const auto node_of = [&](V whole) {  // the table begins a node before the period
+    return hn::Add(hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))), hn::Set(d, 1.0F));
+  };
+  const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j);
+  const V node = plus(node_of(i), node_of(j), hn::Set(d, static_cast<float>(table.wide())));
+  const auto at = hn::ConvertTo(di, hn::Mul(node, hn::Set(d, static_cast<float>(PrintNodes::kWords))));
   V a[2 * PrintNodes::kWords];
+#pragma GCC unroll 3
   for (int w = 0; w < PrintNodes::kWords; ++w) {
-    const auto word = hn::GatherIndex(di, n.words + w, at);
-    a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word))), n.scale[2 * w]);
-    a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), n.scale[2 * w + 1]);
+    const auto word = hn::GatherIndex(di, table.words.data() + w, at);
+    const auto scale = table.scale.data() + 2 * w;
+    a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word))), hn::Set(d, scale[0]));
+    a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), hn::Set(d, scale[1]));
   }
-  const V two = hn::Set(d, 2.0F), u2 = hn::Mul(two, u), v2 = hn::Mul(two, v), u3 = hn::Mul(hn::Set(d, 3.0F), u),
-          v3 = hn::Mul(hn::Set(d, 3.0F), v);
-  Level l;
-  l.t = plus(plus(a[0], u, plus(a[1], u, plus(a[3], u, a[6]))), v,
-             plus(plus(a[2], u, plus(a[4], u, a[7])), v, plus(plus(a[5], u, a[8]), v, a[9])));
-  l.tx = plus(plus(a[1], u, plus(hn::Mul(two, a[3]), u3, a[6])), v, plus(plus(a[4], u2, a[7]), v, a[8]));
-  l.ty = plus(plus(a[2], v, plus(hn::Mul(two, a[5]), v3, a[9])), u, plus(plus(a[4], v2, a[8]), u, a[7]));
-  l.bx = hn::Mul(two, plus(plus(a[3], u3, a[6]), v, a[7]));
-  l.by = hn::Mul(two, plus(plus(a[5], v3, a[9]), u, a[8]));
-  return l;
+  const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
+  return {plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5])),
+          plus(plus(a[1], u, bx), v, a[4]), plus(plus(a[2], v, by), u, a[4]), bx, by};
 }
 
 HWY_INLINE V greys(const std::uint8_t* from) {
@@ -78,66 +93,66 @@ HWY_INLINE V greys(const std::uint16_t* from) {
   return hn::ConvertTo(Float(), hn::PromoteTo(Whole(), hn::LoadU(d16, from)));
 }
 
-HWY_INLINE void add(V (&sum)[kPatchProducts], const Level& l, V g, V one) {
-  const V tx = l.tx, ty = l.ty, t = l.t, bx = l.bx, by = l.by;
-  const V product[kPatchProducts] = {
-      hn::Mul(tx, tx), hn::Mul(tx, ty), hn::Mul(ty, ty), tx,              ty,              hn::Mul(t, tx),  hn::Mul(t, ty),
-      hn::Mul(g, tx),  hn::Mul(g, ty),  one,             t,               hn::Mul(t, t),   g,               hn::Mul(g, t),
-      hn::Mul(g, g),   hn::Mul(bx, tx), hn::Mul(bx, ty), hn::Mul(by, tx), hn::Mul(by, ty), bx,              by,
-      hn::Mul(t, bx),  hn::Mul(t, by),  hn::Mul(g, bx),  hn::Mul(g, by),  hn::Mul(bx, bx), hn::Mul(bx, by), hn::Mul(by, by)};
-  for (int f = 0; f < kPatchProducts; ++f) sum[f] = hn::Add(sum[f], product[f]);
+HWY_INLINE void expand_field(V slope, V u, V v, V* c) {
+  c[0] = slope, c[1] = hn::Mul(slope, u), c[2] = hn::Mul(c[1], u);
+  c[3] = hn::Mul(slope, v), c[4] = hn::Mul(c[1], v), c[5] = hn::Mul(c[2], v);
+  c[6] = hn::Mul(c[3], v), c[7] = hn::Mul(c[4], v), c[8] = hn::Mul(c[5], v);
 }
 
-struct Window {
-  V x, y, half_x, half_y;
-};
+// Each of `c` and everything else that a column holds, times one factor each: 1 for the columns, what is left of the
+// grey levels for the right-hand side.
+HWY_INLINE void expand(V one, const Level& l, V u, V v, V (&c)[kColumns]) {
+  c[0] = one, c[1] = hn::Mul(one, u), c[2] = hn::Mul(one, v);
+  c[3] = l.t, c[4] = hn::Mul(l.t, u), c[5] = hn::Mul(l.t, v);
+  c[6] = l.bx, c[7] = l.by;
+  expand_field(l.tx, u, v, c + kBaseColumns);
+  expand_field(l.ty, u, v, c + kBaseColumns + kFieldColumns);
+}
 
-// Sixteen lanes of every product times every power of u that it is needed with.
-struct LaneSums {
-  alignas(64) float of[kPatchProducts][kPatchPowers][kBlockWidth];
-};
+HWY_INLINE Level times(const Level& l, V f) {
+  return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f)};
+}
 
-struct Block {
-  const RowMap* rows;
-  int count;    // of rows
-  int last;     // of the lanes that lie in the box
-  float u, per_px;  // of the block's middle, and from lane to lane
-};
-
-template <typename Grey>
-HWY_INLINE void sum_lanes(const Nodes& nodes, const Window& window, const Block& block, const Grey* const* grey,
-                          float side, int lane, LaneSums& lanes) {
+HWY_INLINE void add_to(float* sums, V value) {
   const Float d;
-  V sum[kPatchProducts];
-  for (V& s : sum) s = hn::Zero(d);
-  const V k = hn::Add(hn::Iota(d, static_cast<float>(lane)), hn::Set(d, -0.5F * (kBlockWidth - 1)));
-  const auto there = hn::Le(hn::Iota(d, static_cast<float>(lane)), hn::Set(d, static_cast<float>(block.last)));
-  for (int r = 0; r < block.count; ++r) {
-    const RowMap& m = block.rows[r];
-    const auto line = [&](const std::array<float, 2>& c) { return plus(hn::Set(d, c[0]), k, hn::Set(d, c[1])); };
-    const V x = plus(hn::Set(d, m.x[0]), k, plus(hn::Set(d, m.x[1]), k, hn::Set(d, m.x[2])));
-    const V y = plus(hn::Set(d, m.y[0]), k, plus(hn::Set(d, m.y[1]), k, hn::Set(d, m.y[2])));
-    const auto in = hn::And(there, hn::And(hn::Le(hn::Abs(hn::Sub(x, window.x)), window.half_x),
-                                           hn::Le(hn::Abs(hn::Sub(y, window.y)), window.half_y)));
-    if (hn::AllFalse(d, in)) continue;
-    Level l = level_at(nodes, x, y);
-    const V gain = hn::IfThenElseZero(in, line(m.gain)), bend = hn::Mul(gain, hn::Set(d, side));
-    l.t = hn::IfThenElseZero(in, l.t);
-    l.tx = hn::Mul(gain, l.tx);
-    l.ty = hn::Mul(gain, l.ty);
-    l.bx = hn::Mul(bend, l.bx);
-    l.by = hn::Mul(bend, l.by);
-    const V left = hn::Sub(hn::Sub(greys(grey[r] + lane), line(m.light)), hn::Mul(line(m.contrast), l.t));
-    add(sum, l, hn::IfThenElseZero(in, left), hn::IfThenElseZero(in, hn::Set(d, 1.0F)));
-  }
-  const V u = plus(hn::Set(d, block.u), k, hn::Set(d, block.per_px));
-  for (int f = 0; f < kPatchProducts; ++f) {
-    for (int p = 0; p <= kHighest[static_cast<std::size_t>(f)]; ++p) {
-      float* const to = lanes.of[f][p] + lane;
-      hn::Store(hn::Add(hn::Load(d, to), sum[f]), d, to);
-      sum[f] = hn::Mul(sum[f], u);
+  hn::Store(hn::Add(hn::Load(d, sums), value), d, sums);
+}
+
+// `grey`: from the block's first pixel on; `dx`, `dy`: of the lanes from the middle pixel.
+template <bool kNormal, typename Grey>
+HWY_INLINE int add_block(const PatchJob& job, const Grey* grey, V dx, float dy, int last, int lane, LaneSums& sums,
+                         V (&right)[kColumns + 1]) {
+  const Float d;
+  const auto& h = job.uv_from_px;
+  const auto row = [&](int k) {
+    return plus(hn::Set(d, h[static_cast<std::size_t>(k + 2)] + h[static_cast<std::size_t>(k + 1)] * dy),
+                hn::Set(d, h[static_cast<std::size_t>(k)]), dx);
+  };
+  const V one = hn::Set(d, 1.0F), z = hn::Div(one, row(6)), u = hn::Mul(row(0), z), v = hn::Mul(row(3), z);
+  const auto there = hn::Le(hn::Iota(d, static_cast<float>(lane)), hn::Set(d, static_cast<float>(last)));
+  const auto in = hn::And(there, hn::And(hn::Le(hn::Abs(u), one), hn::Le(hn::Abs(v), one)));
+  if (hn::AllFalse(d, in)) return 0;
+  Level l = level_at(*job.table, plus(hn::Set(d, job.nodes[0]), u, hn::Set(d, job.nodes[1])),
+                     plus(hn::Set(d, job.nodes[2]), v, hn::Set(d, job.nodes[3])));
+  const V left = hn::IfThenElseZero(
+      in, hn::Sub(hn::Sub(greys(grey + lane), plane(job.light, u, v)), hn::Mul(plane(job.contrast, u, v), l.t)));
+  const V side = hn::Set(d, static_cast<float>(job.table->side)), gain = hn::Mul(plane(job.gain, u, v), side);
+  const V bend = hn::Mul(gain, side);
+  l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend)};
+  V c[kColumns];
+  expand(left, times(l, left), u, v, c);
+#pragma GCC unroll 32
+  for (int k = 0; k < kColumns; ++k) right[k] = hn::Add(right[k], c[k]);
+  right[kColumns] = hn::Add(right[kColumns], hn::Mul(left, left));
+  if constexpr (kNormal) {
+    const V inside = hn::IfThenElseZero(in, one);
+    expand(inside, times(l, inside), u, v, c);
+    float* to = sums.normal[0] + lane;
+    for (int i = 0; i < kColumns; ++i) {
+      for (int j = 0; j <= i; ++j, to += kBlockWidth) add_to(to, hn::Mul(c[i], c[j]));
     }
   }
+  return static_cast<int>(hn::CountTrue(d, in));
 }
 
 // Sixteen lanes into one, by halves.
@@ -150,31 +165,6 @@ HWY_INLINE double folded(float* lanes) {
   return static_cast<double>((lanes[0] + lanes[2]) + (lanes[1] + lanes[3]));
 }
 
-Nodes nodes_of(const PrintNodes& table) {
-  const Float d;
-  const auto side = static_cast<float>(table.side);
-  Nodes nodes{table.words.data(), hn::Set(d, side), hn::Set(d, 1.0F / side), hn::Set(d, static_cast<float>(table.wide())),
-              hn::Set(d, static_cast<float>(PrintNodes::kWords)), {}};
-  for (int k = 0; k < 2 * PrintNodes::kWords; ++k) nodes.scale[k] = hn::Set(d, table.scale[static_cast<std::size_t>(k)]);
-  return nodes;
-}
-
-Window window_of(const PatchWindow& w, float side) {
-  const auto in_nodes = [side](double pitches) { return hn::Set(Float(), static_cast<float>(pitches) * side); };
-  return {in_nodes(w.centre.x), in_nodes(w.centre.y), in_nodes(w.half_x), in_nodes(w.half_y)};
-}
-
-// Lanes folded, rows given the powers of their v.
-void add_rows(LaneSums& lanes, double v, PatchSums& out) {
-  for (int f = 0; f < kPatchProducts; ++f) {
-    const int highest = kHighest[static_cast<std::size_t>(f)];
-    for (int k = 0; k <= highest; ++k) {
-      double value = folded(lanes.of[f][k]);
-      for (int l = 0; l <= highest; ++l, value *= v) out.at(f, k, l) += value;
-    }
-  }
-}
-
 // Sixteen grey levels from (x, y) on; those beyond the picture are nothing, and its memory is not touched.
 template <typename Grey>
 const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[kBlockWidth]) {
@@ -185,41 +175,55 @@ const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[k
   return edge;
 }
 
-template <typename Grey>
-void Pass(const PatchJob& job, const ImageView<Grey>& picture, PatchSums& out) {
-  const Nodes nodes = nodes_of(*job.nodes);
-  const auto side = static_cast<float>(job.nodes->side);
-  const Window window = window_of(job.window, side);
-  const PatchMap& map = job.map;
-  const PixelBox& box = job.box;
-  const int most = std::clamp(static_cast<int>(map.scale * kRowsShare) / job.row_step, 1, kMostRows);
-  const auto per_px = static_cast<float>(1.0 / map.scale);
-  LaneSums lanes;
-  Grey edge[kMostRows][kBlockWidth];
-  for (int y = box.y0; y <= box.y1; y += most * job.row_step) {
-    const int count = std::min(most, (box.y1 - y) / job.row_step + 1);
-    RowField fields[kMostRows];
-    for (int r = 0; r < count; ++r) fields[r] = field_on(map, (y + r * job.row_step - map.y0) / map.scale);
-    std::fill_n(&lanes.of[0][0][0], sizeof lanes.of / sizeof(float), 0.0F);
-    for (int x = box.x0; x <= box.x1; x += kBlockWidth) {
-      const double middle = x + 0.5 * (kBlockWidth - 1);
-      RowMap rows[kMostRows];
-      const Grey* grey[kMostRows];
-      for (int r = 0; r < count; ++r) {
-        const int row = y + r * job.row_step;
-        rows[r] = row_map(job, fields[r], middle, row);
-        grey[r] = sixteen(picture, x, row, edge[r]);
-      }
-      const Block block{rows, count, box.x1 - x, static_cast<float>((middle - map.x0) / map.scale), per_px};
-      for (int lane = 0; lane < kBlockWidth; lane += kLanes)
-        sum_lanes(nodes, window, block, grey, side, lane, lanes);
+template <bool kNormal, typename Grey>
+int add_band(const PatchJob& job, const ImageView<Grey>& picture, int first, int last, LaneSums& sums) {
+  const Float d;
+  Grey edge[kBlockWidth];
+  int pixels = 0;
+  for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
+    V right[kColumns + 1];
+#pragma GCC unroll 32
+    for (int k = 0; k <= kColumns; ++k) right[k] = hn::Zero(d);
+    for (int y = first; y <= last; y += job.row_step) {
+      V dx = hn::Iota(d, static_cast<float>(job.box.x0 - job.x + lane));
+      for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth, dx = hn::Add(dx, hn::Set(d, float{kBlockWidth})))
+        pixels += add_block<kNormal>(job, sixteen(picture, x, y, edge), dx, static_cast<float>(y - job.y),
+                                     job.box.x1 - x, lane, sums, right);
     }
-    add_rows(lanes, (y + 0.5 * (count - 1) * job.row_step - map.y0) / map.scale, out);
+#pragma GCC unroll 32
+    for (int k = 0; k <= kColumns; ++k) hn::Store(right[k], d, sums.right[k] + lane);
+  }
+  return pixels;
+}
+
+template <bool kNormal, typename Grey>
+void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchSums& out, NormalMatrix* normal) {
+  LaneSums sums;
+  const int band = kBandRows * job.row_step;
+  for (int y = job.box.y0; y <= job.box.y1; y += band) {
+    if constexpr (kNormal) std::fill_n(&sums.normal[0][0], kProducts * kBlockWidth, 0.0F);
+    out.pixels += add_band<kNormal>(job, picture, y, std::min(y + band - 1, job.box.y1), sums);
+    for (int k = 0; k < kColumns; ++k) out.right(k) += folded(sums.right[k]);
+    out.left2 += folded(sums.right[kColumns]);
+    if constexpr (kNormal) {
+      for (int i = 0, k = 0; i < kColumns; ++i) {
+        for (int j = 0; j <= i; ++j, ++k) (*normal)(i, j) += folded(sums.normal[k]);
+      }
+    }
   }
 }
 
-void Pass8(const PatchJob& job, const ImageView<std::uint8_t>& picture, PatchSums& out) { Pass(job, picture, out); }
-void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& picture, PatchSums& out) { Pass(job, picture, out); }
+template <typename Grey>
+void pass_with(const PatchJob& job, const ImageView<Grey>& picture, PatchSums& out, NormalMatrix* normal) {
+  normal == nullptr ? pass<false>(job, picture, out, normal) : pass<true>(job, picture, out, normal);
+}
+
+void Pass8(const PatchJob& job, const ImageView<std::uint8_t>& p, PatchSums& out, NormalMatrix* normal) {
+  pass_with(job, p, out, normal);
+}
+void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& p, PatchSums& out, NormalMatrix* normal) {
+  pass_with(job, p, out, normal);
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace moiregauge
@@ -227,18 +231,45 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace moiregauge {
+namespace {
+
+std::array<float, 3> in_floats(const PatchPlane& p) {
+  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+}
+
+PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step) {
+  PatchJob job;
+  job.x = (box.x0 + box.x1) / 2, job.y = (box.y0 + box.y1) / 2;
+  const PatchWindow& w = model.window;
+  Matrix3 from_middle;
+  from_middle << 1, 0, job.x, 0, 1, job.y, 0, 0, 1;
+  const Matrix3 h = window_from_print(w).matrix() * model.map.matrix() * from_middle;
+  for (int i = 0; i < 9; ++i) job.uv_from_px[static_cast<std::size_t>(i)] = static_cast<float>(h(i / 3, i % 3) / h(2, 2));
+  job.light = in_floats(model.light), job.contrast = in_floats(model.contrast), job.gain = in_floats(model.gain);
+  const double side = nodes.side;
+  job.nodes = {static_cast<float>(side * w.centre.x), static_cast<float>(side * w.half_x),
+               static_cast<float>(side * w.centre.y), static_cast<float>(side * w.half_y)};
+  job.table = &nodes;
+  job.box = box;
+  job.row_step = row_step;
+  return job;
+}
+
+}  // namespace
 
 HWY_EXPORT(Pass8);
 HWY_EXPORT(Pass16);
 
-void sum_patch(const LumaView& luma, const PatchMap& map, const PatchWindow& window, const PrintNodes& nodes,
-               const PixelBox& box, int row_step, PatchSums& sums) {
-  const PatchJob job{map, map.map.matrix(), window, &nodes, box, row_step};
-  sums.total.fill(0.0);
+void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
+               PatchSums& sums, NormalMatrix* normal) {
+  const PatchJob job = job_of(model, nodes, box, row_step);
+  sums = {};
+  if (normal != nullptr) normal->setZero();
   if (const auto* view = std::get_if<ImageView<std::uint8_t>>(&luma))
-    HWY_DYNAMIC_DISPATCH(Pass8)(job, *view, sums);
+    HWY_DYNAMIC_DISPATCH(Pass8)(job, *view, sums, normal);
   else
-    HWY_DYNAMIC_DISPATCH(Pass16)(job, *std::get_if<ImageView<std::uint16_t>>(&luma), sums);
+    HWY_DYNAMIC_DISPATCH(Pass16)(job, *std::get_if<ImageView<std::uint16_t>>(&luma), sums, normal);
+  if (normal != nullptr) *normal = NormalMatrix(normal->selfadjointView<Eigen::Lower>());
 }
 
 }  // namespace moiregauge

@@ -1,51 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
-// One pass over a patch's raw pixels: everything that least squares needs of them, as sums. The hot loop of `precise`;
-// it allocates nothing. Sixteen pixels side by side have a lane each, lanes are added in one fixed order, and no
-// product is fused with a sum: the same bits on every SIMD target (Highway, chosen at run time).
+// One pass over a patch's raw pixels: all that least squares needs of them, as sums. The hot loop of `precise`; it
+// allocates nothing. Sixteen pixels side by side have a lane each, lanes are added in one fixed order, and no product is
+// fused with a sum: the same bits on every SIMD target (Highway, chosen at run time).
 #pragma once
 
 #include <array>
 
+#include <Eigen/Core>
+
 #include "moiregauge/geometry/homography.h"
 #include "moiregauge/image/image.h"
-#include "moiregauge/phase/patch_fit.h"
+#include "moiregauge/phase/print_template.h"
 
 namespace moiregauge {
 
+namespace frame {
+struct Window;  // (u, v): a patch's window, from -1 to 1 both ways
+}
+
+using PrintFromImage = Homography<frame::Print, frame::Image>;
+using PrintFromPrint = Homography<frame::Print, frame::Print>;
+
+// The pixels that count: |X - centre.x| <= half_x, |Y - centre.y| <= half_y in pitches, the print's edge left out.
+struct PatchWindow {
+  PrintPoint centre;
+  double half_x = 0.0;
+  double half_y = 0.0;
+};
+
+[[nodiscard]] inline Homography<frame::Window, frame::Print> window_from_print(const PatchWindow& w) {
+  Matrix3 h;
+  h << 1.0 / w.half_x, 0, -w.centre.x / w.half_x, 0, 1.0 / w.half_y, -w.centre.y / w.half_y, 0, 0, 1;
+  return Homography<frame::Window, frame::Print>(h);
+}
+
+// Pixels, ends included.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+// Unknowns in this order, in the window's own (u, v), each from -1 to 1: light b0 bu bv, contrast g0 gu gv, blur along X
+// and along Y, then dX of u^i v^j (i fastest, i, j <= 2), then dY.
+inline constexpr int kLightColumns = 6;
+inline constexpr int kBlurColumns = 2;
+inline constexpr int kBaseColumns = kLightColumns + kBlurColumns;
 inline constexpr int kFieldColumns = 9;
+inline constexpr int kColumns = kBaseColumns + 2 * kFieldColumns;
+using NormalMatrix = Eigen::Matrix<double, kColumns, kColumns>;
+using NormalVector = Eigen::Matrix<double, kColumns, 1>;
 
-// Where a pixel lies in the print: a homography, plus a field biquadratic in the patch's own (u, v): u^i v^j, i fastest.
-struct PatchMap {
+// A quantity that changes across the patch: its parts along 1, u, v.
+using PatchPlane = std::array<double, 3>;
+
+// What a pixel should show.
+struct PatchModel {
   PrintFromImage map;
-  double x0 = 0.0, y0 = 0.0, scale = 1.0;  // px: u = (x - x0) / scale, v = (y - y0) / scale
-  std::array<double, kFieldColumns> dx{}, dy{};  // pitches
-  // 1, u, v. Light and contrast are taken off the grey levels before they are summed; the slopes are times the gain.
-  std::array<double, 3> light{}, contrast{}, gain{1.0, 0.0, 0.0};
+  PatchWindow window;
+  PatchPlane light{}, contrast{};     // taken off the grey levels before they are summed
+  PatchPlane gain{1.0, 0.0, 0.0};  // times the template's slopes and second derivatives: the columns of blur and field
 };
 
-// Products whose moments are needed, of what is left of the grey level g, template t, its slopes tx, ty and second derivatives bx, by.
-enum class PatchProduct {
-  kTx2, kTxTy, kTy2, kTx, kTy, kTTx, kTTy, kGTx, kGTy, kOne, kT, kT2, kGrey, kGreyT,
-  kGrey2, kBxTx, kBxTy, kByTx, kByTy, kBx, kBy, kTBx, kTBy, kGBx, kGBy, kBx2, kBxBy, kBy2,
-  kProducts
-};
-inline constexpr int kPatchProducts = static_cast<int>(PatchProduct::kProducts);
-inline constexpr int kPatchPowers = 5;
-
-// Sums over the window's pixels of product times u^k v^l. Up to four rows share their v, that of their middle.
+// Over the window's pixels, of what is left of the grey level.
 struct PatchSums {
-  std::array<double, static_cast<std::size_t>(kPatchProducts) * kPatchPowers * kPatchPowers> total{};
-  [[nodiscard]] double& at(int f, int k, int l) {
-    return total[static_cast<std::size_t>((f * kPatchPowers + k) * kPatchPowers + l)];
-  }
-  [[nodiscard]] double moment(PatchProduct f, int k, int l) const {
-    return total[static_cast<std::size_t>((static_cast<int>(f) * kPatchPowers + k) * kPatchPowers + l)];
-  }
-  [[nodiscard]] int pixels() const { return static_cast<int>(moment(PatchProduct::kOne, 0, 0)); }
+  NormalVector right = NormalVector::Zero();  // times each column
+  double left2 = 0.0;                         // squared
+  int pixels = 0;
 };
 
-// Every row_step-th row of `box`, which must lie in the picture.
-void sum_patch(const LumaView& luma, const PatchMap& map, const PatchWindow& window, const PrintNodes& nodes,
-               const PixelBox& box, int row_step, PatchSums& sums);
+// Every row_step-th row of `box`, which must lie in the picture. With `normal` also the columns' products.
+void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
+               PatchSums& sums, NormalMatrix* normal = nullptr);
 
 }  // namespace moiregauge

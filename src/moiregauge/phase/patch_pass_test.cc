@@ -2,7 +2,6 @@
 #include "moiregauge/phase/patch_pass.h"
 
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <random>
 
@@ -15,15 +14,14 @@ namespace {
 
 constexpr int kSide = 150;
 
-PatchMap oblique() {
+PatchModel oblique() {
   Matrix3 h;
   h << 0.033, 0.011, -3.1, 0.012, -0.034, 1.7, 2e-5, -4e-5, 1.0;
-  PatchMap map{PrintFromImage(h), 74.3, 75.1, 52.0};
-  map.dx = {0.01, 0.002, -0.001, 0.003, 0.0, 0.001, -0.002, 0.0, 0.0005};
-  map.dy = {-0.02, 0.001, 0.002, -0.001, 0.001, 0.0, 0.001, 0.0002, 0.0};
-  map.light = {110.0, 3.0, -2.0};
-  map.contrast = map.gain = {1.1, 0.05, -0.02};
-  return map;
+  PatchModel model{PrintFromImage(h), {{0.05, -0.1}, 1.9, 1.7}};
+  model.light = {110.0, 3.0, -2.0};
+  model.contrast = {1.1, 0.05, -0.02};
+  model.gain = {0.9, 0.03, 0.01};
+  return model;
 }
 
 PrintTemplate binary() {
@@ -48,59 +46,82 @@ Image<Grey> speckled(int most) {
   return picture;
 }
 
-PatchSums summed(const LumaView& luma, int row_step) {
-  PatchSums sums;
+struct Summed {
+  PatchSums sums, with_normal;
+  NormalMatrix normal;
+};
+
+Summed summed(const LumaView& luma, int row_step) {
+  Summed out;
   // The last block of a row reaches beyond the picture.
-  sum_patch(luma, oblique(), {{0.05, -0.1}, 1.9, 1.7}, binary().nodes(), {4, 6, kSide - 1, kSide - 2}, row_step, sums);
-  return sums;
+  const PixelBox box{4, 6, kSide - 1, kSide - 2};
+  sum_patch(luma, oblique(), binary().nodes(), box, row_step, out.sums);
+  sum_patch(luma, oblique(), binary().nodes(), box, row_step, out.with_normal, &out.normal);
+  return out;
+}
+
+bool same(const PatchSums& a, const PatchSums& b) {
+  return a.right == b.right && a.left2 == b.left2 && a.pixels == b.pixels;
 }
 
 TEST(PatchPass, GivesTheSameBitsOnEverySimdTarget) {
   const auto narrow = speckled<std::uint8_t>(256);
   const auto wide = speckled<std::uint16_t>(4096);
   for (const int row_step : {1, 3}) {
-    std::optional<std::array<PatchSums, 2>> first;
+    std::optional<std::array<Summed, 2>> first;
     for (const std::string& target : simd_targets()) {
       ASSERT_TRUE(use_simd_target(target));
       const std::array now{summed(narrow.view(), row_step), summed(wide.view(), row_step)};
       if (!first) first = now;
-      for (std::size_t k = 0; k < 2; ++k)
-        EXPECT_EQ(std::memcmp(&(*first)[k], &now[k], sizeof now[k]), 0) << target << " rows " << row_step;
+      for (std::size_t k = 0; k < 2; ++k) {
+        EXPECT_TRUE(same((*first)[k].sums, now[k].sums)) << target << " rows " << row_step;
+        EXPECT_TRUE(same(now[k].sums, now[k].with_normal)) << target << " rows " << row_step;
+        EXPECT_TRUE((*first)[k].normal == now[k].normal) << target << " rows " << row_step;
+      }
     }
   }
   ASSERT_TRUE(use_simd_target(simd_targets().front()));
 }
 
-// Against the sums written down pixel by pixel, the place of each exact: lanes of 24 bits, up to four rows of one v.
+// Against the columns written down pixel by pixel in doubles.
 TEST(PatchPass, SumsWhatItSaysItSums) {
   const auto picture = speckled<std::uint8_t>(256);
-  const PatchSums sums = summed(picture.view(), 1);
-  const PatchMap map = oblique();
+  const Summed seen = summed(picture.view(), 1);
+  const PatchModel model = oblique();
   const PrintTemplate print = binary();
-  double pixels = 0.0, left2 = 0.0, left_tx = 0.0, left_tx_u2v = 0.0, tx2 = 0.0;
+  const auto to_window = window_from_print(model.window);
+  const auto plane = [](const PatchPlane& c, double u, double v) { return c[0] + c[1] * u + c[2] * v; };
+  int pixels = 0;
+  double left2 = 0.0;
+  NormalVector right = NormalVector::Zero();
+  NormalMatrix normal = NormalMatrix::Zero();
   for (int y = 6; y <= kSide - 2; ++y) {
     for (int x = 4; x <= kSide - 1; ++x) {
-      const double u = (x - map.x0) / map.scale, v = (y - map.y0) / map.scale;
-      PrintPoint p = map.map({double(x), double(y)});
-      for (std::size_t k = 0; k < kFieldColumns; ++k) {
-        const double power = std::pow(u, double(k % 3)) * std::pow(v, double(k / 3));
-        p = {p.x + map.dx[k] * power, p.y + map.dy[k] * power};
-      }
-      if (std::abs(p.x - 0.05) > 1.9 || std::abs(p.y + 0.1) > 1.7) continue;
+      const PrintPoint p = model.map({double(x), double(y)});
+      const auto at = to_window(p);
+      const double u = at.x, v = at.y;
+      if (std::abs(u) > 1.0 || std::abs(v) > 1.0) continue;
       const PrintLevel level = print.at(p);
-      const double gain = map.gain[0] + map.gain[1] * u + map.gain[2] * v;
-      const double left = picture.at(x, y) - (map.light[0] + map.light[1] * u + map.light[2] * v) - gain * level.t;
-      const double tx = gain * level.dx;
-      pixels += 1.0, left2 += left * left, left_tx += left * tx, left_tx_u2v += left * tx * u * u * v, tx2 += tx * tx;
+      const double gain = plane(model.gain, u, v);
+      NormalVector c;
+      c << 1, u, v, level.t, level.t * u, level.t * v, gain * level.dxx, gain * level.dyy, NormalVector::Zero().head<18>();
+      for (int k = 0; k < kFieldColumns; ++k) {
+        const double power = std::pow(u, k % 3) * std::pow(v, k / 3);
+        c(kBaseColumns + k) = gain * level.dx * power;
+        c(kBaseColumns + kFieldColumns + k) = gain * level.dy * power;
+      }
+      const double left = picture.at(x, y) - plane(model.light, u, v) - plane(model.contrast, u, v) * level.t;
+      ++pixels, left2 += left * left, right += left * c, normal += c * c.transpose();
     }
   }
-  EXPECT_NEAR(sums.pixels(), pixels, 2.0) << "pixels on the window's very edge";
-  EXPECT_NEAR(sums.moment(PatchProduct::kGrey2, 0, 0) / left2, 1.0, 1e-3);
-  EXPECT_NEAR(sums.moment(PatchProduct::kTx2, 0, 0) / tx2, 1.0, 1e-3);
-  // Of sums over random signs: a thousandth of their own scatter, sqrt(sum left^2 tx^2).
-  const double scatter = std::sqrt(left2 * tx2 / pixels);
-  EXPECT_NEAR(sums.moment(PatchProduct::kGTx, 0, 0), left_tx, 0.02 * scatter);
-  EXPECT_NEAR(sums.moment(PatchProduct::kGTx, 2, 1), left_tx_u2v, 0.02 * scatter);
+  EXPECT_NEAR(seen.sums.pixels, pixels, 2.0) << "pixels on the window's very edge";
+  EXPECT_NEAR(seen.sums.left2 / left2, 1.0, 1e-3);
+  for (int i = 0; i < kColumns; ++i) {
+    // Of sums over random signs: a fiftieth of their own scatter, sqrt(sum left^2 c^2).
+    EXPECT_NEAR(seen.sums.right(i), right(i), 0.02 * std::sqrt(left2 * normal(i, i) / pixels)) << i;
+    for (int j = 0; j <= i; ++j)
+      EXPECT_NEAR(seen.normal(i, j), normal(i, j), 1e-3 * std::sqrt(normal(i, i) * normal(j, j))) << i << " " << j;
+  }
 }
 
 }  // namespace

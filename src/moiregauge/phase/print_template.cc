@@ -12,7 +12,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Nodes per period of the highest harmonic: half a step is 0.39 rad, the fourth term of its series 1e-3.
+// Nodes per period of the highest harmonic: half a step is 0.39 rad, the third term of its series 1e-2.
 constexpr int kNodesPerPeriod = 8;
 constexpr int kLeastSide = 64;
 constexpr double kFullScale = 32767.0;
@@ -127,11 +127,11 @@ PrintLevel PrintTemplate::at(PrintPoint p) const {
            static_cast<double>(nodes_.scale[k]);
   }
   PrintLevel level;
-  level.t = a[0] + u * (a[1] + u * (a[3] + u * a[6])) + v * (a[2] + u * (a[4] + u * a[7]) + v * (a[5] + u * a[8] + v * a[9]));
-  level.dx = side * (a[1] + u * (2.0 * a[3] + 3.0 * u * a[6]) + v * (a[4] + 2.0 * u * a[7] + v * a[8]));
-  level.dy = side * (a[2] + v * (2.0 * a[5] + 3.0 * v * a[9]) + u * (a[4] + 2.0 * v * a[8] + u * a[7]));
-  level.dxx = side * side * (2.0 * a[3] + 6.0 * u * a[6] + 2.0 * v * a[7]);
-  level.dyy = side * side * (2.0 * a[5] + 6.0 * v * a[9] + 2.0 * u * a[8]);
+  level.t = a[0] + u * (a[1] + u * a[3] + v * a[4]) + v * (a[2] + v * a[5]);
+  level.dx = side * (a[1] + 2.0 * u * a[3] + v * a[4]);
+  level.dy = side * (a[2] + 2.0 * v * a[5] + u * a[4]);
+  level.dxx = side * side * 2.0 * a[3];
+  level.dyy = side * side * 2.0 * a[5];
   return level;
 }
 
