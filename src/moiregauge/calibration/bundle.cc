@@ -1,149 +1,171 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/calibration/bundle.h"
 
+#include <algorithm>
 #include <cmath>
-#include <memory>
 
-#include <ceres/autodiff_cost_function.h>
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
-#include <ceres/normal_prior.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
-
+#include "moiregauge/calibration/bundle_normal.h"
 #include "moiregauge/calibration/free_parameters.h"
-#include "moiregauge/calibration/patch_residual.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr int kShape = MarkerShape::kParameters;
-// chi2 of a patch of 18 is 18 +- 6; one beyond this counts by its distance, not its square.
-constexpr double kRobustFrom = 10.0;  // sqrt(chi2)
+constexpr int kMostSteps = 100;
+// A step is the last one if it gains as little as a hundredth of a standard uncertainty, squared, or where nearly
+// nothing is left, a millionth of that; or nothing that doubles could tell.
+constexpr double kLittle = 1e-4, kSmallPart = 1e-6, kRounding = 1e-10;
+// Steps begin as good as Gauss and Newton's: poses and shifts come from fits of their own.
+constexpr double kFirstDamping = 1e-10, kLeastDamping = 1e-18, kMostDamping = 1e6;
+// Lens, poses and distances together make a bent valley: where a step gains less than this part of what it should,
+// every frame first finds its place in the new scene.
+constexpr double kAsPromised = 0.9;
+constexpr double kMoreDamping = 10.0, kLessDamping = 0.01;
 
-struct Blocks {
-  std::array<double, kCameraParameters> camera{};
-  std::vector<MarkerShape> markers;
-  std::vector<Pose> poses;
-  std::vector<std::vector<std::array<double, 2>>> shifts;  // by frame, then marker
-};
-
-using Reference18 = ceres::AutoDiffCostFunction<PatchResidual, PatchResidual::kSize, kCameraParameters, kShape, 6>;
-using Target18 = ceres::AutoDiffCostFunction<PatchResidual, PatchResidual::kSize, kCameraParameters, kShape, 6, 2>;
-
-// A block's prior: (value - mean) / u for those with u > 0; the rest held constant.
-void add_prior(ceres::Problem& problem, double* block, int size, const double* mean, const double* u,
-               std::span<const bool> is_free) {
-  ceres::Matrix a = ceres::Matrix::Zero(size, size);
-  ceres::Vector b(size);
-  std::vector<int> constant;
-  for (int i = 0; i < size; ++i) {
-    b(i) = mean[i];
-    if (u[i] > 0.0 && is_free[static_cast<std::size_t>(i)])
-      a(i, i) = 1.0 / u[i];
-    else
-      constant.push_back(i);
-  }
-  if (static_cast<int>(constant.size()) == size) {
-    problem.SetParameterBlockConstant(block);
-    return;
-  }
-  problem.AddResidualBlock(new ceres::NormalPrior(a, b), nullptr, block);
-  if (!constant.empty()) problem.SetManifold(block, new ceres::SubsetManifold(size, constant));
-}
-
-std::array<double, kCameraParameters> block_of(const Camera& c) {
-  return {c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
-}
-
-Camera camera_of(const std::array<double, kCameraParameters>& b, const Camera& like) {
+Camera camera_of(const CameraNumbers& b, const Camera& like) {
   Camera c = like;
   c.fx = c.fy = b[0];
   c.cx = b[1], c.cy = b[2], c.k1 = b[3], c.k2 = b[4], c.p1 = b[5], c.p2 = b[6], c.k3 = b[7];
   return c;
 }
 
-struct Sums {
-  double chi2 = 0.0;
-  long rows = 0;
+struct Minimum {
+  BundleState state;
+  double data = 0.0;   // chi2, robust
+  double prior = 0.0;  // chi2
+  [[nodiscard]] double cost() const { return data + prior; }
 };
 
-void add_frame(ceres::Problem& problem, const Site& site, const BundleFrame& frame, std::size_t k, Blocks& blocks,
-               Sums& sums, std::vector<ceres::ResidualBlockId>& data) {
-  for (std::size_t i = 0; i < site.markers.size(); ++i) {
-    if (!frame.points[i] || !site.markers[i].grating) continue;
-    auto* residual = new PatchResidual(*frame.points[i], *site.markers[i].grating);
-    auto* loss = new ceres::HuberLoss(kRobustFrom);
-    double* shape = blocks.markers[i].value.data();
-    double* pose = blocks.poses[k].turn.data();
-    sums.rows += PatchResidual::kSize;
-    if (site.markers[i].role == Role::kReference || frame.at_rest) {
-      data.push_back(problem.AddResidualBlock(new Reference18(residual), loss, blocks.camera.data(), shape, pose));
-    } else {
-      data.push_back(problem.AddResidualBlock(new Target18(residual), loss, blocks.camera.data(), shape, pose,
-                                              blocks.shifts[k][i].data()));
-      sums.rows -= 2;
+}  // namespace
+
+struct Bundle::Footage {
+  Footage(const Site& s, std::span<const BundleFrame> f, const ScenePrior& p)
+      : site(s), frames(f.begin(), f.end()), prior(p) {
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      for (std::size_t i = 0; i < site.markers.size(); ++i) {
+        if (!frames[k].points[i] || !site.markers[i].grating) continue;
+        const bool shifts = site.markers[i].role != Role::kReference && !frames[k].at_rest;
+        patches.push_back({k, i, shifts, PatchResidual(*frames[k].points[i], *site.markers[i].grating)});
+        rows += PatchResidual::kSize - (shifts ? 2 : 0);
+      }
+      rows -= 6;
     }
   }
-  sums.rows -= 6;
+
+  // With a prior, in the model, and of a marker that is seen.
+  [[nodiscard]] std::vector<SceneParameter> free_parameters(const SceneModel& model) const {
+    std::vector<SceneParameter> out;
+    const auto mean = numbers_of(prior.camera);
+    for (std::size_t k = 0; k < kCameraParameters; ++k) {
+      if (free_camera(model)[k] && prior.u_camera[k] > 0.0)
+        out.push_back({static_cast<int>(k), mean[k], prior.u_camera[k]});
+    }
+    for (std::size_t i = 0; i < site.markers.size(); ++i) {
+      if (std::none_of(patches.begin(), patches.end(), [i](const BundlePatch& p) { return p.marker == i; })) continue;
+      const auto is_free = free_shape(model, site.markers[i].role);
+      for (std::size_t k = 0; k < MarkerShape::kParameters; ++k) {
+        const double u = prior.u_markers[i].value[k];
+        if (is_free[k] && u > 0.0)
+          out.push_back(
+              {static_cast<int>(kCameraParameters + i * MarkerShape::kParameters + k), prior.markers[i].value[k], u});
+      }
+    }
+    return out;
+  }
+
+  [[nodiscard]] Minimum valued(BundleState state, std::span<const SceneParameter> free) const {
+    Minimum m{std::move(state)};
+    for (const BundlePatch& p : patches) {
+      m.data += robust(p.residual.chi2(m.state.camera, m.state.markers[p.marker], m.state.poses[p.frame],
+                                       p.shifts ? m.state.shifts[p.frame][p.marker] : Extent<frame::Board>{}));
+    }
+    for (const SceneParameter& p : free) m.prior += std::pow((parameter(m.state, p.index) - p.mean) / p.u, 2);
+    return m;
+  }
+
+  // Every frame moved to its place in the scene, if that is better.
+  [[nodiscard]] Minimum settled(Minimum m, std::span<const SceneParameter> free) const {
+    auto state = BundleNormal(patches, free, m.state).step_of_frames();
+    if (!state) return m;
+    Minimum after = valued(*std::move(state), free);
+    return after.cost() < m.cost() ? after : m;
+  }
+
+  Site site;
+  std::vector<BundleFrame> frames;
+  ScenePrior prior;
+  std::vector<BundlePatch> patches;
+  long rows = 0;  // without the unknowns of frames
+};
+
+namespace {
+
+// Levenberg and Marquardt from `best` on.
+Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter> free, BundleState start) {
+  Minimum best = footage.valued(std::move(start), free);
+  double damping = kFirstDamping;
+  for (int taken = 0; taken < kMostSteps; ++taken) {
+    const BundleNormal normal(footage.patches, free, best.state);
+    const double cost = best.cost(), little = std::max(kRounding * cost, std::min(kLittle, kSmallPart * cost));
+    bool better = false;
+    for (; !better && damping < kMostDamping; damping *= better ? kLessDamping : kMoreDamping) {
+      auto step = normal.step(damping);
+      if (!step) continue;
+      Minimum next = footage.valued(std::move(step->to), free);
+      if (step->gain > little && !(cost - next.cost() > kAsPromised * step->gain))
+        next = footage.settled(std::move(next), free);
+      better = next.cost() < cost;
+      if (better) best = std::move(next);
+      if (!(step->gain > little)) return best;
+    }
+    if (!better || cost - best.cost() < kRounding * cost) break;
+    damping = std::max(damping, kLeastDamping);
+  }
+  return best;
 }
 
 }  // namespace
 
-static_assert(sizeof(Pose) == 6 * sizeof(double), "a pose is one block of six");
+Bundle::Bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior)
+    : footage_(std::make_unique<const Footage>(site, frames, prior)) {}
+Bundle::~Bundle() = default;
+
+BundleSolution Bundle::solve(const SceneModel& model) const {
+  Scene scene;
+  scene.camera = footage_->prior.camera;
+  scene.markers = footage_->prior.markers;
+  return solve(model, scene, footage_->frames);
+}
+
+BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) const {
+  const Footage& footage = *footage_;
+  BundleState start{numbers_of(scene.camera), scene.markers, {}, {}};
+  for (const BundleFrame& frame : frames) {
+    start.poses.push_back(frame.pose);
+    start.shifts.push_back(frame.shift);
+  }
+  const auto free = footage.free_parameters(model);
+  const Minimum best = minimised(footage, free, std::move(start));
+  BundleSolution solution;
+  solution.scene.camera = camera_of(best.state.camera, footage.prior.camera);
+  solution.scene.markers = best.state.markers;
+  solution.scene.model = model;
+  solution.scene.penalised_cost = best.cost();
+  solution.scene.solved = std::isfinite(solution.scene.penalised_cost) && best.state.camera[0] > 0.0;
+  if (!solution.scene.solved) solution.scene.problem = "the bundle did not converge";
+  solution.scene.chi2_dof = footage.rows > 0 ? best.data / static_cast<double>(footage.rows) : 0.0;
+  solution.frames = footage.frames;
+  for (std::size_t k = 0; k < solution.frames.size(); ++k) {
+    solution.frames[k].pose = best.state.poses[k];
+    solution.frames[k].shift = best.state.shifts[k];
+    solution.scene.key_frames.push_back(solution.frames[k].frame);
+  }
+  return solution;
+}
 
 BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
                             const SceneModel& model, const Scene* start) {
-  Blocks blocks;
-  blocks.camera = block_of(start != nullptr ? start->camera : prior.camera);
-  blocks.markers = start != nullptr ? start->markers : prior.markers;
-  for (const BundleFrame& frame : frames) {
-    blocks.poses.push_back(frame.pose);
-    auto& shifts = blocks.shifts.emplace_back();
-    for (const auto& d : frame.shift) shifts.push_back({d.x, d.y});
-  }
-  ceres::Problem problem;
-  Sums sums;
-  std::vector<ceres::ResidualBlockId> data;
-  for (std::size_t k = 0; k < frames.size(); ++k) add_frame(problem, site, frames[k], k, blocks, sums, data);
-  const auto mean = block_of(prior.camera);
-  add_prior(problem, blocks.camera.data(), kCameraParameters, mean.data(), prior.u_camera.data(), free_camera(model));
-  for (std::size_t i = 0; i < site.markers.size(); ++i) {
-    double* shape = blocks.markers[i].value.data();
-    if (!problem.HasParameterBlock(shape)) continue;
-    add_prior(problem, shape, kShape, prior.markers[i].value.data(), prior.u_markers[i].value.data(),
-              free_shape(model, site.markers[i].role));
-  }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_SCHUR;
-  options.max_num_iterations = 100;
-  options.num_threads = 1;  // the same bits everywhere
-  options.function_tolerance = 1e-10;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-
-  BundleSolution solution;
-  solution.scene.camera = camera_of(blocks.camera, prior.camera);
-  solution.scene.markers = blocks.markers;
-  solution.scene.model = model;
-  solution.scene.solved = summary.IsSolutionUsable() && blocks.camera[0] > 0.0;
-  if (!solution.scene.solved) solution.scene.problem = "the bundle did not converge";
-  solution.scene.penalised_cost = 2.0 * summary.final_cost;
-  ceres::Problem::EvaluateOptions only_data;
-  only_data.residual_blocks = data;
-  double half_chi2 = 0.0;
-  problem.Evaluate(only_data, &half_chi2, nullptr, nullptr, nullptr);
-  solution.scene.chi2_dof = sums.rows > 0 ? 2.0 * half_chi2 / static_cast<double>(sums.rows) : 0.0;
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    BundleFrame frame = frames[k];
-    frame.pose = blocks.poses[k];
-    for (std::size_t i = 0; i < frame.shift.size(); ++i)
-      frame.shift[i] = {blocks.shifts[k][i][0], blocks.shifts[k][i][1]};
-    solution.frames.push_back(std::move(frame));
-    solution.scene.key_frames.push_back(frames[k].frame);
-  }
-  return solution;
+  const Bundle bundle(site, frames, prior);
+  return start != nullptr ? bundle.solve(model, *start, frames) : bundle.solve(model);
 }
 
 }  // namespace moiregauge

@@ -2,6 +2,7 @@
 // Self-calibration: one least squares over camera, markers and the poses of many frames.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,8 +38,27 @@ struct BundleSolution {
   std::vector<BundleFrame> frames;  // poses and shifts as solved
 };
 
-// Minimises chi2 of all patches plus that of the priors (Ceres, robust against a patch that fits nothing). What the
-// model leaves out stays at its prior value.
+// Frames with all that does not change from one solution to the next made ready once.
+class Bundle {
+ public:
+  Bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
+  ~Bundle();
+  Bundle(const Bundle&) = delete;
+  Bundle& operator=(const Bundle&) = delete;
+
+  // Minimises chi2 of all patches plus that of the priors (Levenberg and Marquardt; robust against a patch that fits
+  // nothing). What the model leaves out stays at its value in `scene`. Begins with these frames' poses and shifts.
+  [[nodiscard]] BundleSolution solve(const SceneModel& model, const Scene& scene,
+                                     std::span<const BundleFrame> frames) const;
+  // Begins with the prior and the frames as they came.
+  [[nodiscard]] BundleSolution solve(const SceneModel& model) const;
+
+  struct Footage;
+
+ private:
+  std::unique_ptr<const Footage> footage_;
+};
+
 [[nodiscard]] BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames,
                                           const ScenePrior& prior, const SceneModel& model,
                                           const Scene* start = nullptr);

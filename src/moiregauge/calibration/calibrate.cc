@@ -38,13 +38,14 @@ long rows_of(std::span<const BundleFrame> frames) {
 
 // The models in ascending order; empty when none can be solved.
 std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
+  const Bundle bundle(site, frames, prior);
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
   const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
-    BundleSolution solution = from == nullptr ? solve_bundle(site, frames, prior, model)
-                                              : solve_bundle(site, from->frames, prior, model, &from->scene);
+    BundleSolution solution =
+        from == nullptr ? bundle.solve(model) : bundle.solve(model, from->scene, from->frames);
     if (!is_sane(solution.scene, side)) return false;
     const double gain = have ? best.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
     const int more = have ? parameters(site, model) - parameters(site, best.scene.model) : 0;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <ceres/autodiff_cost_function.h>
 #include <Eigen/Cholesky>
 
 #include "moiregauge/calibration/free_parameters.h"
@@ -18,36 +17,61 @@ constexpr int kShape = MarkerShape::kParameters;
 constexpr int kPasses = 4;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-using Cost = ceres::AutoDiffCostFunction<PatchResidual, kRows, kCameraParameters, kShape, 6, 2>;
 template <int kColumns>
-using Jacobian = Eigen::Matrix<double, kRows, kColumns, Eigen::RowMajor>;
+using Jacobian = Eigen::Matrix<double, kRows, kColumns>;
 
-struct Linear {
-  Eigen::Matrix<double, kRows, 1> residual;
-  Jacobian<kCameraParameters> camera;
-  Jacobian<kShape> shape;
-  Jacobian<6> pose;
-  Jacobian<2> shift;
-};
-
-Linear linearised(const Cost& cost, const double* camera, const MarkerShape& shape, const Pose& pose,
-                  Extent<frame::Board> shift) {
-  Linear l;
-  const double d[2]{shift.x, shift.y};
-  const double* blocks[]{camera, shape.value.data(), pose.turn.data(), d};
-  double* jacobians[]{l.camera.data(), l.shape.data(), l.pose.data(), l.shift.data()};
-  cost.Evaluate(blocks, l.residual.data(), jacobians);
-  return l;
-}
-
-std::array<double, kCameraParameters> numbers_of(const Camera& c) {
-  return {c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
-}
-
+// Of pose and shifts (f) and the scene's parameters (g).
 struct Normal {
   Eigen::MatrixXd ff, fg, gg;
-  Eigen::VectorXd rf, rg;
+  Eigen::VectorXd rf;
 };
+
+Normal empty_normal(int rows, int globals) {
+  return {Eigen::MatrixXd::Zero(rows, rows), Eigen::MatrixXd::Zero(rows, globals),
+          Eigen::MatrixXd::Zero(globals, globals), Eigen::VectorXd::Zero(rows)};
+}
+
+// Adds the patch of marker i, whose shift has two rows from `shift_row` on unless that is negative; what concerns the
+// scene only if `with_scene`.
+void add_patch(Normal& n, const PatchResidual::Design& design, std::size_t i, int shift_row, bool with_scene) {
+  Jacobian<8> own;
+  own << design.middleCols<6>(PatchColumn::kPose), design.middleCols<2>(PatchColumn::kShape);
+  const auto row = [&](int k) { return k < 6 ? k : shift_row + k - 6; };
+  const int used = shift_row < 0 ? 6 : 8;
+  const Eigen::Matrix<double, 8, 8> ff = own.transpose() * own;
+  const Eigen::Matrix<double, 8, 1> rf = own.transpose() * design.col(PatchColumn::kResidual);
+  for (int a = 0; a < used; ++a) {
+    n.rf(row(a)) += rf(a);
+    for (int b = 0; b < used; ++b) n.ff(row(a), row(b)) += ff(a, b);
+  }
+  if (!with_scene) return;
+  const auto column = [&](int k) { return k < kCameraParameters ? k : k + kShape * static_cast<int>(i); };
+  const Jacobian<kCameraParameters + kShape> scene = design.leftCols<kCameraParameters + kShape>();
+  const Eigen::Matrix<double, 8, kCameraParameters + kShape> fg = own.transpose() * scene;
+  const Eigen::Matrix<double, kCameraParameters + kShape, kCameraParameters + kShape> gg = scene.transpose() * scene;
+  for (int b = 0; b < kCameraParameters + kShape; ++b) {
+    for (int a = 0; a < used; ++a) n.fg(row(a), column(b)) += fg(a, b);
+    for (int a = 0; a < kCameraParameters + kShape; ++a) n.gg(column(a), column(b)) += gg(a, b);
+  }
+}
+
+// Gauss and Newton's step; false when the patches do not determine it.
+bool take_step(FrameFit& fit, const Normal& n) {
+  const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * n.ff * scale.asDiagonal());
+  if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return false;
+  const Eigen::VectorXd step = scale.cwiseProduct(ldlt.solve(scale.cwiseProduct(n.rf)));
+  for (int k = 0; k < 3; ++k) {
+    fit.pose.turn[static_cast<std::size_t>(k)] -= step(k);
+    fit.pose.shift[static_cast<std::size_t>(k)] -= step(3 + k);
+  }
+  for (std::size_t i = 0; i < fit.shift.size(); ++i) {
+    if (fit.shift_row[i] < 0) continue;
+    fit.shift[i].x -= step(fit.shift_row[i]);
+    fit.shift[i].y -= step(fit.shift_row[i] + 1);
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -62,10 +86,10 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
   fit.chi2.assign(markers, kNaN);
   fit.own_information.assign(markers, Eigen::Matrix2d::Zero());
   int rows = 6, references = 0;
-  std::vector<std::unique_ptr<Cost>> costs(markers);
+  std::vector<std::optional<PatchResidual>> patches(markers);
   for (std::size_t i = 0; i < markers; ++i) {
     if (!frame.points[i] || !site.markers[i].grating) continue;
-    costs[i] = std::make_unique<Cost>(new PatchResidual(*frame.points[i], *site.markers[i].grating));
+    patches[i].emplace(*frame.points[i], *site.markers[i].grating);
     references += site.markers[i].role == Role::kReference;
     fit.shift[i] = {0, 0};
     if (site.markers[i].role == Role::kReference || frame.at_rest) continue;
@@ -74,61 +98,26 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
     rows += 2;
   }
   if (references < 3) return fit;
-  const auto camera = numbers_of(scene.camera);
-  const int globals = scene_parameters(markers);
+  const CameraNumbers camera = numbers_of(scene.camera);
   Normal n;
   for (int pass = 0; pass <= kPasses; ++pass) {
-    n = {Eigen::MatrixXd::Zero(rows, rows), Eigen::MatrixXd::Zero(rows, globals),
-         Eigen::MatrixXd::Zero(globals, globals), Eigen::VectorXd::Zero(rows), Eigen::VectorXd::Zero(globals)};
+    const bool last = pass == kPasses;
+    const TurnedPose pose(fit.pose);
+    n = empty_normal(rows, last ? scene_parameters(markers) : 0);
     fit.chi2_sum = 0.0;
     fit.dof = -rows;
     for (std::size_t i = 0; i < markers; ++i) {
-      if (!costs[i]) continue;
-      const Linear l = linearised(*costs[i], camera.data(), scene.markers[i], fit.pose, fit.shift[i]);
-      fit.chi2[i] = l.residual.squaredNorm();
+      if (!patches[i]) continue;
+      const auto design = patches[i]->design(camera, scene.markers[i], pose, fit.shift[i]);
+      add_patch(n, design, i, fit.shift_row[i], last);
+      fit.chi2[i] = design.col(PatchColumn::kResidual).squaredNorm();
       fit.chi2_sum += fit.chi2[i];
       fit.dof += kRows;
-      // This patch's columns: pose, perhaps shift; camera and its own shape.
-      Jacobian<8> own = Jacobian<8>::Zero();
-      own.leftCols<6>() = l.pose;
-      own.rightCols<2>() = l.shift;
-      Jacobian<kCameraParameters + kShape> global;
-      global << l.camera, l.shape;
-      const auto column = [&](int k) { return k < 6 ? k : fit.shift_row[i] + k - 6; };
-      const int used = fit.shift_row[i] < 0 ? 6 : 8;
-      const auto global_column = [&](int k) {
-        return k < kCameraParameters ? k : kCameraParameters + kShape * static_cast<int>(i) + k - kCameraParameters;
-      };
-      const Eigen::Matrix<double, 8, 8> ff = own.transpose() * own;
-      const Eigen::Matrix<double, 8, kCameraParameters + kShape> fg = own.transpose() * global;
-      const Eigen::Matrix<double, kCameraParameters + kShape, kCameraParameters + kShape> gg =
-          global.transpose() * global;
-      const Eigen::Matrix<double, 8, 1> rf = own.transpose() * l.residual;
-      fit.own_information[i] = l.shift.transpose() * l.shift;
-      for (int a = 0; a < used; ++a) {
-        n.rf(column(a)) += rf(a);
-        for (int b = 0; b < used; ++b) n.ff(column(a), column(b)) += ff(a, b);
-        for (int b = 0; b < fg.cols(); ++b) n.fg(column(a), global_column(b)) += fg(a, b);
-      }
-      for (int a = 0; a < gg.rows(); ++a) {
-        for (int b = 0; b < gg.cols(); ++b) n.gg(global_column(a), global_column(b)) += gg(a, b);
-      }
+      const auto by_shift = design.middleCols<2>(PatchColumn::kShape);
+      fit.own_information[i] = by_shift.transpose() * by_shift;
     }
     for (int k = 6; k < rows; ++k) n.ff(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
-    if (pass == kPasses) break;
-    const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * n.ff * scale.asDiagonal());
-    if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return fit;
-    const Eigen::VectorXd step = scale.cwiseProduct(ldlt.solve(scale.cwiseProduct(n.rf)));
-    for (int k = 0; k < 3; ++k) {
-      fit.pose.turn[static_cast<std::size_t>(k)] -= step(k);
-      fit.pose.shift[static_cast<std::size_t>(k)] -= step(3 + k);
-    }
-    for (std::size_t i = 0; i < markers; ++i) {
-      if (fit.shift_row[i] < 0) continue;
-      fit.shift[i].x -= step(fit.shift_row[i]);
-      fit.shift[i].y -= step(fit.shift_row[i] + 1);
-    }
+    if (!last && !take_step(fit, n)) return fit;
   }
   const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd inverse =
@@ -143,21 +132,22 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
 double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit) {
   if (!fit.ok) return 0.0;
   const auto rows = fit.covariance.rows();
-  const auto camera = numbers_of(scene.camera);
+  const CameraNumbers camera = numbers_of(scene.camera);
+  const TurnedPose pose(fit.pose);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(rows + 3, rows + 3);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(rows + 3);
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     if (!frame.points[i] || !site.markers[i].grating) continue;
-    const Cost cost(new PatchResidual(*frame.points[i], *site.markers[i].grating));
-    const Linear l = linearised(cost, camera.data(), scene.markers[i], fit.pose, fit.shift[i]);
+    const auto design =
+        PatchResidual(*frame.points[i], *site.markers[i].grating).design(camera, scene.markers[i], pose, fit.shift[i]);
     // The patch is read at the time of its middle row.
     const double row = (frame.points[i]->image[kPatchPoints / 2].y - scene.camera.cy) / scene.camera.fx;
     Eigen::MatrixXd j = Eigen::MatrixXd::Zero(kRows, rows + 3);
-    j.leftCols<6>() = l.pose;
-    if (fit.shift_row[i] >= 0) j.middleCols<2>(fit.shift_row[i]) = l.shift;
-    j.rightCols<3>() = row * l.pose.leftCols<3>();
-    normal += j.transpose() * j;
-    right += j.transpose() * l.residual;
+    j.leftCols<6>() = design.middleCols<6>(PatchColumn::kPose);
+    if (fit.shift_row[i] >= 0) j.middleCols<2>(fit.shift_row[i]) = design.middleCols<2>(PatchColumn::kShape);
+    j.rightCols<3>() = row * j.leftCols<3>();
+    normal.noalias() += j.transpose() * j;
+    right.noalias() += j.transpose() * design.col(PatchColumn::kResidual);
   }
   for (Eigen::Index k = 6; k < rows; ++k) normal(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

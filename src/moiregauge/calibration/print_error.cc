@@ -48,13 +48,8 @@ struct Whitened {
 Whitened whitened(const PatchFit& patch, const Grating& grating, const Scene& scene, const MarkerShape& shape,
                   const FrameFit& fit, Extent<frame::Board> shift) {
   const PatchResidual residual(patch, grating);
-  const Camera& c = scene.camera;
-  const std::array<double, kCameraParameters> camera{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
-  const std::array<double, 6> pose{fit.pose.turn[0],  fit.pose.turn[1],  fit.pose.turn[2],
-                                   fit.pose.shift[0], fit.pose.shift[1], fit.pose.shift[2]};
-  const std::array<double, 2> moved{shift.x, shift.y};
-  Vector18 r;
-  residual(camera.data(), shape.value.data(), pose.data(), moved.data(), r.data());
+  const Vector18 r = residual.design(numbers_of(scene.camera), shape, TurnedPose(fit.pose), shift)
+                         .col(PatchColumn::kResidual);
   const Matrix18& root = residual.root();
   const Matrix18 error = root * unit_covariance() * root.transpose() / (grating.pitch_mm * grating.pitch_mm);
   const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(error);
