@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Dense>
 
@@ -34,7 +35,7 @@ std::vector<Eigen::Vector2d> mapped(const Matrix3& t, Points points) {
 
 // Some four of the points must have no three on a line, else the map is not determined. On normalised points the
 // smallest singular value but one of the design matrix tells the same, whatever the number of points.
-constexpr double kDegenerate = 1e-7;  // of the largest singular value
+constexpr double kDegenerate = 1e-7;  // of the largest singular value; of four points, their triangles' areas
 
 tl::expected<Matrix3, HomographyFailure> direct_linear_solution(Points from, Points to) {
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(std::max<std::size_t>(2 * from.size(), 9)), 9);
@@ -52,6 +53,26 @@ tl::expected<Matrix3, HomographyFailure> direct_linear_solution(Points from, Poi
   Matrix3 m;
   m << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), h(8);
   return m;
+}
+
+// The frame of four points: the matrix that carries the corners (1,0,0), (0,1,0), (0,0,1), (1,1,1) of the projective plane
+// to them. Its columns are the first three, so weighed that they add up to the fourth.
+std::optional<Matrix3> frame_of(Points p) {
+  Matrix3 m;
+  m << p[0].homogeneous(), p[1].homogeneous(), p[2].homogeneous();
+  const Eigen::Vector3d last = p[3].homogeneous();
+  const double det = m.determinant();
+  const Eigen::Vector3d weight{m.col(1).cross(m.col(2)).dot(last), m.col(2).cross(m.col(0)).dot(last),
+                               m.col(0).cross(m.col(1)).dot(last)};
+  // Twice the areas of the four triangles: none on a line.
+  if (!(std::min(std::abs(det), weight.cwiseAbs().minCoeff()) > kDegenerate)) return std::nullopt;
+  return Matrix3(m * (weight / det).asDiagonal());
+}
+
+tl::expected<Matrix3, HomographyFailure> through_four(Points from, Points to) {
+  const auto a = frame_of(from), b = frame_of(to);
+  if (!a || !b) return tl::unexpected(HomographyFailure::kDegenerate);
+  return *b * a->inverse();
 }
 
 // Gauss-Newton on the reprojection error; the step is orthogonal to h, which fixes the free scale.
@@ -91,7 +112,7 @@ tl::expected<Matrix3, HomographyFailure> fit_homography(Points from, Points to) 
   const Matrix3 to_normaliser = normaliser(to);
   const auto from_normal = mapped(from_normaliser, from);
   const auto to_normal = mapped(to_normaliser, to);
-  auto h = direct_linear_solution(from_normal, to_normal);
+  auto h = from.size() == 4 ? through_four(from_normal, to_normal) : direct_linear_solution(from_normal, to_normal);
   if (!h) return h;
   if (from.size() > 4) refine(*h, from_normal, to_normal);
   Matrix3 result = to_normaliser.inverse() * *h * from_normaliser;

@@ -111,9 +111,12 @@ bool tracked(const GreyPicture& picture, const Reference& reference, const View&
   MarkerObservation here;
   if (!track_target(picture, reference, view, i, prediction, here)) return false;
   const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
-  const OrderVerdict verdict = prove_order(picture.luma, view, *reference.site.markers[i].grating,
-                                           *reference.prints[i]->outline, here.window_shift, is_taken);
-  if (verdict.order != Order::kProven || length(verdict.moved - here.window_shift) > 0.0) return false;
+  if (is_taken(here.window_shift) ||
+      !ends_with_print(*here.points, *reference.seen.markers[i].points, *reference.prints[i])) {
+    const OrderVerdict verdict = prove_order(picture.luma, view, *reference.site.markers[i].grating,
+                                             *reference.prints[i]->outline, here.window_shift, is_taken);
+    if (verdict.order != Order::kProven || length(verdict.moved - here.window_shift) > 0.0) return false;
+  }
   seen = std::move(here);
   seen.order = Order::kProven;
   return true;

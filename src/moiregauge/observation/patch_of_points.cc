@@ -13,6 +13,9 @@ namespace moiregauge {
 namespace {
 
 constexpr double kWholeContrast = 0.1;  // rms
+// Of a strip's pixels, squared: paper misses the template by its contrast at least, of which planes of light and contrast
+// can take up to six tenths.
+constexpr double kStripMisses = 0.1;
 
 // Where points seem to be on the board, less where the site has them: a plane about the grating's middle.
 PrintMotion off_the_site(const Reference& reference, const View& view, std::size_t i, const PatchFit& fit) {
@@ -79,6 +82,14 @@ double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const P
 
 bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {
   return missing_contrast(points, at_rest, model) < kWholeContrast;
+}
+
+bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {
+  if (!model.outline) return false;
+  const double pitches = 2.0 * std::max(model.options.along_x ? model.window.half_x : 0.0,
+                                        model.options.along_y ? model.window.half_y : 0.0);
+  const double missing = missing_contrast(points, at_rest, model);
+  return missing * missing < kStripMisses / pitches;
 }
 
 }  // namespace moiregauge

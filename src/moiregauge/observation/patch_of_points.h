@@ -26,4 +26,8 @@ struct PrintMotion {
 // More than a tenth, and something hides a part of it.
 [[nodiscard]] bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);
 
+// One pitch beside its print, a window that ends with the print holds a strip of something else (its outline was seen to
+// stand out): does so little miss the template that it cannot be?
+[[nodiscard]] bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);
+
 }  // namespace moiregauge

@@ -146,16 +146,12 @@ Homography<frame::Print, frame::Board> print_from_board(const Grating& grating, 
 
 std::optional<PrintFromImage> local_map(const View& view, const Grating& grating, Extent<frame::Board> moved) {
   const auto board_from_print = print_from_board(grating, moved).inverse();
-  std::vector<PrintPoint> print;
-  std::vector<ImagePoint> image;
-  for (const double sx : {-1.0, 0.0, 1.0}) {
-    for (const double sy : {-1.0, 0.0, 1.0}) {
-      print.push_back(
-          {sx * 0.5 * grating.width_mm / grating.pitch_mm, sy * 0.5 * grating.height_mm / grating.pitch_mm});
-      image.push_back(view(board_from_print(print.back())));
-    }
-  }
-  const auto h = fit_homography<frame::Print, frame::Image>(image, print);
+  const double half_x = 0.5 * grating.width_mm / grating.pitch_mm, half_y = 0.5 * grating.height_mm / grating.pitch_mm;
+  const std::array<PrintPoint, 4> print{{{-half_x, -half_y}, {half_x, -half_y}, {half_x, half_y}, {-half_x, half_y}}};
+  std::array<ImagePoint, 4> image;
+  std::ranges::transform(print, image.begin(), [&](PrintPoint p) { return view(board_from_print(p)); });
+  const auto h = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(image),
+                                                          std::span<const PrintPoint>(print));
   if (!h) return std::nullopt;
   return *h;
 }

@@ -38,8 +38,8 @@ inline constexpr double kPrintEdgePx = 2.4;
 [[nodiscard]] Homography<frame::Print, frame::Board> print_from_board(const Grating& grating,
                                                                       Extent<frame::Board> moved);
 
-// The map of a marker's raw pixels to its print, as `view` has it: a homography of its own for every marker, so that
-// the lens needs no attention inside a patch (over 100 px of a -2 % lens it stays below 0.001 px).
+// The map of a marker's raw pixels to its print, as `view` has it at the print's corners: a homography of its own for
+// every marker, so that the lens needs no attention inside a patch (over 100 px of a -2 % lens it stays below 0.001 px).
 [[nodiscard]] std::optional<PrintFromImage> local_map(const View& view, const Grating& grating,
                                                       Extent<frame::Board> moved);
 
