@@ -51,38 +51,52 @@ constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
 
 HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }  // not MulAdd: it rounds once where it can
 
-HWY_INLINE V plane(const std::array<float, 3>& c, V u, V v) {
-  const Float d;
-  return plus(plus(hn::Set(d, c[0]), hn::Set(d, c[1]), u), hn::Set(d, c[2]), v);
-}
+struct Plane {
+  V at_0, per_u, per_v;
+  explicit Plane(const std::array<float, 3>& c)
+      : at_0(hn::Set(Float(), c[0])), per_u(hn::Set(Float(), c[1])), per_v(hn::Set(Float(), c[2])) {}
+  HWY_INLINE V operator()(V u, V v) const { return plus(plus(at_0, per_u, u), per_v, v); }
+};
 
 struct Level {
   V t, tx, ty, bx, by;  // by nodes
 };
 
 // PrintTemplate::at
-HWY_INLINE Level level_at(const PrintNodes& table, V x, V y) {
-  const Float d;
-  const Whole di;
-  const V side = hn::Set(d, static_cast<float>(table.side)), per_side = hn::Set(d, 1.0F / static_cast<float>(table.side));
-  const auto node_of = [&](V whole) {  // the table begins a node before the period
-    return hn::Add(hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))), hn::Set(d, 1.0F));
-  };
-  const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j);
-  const V node = plus(node_of(i), node_of(j), hn::Set(d, static_cast<float>(table.wide())));
-  const auto at = hn::ConvertTo(di, hn::Mul(node, hn::Set(d, static_cast<float>(PrintNodes::kWords))));
-  V a[2 * PrintNodes::kWords];
-#pragma GCC unroll 3
-  for (int w = 0; w < PrintNodes::kWords; ++w) {
-    const auto word = hn::GatherIndex(di, table.words.data() + w, at);
-    const auto scale = table.scale.data() + 2 * w;
-    a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word))), hn::Set(d, scale[0]));
-    a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), hn::Set(d, scale[1]));
+struct Table {
+  const std::int32_t* words;
+  V side, per_side, wide, words_per_node, one;
+  V scale[2 * PrintNodes::kWords];
+
+  explicit Table(const PrintNodes& nodes) : words(nodes.words.data()) {
+    const auto set = [](auto value) { return hn::Set(Float(), static_cast<float>(value)); };
+    side = set(nodes.side), per_side = set(1.0F / static_cast<float>(nodes.side)), wide = set(nodes.wide());
+    words_per_node = set(PrintNodes::kWords), one = set(1);
+    for (int k = 0; k < 2 * PrintNodes::kWords; ++k) scale[k] = set(nodes.scale[static_cast<std::size_t>(k)]);
   }
-  const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
-  return {plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5])),
-          plus(plus(a[1], u, bx), v, a[4]), plus(plus(a[2], v, by), u, a[4]), bx, by};
-}
+
+  // The table begins a node before the period.
+  HWY_INLINE V node_of(V whole) const {
+    return hn::Add(hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))), one);
+  }
+
+  HWY_INLINE Level at(V x, V y) const {
+    const Float d;
+    const Whole di;
+    const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j);
+    const auto node = hn::ConvertTo(di, hn::Mul(plus(node_of(i), node_of(j), wide), words_per_node));
+    V a[2 * PrintNodes::kWords];
+#pragma GCC unroll 3
+    for (int w = 0; w < PrintNodes::kWords; ++w) {
+      const auto word = hn::GatherIndex(di, words + w, node);
+      a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word))), scale[2 * w]);
+      a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), scale[2 * w + 1]);
+    }
+    const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
+    return {plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5])),
+            plus(plus(a[1], u, bx), v, a[4]), plus(plus(a[2], v, by), u, a[4]), bx, by};
+  }
+};
 
 HWY_INLINE V greys(const std::uint8_t* from) {
   const hn::Rebind<std::uint8_t, Float> d8;
@@ -93,20 +107,23 @@ HWY_INLINE V greys(const std::uint16_t* from) {
   return hn::ConvertTo(Float(), hn::PromoteTo(Whole(), hn::LoadU(d16, from)));
 }
 
-HWY_INLINE void expand_field(V slope, V u, V v, V* c) {
-  c[0] = slope, c[1] = hn::Mul(slope, u), c[2] = hn::Mul(c[1], u);
-  c[3] = hn::Mul(slope, v), c[4] = hn::Mul(c[1], v), c[5] = hn::Mul(c[2], v);
-  c[6] = hn::Mul(c[3], v), c[7] = hn::Mul(c[4], v), c[8] = hn::Mul(c[5], v);
+template <int kFirst, typename Put>
+HWY_INLINE void expand_field(V slope, V u, V v, const Put& put) {
+  for (int j = 0; j < 3; ++j) {
+    const V once = hn::Mul(slope, u);
+    put(kFirst + 3 * j, slope), put(kFirst + 3 * j + 1, once), put(kFirst + 3 * j + 2, hn::Mul(once, u));
+    slope = hn::Mul(slope, v);
+  }
 }
 
-// Each of `c` and everything else that a column holds, times one factor each: 1 for the columns, what is left of the
-// grey levels for the right-hand side.
-HWY_INLINE void expand(V one, const Level& l, V u, V v, V (&c)[kColumns]) {
-  c[0] = one, c[1] = hn::Mul(one, u), c[2] = hn::Mul(one, v);
-  c[3] = l.t, c[4] = hn::Mul(l.t, u), c[5] = hn::Mul(l.t, v);
-  c[6] = l.bx, c[7] = l.by;
-  expand_field(l.tx, u, v, c + kBaseColumns);
-  expand_field(l.ty, u, v, c + kBaseColumns + kFieldColumns);
+// The columns, all times `one`, which the level holds already.
+template <typename Put>
+HWY_INLINE void expand(V one, const Level& l, V u, V v, const Put& put) {
+  put(0, one), put(1, hn::Mul(one, u)), put(2, hn::Mul(one, v));
+  put(3, l.t), put(4, hn::Mul(l.t, u)), put(5, hn::Mul(l.t, v));
+  put(6, l.bx), put(7, l.by);
+  expand_field<kBaseColumns>(l.tx, u, v, put);
+  expand_field<kBaseColumns + kFieldColumns>(l.ty, u, v, put);
 }
 
 HWY_INLINE Level times(const Level& l, V f) {
@@ -118,35 +135,51 @@ HWY_INLINE void add_to(float* sums, V value) {
   hn::Store(hn::Add(hn::Load(d, sums), value), d, sums);
 }
 
-// `grey`: from the block's first pixel on; `dx`, `dy`: of the lanes from the middle pixel.
-template <bool kNormal, typename Grey>
-HWY_INLINE int add_block(const PatchJob& job, const Grey* grey, V dx, float dy, int last, int lane, LaneSums& sums,
+// What all pixels of a patch share.
+struct Patch {
+  Table table;
+  Plane light, contrast, gain;
+  V side, x0, half_x, y0, half_y, one;
+  V row_x, row_y, row_z;  // by which u z, v z and z change along a row
+
+  explicit Patch(const PatchJob& job)
+      : table(*job.table), light(job.light), contrast(job.contrast), gain(job.gain) {
+    const auto set = [](float value) { return hn::Set(Float(), value); };
+    side = table.side, one = table.one;
+    x0 = set(job.nodes[0]), half_x = set(job.nodes[1]), y0 = set(job.nodes[2]), half_y = set(job.nodes[3]);
+    row_x = set(job.uv_from_px[0]), row_y = set(job.uv_from_px[3]), row_z = set(job.uv_from_px[6]);
+  }
+};
+
+// The same of a row, where its middle is.
+struct Row {
+  V x, y, z;
+  Row(const PatchJob& job, float dy) {
+    const auto at = [&](std::size_t k) { return hn::Set(Float(), job.uv_from_px[k + 2] + job.uv_from_px[k + 1] * dy); };
+    x = at(0), y = at(3), z = at(6);
+  }
+};
+
+// `grey`: of the lanes; `dx`: of the lanes from the middle pixel; `there`: those in the box.
+template <bool kNormal, typename Mask>
+HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask there, int lane, LaneSums& sums,
                          V (&right)[kColumns + 1]) {
   const Float d;
-  const auto& h = job.uv_from_px;
-  const auto row = [&](int k) {
-    return plus(hn::Set(d, h[static_cast<std::size_t>(k + 2)] + h[static_cast<std::size_t>(k + 1)] * dy),
-                hn::Set(d, h[static_cast<std::size_t>(k)]), dx);
-  };
-  const V one = hn::Set(d, 1.0F), z = hn::Div(one, row(6)), u = hn::Mul(row(0), z), v = hn::Mul(row(3), z);
-  const auto there = hn::Le(hn::Iota(d, static_cast<float>(lane)), hn::Set(d, static_cast<float>(last)));
-  const auto in = hn::And(there, hn::And(hn::Le(hn::Abs(u), one), hn::Le(hn::Abs(v), one)));
+  const V z = hn::Div(patch.one, plus(row.z, patch.row_z, dx));
+  const V u = hn::Mul(plus(row.x, patch.row_x, dx), z), v = hn::Mul(plus(row.y, patch.row_y, dx), z);
+  const auto in = hn::And(there, hn::Le(hn::Max(hn::Abs(u), hn::Abs(v)), patch.one));
   if (hn::AllFalse(d, in)) return 0;
-  Level l = level_at(*job.table, plus(hn::Set(d, job.nodes[0]), u, hn::Set(d, job.nodes[1])),
-                     plus(hn::Set(d, job.nodes[2]), v, hn::Set(d, job.nodes[3])));
+  Level l = patch.table.at(plus(patch.x0, u, patch.half_x), plus(patch.y0, v, patch.half_y));
   const V left = hn::IfThenElseZero(
-      in, hn::Sub(hn::Sub(greys(grey + lane), plane(job.light, u, v)), hn::Mul(plane(job.contrast, u, v), l.t)));
-  const V side = hn::Set(d, static_cast<float>(job.table->side)), gain = hn::Mul(plane(job.gain, u, v), side);
-  const V bend = hn::Mul(gain, side);
+      in, hn::Sub(hn::Sub(grey, patch.light(u, v)), hn::Mul(patch.contrast(u, v), l.t)));
+  const V gain = hn::Mul(patch.gain(u, v), patch.side), bend = hn::Mul(gain, patch.side);
   l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend)};
-  V c[kColumns];
-  expand(left, times(l, left), u, v, c);
-#pragma GCC unroll 32
-  for (int k = 0; k < kColumns; ++k) right[k] = hn::Add(right[k], c[k]);
   right[kColumns] = hn::Add(right[kColumns], hn::Mul(left, left));
+  expand(left, times(l, left), u, v, [&right](int k, V value) { right[k] = hn::Add(right[k], value); });
   if constexpr (kNormal) {
-    const V inside = hn::IfThenElseZero(in, one);
-    expand(inside, times(l, inside), u, v, c);
+    const V inside = hn::IfThenElseZero(in, patch.one);
+    V c[kColumns];
+    expand(inside, times(l, inside), u, v, [&c](int k, V value) { c[k] = value; });
     float* to = sums.normal[0] + lane;
     for (int i = 0; i < kColumns; ++i) {
       for (int j = 0; j <= i; ++j, to += kBlockWidth) add_to(to, hn::Mul(c[i], c[j]));
@@ -178,6 +211,8 @@ const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[k
 template <bool kNormal, typename Grey>
 int add_band(const PatchJob& job, const ImageView<Grey>& picture, int first, int last, LaneSums& sums) {
   const Float d;
+  const Patch patch(job);
+  const V step = hn::Set(d, float{kBlockWidth});
   Grey edge[kBlockWidth];
   int pixels = 0;
   for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
@@ -185,10 +220,14 @@ int add_band(const PatchJob& job, const ImageView<Grey>& picture, int first, int
 #pragma GCC unroll 32
     for (int k = 0; k <= kColumns; ++k) right[k] = hn::Zero(d);
     for (int y = first; y <= last; y += job.row_step) {
+      const Row row(job, static_cast<float>(y - job.y));
       V dx = hn::Iota(d, static_cast<float>(job.box.x0 - job.x + lane));
-      for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth, dx = hn::Add(dx, hn::Set(d, float{kBlockWidth})))
-        pixels += add_block<kNormal>(job, sixteen(picture, x, y, edge), dx, static_cast<float>(y - job.y),
-                                     job.box.x1 - x, lane, sums, right);
+      V left = hn::Sub(hn::Set(d, static_cast<float>(job.box.x1 - job.x)), dx);
+      for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth) {
+        const V grey = greys(sixteen(picture, x, y, edge) + lane);
+        pixels += add_block<kNormal>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, sums, right);
+        dx = hn::Add(dx, step), left = hn::Sub(left, step);
+      }
     }
 #pragma GCC unroll 32
     for (int k = 0; k <= kColumns; ++k) hn::Store(right[k], d, sums.right[k] + lane);
