@@ -30,6 +30,10 @@ pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
 add_library(moiregauge_cairo INTERFACE)
 target_link_libraries(moiregauge_cairo INTERFACE PkgConfig::CAIRO)
 
+pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
+add_library(moiregauge_png INTERFACE)
+target_link_libraries(moiregauge_png INTERFACE PkgConfig::PNG)
+
 pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET libcrypto)
 add_library(moiregauge_crypto INTERFACE)
 target_link_libraries(moiregauge_crypto INTERFACE PkgConfig::CRYPTO)

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "moiregauge/drawing/overlay_pen.h"
+#include "moiregauge/drawing/png_bytes.h"
 
 namespace moiregauge {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "moiregauge/drawing/inspection_words.h"
 #include "moiregauge/drawing/overlay_pen.h"
+#include "moiregauge/drawing/png_bytes.h"
 
 namespace moiregauge {
 namespace {

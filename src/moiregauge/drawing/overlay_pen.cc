@@ -10,12 +10,6 @@
 namespace moiregauge::overlay {
 namespace {
 
-cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {
-  auto* bytes = static_cast<std::vector<std::uint8_t>*>(closure);
-  bytes->insert(bytes->end(), data, data + length);
-  return CAIRO_STATUS_SUCCESS;
-}
-
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines(1);
   for (const char c : text) {
@@ -48,13 +42,6 @@ Surface page_with(ImageView<std::uint8_t> picture, int scale, int width, int hei
     cairo_fill(context.get());
   }
   return page;
-}
-
-std::vector<std::uint8_t> png_of(cairo_surface_t* surface) {
-  std::vector<std::uint8_t> bytes;
-  cairo_surface_flush(surface);
-  if (cairo_surface_write_to_png_stream(surface, append, &bytes) != CAIRO_STATUS_SUCCESS) return {};
-  return bytes;
 }
 
 double Box::shared_with(const Box& o) const {

@@ -26,8 +26,6 @@ inline constexpr Colour kReferenceColour{0.34, 0.71, 0.91}, kTargetColour{0.90, 
 
 // A page of width x height px with the picture, `scale` px for each of its own, in the upper left corner.
 [[nodiscard]] Surface page_with(ImageView<std::uint8_t> picture, int scale, int width, int height);
-// A PNG file's bytes; empty when cairo cannot make one.
-[[nodiscard]] std::vector<std::uint8_t> png_of(cairo_surface_t* surface);
 
 // A rectangle on the page, px.
 struct Box {

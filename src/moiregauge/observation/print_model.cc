@@ -20,9 +20,12 @@ using Failure = PatchFitFailure;
 constexpr double kNoSlope = 1e-3;
 // Template and map are learned in turn. A template takes up a share of what is wrong with the map: of a wrong scale
 // over n periods all but 1 / n^2 is seen, so each round leaves about a tenth. The first rounds, with few harmonics, go
-// on until the map stands still; then the window grows, and the last rounds learn all harmonics.
+// on until the map stands still; then the window grows, and the last rounds learn all harmonics. What a template leaves
+// over pushes the map by the same little in every round (1e-5 to 6e-5 pitch, mostly along, where the two may drift
+// together): a map that moves as it did before has nothing more to learn either.
 constexpr int kMostRounds = 12;
 constexpr double kStandsStill = 1e-6;  // pitches
+constexpr double kAsBefore = 0.03;     // of the movement
 constexpr int kFirstOrders = 5;
 
 // From a start within a tenth of a pitch the first passes need not see every row: from three to a pitch on the
@@ -205,10 +208,12 @@ class Learning {
   }
 
   tl::expected<void, Failure> until_it_stands_still(int most_orders) {
+    double before = 0.0;
     for (int k = 0; k < kMostRounds; ++k) {
       const auto moved = round(most_orders);
       if (!moved) return tl::unexpected(moved.error());
-      if (*moved < kStandsStill) break;
+      if (*moved < kStandsStill || std::abs(*moved - before) < kAsBefore * *moved) break;
+      before = *moved;
     }
     return {};
   }
