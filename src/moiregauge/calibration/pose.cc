@@ -1,10 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/calibration/pose.h"
 
+#include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 namespace moiregauge {
+
+namespace {
+
+// Through the four outermost points: a place to begin at. Through all where three of those are on a line.
+std::optional<IdealFromBoard> view_through(const std::vector<BoardPoint>& board, const std::vector<IdealPoint>& ideal) {
+  std::array<std::size_t, 4> outermost{};
+  const auto towards = [&](std::size_t corner, std::size_t k) {
+    return (corner % 2 == 0 ? 1.0 : -1.0) * board[k].x + (corner / 2 == 0 ? 1.0 : -1.0) * board[k].y;
+  };
+  for (std::size_t corner = 0; corner < outermost.size(); ++corner) {
+    for (std::size_t k = 1; k < board.size(); ++k)
+      if (towards(corner, k) > towards(corner, outermost[corner])) outermost[corner] = k;
+  }
+  std::array<BoardPoint, 4> from;
+  std::array<IdealPoint, 4> to;
+  for (std::size_t corner = 0; corner < outermost.size(); ++corner)
+    from[corner] = board[outermost[corner]], to[corner] = ideal[outermost[corner]];
+  auto h = fit_homography<frame::Ideal, frame::Board>(std::span<const BoardPoint>(from), std::span<const IdealPoint>(to));
+  if (!h) h = fit_homography<frame::Ideal, frame::Board>(board, ideal);
+  return h ? std::optional(IdealFromBoard(*h)) : std::nullopt;
+}
+
+}  // namespace
 
 std::optional<Pose> pose_of(const Site& site, const Scene& scene, const BundleFrame& frame) {
   std::vector<BoardPoint> board;
@@ -24,9 +49,8 @@ std::optional<Pose> pose_of(const Site& site, const Scene& scene, const BundleFr
     }
   }
   if (board.empty()) return std::nullopt;
-  const auto h = fit_homography<frame::Ideal, frame::Board>(board, ideal);
-  if (!h) return std::nullopt;
-  return pose_of(IdealFromBoard(*h), scene.camera);
+  const auto view = view_through(board, ideal);
+  return view ? std::optional(pose_of(*view, scene.camera)) : std::nullopt;
 }
 
 }  // namespace moiregauge

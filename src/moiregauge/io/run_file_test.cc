@@ -49,7 +49,11 @@ StoredRun filled_run(std::size_t count) {
   store(filler, run.seen.observations);
   store(filler, run.seen.reference);
   for (CirclePoint& point : run.seen.reference->circles) point.marker = count - 1;
-  for (auto& print : run.seen.reference->prints) print->print = PrintTemplate::cosine(1.0 / 7.0, 2.0 / 7.0);
+  const NormalMatrix normal = NormalVector::LinSpaced(1.0 / 3.0, 2.0).asDiagonal();
+  for (auto& print : run.seen.reference->prints) {
+    print->print = PrintTemplate::cosine(1.0 / 7.0, 2.0 / 7.0);
+    print->at_rest->system = *PatchSystem::of(normal, 77, {.along_y = false});
+  }
   run.seen.input_damaged = run.seen.interrupted = true;
   return run;
 }
@@ -85,6 +89,8 @@ TEST(RunFile, GivesEveryFieldBackToTheLastBit) {
   EXPECT_EQ(again->seen.observations[1].markers[0].patch.gradient, run.seen.observations[1].markers[0].patch.gradient);
   EXPECT_EQ(again->seen.reference->prints[1]->print.coefficient(0, 1),
             run.seen.reference->prints[1]->print.coefficient(0, 1));
+  EXPECT_EQ(again->seen.reference->prints[1]->at_rest->system.information(5),
+            run.seen.reference->prints[1]->at_rest->system.information(5));
   EXPECT_EQ(again->seen.reference->view.ideal_from_board.matrix(), run.seen.reference->view.ideal_from_board.matrix());
   EXPECT_TRUE(again->seen.interrupted);
 }

@@ -34,7 +34,8 @@ template <> inline constexpr std::size_t kFields<Reference> = 12;
 template <> inline constexpr std::size_t kFields<CirclePoint> = 4;
 template <> inline constexpr std::size_t kFields<View> = 2;
 template <> inline constexpr std::size_t kFields<RasterPlan> = 10;
-template <> inline constexpr std::size_t kFields<PrintModel> = 5;
+template <> inline constexpr std::size_t kFields<PrintModel> = 6;
+template <> inline constexpr std::size_t kFields<PatchAtRest> = 3;
 template <> inline constexpr std::size_t kFields<Outline> = 4;
 template <> inline constexpr std::size_t kFields<PatchWindow> = 3;
 template <> inline constexpr std::size_t kFields<PatchFitOptions> = 4;
@@ -134,6 +135,25 @@ struct Stored<PatchInformation> {
         archive.number(value(row, column));
         if constexpr (Archive::kReads) value(column, row) = value(row, column);
       }
+    }
+  }
+};
+
+// What the system is made of; it is made again.
+template <>
+struct Stored<PatchSystem> {
+  template <typename Archive, typename Value>
+  static void store(Archive& archive, Value& value) {
+    NormalMatrix normal = value.normal();
+    int pixels = value.pixels();
+    PatchFitOptions options = value.options();
+    moiregauge::store(archive, normal);
+    archive.number(pixels);
+    moiregauge::store(archive, options);
+    if constexpr (Archive::kReads) {
+      auto made = PatchSystem::of(normal, pixels, options);
+      if (!made) return archive.fail();
+      value = *std::move(made);
     }
   }
 };

@@ -50,7 +50,9 @@ const Values& values_at_points() {
   return values;
 }
 
-std::optional<PatchSystem> PatchSystem::of(NormalMatrix n, int pixels, const PatchFitOptions& options) {
+std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixels,
+                                           const PatchFitOptions& options) {
+  NormalMatrix n = normal;
   const double slopes = n(0, 0) + n(3, 3);
   for (int i = kLightColumns; i < kBaseColumns; ++i) n(i, i) = n(i, i) * (1.0 + kBlurRidge) + 1e-12 * slopes;
   if (!options.along_x) silence(n, kBaseColumns);
@@ -64,12 +66,14 @@ std::optional<PatchSystem> PatchSystem::of(NormalMatrix n, int pixels, const Pat
   if (!options.along_x) s.per_length_.segment<kFieldColumns>(kBaseColumns).setZero();
   if (!options.along_y) s.per_length_.tail<kFieldColumns>().setZero();
   s.information_ = at_points(n, options);
+  s.normal_ = normal;
   s.pixels_ = pixels;
+  s.options_ = options;
   return s;
 }
 
 NormalVector PatchSystem::solved(const PatchSums& sums) const {
-  return (pixels_ / sums.pixels) * per_length_.cwiseProduct(ldlt_.solve(per_length_.cwiseProduct(sums.right)));
+  return (static_cast<double>(pixels_) / sums.pixels) * per_length_.cwiseProduct(ldlt_.solve(per_length_.cwiseProduct(sums.right)));
 }
 
 }  // namespace moiregauge

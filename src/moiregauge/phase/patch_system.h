@@ -25,18 +25,25 @@ struct PatchFitOptions {
 class PatchSystem {
  public:
   // Nothing when the window does not determine the unknowns. Columns of an axis that is not shown stay 0.
-  [[nodiscard]] static std::optional<PatchSystem> of(NormalMatrix normal, int pixels, const PatchFitOptions& options);
+  [[nodiscard]] static std::optional<PatchSystem> of(const NormalMatrix& normal, int pixels,
+                                                     const PatchFitOptions& options);
+  // What it was made of.
+  [[nodiscard]] const NormalMatrix& normal() const { return normal_; }
+  [[nodiscard]] int pixels() const { return pixels_; }
+  [[nodiscard]] const PatchFitOptions& options() const { return options_; }
 
   // The unknowns, where as many pixels as in the sums see the window.
   [[nodiscard]] NormalVector solved(const PatchSums& sums) const;
   // Of the field at the nine points (x of all, then y), per (grey level / gain)^2 of noise; the rest eliminated.
-  [[nodiscard]] PatchInformation information(int pixels) const { return (pixels / pixels_) * information_; }
+  [[nodiscard]] PatchInformation information(int pixels) const { return (static_cast<double>(pixels) / pixels_) * information_; }
 
  private:
   Eigen::LDLT<NormalMatrix> ldlt_;  // of columns of unit length
-  NormalVector per_length_;
-  PatchInformation information_;
-  double pixels_ = 0.0;
+  NormalVector per_length_ = NormalVector::Zero();
+  PatchInformation information_ = PatchInformation::Zero();
+  NormalMatrix normal_ = NormalMatrix::Zero();
+  int pixels_ = 0;
+  PatchFitOptions options_;
 };
 
 // The field's nine coefficients to its values at the nine points, (u, v) = -2/3, 0, 2/3, u fastest.
