@@ -5,6 +5,7 @@
 
 #include "moiregauge/calibration/pose.h"
 #include "moiregauge/displacement/bundle_frames.h"
+#include "moiregauge/observation/track.h"
 
 namespace moiregauge::bench {
 namespace {
@@ -51,6 +52,19 @@ void ProductChain::observe(const Shot& shot) {
   seen_.front() = method_.observe({shot.picture, 8}, reference_, follower_.prediction(), work_);
   seen_.front().frame = shot.frame;
   (void)follower_.follow(reference_, seen_.front());
+}
+
+void ProductChain::track(const Shot& shot) {
+  const GreyPicture picture{shot.picture, 8};
+  seen_.front() = track_references(picture, reference_, follower_.prediction(), Rows::kSome).value_or(Observation{});
+  Observation& seen = seen_.front();
+  seen.markers.resize(reference_.site.markers.size());
+  seen.markers[target_].loss = Loss::kNotSeen;
+  if (seen.references_seen)
+    (void)track_target(picture, reference_, {seen.stage2, reference_.lens}, target_, follower_.prediction(),
+                       seen.markers[target_], Rows::kSome);
+  seen.frame = shot.frame;
+  (void)follower_.follow(reference_, seen);
 }
 
 ProductChain::Reading ProductChain::solve(const std::vector<Observation>& one) const {

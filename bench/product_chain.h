@@ -18,6 +18,7 @@ class ProductChain {
   ProductChain(const Recording& recording, const Method& method);
 
   void observe(const Shot& shot);  // the pixels: looks, and remembers where to look next
+  void track(const Shot& shot);    // of that only discs and the phases of all prints, from some of their rows
   struct Reading {
     Extent<frame::Board> displacement{kNotMeasured, kNotMeasured};
     Extent<frame::Board> u{kNotMeasured, kNotMeasured};

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
+#include <type_traits>
 #include <variant>
 
 #include "moiregauge/units/units.h"
@@ -23,39 +26,67 @@ struct Look {
   double contrast = 0.0;  // grey levels, middle less paper
 };
 
+// Whole numbers: pixels of a span, their grey levels, and these times x from the picture's first column of interest.
+struct Sums {
+  std::int64_t pixels = 0, x = 0, grey = 0, grey_x = 0;
+};
+
+// Pixels of one row with |x - at| <= half; none when half2 < 0.
+struct Span {
+  int from = 0, to = -1;  // ends included
+  Span(double at, double half2) {
+    if (half2 < 0.0) return;
+    const double half = std::sqrt(half2);
+    from = static_cast<int>(std::ceil(at - half)), to = static_cast<int>(std::floor(at + half));
+  }
+};
+
+template <typename Grey>
+void add(std::span<const Grey> row, Span span, int x0, Sums& sums) {
+  using Sum = std::conditional_t<sizeof(Grey) == 1, std::int32_t, std::int64_t>;  // holds 255 times 4000 columns
+  const Grey* const grey = row.data() + x0;
+  Sum sum = 0, sum_x = 0;
+  for (int i = span.from - x0; i <= span.to - x0; ++i) {
+    sum += static_cast<Sum>(grey[i]);
+    sum_x += static_cast<Sum>(grey[i]) * i;
+  }
+  const std::int64_t n = std::max(0, span.to - span.from + 1);
+  sums.pixels += n, sums.x += n * (span.from + span.to - 2 * x0) / 2;
+  sums.grey += sum, sums.grey_x += sum_x;
+}
+
 template <typename Grey>
 std::optional<Look> look(const ImageView<Grey>& picture, ImagePoint at, double radius) {
   const double reach = kPaper * radius;
   const int x0 = static_cast<int>(std::floor(at.x - reach)), x1 = static_cast<int>(std::ceil(at.x + reach));
   const int y0 = static_cast<int>(std::floor(at.y - reach)), y1 = static_cast<int>(std::ceil(at.y + reach));
   if (!(x0 >= 0 && y0 >= 0 && x1 < picture.width && y1 < picture.height)) return std::nullopt;
-  double middle = 0.0, paper = 0.0, grey = 0.0, grey_x = 0.0, grey_y = 0.0, sum_x = 0.0, sum_y = 0.0;
-  long middles = 0, papers = 0, all = 0;
   const double inner2 = std::pow(kInside * radius, 2), ring2 = std::pow(0.5 * (1.0 + kPaper) * radius, 2);
+  Sums all, disc, middle;  // all that is looked at; what is not paper for certain; what is disc for certain
+  double all_y = 0.0, grey_y = 0.0;
   for (int y = y0; y <= y1; ++y) {
-    const double dy = y - at.y, half2 = reach * reach - dy * dy;
-    if (half2 < 0.0) continue;
-    const double half = std::sqrt(half2);
     const auto row = picture.row(y);
-    for (int x = static_cast<int>(std::ceil(at.x - half)); x <= at.x + half; ++x) {
-      const double dx = x - at.x, r2 = dx * dx + dy * dy, g = static_cast<double>(row[static_cast<std::size_t>(x)]);
-      grey += g, grey_x += g * dx, grey_y += g * dy, sum_x += dx, sum_y += dy, ++all;
-      if (r2 < inner2)
-        middle += g, ++middles;
-      else if (r2 > ring2)
-        paper += g, ++papers;
-    }
+    const double dy = y - at.y;
+    const std::int64_t pixels = all.pixels, grey = all.grey;
+    add<Grey>(row, {at.x, reach * reach - dy * dy}, x0, all);
+    all_y += dy * static_cast<double>(all.pixels - pixels), grey_y += dy * static_cast<double>(all.grey - grey);
+    add<Grey>(row, {at.x, ring2 - dy * dy}, x0, disc);
+    add<Grey>(row, {at.x, inner2 - dy * dy}, x0, middle);
   }
-  if (middles == 0 || papers == 0) return std::nullopt;
-  middle /= static_cast<double>(middles), paper /= static_cast<double>(papers);
+  const std::int64_t papers = all.pixels - disc.pixels;
+  if (middle.pixels == 0 || papers == 0) return std::nullopt;
+  const double paper = static_cast<double>(all.grey - disc.grey) / static_cast<double>(papers);
   Look out;
-  out.contrast = middle - paper;
+  out.contrast = static_cast<double>(middle.grey) / static_cast<double>(middle.pixels) - paper;
   if (out.contrast == 0.0) return std::nullopt;
   // Moments of (g - paper) / contrast, which is one on the disc and nothing on its paper.
-  out.area = (grey - paper * static_cast<double>(all)) / out.contrast;
+  const auto above_paper = [paper](std::int64_t grey, std::int64_t of) {
+    return static_cast<double>(grey) - paper * static_cast<double>(of);
+  };
+  out.area = above_paper(all.grey, all.pixels) / out.contrast;
   if (!(out.area > 0.0)) return std::nullopt;
   const double weight = 1.0 / (out.contrast * out.area);
-  out.centre = {at.x + weight * (grey_x - paper * sum_x), at.y + weight * (grey_y - paper * sum_y)};
+  out.centre = {x0 + weight * above_paper(all.grey_x, all.x), at.y + weight * (grey_y - paper * all_y)};
   return out;
 }
 

@@ -31,7 +31,7 @@ constexpr int kFirstOrders = 5;
 // From a start within a tenth of a pitch the first passes need not see every row: from three to a pitch on the
 // fundamental's slopes weigh the same wherever the first row is.
 constexpr double kRowsPerPitch = 3.0;
-constexpr int kMostRowStep = 8;
+constexpr int kMostRowStep = 4;
 
 // A template that leaves this share less than the fundamentals alone is worth its harmonics: the rms residual of some
 // thousand pixels is known to 1 %.

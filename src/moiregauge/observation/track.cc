@@ -43,10 +43,10 @@ std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& r
 }
 
 std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                               Extent<frame::Board> moved) {
+                               Extent<frame::Board> moved, Rows rows) {
   const PrintModel& print = *reference.prints[i];
-  auto fit = read_points(picture.luma, view, *reference.site.markers[i].grating, moved, print);
-  if (!fit || !(fit->last_step < kConverged) || !is_whole(*fit, *reference.seen.markers[i].points, print))
+  auto fit = read_points(picture.luma, view, *reference.site.markers[i].grating, moved, print, rows);
+  if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) || !is_whole(*fit, *reference.seen.markers[i].points, print))
     return std::nullopt;
   return *std::move(fit);
 }
@@ -54,7 +54,7 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
 }  // namespace
 
 std::optional<Observation> track_references(const GreyPicture& picture, const Reference& reference,
-                                            const Prediction& prediction) {
+                                            const Prediction& prediction, Rows rows) {
   if (!expects_all(reference, prediction)) return std::nullopt;
   Identified who;
   const auto search = discs(picture, reference, *prediction.expected, who);
@@ -69,7 +69,7 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::size_t i = points[k].marker;
     MarkerObservation& marker = seen.markers[i];
-    auto fit = fitted(picture, reference, view, i, {});
+    auto fit = fitted(picture, reference, view, i, {}, rows);
     if (!fit) return std::nullopt;
     const PrintMotion motion = motion_of_points(reference, view, i, *fit);
     if (length(motion.displacement) > kFarOff * reference.plans[i].pitch_mm) return std::nullopt;
@@ -86,9 +86,9 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
 }
 
 bool track_target(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                  const Prediction& prediction, MarkerObservation& seen) {
+                  const Prediction& prediction, MarkerObservation& seen, Rows rows) {
   if (!reference.prints[i] || !reference.seen.markers[i].points || !(i < prediction.travel_expected.size())) return false;
-  auto fit = fitted(picture, reference, view, i, prediction.travel_expected[i]);
+  auto fit = fitted(picture, reference, view, i, prediction.travel_expected[i], rows);
   if (!fit) return false;
   const PrintMotion motion = motion_of_points(reference, view, i, *fit);
   seen.window_shift = motion.displacement;

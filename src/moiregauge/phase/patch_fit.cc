@@ -79,6 +79,33 @@ class Passes {
     return take(known == nullptr ? *own_ : *known);
   }
 
+  // Of the patch as a whole, from every row_step-th row.
+  tl::expected<void, Failure> shift(int row_step) {
+    if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
+    ShiftSums sums;
+    sum_shift(luma_, model_, print_.nodes(), box_, row_step, sums);
+    if (row_step * sums.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    Eigen::Matrix4d normal = sums.normal;
+    for (const int axis : {2, 3}) {  // one that is not shown stays where it is
+      if (axis == 2 ? options_.along_x : options_.along_y) continue;
+      normal.row(axis).setZero(), normal.col(axis).setZero(), normal(axis, axis) = 1.0;
+      sums.right(axis) = 0.0;
+    }
+    const Eigen::Vector4d per_length = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::LDLT<Eigen::Matrix4d> ldlt(per_length.asDiagonal() * normal * per_length.asDiagonal());
+    const Eigen::Vector4d value = per_length.cwiseProduct(ldlt.solve(per_length.cwiseProduct(sums.right)));
+    sums_.pixels = sums.pixels;
+    sigma_ = std::sqrt(std::max(0.0, sums.left2 - value.dot(sums.right)) / (sums.pixels - kShiftColumns));
+    const std::array<double, 2> place{value(2), value(3)};
+    if (explained_by_print(value(1), place) < kSeenPattern * sigma_ * sigma_) return tl::unexpected(Failure::kNoPattern);
+    model_.light[0] += value(0), model_.contrast[0] += value(1);
+    if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
+    relative_ = model_.gain[0] / model_.contrast[0];
+    dx_.setConstant(relative_ * place[0]), dy_.setConstant(relative_ * place[1]);
+    step_to_points();
+    return {};
+  }
+
   [[nodiscard]] double last_step() const { return last_step_; }
   [[nodiscard]] PatchAtRest at_rest() const { return {*own_, light_then_, model_.gain}; }
   [[nodiscard]] PatchFit fit(const PatchSystem* known) const;
@@ -88,7 +115,8 @@ class Passes {
     const NormalVector value = system.solved(sums_);
     const double explained = value.dot(sums_.right);
     sigma_ = std::sqrt(std::max(0.0, sums_.left2 - explained) / (sums_.pixels - kColumns));
-    if (!is_lit_ && explained_by_print(value) < kSeenPattern * sigma_ * sigma_)
+    const std::array<double, 2> place{value(kBaseColumns), value(kBaseColumns + kFieldColumns)};
+    if (!is_lit_ && explained_by_print(value(3), place) < kSeenPattern * sigma_ * sigma_)
       return tl::unexpected(Failure::kNoPattern);
     is_lit_ = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -103,19 +131,22 @@ class Passes {
     const auto& at_points = values_at_points();
     dx_ = relative_ * (at_points * value.segment<kFieldColumns>(kBaseColumns));
     dy_ = relative_ * (at_points * value.tail<kFieldColumns>());
-    last_step_ = std::max(dx_.cwiseAbs().maxCoeff(), dy_.cwiseAbs().maxCoeff());
-    seen_through_ = model_.map;
-    move();
+    step_to_points();
     return {};
   }
 
-  // What the print, in contrast and place, has of the grey levels (squared, by each of its columns).
-  [[nodiscard]] double explained_by_print(const NormalVector& value) const {
-    const auto times = [&](int column) { return std::pow(model_.gain[0] * value(column), 2); };
-    const double contrast = std::pow((model_.contrast[0] + value(3)) * print_.contrast(), 2);
-    const double place = times(kBaseColumns) * print_.slope_power_x() +
-                         times(kBaseColumns + kFieldColumns) * print_.slope_power_y();
-    return sums_.pixels * (contrast + place) / (kColumns - 3);
+  void step_to_points() {
+    last_step_ = std::max(dx_.cwiseAbs().maxCoeff(), dy_.cwiseAbs().maxCoeff());
+    seen_through_ = model_.map;
+    move();
+  }
+
+  // What the print, with so much more contrast and so far away, has of the grey levels (squared, by each of its columns).
+  [[nodiscard]] double explained_by_print(double contrast, std::array<double, 2> place) const {
+    const double level = std::pow((model_.contrast[0] + contrast) * print_.contrast(), 2);
+    const double slope = std::pow(model_.gain[0] * place[0], 2) * print_.slope_power_x() +
+                         std::pow(model_.gain[0] * place[1], 2) * print_.slope_power_y();
+    return sums_.pixels * (level + slope) / (kColumns - 3);
   }
 
   // The map follows as a homography; what it cannot follow is left to the next pass, and to the points.
@@ -186,16 +217,13 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
                                              const PatchAtRest& at_rest, Rows rows) {
   Passes passes(luma, start, window, print, options);
   passes.begin(&at_rest);
-  const auto until = [&](int row_step, double stands) -> tl::expected<void, Failure> {
-    for (int k = 0; k < kMostPasses; ++k) {
-      if (const auto done = passes.pass(row_step, &at_rest.system); !done) return tl::unexpected(done.error());
-      if (passes.last_step() < stands) break;
-    }
-    return {};
-  };
-  if (const auto done = until(options.row_step, kNear); !done) return tl::unexpected(done.error());
-  if (rows == Rows::kAll) {
-    if (const auto done = until(1, kStands); !done) return tl::unexpected(done.error());
+  for (int k = 0; k < kMostPasses; ++k) {
+    if (const auto done = passes.shift(options.row_step); !done) return tl::unexpected(done.error());
+    if (passes.last_step() < kNear) break;
+  }
+  for (int k = 0; rows == Rows::kAll && k < kMostPasses; ++k) {
+    if (const auto done = passes.pass(1, &at_rest.system); !done) return tl::unexpected(done.error());
+    if (passes.last_step() < kStands) break;
   }
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   return passes.fit(&at_rest.system);

@@ -18,6 +18,14 @@ constexpr int kBlockWidth = 16;
 // Single precision holds the sums of so many rows; then they go into doubles.
 constexpr int kBandRows = 16;
 constexpr int kProducts = kColumns * (kColumns + 1) / 2;
+constexpr int kShiftProducts = kShiftColumns * (kShiftColumns + 1) / 2;
+enum class Sum {
+  kRight,   // times each column, and squared
+  kNormal,  // also the columns' products
+  kShift    // of the patch as a whole: times each of its columns, squared, and these columns' products
+};
+// How many of them are kept in registers.
+constexpr int registers_of(Sum sum) { return sum == Sum::kShift ? kShiftColumns + 1 + kShiftProducts : kColumns + 1; }
 
 // (u, v) of pixels by their distance from the patch's middle pixel: numbers near 1, so that single precision will do.
 struct PatchJob {
@@ -32,8 +40,15 @@ struct PatchJob {
 
 // Sixteen lanes of every sum.
 struct LaneSums {
-  alignas(64) float right[kColumns + 1][kBlockWidth];  // the last: squared
+  alignas(64) float right[kColumns + 1][kBlockWidth];  // in order of registers
   alignas(64) float normal[kProducts][kBlockWidth];  // lower triangle, row by row
+};
+
+// In the order of the registers.
+struct PatchTotals {
+  std::array<double, kColumns + 1> sums{};
+  NormalMatrix* normal = nullptr;
+  int pixels = 0;
 };
 
 }  // namespace moiregauge
@@ -160,10 +175,41 @@ struct Row {
   }
 };
 
+template <Sum kSum>
+using Registers = V[registers_of(kSum)];
+
+// `left`: of the grey levels, nothing outside the window.
+HWY_INLINE void add_shift(V left, V inside, const Level& l, Registers<Sum::kShift>& sums) {
+  const V c[kShiftColumns] = {inside, hn::Mul(l.t, inside), hn::Mul(l.tx, inside), hn::Mul(l.ty, inside)};
+  int to = 0;
+#pragma GCC unroll 4
+  for (int i = 0; i < kShiftColumns; ++i, ++to) sums[to] = hn::Add(sums[to], hn::Mul(left, c[i]));
+  sums[to] = hn::Add(sums[to], hn::Mul(left, left)), ++to;
+#pragma GCC unroll 4
+  for (int i = 0; i < kShiftColumns; ++i) {
+#pragma GCC unroll 4
+    for (int j = 0; j <= i; ++j, ++to) sums[to] = hn::Add(sums[to], hn::Mul(c[i], c[j]));
+  }
+}
+
+HWY_INLINE void add_right(V left, const Level& l, V u, V v, Registers<Sum::kRight>& sums) {
+  sums[kColumns] = hn::Add(sums[kColumns], hn::Mul(left, left));
+  expand(left, times(l, left), u, v, [&sums](int k, V value) { sums[k] = hn::Add(sums[k], value); });
+}
+
+HWY_INLINE void add_normal(V inside, const Level& l, V u, V v, int lane, LaneSums& sums) {
+  V c[kColumns];
+  expand(inside, times(l, inside), u, v, [&c](int k, V value) { c[k] = value; });
+  float* to = sums.normal[0] + lane;
+  for (int i = 0; i < kColumns; ++i) {
+    for (int j = 0; j <= i; ++j, to += kBlockWidth) add_to(to, hn::Mul(c[i], c[j]));
+  }
+}
+
 // `grey`: of the lanes; `dx`: of the lanes from the middle pixel; `there`: those in the box.
-template <bool kNormal, typename Mask>
-HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask there, int lane, LaneSums& sums,
-                         V (&right)[kColumns + 1]) {
+template <Sum kSum, typename Mask>
+HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask there, int lane, LaneSums& lanes,
+                         Registers<kSum>& sums) {
   const Float d;
   const V z = hn::Div(patch.one, plus(row.z, patch.row_z, dx));
   const V u = hn::Mul(plus(row.x, patch.row_x, dx), z), v = hn::Mul(plus(row.y, patch.row_y, dx), z);
@@ -174,16 +220,12 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
       in, hn::Sub(hn::Sub(grey, patch.light(u, v)), hn::Mul(patch.contrast(u, v), l.t)));
   const V gain = hn::Mul(patch.gain(u, v), patch.side), bend = hn::Mul(gain, patch.side);
   l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend)};
-  right[kColumns] = hn::Add(right[kColumns], hn::Mul(left, left));
-  expand(left, times(l, left), u, v, [&right](int k, V value) { right[k] = hn::Add(right[k], value); });
-  if constexpr (kNormal) {
-    const V inside = hn::IfThenElseZero(in, patch.one);
-    V c[kColumns];
-    expand(inside, times(l, inside), u, v, [&c](int k, V value) { c[k] = value; });
-    float* to = sums.normal[0] + lane;
-    for (int i = 0; i < kColumns; ++i) {
-      for (int j = 0; j <= i; ++j, to += kBlockWidth) add_to(to, hn::Mul(c[i], c[j]));
-    }
+  const V inside = hn::IfThenElseZero(in, patch.one);
+  if constexpr (kSum == Sum::kShift) {
+    add_shift(left, inside, l, sums);
+  } else {
+    add_right(left, l, u, v, sums);
+    if constexpr (kSum == Sum::kNormal) add_normal(inside, l, u, v, lane, lanes);
   }
   return static_cast<int>(hn::CountTrue(d, in));
 }
@@ -208,61 +250,61 @@ const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[k
   return edge;
 }
 
-template <bool kNormal, typename Grey>
-int add_band(const PatchJob& job, const ImageView<Grey>& picture, int first, int last, LaneSums& sums) {
+template <Sum kSum, typename Grey>
+int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& picture, int first, int last,
+             LaneSums& lanes) {
   const Float d;
-  const Patch patch(job);
   const V step = hn::Set(d, float{kBlockWidth});
   Grey edge[kBlockWidth];
   int pixels = 0;
   for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
-    V right[kColumns + 1];
+    Registers<kSum> sums;
 #pragma GCC unroll 32
-    for (int k = 0; k <= kColumns; ++k) right[k] = hn::Zero(d);
+    for (int k = 0; k < registers_of(kSum); ++k) sums[k] = hn::Zero(d);
     for (int y = first; y <= last; y += job.row_step) {
       const Row row(job, static_cast<float>(y - job.y));
       V dx = hn::Iota(d, static_cast<float>(job.box.x0 - job.x + lane));
       V left = hn::Sub(hn::Set(d, static_cast<float>(job.box.x1 - job.x)), dx);
       for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth) {
         const V grey = greys(sixteen(picture, x, y, edge) + lane);
-        pixels += add_block<kNormal>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, sums, right);
+        pixels += add_block<kSum>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, lanes, sums);
         dx = hn::Add(dx, step), left = hn::Sub(left, step);
       }
     }
 #pragma GCC unroll 32
-    for (int k = 0; k <= kColumns; ++k) hn::Store(right[k], d, sums.right[k] + lane);
+    for (int k = 0; k < registers_of(kSum); ++k) hn::Store(sums[k], d, lanes.right[k] + lane);
   }
   return pixels;
 }
 
-template <bool kNormal, typename Grey>
-void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchSums& out, NormalMatrix* normal) {
-  LaneSums sums;
+template <Sum kSum, typename Grey>
+void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out) {
+  LaneSums lanes;
+  const Patch patch(job);
   const int band = kBandRows * job.row_step;
   for (int y = job.box.y0; y <= job.box.y1; y += band) {
-    if constexpr (kNormal) std::fill_n(&sums.normal[0][0], kProducts * kBlockWidth, 0.0F);
-    out.pixels += add_band<kNormal>(job, picture, y, std::min(y + band - 1, job.box.y1), sums);
-    for (int k = 0; k < kColumns; ++k) out.right(k) += folded(sums.right[k]);
-    out.left2 += folded(sums.right[kColumns]);
-    if constexpr (kNormal) {
+    if constexpr (kSum == Sum::kNormal) std::fill_n(&lanes.normal[0][0], kProducts * kBlockWidth, 0.0F);
+    out.pixels += add_band<kSum>(job, patch, picture, y, std::min(y + band - 1, job.box.y1), lanes);
+    for (int k = 0; k < registers_of(kSum); ++k) out.sums[static_cast<std::size_t>(k)] += folded(lanes.right[k]);
+    if constexpr (kSum == Sum::kNormal) {
       for (int i = 0, k = 0; i < kColumns; ++i) {
-        for (int j = 0; j <= i; ++j, ++k) (*normal)(i, j) += folded(sums.normal[k]);
+        for (int j = 0; j <= i; ++j, ++k) (*out.normal)(i, j) += folded(lanes.normal[k]);
       }
     }
   }
 }
 
 template <typename Grey>
-void pass_with(const PatchJob& job, const ImageView<Grey>& picture, PatchSums& out, NormalMatrix* normal) {
-  normal == nullptr ? pass<false>(job, picture, out, normal) : pass<true>(job, picture, out, normal);
+void pass_of(const PatchJob& job, const ImageView<Grey>& picture, Sum sum, PatchTotals& out) {
+  switch (sum) {
+    case Sum::kRight: return pass<Sum::kRight>(job, picture, out);
+    case Sum::kNormal: return pass<Sum::kNormal>(job, picture, out);
+    case Sum::kShift: return pass<Sum::kShift>(job, picture, out);
+  }
 }
 
-void Pass8(const PatchJob& job, const ImageView<std::uint8_t>& p, PatchSums& out, NormalMatrix* normal) {
-  pass_with(job, p, out, normal);
-}
-void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& p, PatchSums& out, NormalMatrix* normal) {
-  pass_with(job, p, out, normal);
-}
+void Pass8(const PatchJob& job, const ImageView<std::uint8_t>& p, Sum sum, PatchTotals& out) { pass_of(job, p, sum, out); }
+void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& p, Sum sum, PatchTotals& out) { pass_of(job, p, sum, out); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace moiregauge
@@ -299,16 +341,40 @@ PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox
 HWY_EXPORT(Pass8);
 HWY_EXPORT(Pass16);
 
+namespace {
+
+void dispatched(const LumaView& luma, const PatchJob& job, Sum sum, PatchTotals& out) {
+  if (const auto* view = std::get_if<ImageView<std::uint8_t>>(&luma))
+    HWY_DYNAMIC_DISPATCH(Pass8)(job, *view, sum, out);
+  else
+    HWY_DYNAMIC_DISPATCH(Pass16)(job, *std::get_if<ImageView<std::uint16_t>>(&luma), sum, out);
+}
+
+}  // namespace
+
 void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
                PatchSums& sums, NormalMatrix* normal) {
-  const PatchJob job = job_of(model, nodes, box, row_step);
-  sums = {};
+  PatchTotals totals;
+  totals.normal = normal;
   if (normal != nullptr) normal->setZero();
-  if (const auto* view = std::get_if<ImageView<std::uint8_t>>(&luma))
-    HWY_DYNAMIC_DISPATCH(Pass8)(job, *view, sums, normal);
-  else
-    HWY_DYNAMIC_DISPATCH(Pass16)(job, *std::get_if<ImageView<std::uint16_t>>(&luma), sums, normal);
+  dispatched(luma, job_of(model, nodes, box, row_step), normal == nullptr ? Sum::kRight : Sum::kNormal, totals);
+  sums.right = Eigen::Map<const NormalVector>(totals.sums.data());
+  sums.left2 = totals.sums[kColumns];
+  sums.pixels = totals.pixels;
   if (normal != nullptr) *normal = NormalMatrix(normal->selfadjointView<Eigen::Lower>());
+}
+
+void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
+               ShiftSums& sums) {
+  PatchTotals totals;
+  dispatched(luma, job_of(model, nodes, box, row_step), Sum::kShift, totals);
+  std::size_t from = 0;
+  for (int i = 0; i < kShiftColumns; ++i) sums.right(i) = totals.sums[from++];
+  sums.left2 = totals.sums[from++];
+  for (int i = 0; i < kShiftColumns; ++i) {
+    for (int j = 0; j <= i; ++j) sums.normal(i, j) = sums.normal(j, i) = totals.sums[from++];
+  }
+  sums.pixels = totals.pixels;
 }
 
 }  // namespace moiregauge

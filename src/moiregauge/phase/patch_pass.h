@@ -71,4 +71,15 @@ struct PatchSums {
 void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
                PatchSums& sums, NormalMatrix* normal = nullptr);
 
+// Where only light, contrast and place of the patch as a whole are asked for: b0, g0, dX, dY.
+inline constexpr int kShiftColumns = 4;
+struct ShiftSums {
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  double left2 = 0.0;
+  int pixels = 0;
+};
+void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
+               ShiftSums& sums);
+
 }  // namespace moiregauge
