@@ -52,10 +52,10 @@ struct Bundle::Footage {
   }
 
   // With a prior, in the model, and of a marker that is seen.
-  [[nodiscard]] std::vector<SceneParameter> free_parameters(const SceneModel& model) const {
+  [[nodiscard]] std::vector<SceneParameter> free_parameters(const SceneModel& model, FocalLength f) const {
     std::vector<SceneParameter> out;
     const auto mean = numbers_of(prior.camera);
-    for (std::size_t k = 0; k < kCameraParameters; ++k) {
+    for (std::size_t k = f == FocalLength::kHeld ? 1 : 0; k < kCameraParameters; ++k) {
       if (free_camera(model)[k] && prior.u_camera[k] > 0.0)
         out.push_back({static_cast<int>(k), mean[k], prior.u_camera[k]});
     }
@@ -136,14 +136,15 @@ BundleSolution Bundle::solve(const SceneModel& model) const {
   return solve(model, scene, footage_->frames);
 }
 
-BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) const {
+BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames,
+                             FocalLength f) const {
   const Footage& footage = *footage_;
   BundleState start{numbers_of(scene.camera), scene.markers, {}, {}};
   for (const BundleFrame& frame : frames) {
     start.poses.push_back(frame.pose);
     start.shifts.push_back(frame.shift);
   }
-  const auto free = footage.free_parameters(model);
+  const auto free = footage.free_parameters(model, f);
   const Minimum best = minimised(footage, free, std::move(start));
   BundleSolution solution;
   solution.scene.camera = camera_of(best.state.camera, footage.prior.camera);

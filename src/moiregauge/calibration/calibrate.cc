@@ -29,6 +29,10 @@ bool is_sane(const Scene& scene, int side) {
   return scene.solved && scene.camera.fx > 0.15 * side && scene.camera.fx < 50.0 * side;
 }
 
+// What noise does not explain can pull f anywhere, for a prior of 60 % weighs nothing against it. Then f is better held
+// until the print's error is known.
+constexpr double kBeyondNoise = 2.0;  // chi2 per degree of freedom
+
 long rows_of(std::span<const BundleFrame> frames) {
   long patches = 0;
   for (const BundleFrame& f : frames)
@@ -45,6 +49,8 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     BundleSolution solution = from == nullptr ? bundle.solve(model) : bundle.solve(model, from->scene, from->frames);
+    if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
+      solution = bundle.solve(model, from->scene, from->frames, FocalLength::kHeld);
     if (!is_sane(solution.scene, side)) return false;
     const double gain = have ? best.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
     const int more = have ? parameters(site, model) - parameters(site, best.scene.model) : 0;
