@@ -99,7 +99,7 @@ struct Bundle::Footage {
 
 namespace {
 
-// Levenberg and Marquardt from `best` on.
+// Levenberg and Marquardt.
 Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter> free, BundleState start) {
   Minimum best = footage.valued(std::move(start), free);
   double damping = kFirstDamping;
