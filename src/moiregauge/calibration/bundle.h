@@ -38,6 +38,8 @@ struct BundleSolution {
   std::vector<BundleFrame> frames;  // poses and shifts as solved
 };
 
+enum class FocalLength { kAsModel, kHeld };
+
 // Frames with all that does not change from one solution to the next made ready once.
 class Bundle {
  public:
@@ -48,8 +50,8 @@ class Bundle {
 
   // Minimises chi2 of all patches plus that of the priors (Levenberg and Marquardt; robust against a patch that fits
   // nothing). What the model leaves out stays at its value in `scene`. Begins with these frames' poses and shifts.
-  [[nodiscard]] BundleSolution solve(const SceneModel& model, const Scene& scene,
-                                     std::span<const BundleFrame> frames) const;
+  [[nodiscard]] BundleSolution solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames,
+                                     FocalLength f = FocalLength::kAsModel) const;
   // Begins with the prior and the frames as they came.
   [[nodiscard]] BundleSolution solve(const SceneModel& model) const;
 

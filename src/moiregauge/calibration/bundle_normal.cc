@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/calibration/bundle_normal.h"
 
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -32,6 +33,20 @@ ShiftRows shift_rows(const Eigen::Matrix<double, PatchColumn::kColumns, PatchCol
 
 // Where a patch's column of the scene lies among all parameters.
 int column(std::size_t marker, int k) { return k < kCameraParameters ? k : kShape * static_cast<int>(marker) + k; }
+
+// With another focal length the same picture comes from a camera that is as much farther away, tilts and heights as
+// much larger, and a lens that bends the same pixels as much as before. Steps are straight in what stays the same,
+// value / f^power, and so follow the valley that these make together; to first order they are what they were.
+double scaled_step(double value, double step, double log_f, int power) {
+  return (value + step - power * log_f * value) * std::exp(power * log_f);
+}
+
+// Of a parameter of the scene.
+int power_of_f(int index) {
+  constexpr std::array<int, kCameraParameters> kOfCamera{1, 0, 0, 2, 4, 1, 1, 6};
+  if (index < kCameraParameters) return kOfCamera[static_cast<std::size_t>(index)];
+  return (index - kCameraParameters) % kShape == MarkerShape::kHeight ? 1 : 0;
+}
 
 }  // namespace
 
@@ -109,10 +124,12 @@ BundleNormal::Frame BundleNormal::eliminated(std::size_t first, std::size_t end,
 double BundleNormal::substituted(std::size_t first, std::size_t end, const Frame& frame, const Eigen::VectorXd& moved,
                                  BundleState& to) const {
   const Eigen::Matrix<double, 6, 1> step = -frame.rows * moved;
+  const double log_f = moved(0) / at_.camera[0];
   Pose& pose = to.poses[patches_[first].frame];
   for (std::size_t k = 0; k < 3; ++k) {
-    pose.turn[k] += step(static_cast<Eigen::Index>(k));
-    pose.shift[k] += step(static_cast<Eigen::Index>(k) + 3);
+    const auto row = static_cast<Eigen::Index>(k);
+    pose.turn[k] = scaled_step(pose.turn[k], step(row), log_f, k < 2 ? 1 : 0);
+    pose.shift[k] = scaled_step(pose.shift[k], step(row + 3), log_f, k < 2 ? 0 : 1);
   }
   double along = 0.0;
   std::size_t shift = 0;
@@ -181,7 +198,11 @@ std::optional<BundleNormal::Step> BundleNormal::step(double damping) const {
   for (Eigen::Index a = 0; a < n; ++a) {
     const int index = free_[static_cast<std::size_t>(a)].index;
     moved(index) = step(a);
-    parameter(out.to, index) += step(a);
+  }
+  const double log_f = moved(0) / at_.camera[0];
+  for (const SceneParameter& free : free_) {
+    double& value = parameter(out.to, free.index);
+    value = scaled_step(value, moved(free.index), log_f, power_of_f(free.index));
   }
   double along = prior.dot(step);
   std::size_t k = 0;

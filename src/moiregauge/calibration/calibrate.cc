@@ -29,6 +29,10 @@ bool is_sane(const Scene& scene, int side) {
   return scene.solved && scene.camera.fx > 0.15 * side && scene.camera.fx < 50.0 * side;
 }
 
+// What noise does not explain can pull f anywhere, for a prior of 60 % weighs nothing against it. Then f is better held
+// until the print's error is known.
+constexpr double kBeyondNoise = 2.0;  // chi2 per degree of freedom
+
 long rows_of(std::span<const BundleFrame> frames) {
   long patches = 0;
   for (const BundleFrame& f : frames)
@@ -44,8 +48,9 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
-    BundleSolution solution =
-        from == nullptr ? bundle.solve(model) : bundle.solve(model, from->scene, from->frames);
+    BundleSolution solution = from == nullptr ? bundle.solve(model) : bundle.solve(model, from->scene, from->frames);
+    if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
+      solution = bundle.solve(model, from->scene, from->frames, FocalLength::kHeld);
     if (!is_sane(solution.scene, side)) return false;
     const double gain = have ? best.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
     const int more = have ? parameters(site, model) - parameters(site, best.scene.model) : 0;
@@ -100,6 +105,7 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
 
 // Each estimate is made with weights of the last one; from the second on they hardly change.
 constexpr int kErrorRounds = 3;
+constexpr double kSameError = 0.01;  // of it: chi2 would change by 2 %, and what is solved by nothing
 
 }  // namespace
 
@@ -136,7 +142,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   best.shutter = shutter_test(site, *solution, best.fits);
   for (int round = 0; round < kErrorRounds; ++round) {
     const double u_mm = print_error_of(site, *solution, frames, prior);
-    if (u_mm == 0.0) break;
+    if (u_mm == 0.0 || std::abs(u_mm - best.print_error_mm) < kSameError * u_mm) break;
     auto again = ascended(site, with_print_error(site, frames, u_mm), prior);
     if (!again) break;
     solution = std::move(again);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one formula that joins a scene to what was seen: nine points of a print, projected, against the nine pixels that
 // show them. Written for doubles and for Ceres' numbers with derivatives, and once more with its derivatives in closed
-// form, which are a twentieth of their cost.
+// form, which cost far less.
 #pragma once
 
 #include <array>

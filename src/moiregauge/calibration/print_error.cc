@@ -48,8 +48,8 @@ struct Whitened {
 Whitened whitened(const PatchFit& patch, const Grating& grating, const Scene& scene, const MarkerShape& shape,
                   const FrameFit& fit, Extent<frame::Board> shift) {
   const PatchResidual residual(patch, grating);
-  const Vector18 r = residual.design(numbers_of(scene.camera), shape, TurnedPose(fit.pose), shift)
-                         .col(PatchColumn::kResidual);
+  const Vector18 r =
+      residual.design(numbers_of(scene.camera), shape, TurnedPose(fit.pose), shift).col(PatchColumn::kResidual);
   const Matrix18& root = residual.root();
   const Matrix18 error = root * unit_covariance() * root.transpose() / (grating.pitch_mm * grating.pitch_mm);
   const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(error);
