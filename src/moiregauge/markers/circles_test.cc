@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/markers/circles.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -133,6 +134,31 @@ TEST(FindCircles, ADiscInsideARingIsFoundAndSoAreTheRingsTwoEdges) {
   ASSERT_EQ(circles.size(), 3U);
   std::sort(circles.begin(), circles.end(), [](const auto& a, const auto& b) { return a.diameter_px < b.diameter_px; });
   EXPECT_LT(std::hypot(circles[0].centre.x - 64.3, circles[0].centre.y - 63.9), kCentreGoal);
+}
+
+// A marker is a speck on a large sheet: wherever it lies among the tiles and scales of the search, it is found, and
+// where the search near a prediction finds it.
+TEST(FindCircles, TheSmallestDiscIsFoundAtEveryPlaceOfALargePicture) {
+  constexpr int kPlaces = 6;  // a pixel apart and a little, over tiles and blocks
+  for (const bool light_disc : {false, true}) {
+    for (int i = 0; i < kPlaces * kPlaces; ++i) {
+      Scene scene;
+      if (light_disc) std::swap(scene.paper, scene.ink);
+      const Disc disc{63.1 + 1.17 * (i % kPlaces), 62.9 + 1.17 * (i / kPlaces), 9.0, 0.2, 0.5};
+      std::mt19937_64 rng(kSeed + static_cast<std::uint64_t>(i));
+      const auto speck = picture<std::uint8_t>(grey_levels(coverage(disc, scene), scene), scene.size, 1.0, 1.0, rng);
+      Image<std::uint8_t> sheet(901, 403, static_cast<std::uint8_t>(scene.paper));
+      const int x0 = 530 + i % 5, y0 = 170 + i % 7;
+      for (int y = 0; y < scene.size; ++y) std::ranges::copy(speck.view().row(y), sheet.row(y0 + y).begin() + x0);
+      const auto circles = find_circles(LumaView(sheet.view()), {}).circles;
+      ASSERT_EQ(circles.size(), 1U) << disc.x << ", " << disc.y << " seed " << kSeed + static_cast<std::uint64_t>(i);
+      const ImagePoint centre{x0 + disc.x, y0 + disc.y};
+      EXPECT_LT(length(circles[0].centre - centre), 4.0 * circles[0].u_centre_px + kCentreGoal);
+      const auto near = find_circles_near(LumaView(sheet.view()), centre, 9.0, 5.0, {});
+      ASSERT_EQ(near.size(), 1U);
+      EXPECT_LT(length(near[0].centre - circles[0].centre), 0.05 * circles[0].u_centre_px);
+    }
+  }
 }
 
 TEST(FindCircles, ADiscCutOffByThePicturesEdgeIsNotReported) {

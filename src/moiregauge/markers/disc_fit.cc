@@ -52,11 +52,18 @@ std::vector<BandPixel> band_of(const ImageView<Grey>& view, const Ellipse& ellip
   const int x1 = std::min(view.width - 1, static_cast<int>(ellipse.centre.x() + half.x()) + 1);
   const int y0 = std::max(0, static_cast<int>(ellipse.centre.y() - half.y()));
   const int y1 = std::min(view.height - 1, static_cast<int>(ellipse.centre.y() + half.y()) + 1);
+  // Most pixels of the box lie far inside or in its corners: for them the root need not be taken.
+  constexpr double kRounding = 1e-9;
+  const double share = width / shape.minor_px;
+  const double most = (1.0 + share) * (1.0 + share) * (1.0 + kRounding);
+  const double least = share < 1.0 ? (1.0 - share) * (1.0 - share) * (1.0 - kRounding) : 0.0;
   std::vector<BandPixel> band;
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       const Eigen::Vector2d u = inverse * (Eigen::Vector2d(x, y) - ellipse.centre);
-      const double rho = u.norm();
+      const double square = u.squaredNorm();
+      if (square > most || square < least) continue;
+      const double rho = std::sqrt(square);
       if ((rho - 1.0) * shape.minor_px > width || (1.0 - rho) * shape.minor_px > width) continue;
       const double distance = (rho - 1.0) * rho / std::max((inverse * u).norm(), 1e-12);  // Sampson
       if (std::abs(distance) > width) continue;
@@ -104,7 +111,7 @@ Sums accumulate(const std::vector<BandPixel>& band, const State& s, std::size_t 
     const double c = u.x() / rho, sn = u.y() / rho;
     j << rest, rest * u.x(), rest * u.y(), -plane * darkness, -plane * s.q * bell * z, by_outline, by_outline * c,
         by_outline * sn, by_outline * (c * c - sn * sn), by_outline * 2.0 * c * sn;
-    sums.normal.selfadjointView<Eigen::Lower>().rankUpdate(j);
+    sums.normal.noalias() += j * j.transpose();
     sums.right += j * residual;
     sums.squares += residual * residual;
     ++sums.pixels;

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "moiregauge/markers/ray_profile.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::markers_detail {
@@ -24,23 +26,14 @@ constexpr int kMaxRounds = 7;
 constexpr double kSettled = 0.003;  // px, movement of the outline between two rounds
 constexpr double kMaxGrowth = 1.6;  // from the candidate's size, either way
 constexpr int kMaxSamples = 4 * 6 + 1;
-
-template <typename Grey>
-double bilinear(const ImageView<Grey>& view, double x, double y) {
-  const int ix = std::min(static_cast<int>(x), view.width - 2), iy = std::min(static_cast<int>(y), view.height - 2);
-  const double fx = x - ix, fy = y - iy;
-  const Grey* p = view.data + iy * view.stride + ix;
-  const double top = p[0] + fx * (p[1] - p[0]);
-  const double low = p[view.stride] + fx * (p[view.stride + 1] - p[view.stride]);
-  return top + fy * (low - top);
-}
+constexpr int kProfile = (kMaxSamples / kRayLanes + 2) * kRayLanes;  // a lot more, as crossings are sought pairwise
 
 struct Ray {
   Eigen::Vector2d unit;  // on the unit circle
   double length = 0.0;   // px from the centre to the ellipse
   double inside = 0.0;   // grey levels at the two ends
   double outside = 0.0;
-  std::array<double, kMaxSamples> profile{};
+  std::array<double, kProfile> profile{};
   std::optional<double> edge;  // px beyond the ellipse
   double slope = 0.0;          // grey levels per px at the edge
 };
@@ -51,10 +44,26 @@ struct Round {
   double reach = 0.0;
 };
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+// Of one number per ray.
+class Numbers {
+ public:
+  void add(double value) { values_[count_++] = value; }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] double median() const { return markers_detail::median(values_, static_cast<int>(count_)); }
+
+ private:
+  static_assert(kMaxRays % kRayLanes == 0);
+  std::size_t count_ = 0;
+  double values_[kMaxRays] = {};
+};
+
+void aim_rays(std::size_t count, std::vector<Ray>& rays) {
+  if (rays.size() == count) return;  // as in the round before
+  rays.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double angle = kTurn * static_cast<double>(i) / static_cast<double>(count);
+    rays[i].unit = {std::cos(angle), std::sin(angle)};
+  }
 }
 
 template <typename Grey>
@@ -64,19 +73,20 @@ bool sample(const ImageView<Grey>& view, const Ellipse& ellipse, Round& round) {
   const double reach = std::clamp(kReachShare * diameter, kMinReach, kMaxReach);
   round.samples = static_cast<int>(2.0 * reach / kStep) + 1;
   round.reach = 0.5 * kStep * (round.samples - 1);
-  round.rays.resize(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    Ray& ray = round.rays[static_cast<std::size_t>(i)];
-    const double angle = kTurn * i / count;
-    ray.unit = {std::cos(angle), std::sin(angle)};
+  aim_rays(static_cast<std::size_t>(count), round.rays);
+  const auto inside = [right = view.width - 1, bottom = view.height - 1](const RaySteps& s, int j) {
+    const double along = s.first + s.step * j, x = s.x + along * s.dx, y = s.y + along * s.dy;
+    return x >= 0.0 && y >= 0.0 && x <= right && y <= bottom;
+  };
+  for (Ray& ray : round.rays) {
     const Eigen::Vector2d spoke = ellipse.axes * ray.unit;
     ray.length = spoke.norm();
     const Eigen::Vector2d direction = spoke / ray.length;
-    for (int j = 0; j < round.samples; ++j) {
-      const Eigen::Vector2d p = ellipse.centre + (ray.length - round.reach + kStep * j) * direction;
-      if (!(p.x() >= 0.0 && p.y() >= 0.0 && p.x() <= view.width - 1 && p.y() <= view.height - 1)) return false;
-      ray.profile[static_cast<std::size_t>(j)] = bilinear(view, p.x(), p.y());
-    }
+    const RaySteps steps{ellipse.centre.x(), ellipse.centre.y(),       direction.x(),
+                         direction.y(),      ray.length - round.reach, kStep,
+                         round.samples};
+    if (!inside(steps, 0) || !inside(steps, round.samples - 1)) return false;  // so all between them are
+    sample_ray(view, steps, ray.profile.data());
     ray.inside = 0.5 * (ray.profile[0] + ray.profile[1]);
     const auto last = static_cast<std::size_t>(round.samples - 1);
     ray.outside = 0.5 * (ray.profile[last] + ray.profile[last - 1]);
@@ -88,10 +98,10 @@ bool sample(const ImageView<Grey>& view, const Ellipse& ellipse, Round& round) {
 void find_edge(Ray& ray, const Round& round, double step, double level) {
   ray.edge.reset();
   const double sign = step > 0.0 ? 1.0 : -1.0;
-  for (int j = 0; j + 1 < round.samples; ++j) {
+  for (std::uint32_t left = rises(ray.profile.data(), round.samples, level, sign); left != 0; left &= left - 1) {
+    const int j = std::countr_zero(left);
     const double a = sign * (ray.profile[static_cast<std::size_t>(j)] - level);
     const double b = sign * (ray.profile[static_cast<std::size_t>(j) + 1] - level);
-    if (a >= 0.0 || b < 0.0) continue;
     const double edge = -round.reach + kStep * (j + a / (a - b));
     if (ray.edge && std::abs(*ray.edge) <= std::abs(edge)) continue;
     ray.edge = edge;
@@ -102,13 +112,13 @@ void find_edge(Ray& ray, const Round& round, double step, double level) {
 // Half-way is each ray's own, so that shading does not shift the outline, but within reason, so that a neighbour
 // touching one ray does not.
 int find_edges(Round& round, TracedOutline& out) {
-  std::vector<double> inside, outside, slopes;
+  Numbers inside, outside, slopes;
   for (const Ray& ray : round.rays) {
-    inside.push_back(ray.inside);
-    outside.push_back(ray.outside);
+    inside.add(ray.inside);
+    outside.add(ray.outside);
   }
-  out.background = median(outside);
-  const double dark_or_light = median(inside);
+  out.background = outside.median();
+  const double dark_or_light = inside.median();
   out.contrast = dark_or_light - out.background;
   const double slack = 0.3 * std::abs(out.contrast);
   const double middle = 0.5 * (dark_or_light + out.background);
@@ -117,12 +127,12 @@ int find_edges(Round& round, TracedOutline& out) {
     const double level = std::clamp(0.5 * (ray.inside + ray.outside), middle - slack, middle + slack);
     find_edge(ray, round, -out.contrast, level);
     if (ray.edge) {
-      slopes.push_back(ray.slope);
+      slopes.add(ray.slope);
     } else {
       ++missing;
     }
   }
-  const double slope = slopes.empty() ? 0.0 : median(slopes);
+  const double slope = slopes.empty() ? 0.0 : slopes.median();
   out.blur_px = slope > 0.0 ? std::abs(out.contrast) / (slope * std::sqrt(kTurn)) : 1.0;
   return missing;
 }
@@ -140,7 +150,7 @@ Correction correction_of(const Round& round) {
   for (const Ray& ray : round.rays) {
     if (!ray.edge) continue;
     const Correction row = row_of(ray);
-    normal += row * row.transpose();
+    normal.noalias() += row * row.transpose();
     right += row * (*ray.edge / ray.length);
   }
   return normal.ldlt().solve(right);
@@ -150,6 +160,7 @@ Correction correction_of(const Round& round) {
 // that factor is the sampling's, not the outline's, and is taken out.
 void judge(const Round& round, const Correction& k, TracedOutline& out) {
   std::vector<Eigen::Vector2d> points;
+  points.reserve(round.rays.size());
   double squares = 0.0;
   for (const Ray& ray : round.rays) {
     if (!ray.edge) continue;
