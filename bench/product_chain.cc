@@ -56,15 +56,13 @@ void ProductChain::observe(const Shot& shot) {
 
 void ProductChain::track(const Shot& shot) {
   const GreyPicture picture{shot.picture, 8};
-  seen_.front() = track_references(picture, reference_, follower_.prediction(), Rows::kSome).value_or(Observation{});
-  Observation& seen = seen_.front();
-  seen.markers.resize(reference_.site.markers.size());
-  seen.markers[target_].loss = Loss::kNotSeen;
-  if (seen.references_seen)
-    (void)track_target(picture, reference_, {seen.stage2, reference_.lens}, target_, follower_.prediction(),
-                       seen.markers[target_], Rows::kSome);
-  seen.frame = shot.frame;
-  (void)follower_.follow(reference_, seen);
+  auto seen = track_references(picture, reference_, follower_.prediction(), Rows::kSome);
+  const bool all = seen && track_target(picture, reference_, {seen->stage2, reference_.lens}, target_,
+                                        follower_.prediction(), seen->markers[target_], Rows::kSome);
+  if (!all) return observe(shot);  // not where it was expected
+  seen_.front() = *std::move(seen);
+  seen_.front().frame = shot.frame;
+  (void)follower_.follow(reference_, seen_.front());
 }
 
 ProductChain::Reading ProductChain::solve(const std::vector<Observation>& one) const {

@@ -2,6 +2,7 @@
 #include "moiregauge/observation/disc_centre.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -26,7 +27,7 @@ struct Look {
   double contrast = 0.0;  // grey levels, middle less paper
 };
 
-// Whole numbers: pixels of a span, their grey levels, and these times x from the picture's first column of interest.
+// Whole numbers: pixels, their grey levels, and these times x from the picture's first column of interest.
 struct Sums {
   std::int64_t pixels = 0, x = 0, grey = 0, grey_x = 0;
 };
@@ -39,20 +40,41 @@ struct Span {
     const double half = std::sqrt(half2);
     from = static_cast<int>(std::ceil(at - half)), to = static_cast<int>(std::floor(at + half));
   }
+  [[nodiscard]] int pixels() const { return std::max(0, to - from + 1); }
 };
+
+// A row in pieces so short that 16 bits hold a column's number and 32 bits every sum: the compiler's vectors are full.
+constexpr int kPiece = 64;
+constexpr std::array<std::int16_t, kPiece> kColumns = [] {
+  std::array<std::int16_t, kPiece> columns{};
+  for (int i = 0; i < kPiece; ++i) columns[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(i);
+  return columns;
+}();
 
 template <typename Grey>
 void add(std::span<const Grey> row, Span span, int x0, Sums& sums) {
-  using Sum = std::conditional_t<sizeof(Grey) == 1, std::int32_t, std::int64_t>;  // holds 255 times 4000 columns
-  const Grey* const grey = row.data() + x0;
-  Sum sum = 0, sum_x = 0;
-  for (int i = span.from - x0; i <= span.to - x0; ++i) {
-    sum += static_cast<Sum>(grey[i]);
-    sum_x += static_cast<Sum>(grey[i]) * i;
+  using Small = std::conditional_t<sizeof(Grey) == 1, std::int16_t, std::int32_t>;
+  using Sum = std::conditional_t<sizeof(Grey) == 1, std::int32_t, std::int64_t>;
+  for (int x = span.from; x <= span.to; x += kPiece) {
+    const Grey* const grey = row.data() + x;
+    const int count = std::min(kPiece, span.to - x + 1);
+    Sum sum = 0, sum_x = 0;
+    for (int i = 0; i < count; ++i) {
+      sum += static_cast<Sum>(grey[i]);
+      sum_x += static_cast<Sum>(static_cast<Small>(grey[i])) * kColumns[static_cast<std::size_t>(i)];
+    }
+    sums.grey += sum, sums.grey_x += sum_x + std::int64_t{x - x0} * sum;
   }
-  const std::int64_t n = std::max(0, span.to - span.from + 1);
+  const std::int64_t n = span.pixels();
   sums.pixels += n, sums.x += n * (span.from + span.to - 2 * x0) / 2;
-  sums.grey += sum, sums.grey_x += sum_x;
+}
+
+// Of the grey levels alone.
+template <typename Grey>
+void add_grey(std::span<const Grey> row, Span span, Sums& sums) {
+  std::int32_t sum = 0;
+  for (int x = span.from; x <= span.to; ++x) sum += row[static_cast<std::size_t>(x)];
+  sums.grey += sum, sums.pixels += span.pixels();
 }
 
 template <typename Grey>
@@ -70,8 +92,8 @@ std::optional<Look> look(const ImageView<Grey>& picture, ImagePoint at, double r
     const std::int64_t pixels = all.pixels, grey = all.grey;
     add<Grey>(row, {at.x, reach * reach - dy * dy}, x0, all);
     all_y += dy * static_cast<double>(all.pixels - pixels), grey_y += dy * static_cast<double>(all.grey - grey);
-    add<Grey>(row, {at.x, ring2 - dy * dy}, x0, disc);
-    add<Grey>(row, {at.x, inner2 - dy * dy}, x0, middle);
+    add_grey<Grey>(row, {at.x, ring2 - dy * dy}, disc);
+    add_grey<Grey>(row, {at.x, inner2 - dy * dy}, middle);
   }
   const std::int64_t papers = all.pixels - disc.pixels;
   if (middle.pixels == 0 || papers == 0) return std::nullopt;

@@ -50,6 +50,21 @@ ImageView<Grey> clipped_to(const ImageView<Grey>& picture, int x0, int y0, int w
   return picture.part(left, top, right - left, bottom - top);
 }
 
+// Counted in pieces that a byte can count, so that the compiler's vectors are full.
+template <typename Grey>
+long clipped_in(std::span<const Grey> row, int most) {
+  constexpr std::size_t kPiece = 128;
+  const auto white = static_cast<Grey>(most);
+  long clipped = 0;
+  for (std::size_t x = 0; x < row.size(); x += kPiece) {
+    const auto piece = row.subspan(x, std::min(kPiece, row.size() - x));
+    Grey in_piece = 0;
+    for (const Grey grey : piece) in_piece = static_cast<Grey>(in_piece + (grey == 0 || grey >= white ? 1 : 0));
+    clipped += in_piece;
+  }
+  return clipped;
+}
+
 }  // namespace
 
 PixelNoise pixel_noise(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
@@ -68,11 +83,7 @@ double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, 
         if (part.width == 0 || part.height == 0) return 0.0;
         const int most = (1 << bits) - 1;
         long clipped = 0;
-        for (int y = 0; y < part.height; ++y) {
-          int in_row = 0;
-          for (const auto grey : part.row(y)) in_row += static_cast<int>(grey == 0) | static_cast<int>(grey >= most);
-          clipped += in_row;
-        }
+        for (int y = 0; y < part.height; ++y) clipped += clipped_in(part.row(y), most);
         return static_cast<double>(clipped) / (static_cast<double>(part.width) * part.height);
       },
       luma);

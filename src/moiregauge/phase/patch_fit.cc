@@ -219,7 +219,7 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
   passes.begin(&at_rest);
   for (int k = 0; k < kMostPasses; ++k) {
     if (const auto done = passes.shift(options.row_step); !done) return tl::unexpected(done.error());
-    if (passes.last_step() < kNear) break;
+    if (passes.last_step() < (rows == Rows::kAll ? kNear : kStands)) break;
   }
   for (int k = 0; rows == Rows::kAll && k < kMostPasses; ++k) {
     if (const auto done = passes.pass(1, &at_rest.system); !done) return tl::unexpected(done.error());

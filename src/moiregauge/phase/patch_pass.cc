@@ -259,7 +259,6 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
   int pixels = 0;
   for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
     Registers<kSum> sums;
-#pragma GCC unroll 32
     for (int k = 0; k < registers_of(kSum); ++k) sums[k] = hn::Zero(d);
     for (int y = first; y <= last; y += job.row_step) {
       const Row row(job, static_cast<float>(y - job.y));
@@ -271,7 +270,6 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
         dx = hn::Add(dx, step), left = hn::Sub(left, step);
       }
     }
-#pragma GCC unroll 32
     for (int k = 0; k < registers_of(kSum); ++k) hn::Store(sums[k], d, lanes.right[k] + lane);
   }
   return pixels;
