@@ -106,6 +106,15 @@ PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : order
   }
   series_[index_of(order, 0, 0)] = 0.0;
   nodes_ = nodes_of(series_, order);
+  double power = 0.0;
+  for (int n = -order; n <= order; ++n) {
+    for (int m = -order; m <= order; ++m) {
+      const double here = std::norm(series_[index_of(order, m, n)]);
+      power += here;
+      slope_power_[0] += kTurn * kTurn * m * m * here, slope_power_[1] += kTurn * kTurn * n * n * here;
+    }
+  }
+  contrast_ = std::sqrt(power);
 }
 
 PrintTemplate PrintTemplate::cosine(double amplitude_x, double amplitude_y) {
@@ -138,28 +147,6 @@ PrintLevel PrintTemplate::at(PrintPoint p) const {
 Complex PrintTemplate::coefficient(int m, int n) const {
   if (std::abs(m) > order_ || std::abs(n) > order_) return 0.0;
   return series_[index_of(order_, m, n)];
-}
-
-double PrintTemplate::contrast() const {
-  double sum = 0.0;
-  for (const Complex& c : series_) sum += std::norm(c);
-  return std::sqrt(sum);
-}
-
-double PrintTemplate::slope_power_x() const {
-  double sum = 0.0;
-  for (int n = -order_; n <= order_; ++n) {
-    for (int m = -order_; m <= order_; ++m) sum += m * m * std::norm(series_[index_of(order_, m, n)]);
-  }
-  return kTurn * kTurn * sum;
-}
-
-double PrintTemplate::slope_power_y() const {
-  double sum = 0.0;
-  for (int n = -order_; n <= order_; ++n) {
-    for (int m = -order_; m <= order_; ++m) sum += n * n * std::norm(series_[index_of(order_, m, n)]);
-  }
-  return kTurn * kTurn * sum;
 }
 
 int highest_order(double pitch_px) { return std::max(1, static_cast<int>(std::floor(pitch_px / 2.2))); }

@@ -63,15 +63,17 @@ class PrintTemplate {
   [[nodiscard]] int order() const { return order_; }
   [[nodiscard]] std::complex<double> coefficient(int m, int n) const;
   // Rms of t over a period, grey levels.
-  [[nodiscard]] double contrast() const;
+  [[nodiscard]] double contrast() const { return contrast_; }
   // Mean of dx^2 and dy^2 over a period: what a pixel tells of a shift (grey levels per pitch, squared).
-  [[nodiscard]] double slope_power_x() const;
-  [[nodiscard]] double slope_power_y() const;
+  [[nodiscard]] double slope_power_x() const { return slope_power_[0]; }
+  [[nodiscard]] double slope_power_y() const { return slope_power_[1]; }
 
  private:
   int order_ = 0;
   std::vector<std::complex<double>> series_;
   PrintNodes nodes_;
+  double contrast_ = 0.0;
+  std::array<double, 2> slope_power_{};
 };
 
 // The highest order that pixels carry for a pitch of so many px: beyond P / 2.2 harmonics fold back onto lower ones.
