@@ -18,6 +18,7 @@ constexpr double kPaper = 1.25;    // radii: so far there is paper round a disc
 constexpr double kInside = 0.7;    // radii: no blur reaches in here
 constexpr int kMostLooks = 4;
 constexpr int kFirstRows = 3;         // the first look, from which the next begins, takes every third row
+constexpr double kLarge = 40.0;       // px: a disc of which every second row tells the centre to 0.02 px
 constexpr int kRowsAhead = 6;         // rows lie kilobytes apart: no processor foresees where the next one begins
 constexpr int kLine = 64;
 constexpr double kStands = 0.1;    // px: the centroid of a window round it that moves no further
@@ -125,13 +126,13 @@ std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected,
   const double radius = 0.5 * diameter_px;
   ImagePoint at = expected;
   for (int k = 0; k < kMostLooks; ++k) {
-    const int row_step = k == 0 ? kFirstRows : 1;
+    const int row_step = k == 0 ? kFirstRows : diameter_px < kLarge ? 1 : 2;
     const auto seen = std::visit([&](const auto& picture) { return look(picture, at, radius, row_step); }, luma);
     if (!seen || !(seen->contrast * like.contrast > 0.0) || !(length(seen->centre - at) < radius)) return std::nullopt;
     const double moved = length(seen->centre - at);
     at = seen->centre;
     if (k == 0 || moved > kStands) continue;
-    const bool same = std::abs(seen->area / (kPi * radius * radius) - 1.0) < kSameArea &&
+    const bool same = std::abs(row_step * seen->area / (kPi * radius * radius) - 1.0) < kSameArea &&
                       std::abs(seen->contrast) > kLeastContrast * std::abs(like.contrast);
     return same ? std::optional(at) : std::nullopt;
   }

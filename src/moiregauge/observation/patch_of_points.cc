@@ -50,8 +50,8 @@ PrintMotion motion_of_points(const Reference& reference, const View& view, std::
   return {now.displacement - then.displacement, now.gradient - then.gradient};
 }
 
-PatchReading patch_of_points(const GreyPicture& picture, const Reference& reference, std::size_t i, const PatchFit& fit,
-                             const PrintMotion& motion, Extent<frame::Board> shift) {
+PatchReading patch_of_points(const Reference& reference, std::size_t i, const PatchFit& fit, const PrintMotion& motion,
+                             Extent<frame::Board> shift) {
   const RasterPlan& plan = reference.plans[i];
   const MarkerObservation& then = reference.seen.markers[i];
   PatchReading patch = then.patch;
@@ -67,12 +67,15 @@ PatchReading patch_of_points(const GreyPicture& picture, const Reference& refere
     for (std::size_t b = 0; b < 2; ++b) patch.gradient[a][b] += bent(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
   }
   patch.noise_sigma = fit.sigma;
-  const auto [left, right] = std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.x < q.x; });
-  const auto [top, bottom] = std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.y < q.y; });
-  patch.clipped_share = clipped_share(picture.luma, picture.bits, static_cast<int>(left->x), static_cast<int>(top->y),
-                                      static_cast<int>(right->x - left->x), static_cast<int>(bottom->y - top->y));
   patch.valid = true;
   return patch;
+}
+
+double clipped_share(const GreyPicture& picture, const PatchFit& fit) {
+  const auto [left, right] = std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.x < q.x; });
+  const auto [top, bottom] = std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.y < q.y; });
+  return clipped_share(picture.luma, picture.bits, static_cast<int>(left->x), static_cast<int>(top->y),
+                       static_cast<int>(right->x - left->x), static_cast<int>(bottom->y - top->y));
 }
 
 double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {

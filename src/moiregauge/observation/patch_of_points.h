@@ -15,10 +15,13 @@ struct PrintMotion {
 [[nodiscard]] PrintMotion motion_of_points(const Reference& reference, const View& view, std::size_t i,
                                            const PatchFit& points);
 
-// As read in a window shifted by `shift`.
-[[nodiscard]] PatchReading patch_of_points(const GreyPicture& picture, const Reference& reference, std::size_t i,
+// As read in a window shifted by `shift`; its clipped share is that of the reference frame.
+[[nodiscard]] PatchReading patch_of_points(const Reference& reference, std::size_t i,
                                            const PatchFit& points, const PrintMotion& motion,
                                            Extent<frame::Board> shift);
+
+// Of the pixels between the outer points.
+[[nodiscard]] double clipped_share(const GreyPicture& picture, const PatchFit& points);
 
 // By how much pixels miss the print's template beyond their noise in the reference frame, rms, of its contrast.
 [[nodiscard]] double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);

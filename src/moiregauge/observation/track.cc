@@ -74,7 +74,8 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
     const PrintMotion motion = motion_of_points(reference, view, i, *fit);
     if (length(motion.displacement) > kFarOff * reference.plans[i].pitch_mm) return std::nullopt;
     marker.circle = search->circles[k];
-    marker.patch = patch_of_points(picture, reference, i, *fit, motion, {});
+    marker.patch = patch_of_points(reference, i, *fit, motion, {});
+    if (rows == Rows::kAll) marker.patch.clipped_share = clipped_share(picture, *fit);
     marker.points = *std::move(fit);
     marker.loss = Loss::kNone;
   }
@@ -92,7 +93,8 @@ bool track_target(const GreyPicture& picture, const Reference& reference, const 
   if (!fit) return false;
   const PrintMotion motion = motion_of_points(reference, view, i, *fit);
   seen.window_shift = motion.displacement;
-  seen.patch = patch_of_points(picture, reference, i, *fit, motion, seen.window_shift);
+  seen.patch = patch_of_points(reference, i, *fit, motion, seen.window_shift);
+  if (rows == Rows::kAll) seen.patch.clipped_share = clipped_share(picture, *fit);
   seen.points = *std::move(fit);
   seen.loss = Loss::kNone;
   return true;
