@@ -1,19 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 // The yardsticks and our chains beside them in one program, so that ratios can be taken within one run:
-// bench/ratios.py does.
+// bench/ratios.py does. MOIREGAUGE_SIMD=avx2 asks for narrower vectors than the machine has.
+#include <cstdlib>
+#include <iostream>
+
 #include <glog/logging.h>
 #include <opencv2/core.hpp>
 
 #include "cases.h"
+#include "moiregauge/phase/simd_target.h"
 
 int main(int argc, char** argv) {
   FLAGS_minloglevel = google::GLOG_FATAL;  // the scene's solver writes of every step it shortens
   cv::setNumThreads(1);
+  const auto targets = moiregauge::simd_targets();
+  const char* const asked = std::getenv("MOIREGAUGE_SIMD");
+  const std::string target = asked != nullptr ? asked : targets.front();
+  if (!moiregauge::use_simd_target(target)) {
+    std::cerr << "error: MOIREGAUGE_SIMD=" << target << " is not of this machine\n";
+    return 2;
+  }
   moiregauge::bench::add_yardstick_cases();
   moiregauge::bench::add_chain_cases();
   moiregauge::bench::add_stage_cases();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::AddCustomContext("last_level_cache_bytes", std::to_string(moiregauge::bench::last_level_cache_bytes()));
+  benchmark::AddCustomContext("simd", target);
   benchmark::RunSpecifiedBenchmarks();
 }
