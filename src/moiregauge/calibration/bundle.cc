@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "moiregauge/calibration/bundle_normal.h"
 #include "moiregauge/calibration/free_parameters.h"
@@ -13,7 +14,7 @@ namespace {
 constexpr int kMostSteps = 40;
 // A step is the last one if it gains no more than this part of the cost: of 10000 rows 1e-3, the square of 0.03
 // standard uncertainties.
-constexpr double kLittle = 1e-7;
+constexpr double kLittle = 1e-7, kLittleOfChi2 = 1e-3;
 // Steps begin as good as Gauss and Newton's: poses and shifts come from fits of their own.
 constexpr double kFirstDamping = 1e-12, kLeastDamping = 1e-18, kMostDamping = 1e6;
 // Lens, poses and distances together make a bent valley: where a step gains less than this part of what it should,
@@ -100,12 +101,13 @@ struct Bundle::Footage {
 namespace {
 
 // Levenberg and Marquardt.
-Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter> free, BundleState start) {
+Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter> free, BundleState start,
+                  Until until) {
   Minimum best = footage.valued(std::move(start), free);
   double damping = kFirstDamping;
   for (int taken = 0; taken < kMostSteps; ++taken) {
     const BundleNormal normal(footage.patches, free, best.state);
-    const double cost = best.cost(), little = kLittle * cost;
+    const double cost = best.cost(), little = (until == Until::kStands ? kLittle : kLittleOfChi2) * cost;
     bool better = false;
     for (; !better && damping < kMostDamping; damping *= better ? kLessDamping : kMoreDamping) {
       auto step = normal.step(damping);
@@ -123,6 +125,15 @@ Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter
   return best;
 }
 
+BundleState begun(const Scene& scene, std::span<const BundleFrame> frames) {
+  BundleState start{numbers_of(scene.camera), scene.markers, {}, {}};
+  for (const BundleFrame& frame : frames) {
+    start.poses.push_back(frame.pose);
+    start.shifts.push_back(frame.shift);
+  }
+  return start;
+}
+
 }  // namespace
 
 Bundle::Bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior)
@@ -137,15 +148,10 @@ BundleSolution Bundle::solve(const SceneModel& model) const {
 }
 
 BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames,
-                             FocalLength f) const {
+                             FocalLength f, Until until) const {
   const Footage& footage = *footage_;
-  BundleState start{numbers_of(scene.camera), scene.markers, {}, {}};
-  for (const BundleFrame& frame : frames) {
-    start.poses.push_back(frame.pose);
-    start.shifts.push_back(frame.shift);
-  }
   const auto free = footage.free_parameters(model, f);
-  const Minimum best = minimised(footage, free, std::move(start));
+  const Minimum best = minimised(footage, free, begun(scene, frames), until);
   BundleSolution solution;
   solution.scene.camera = camera_of(best.state.camera, footage.prior.camera);
   solution.scene.markers = best.state.markers;
@@ -163,10 +169,16 @@ BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::s
   return solution;
 }
 
+double Bundle::promise(const SceneModel& model, const BundleSolution& from) const {
+  const auto free = footage_->free_parameters(model, FocalLength::kAsModel);
+  const auto step = BundleNormal(footage_->patches, free, begun(from.scene, from.frames)).step(kFirstDamping);
+  return step ? step->gain : std::numeric_limits<double>::infinity();
+}
+
 BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
-                            const SceneModel& model, const Scene* start) {
+                            const SceneModel& model, const Scene* start, Until until) {
   const Bundle bundle(site, frames, prior);
-  return start != nullptr ? bundle.solve(model, *start, frames) : bundle.solve(model);
+  return start != nullptr ? bundle.solve(model, *start, frames, FocalLength::kAsModel, until) : bundle.solve(model);
 }
 
 }  // namespace moiregauge

@@ -39,6 +39,9 @@ struct BundleSolution {
 };
 
 enum class FocalLength { kAsModel, kHeld };
+// When to stop: where nothing moves any more, or where chi2 is known to a thousandth, which takes a few steps even in a
+// valley without end.
+enum class Until { kStands, kChi2Stands };
 
 // Frames with all that does not change from one solution to the next made ready once.
 class Bundle {
@@ -51,9 +54,12 @@ class Bundle {
   // Minimises chi2 of all patches plus that of the priors (Levenberg and Marquardt; robust against a patch that fits
   // nothing). What the model leaves out stays at its value in `scene`. Begins with these frames' poses and shifts.
   [[nodiscard]] BundleSolution solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames,
-                                     FocalLength f = FocalLength::kAsModel) const;
+                                     FocalLength f = FocalLength::kAsModel, Until until = Until::kStands) const;
   // Begins with the prior and the frames as they came.
   [[nodiscard]] BundleSolution solve(const SceneModel& model) const;
+  // What the model's first step promises to take off chi2 and priors together, to second order; infinite if it cannot
+  // be told.
+  [[nodiscard]] double promise(const SceneModel& model, const BundleSolution& from) const;
 
   struct Footage;
 
@@ -63,6 +69,6 @@ class Bundle {
 
 [[nodiscard]] BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames,
                                           const ScenePrior& prior, const SceneModel& model,
-                                          const Scene* start = nullptr);
+                                          const Scene* start = nullptr, Until until = Until::kStands);
 
 }  // namespace moiregauge

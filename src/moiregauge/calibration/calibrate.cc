@@ -40,6 +40,9 @@ long rows_of(std::span<const BundleFrame> frames) {
   return 2 * kPatchPoints * patches;
 }
 
+// A model whose first step promises no more than this part of its price is not worth the others.
+constexpr double kNoHope = 0.25;
+
 // The models in ascending order; empty when none can be solved.
 std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
   const Bundle bundle(site, frames, prior);
@@ -48,13 +51,13 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
+    const double due = have ? price * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
+    if (from != nullptr && bundle.promise(model, *from) < kNoHope * due) return false;
     BundleSolution solution = from == nullptr ? bundle.solve(model) : bundle.solve(model, from->scene, from->frames);
     if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
       solution = bundle.solve(model, from->scene, from->frames, FocalLength::kHeld);
     if (!is_sane(solution.scene, side)) return false;
-    const double gain = have ? best.scene.penalised_cost - solution.scene.penalised_cost : 0.0;
-    const int more = have ? parameters(site, model) - parameters(site, best.scene.model) : 0;
-    if (have && gain < price * more) return false;
+    if (have && best.scene.penalised_cost - solution.scene.penalised_cost < due) return false;
     best = std::move(solution);
     have = true;
     return true;
@@ -80,7 +83,7 @@ constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = 
 
 double print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
                       const ScenePrior& prior) {
-  BundleSolution largest = solve_bundle(site, solution.frames, prior, kEverything, &solution.scene);
+  BundleSolution largest = solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Stands);
   if (!largest.scene.solved) return 0.0;
   const auto fits = fits_of(site, largest);
   return print_error_mm(site, largest.scene, noise_alone, fits, prior);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -45,15 +46,16 @@ class InterruptGuard {
   struct sigaction old_ {};
 };
 
+std::vector<std::uint8_t> overlay_of(const ImageView<std::uint8_t>& picture, const Reference& reference) {
+  return draw_overlay({picture, &reference,
+                       fmt::format("reference frame {}; blue: references, must stand still; orange: targets, may move; "
+                                   "inner frames: where the phase is averaged",
+                                   reference.seen.frame)});
+}
+
 // Of a refused run the picture shows all that was seen instead, as `inspect` does: what is missing is in the eye then.
-std::vector<std::uint8_t> overlay_of(const Measurement& m, const MeasureOptions& options) {
+std::vector<std::uint8_t> overlay_of_refusal(const Measurement& m, const MeasureOptions& options) {
   const ImageView<std::uint8_t> picture = m.picture.grey.view();
-  if (m.reference)
-    return draw_overlay(
-        {picture, &*m.reference,
-         fmt::format("reference frame {}; blue: references, must stand still; orange: targets, may move; inner "
-                     "frames: where the phase is averaged",
-                     m.reference->seen.frame)});
   if (picture.width == 0) return draw_overlay({picture, nullptr, m.refusal});
   InspectOptions looked_at;
   if (options.pitch_mm)
@@ -67,6 +69,30 @@ std::vector<std::uint8_t> overlay_of(const Measurement& m, const MeasureOptions&
   seen.missing = m.refusal;
   return draw_inspection({picture, seen, {}, "not measured: " + m.input.path});
 }
+
+// overlay.png, drawn and packed while the run is concluded: neither needs the other. Not with --threads 1.
+class OverlayBeside {
+ public:
+  OverlayBeside(const Measurement& seen, const MeasureOptions& options, int threads) : seen_(seen), options_(options) {
+    if (seen.reference && threads != 1)
+      thread_ = std::jthread([this] { bytes_ = overlay_of(seen_.picture.grey.view(), *seen_.reference); });
+  }
+  // Of the concluded run.
+  [[nodiscard]] std::vector<std::uint8_t> bytes() {
+    if (thread_.joinable()) {
+      thread_.join();
+      return std::move(bytes_);
+    }
+    return seen_.reference ? overlay_of(seen_.picture.grey.view(), *seen_.reference)
+                           : overlay_of_refusal(seen_, options_);
+  }
+
+ private:
+  const Measurement& seen_;
+  const MeasureOptions& options_;
+  std::vector<std::uint8_t> bytes_;
+  std::jthread thread_;
+};
 
 // The two folders are each put in place as a whole: neither may hold the other.
 std::optional<std::string> stabilised_problem(const MeasureWords& words, const std::string& output) {
@@ -86,7 +112,8 @@ int run(const MeasureWords& words) {
   if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*opened)->info()))
     return fail(Exit::kUsage, *problem);
   Fingerprint fingerprint(words.input, input_options);
-  RunDirectory directory(output, [&](const Measurement& m) { return overlay_of(m, *options); });
+  std::optional<OverlayBeside> overlay;
+  RunDirectory directory(output, [&](const Measurement&) { return overlay->bytes(); });
   // A taken folder is found before, not after, hours of measuring.
   if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
     return fail(Exit::kUsage, free.error().message);
@@ -106,13 +133,17 @@ int run(const MeasureWords& words) {
   {
     const InterruptGuard guard;
     Progress progress("measuring", words.quiet);
-    measured = measure(
+    measured = watch(
         open, *options,
         [&](long done, long expected) {
           progress.show(done, expected, times.waiting_share());
           return interrupted == 0;
         },
         stabilised ? &*stabilised : nullptr);
+    if (measured) {
+      overlay.emplace(*measured, *options, words.threads);
+      conclude(*options, *measured);
+    }
   }
   if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
   measured->input.sha256 = fingerprint.hex();

@@ -210,8 +210,8 @@ void conclude(const MeasureOptions& options, Measurement& out) {
                                : "no row is ok (" + list + ")";
 }
 
-tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
-                                              const OnProgress& on_progress, FrameSink* frames) {
+tl::expected<Measurement, InputError> watch(const OpenInput& open, const MeasureOptions& options,
+                                            const OnProgress& on_progress, FrameSink* frames) {
   Measurement out;
   Run run(options, out, frames);
   if (options.reference_frame) {
@@ -226,7 +226,13 @@ tl::expected<Measurement, InputError> measure(const OpenInput& open, const Measu
   }
   out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
   if (std::isnan(out.input.fps)) out.notes.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");
-  conclude(options, out);
+  return out;
+}
+
+tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
+                                              const OnProgress& on_progress, FrameSink* frames) {
+  auto out = watch(open, options, on_progress, frames);
+  if (out) conclude(options, *out);
   return out;
 }
 

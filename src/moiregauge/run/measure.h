@@ -64,12 +64,17 @@ struct Measurement : Seen {
 using OnProgress = std::function<bool(long done, long expected)>;
 using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, InputError>()>;
 
-// Fails only when the input gives no picture at all; every other trouble is part of the Measurement. `frames`, if there
-// is one, is handed every selected frame with what was seen in it.
+// What is seen in all frames. Fails only when the input gives no picture at all; every other trouble is part of the
+// Measurement. `frames`, if there is one, is handed every selected frame with what was seen in it.
+[[nodiscard]] tl::expected<Measurement, InputError> watch(const OpenInput& open, const MeasureOptions& options,
+                                                          const OnProgress& on_progress, FrameSink* frames = nullptr);
+
+// The end of every run: what was seen turned into samples, summaries and an exit code; picture and reference frame stay
+// as they are. Used again by `solve`.
+void conclude(const MeasureOptions& options, Measurement& out);
+
+// Both.
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                                             const OnProgress& on_progress, FrameSink* frames = nullptr);
-
-// The end of every run: what was seen turned into samples, summaries and an exit code. Used again by `solve`.
-void conclude(const MeasureOptions& options, Measurement& out);
 
 }  // namespace moiregauge
