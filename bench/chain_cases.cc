@@ -58,8 +58,7 @@ void add_chain_cases() {
   using enum Memory;
   add_cases("detection", {kHot, kRing}, detection_work);
   add_cases("tracking", {kHot, kRing, kCold}, tracking_work);
-  add_cases("two-stage", {kRing},
-            [](const Recording& r) { return chain_work(r, *method_named("two-stage")); });
+  add_cases("two-stage", {kRing}, [](const Recording& r) { return chain_work(r, *method_named("two-stage")); });
   add_cases("precise", {kHot, kRing, kCold},
             [](const Recording& r) { return chain_work(r, *method_named("precise")); });
 }

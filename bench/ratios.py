@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Ratios of one run of the benchmarks, against what they must reach.
 
-  bench/ratios.py CHAIN_JSON [--files FILES_JSON]
+  bench/ratios.py CHAIN_JSON [MORE_CHAIN_JSON ...] [--files FILES_JSON]
 
-CHAIN_JSON is what chain_bench wrote (aggregates), FILES_JSON what bench/files.py wrote. Prints a Markdown table; ends 1
+CHAIN_JSON is what chain_bench wrote (aggregates), one file for each instruction set; FILES_JSON what bench/files.py wrote. Prints a Markdown table; ends 1
 when a gate fails. Milliseconds are of the machine; only ratios within one run mean anything. A ratio counts only when
 nothing was lost and the error is no worse than the yardstick's: its scatter, about the mean of the frames, in which the
 noise of the one reference frame that all of them share has dropped out. A scatter of n frames is itself known to
@@ -76,6 +76,10 @@ class Chain:
         for name, row in self.medians.items():  # a median would hide a frame that was lost once
             row["lost"] = aggregates["mean"][name]["lost"]
 
+    @property
+    def vectors(self):
+        return {"avx2": "AVX2", "avx3": "AVX-512"}.get(self.context["simd"], self.context["simd"])
+
     def case(self, name, size, memory):
         try:
             return self.medians[f"{name}/{size}/{memory}"]
@@ -111,16 +115,16 @@ def chain_rows(chain):
     textbook = ("textbook", "ring")
     for size, gate, aim in ((SMALL, 40, 400), (LARGE, 100, 800)):
         ours = ("precise", "ring")
-        yield Row(f"whole chain of `precise` with u, frames in memory, {size}, against the textbook chain", at_least(gate),
+        yield Row(f"whole chain of `precise` with u, frames in memory, {size}, {chain.vectors}, against the textbook chain", at_least(gate),
                   at_least(aim), 1 / chain.share(ours, textbook, size), math.nan, *chain.errors(ours, textbook, size, "mm"))
     for size in (SMALL, LARGE):
         for memory, place, gate in (("ring", "in the last-level cache", 400), ("cold", "cold", 200)):
             ours = ("tracking", memory)
-            yield Row(f"tracking chain, windows {place}, {size}, against the textbook chain", at_least(gate),
+            yield Row(f"tracking chain, windows {place}, {size}, {chain.vectors}, against the textbook chain", at_least(gate),
                       at_most(0.25, " of a pass"), 1 / chain.share(ours, textbook, size),
                       chain.share(ours, ("floor", "ring"), size), *chain.errors(ours, textbook, size, "mm"))
     ours = ("detection", "ring")
-    yield Row(f"first detection in the full frame, {LARGE}, share of the textbook chain", at_most(0.2), at_most(0.03),
+    yield Row(f"first detection in the full frame, {LARGE}, {chain.vectors}, share of the textbook chain", at_most(0.2), at_most(0.03),
               chain.share(ours, textbook, LARGE), math.nan,
               *chain.errors(ours, ("textbook detection", "ring"), LARGE, "px"))
 
@@ -145,8 +149,8 @@ def table(rows):
     return head + "".join(row.markdown() + "\n" for row in rows)
 
 
-def rows_of(chain, files_path):
-    rows = list(chain_rows(chain))
+def rows_of(chains, files_path):
+    rows = [row for chain in chains for row in chain_rows(chain)]
     if files_path:
         with open(files_path, encoding="utf-8") as file:
             rows += file_rows(json.load(file))
@@ -155,10 +159,10 @@ def rows_of(chain, files_path):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("chain")
+    parser.add_argument("chain", nargs="+")
     parser.add_argument("--files")
     words = parser.parse_args()
-    rows = rows_of(Chain(words.chain), words.files)
+    rows = rows_of([Chain(path) for path in words.chain], words.files)
     print(table(rows), end="")
     return 1 if any(row.verdict().startswith("**fails") for row in rows) else 0
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes docs/performance.md to stdout, from what chain_bench and bench/files.py measured.
 
-  bench/report.py CHAIN_JSON FILES_JSON --cpu MODEL --compiler NAME --command "tools/bench ..."
+  bench/report.py CHAIN_JSON [MORE_CHAIN_JSON ...] --files FILES_JSON --cpu MODEL --compiler NAME --command "tools/bench ..."
 
 Ends 1 when a gate fails (bench/ratios.py); the document is written all the same.
 """
@@ -73,15 +73,24 @@ def file_table(measured):
     return "\n".join(lines)
 
 
+def chains_with(chain):
+    return f"""## Chains, {chain.vectors}
+
+{chain_table(chain)}
+
+"""
+
+
 def main():
     parser = argparse.ArgumentParser()
-    for word in ("chain", "files", "--cpu", "--compiler", "--command"):
+    parser.add_argument("chain", nargs="+")
+    for word in ("--files", "--cpu", "--compiler", "--command"):
         parser.add_argument(word)
     words = parser.parse_args()
     chain = ratios.Chain(words.chain)
     with open(words.files, encoding="utf-8") as file:
         measured = json.load(file)
-    rows = ratios.rows_of(chain, words.files)
+    rows = ratios.rows_of(chains, words.files)
     cores, cache = chain.context["num_cpus"], int(chain.context["last_level_cache_bytes"]) / ratios.MIB
     print(f"""# Performance
 
@@ -97,13 +106,10 @@ frames do not. `cold`: so many copies that not even the windows stay.
 ## Gates
 
 {ratios.table(rows)}
-## Chains
-
-{chain_table(chain)}
-
+{"".join(chains_with(c) for c in chains)}
 ## Where a frame's time goes
 
-Shares of a frame of `precise` (ring). What is missing to 100 % is identification, homographies and copying.
+Shares of a frame of `precise` (ring, {chain.vectors}). What is missing to 100 % is identification, homographies and copying.
 
 {stage_table(chain)}
 

@@ -26,12 +26,25 @@ for simd in ("scalar", "avx2", "avx3"):  # avx3: AVX-512
         insist((work / "all/displacement.csv").read_bytes() == (work / simd / "displacement.csv").read_bytes(),
                f"{simd} changes the CSV")
 run([*base, "-o", work / "all"])  # the same input: replaced as a whole
-short = ("frame", "dx_mm", "dy_mm")
-run([*base, "--frames", "0:9:4", "-o", work / "some"])
-wanted = [row for row in rows(work / "all", short) if int(row[0]) % 4 == 0]
-for got, want in zip(rows(work / "some", short), wanted, strict=True):
+short = ("frame", "dx_mm", "dy_mm", "u_dx_mm", "u_dy_mm")
+
+
+def selected(method):
+    """Rows of every fourth frame: measured alone, and out of all."""
+    run([*base, "--method", method, "-o", work / f"{method}-all"])
+    run([*base, "--method", method, "--frames", "0:9:4", "-o", work / f"{method}-some"])
+    wanted = [row for row in rows(work / f"{method}-all", short) if int(row[0]) % 4 == 0]
+    pairs = list(zip(rows(work / f"{method}-some", short), wanted, strict=True))
+    insist(len(pairs) == 3 and all(got[0] == want[0] for got, want in pairs), f"{method}: other frames")
+    return [tuple(tuple(map(float, row[1:])) for row in pair) for pair in pairs]
+
+
+for got, want in selected("two-stage"):
     # Circles are fitted from where the last frame saw them: the same to 1e-4 px, 35 nm here.
-    insist(all(abs(float(a) - float(b)) < 1e-4 for a, b in zip(got, want)), f"{got} is not {want}")
+    insist(all(abs(a - b) < 1e-4 for a, b in zip(got[:2], want[:2])), f"{got} is not {want}")
+for got, want in selected("precise"):
+    # Its scene is solved from the frames that there are: other ones move it within what its u says.
+    insist(all(abs(got[k] - want[k]) <= max(got[k + 2], want[k + 2]) for k in (0, 1)), f"{got} is not {want}")
 run([*base, "--reference-frame", "8", "-o", work / "last"])
 last = {row[0]: row for row in rows(work / "last", ("frame", "dx_mm", "dy_mm", "status"))}
 insist(last["8"] == ("8", "0.000000", "0.000000", "ok"), f"the reference frame is not zero: {last['8']}")

@@ -18,7 +18,7 @@ constexpr double kPaper = 1.25;    // radii: so far there is paper round a disc
 constexpr double kInside = 0.7;    // radii: no blur reaches in here
 constexpr int kMostLooks = 4;
 constexpr int kFirstRows = 3;         // the first look, from which the next begins, takes every third row
-constexpr double kLarge = 40.0;       // px: a disc of which every second row tells the centre to 0.02 px
+constexpr double kLarge = 40.0;       // px: a disc of which every second row will do
 constexpr int kRowsAhead = 6;         // rows lie kilobytes apart: no processor foresees where the next one begins
 constexpr int kLine = 64;
 constexpr double kStands = 0.1;    // px: the centroid of a window round it that moves no further
@@ -122,11 +122,11 @@ std::optional<Look> look(const ImageView<Grey>& picture, ImagePoint at, double r
 }  // namespace
 
 std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected, double diameter_px,
-                                      const SeenCircle& like) {
+                                      const SeenCircle& like, Rows rows) {
   const double radius = 0.5 * diameter_px;
   ImagePoint at = expected;
   for (int k = 0; k < kMostLooks; ++k) {
-    const int row_step = k == 0 ? kFirstRows : diameter_px < kLarge ? 1 : 2;
+    const int row_step = k == 0 ? kFirstRows : rows == Rows::kAll || diameter_px < kLarge ? 1 : 2;
     const auto seen = std::visit([&](const auto& picture) { return look(picture, at, radius, row_step); }, luma);
     if (!seen || !(seen->contrast * like.contrast > 0.0) || !(length(seen->centre - at) < radius)) return std::nullopt;
     const double moved = length(seen->centre - at);

@@ -25,7 +25,7 @@ bool expects_all(const Reference& reference, const Prediction& prediction) {
 
 // The discs, each by itself; who they are, the frame before said.
 std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& reference, const IdealFromBoard& expected,
-                                  Identified& who) {
+                                  Rows rows, Identified& who) {
   const View view{expected, reference.lens};
   CircleSearch search;
   who.circle_of_marker.assign(reference.site.markers.size(), -1);
@@ -33,7 +33,7 @@ std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& r
   for (const CirclePoint& point : reference.circles) {
     SeenCircle circle = *reference.seen.markers[point.marker].circle;
     circle.diameter_px = reference.diameter_px(point, view);
-    const auto centre = disc_centre(picture.luma, view(point.board), circle.diameter_px, circle);
+    const auto centre = disc_centre(picture.luma, view(point.board), circle.diameter_px, circle, rows);
     if (!centre) return std::nullopt;
     circle.centre = *centre;
     who.circle_of_marker[point.marker] = static_cast<int>(search.circles.size());
@@ -57,7 +57,7 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
                                             const Prediction& prediction, Rows rows) {
   if (!expects_all(reference, prediction)) return std::nullopt;
   Identified who;
-  const auto search = discs(picture, reference, *prediction.expected, who);
+  const auto search = discs(picture, reference, *prediction.expected, rows, who);
   if (!search) return std::nullopt;
   const auto points = circle_points(reference.site, reference.lens, *search, who);
   const auto first = fit_circles(points);

@@ -22,7 +22,7 @@ constexpr double kSeenPattern = 4.0;
 // follow_patch, pitches. A step from so near leaves a hundredth of itself, about as far as normal equations of another
 // frame are from this one's.
 constexpr double kNear = 0.02;
-constexpr double kStands = 0.005;
+constexpr double kStands = 0.002;
 constexpr int kMostPasses = 3;  // of each kind
 
 // The homography about the identity, in (u, v), that comes nearest to a field given at the nine points: rows are
