@@ -42,8 +42,8 @@ def counted(chain_bench, case, functions, once):
         out = pathlib.Path(folder) / "callgrind.out"
         done = subprocess.run(
             ["valgrind", "--tool=callgrind", "--collect-atstart=no",
-             *(f"--toggle-collect={function}*" for function in functions), f"--callgrind-out-file={out}", chain_bench, f"--benchmark_filter=^{case}/{SIZE}/ring$",
-             "--benchmark_min_time=0.0001", "--benchmark_format=json"], capture_output=True, text=True, check=False)
+             *(f"--toggle-collect={function}*" for function in functions), f"--callgrind-out-file={out}",
+             chain_bench, f"--benchmark_filter=^{case}/{SIZE}/ring$", "--benchmark_min_time=0.0001", "--benchmark_format=json"], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit(f"error: callgrind: {done.stderr.strip()}")
         lines = out.read_text(encoding="utf-8").splitlines()

@@ -3,8 +3,8 @@
 
   bench/ratios.py CHAIN_JSON [MORE_CHAIN_JSON ...] [--files FILES_JSON]
 
-CHAIN_JSON is what chain_bench wrote (aggregates), one file for each instruction set; FILES_JSON what bench/files.py wrote. Prints a Markdown table; ends 1
-when a gate fails. Milliseconds are of the machine; only ratios within one run mean anything. A ratio counts only when
+CHAIN_JSON is what chain_bench wrote (aggregates), one file for each instruction set; FILES_JSON what bench/files.py
+wrote. Prints a Markdown table; ends 1 when a gate fails. Milliseconds are of the machine; only ratios within one run mean anything. A ratio counts only when
 nothing was lost and the error is no worse than the yardstick's: its scatter, about the mean of the frames, in which the
 noise of the one reference frame that all of them share has dropped out. A scatter of n frames is itself known to
 1 / sqrt(2 (n - 1)) only; so much is allowed.

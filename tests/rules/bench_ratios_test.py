@@ -25,7 +25,7 @@ FILES = {
 }
 
 
-def chain_of(cases, lost=0.0):
+def chain_of(cases, lost=0.0, simd="avx3"):
     rows = []
     for name, (time, error, unit) in cases.items():
         case, memory = name.split("/")
@@ -36,7 +36,7 @@ def chain_of(cases, lost=0.0):
                 row |= {f"scatter_x_{unit}": error, f"scatter_y_{unit}": 2 * error, "error_frames": 51}
             # Times are medians; what was lost is told by the mean alone.
             rows += [row | {"aggregate_name": "mean", "cpu_time": 1e9}, row | {"lost": 0.0}]
-    return {"context": {}, "benchmarks": rows}
+    return {"context": {"simd": simd}, "benchmarks": rows}
 
 
 def ratios(cases, files=None, lost=0.0):
@@ -66,6 +66,16 @@ class Ratios(unittest.TestCase):
         self.assertIn("| 1.02 | ", line(output, "ffv1"))
         self.assertIn("| 50 MiB | ", line(output, "1000-frame"))
         self.assertEqual(output.count("| aim |\n"), output.count("\n") - 2)
+
+    def test_every_instruction_set_must_pass(self):
+        with tempfile.TemporaryDirectory() as folder:
+            wide, narrow = pathlib.Path(folder, "wide.json"), pathlib.Path(folder, "narrow.json")
+            wide.write_text(json.dumps(chain_of(GOOD)), encoding="utf-8")
+            narrow.write_text(json.dumps(chain_of(GOOD | {"precise/ring": (2600, 0.001, "mm")}, simd="avx2")), encoding="utf-8")
+            done = subprocess.run([RATIOS, wide, narrow], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("**fails** |", line(done.stdout, "whole chain", "4104x1012, AVX2"))
+        self.assertIn("| aim |", line(done.stdout, "whole chain", "4104x1012, AVX-512"))
 
     def test_between_gate_and_aim_it_still_passes(self):
         code, output, _ = ratios(GOOD | {"precise/ring": (500, 0.001, "mm")})
