@@ -49,6 +49,7 @@ Image<Grey> speckled(int most) {
 struct Summed {
   PatchSums sums, with_normal;
   NormalMatrix normal;
+  ShiftSums shift;
 };
 
 Summed summed(const LumaView& luma, int row_step) {
@@ -57,6 +58,7 @@ Summed summed(const LumaView& luma, int row_step) {
   const PixelBox box{4, 6, kSide - 1, kSide - 2};
   sum_patch(luma, oblique(), binary().nodes(), box, row_step, out.sums);
   sum_patch(luma, oblique(), binary().nodes(), box, row_step, out.with_normal, &out.normal);
+  sum_shift(luma, oblique(), binary().nodes(), box, row_step, out.shift);
   return out;
 }
 
@@ -77,6 +79,8 @@ TEST(PatchPass, GivesTheSameBitsOnEverySimdTarget) {
         EXPECT_TRUE(same((*first)[k].sums, now[k].sums)) << target << " rows " << row_step;
         EXPECT_TRUE(same(now[k].sums, now[k].with_normal)) << target << " rows " << row_step;
         EXPECT_TRUE((*first)[k].normal == now[k].normal) << target << " rows " << row_step;
+        EXPECT_TRUE((*first)[k].shift.right == now[k].shift.right && (*first)[k].shift.normal == now[k].shift.normal)
+            << target << " rows " << row_step;
       }
     }
   }
@@ -121,6 +125,18 @@ TEST(PatchPass, SumsWhatItSaysItSums) {
     EXPECT_NEAR(seen.sums.right(i), right(i), 0.02 * std::sqrt(left2 * normal(i, i) / pixels)) << i;
     for (int j = 0; j <= i; ++j)
       EXPECT_NEAR(seen.normal(i, j), normal(i, j), 1e-3 * std::sqrt(normal(i, i) * normal(j, j))) << i << " " << j;
+  }
+  // The patch as a whole: of the same columns the first of light, contrast and field.
+  EXPECT_EQ(seen.shift.pixels, seen.sums.pixels);
+  EXPECT_NEAR(seen.shift.left2 / left2, 1.0, 1e-3);
+  constexpr std::array<int, kShiftColumns> kOf{0, 3, kBaseColumns, kBaseColumns + kFieldColumns};
+  for (int i = 0; i < kShiftColumns; ++i) {
+    const int a = kOf[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(seen.shift.right(i), right(a), 0.02 * std::sqrt(left2 * normal(a, a) / pixels)) << i;
+    for (int j = 0; j < kShiftColumns; ++j) {
+      const int b = kOf[static_cast<std::size_t>(j)];
+      EXPECT_NEAR(seen.shift.normal(i, j), normal(a, b), 1e-3 * std::sqrt(normal(a, a) * normal(b, b))) << i << " " << j;
+    }
   }
 }
 
