@@ -68,7 +68,8 @@ TEST(PatchResidual, HasTheDerivativesThatCeresFinds) {
 TEST(PatchResidual, TheRootIsThatOfAnyInformation) {
   for (const int rank : {0, 3, 9, kSize}) {
     const PatchFit fit = patch(rank);
-    const auto& root = PatchResidual(fit, kGrating).root();
+    const PatchResidual residual(fit, kGrating);
+    const auto& root = residual.root();
     EXPECT_LE((root.transpose() * root - fit.information).norm(), 1e-9 * fit.information.norm()) << "rank " << rank;
   }
 }

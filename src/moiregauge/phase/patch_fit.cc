@@ -97,7 +97,8 @@ class Passes {
     sums_.pixels = sums.pixels;
     sigma_ = std::sqrt(std::max(0.0, sums.left2 - value.dot(sums.right)) / (sums.pixels - kShiftColumns));
     const std::array<double, 2> place{value(2), value(3)};
-    if (explained_by_print(value(1), place) < kSeenPattern * sigma_ * sigma_) return tl::unexpected(Failure::kNoPattern);
+    if (explained_by_print(value(1), place) < kSeenPattern * sigma_ * sigma_)
+      return tl::unexpected(Failure::kNoPattern);
     model_.light[0] += value(0), model_.contrast[0] += value(1);
     if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
     relative_ = model_.gain[0] / model_.contrast[0];
@@ -141,7 +142,8 @@ class Passes {
     move();
   }
 
-  // What the print, with so much more contrast and so far away, has of the grey levels (squared, by each of its columns).
+  // What the print, with so much more contrast and so far away, has of the grey levels (squared, by each of its
+  // columns).
   [[nodiscard]] double explained_by_print(double contrast, std::array<double, 2> place) const {
     const double level = std::pow((model_.contrast[0] + contrast) * print_.contrast(), 2);
     const double slope = std::pow(model_.gain[0] * place[0], 2) * print_.slope_power_x() +
@@ -183,7 +185,8 @@ PatchFit Passes::fit(const PatchSystem* known) const {
   const auto back = seen_through_.inverse();
   for (int n = 0; n < kPatchPoints; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    const PrintPoint p{w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x, w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
+    const PrintPoint p{w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x,
+                       w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
     fit.image[i] = back(p);
     fit.print[i] = {p.x + dx_(n), p.y + dy_(n)};
   }
@@ -212,9 +215,9 @@ tl::expected<FirstFit, Failure> fit_patch(const LumaView& luma, const PrintFromI
   return FirstFit{passes.fit(nullptr), passes.at_rest()};
 }
 
-tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
-                                             const PrintTemplate& print, const PatchFitOptions& options,
-                                             const PatchAtRest& at_rest, Rows rows) {
+tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFromImage& start,
+                                             const PatchWindow& window, const PrintTemplate& print,
+                                             const PatchFitOptions& options, const PatchAtRest& at_rest, Rows rows) {
   Passes passes(luma, start, window, print, options);
   passes.begin(&at_rest);
   for (int k = 0; k < kMostPasses; ++k) {

@@ -33,7 +33,7 @@ struct PatchFit {
   PatchPlane gain{};
   [[nodiscard]] double background(ImagePoint p) const { return plane(light, p); }
   [[nodiscard]] double contrast(ImagePoint p) const { return plane(gain, p); }
-  double sigma = 0.0;      // grey levels, rms residual of one pixel
+  double sigma = 0.0;  // grey levels, rms residual of one pixel
   // Amplitudes of the first harmonics along x and y relative to the template's: contrast and blur together.
   std::array<double, 2> fundamental{};
   double last_step = 0.0;  // pitches, the largest correction of the last pass at any point

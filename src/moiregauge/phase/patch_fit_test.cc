@@ -242,8 +242,8 @@ TEST(PatchFit, FlatPaperIsNoPatternAndTheEdgeOfThePictureNoPatch) {
   const auto nothing = fitted(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_FALSE(nothing) << nothing->gain[0];
   EXPECT_EQ(nothing.error(), PatchFitFailure::kNoPattern);
-  const auto rest = fit_patch(seen(truth, {.sigma = 1.0}, crossed, 8).view(), truth, kWindow,
-                              PrintTemplate::cosine(40, 40), {});
+  const auto rest =
+      fit_patch(seen(truth, {.sigma = 1.0}, crossed, 8).view(), truth, kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_TRUE(rest);
   const auto gone = follow_patch(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {}, rest->at_rest);
   ASSERT_FALSE(gone) << gone->gain[0];

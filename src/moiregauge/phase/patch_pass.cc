@@ -12,140 +12,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#ifndef MOIREGAUGE_PATCH_JOB
-#define MOIREGAUGE_PATCH_JOB
-namespace moiregauge {
-
-constexpr int kBlockWidth = 16;
-// Single precision holds the sums of so many rows; then they go into doubles.
-constexpr int kBandRows = 16;
-constexpr int kProducts = kColumns * (kColumns + 1) / 2;
-constexpr int kShiftProducts = kShiftColumns * (kShiftColumns + 1) / 2;
-enum class Sum {
-  kRight,   // times each column, and squared
-  kNormal,  // also the columns' products
-  kShift    // of the patch as a whole: times each of its columns, squared, and these columns' products
-};
-// How many of them are kept in registers.
-constexpr int registers_of(Sum sum) { return sum == Sum::kShift ? kShiftColumns + 1 + kShiftProducts : kColumns + 1; }
-
-// (u, v) of pixels by their distance from the patch's middle pixel: numbers near 1, so that single precision will do.
-struct PatchJob {
-  std::array<float, 9> uv_from_px{};  // a homography, row by row, its last element 1
-  int x = 0, y = 0;                   // of the middle pixel
-  std::array<float, 3> light{}, contrast{}, gain{};
-  std::array<float, 4> nodes{};  // print coordinates in nodes: [0] + u [1], [2] + v [3]
-  const PrintNodes* table = nullptr;
-  PixelBox box;
-  int row_step = 1;
-};
-
-// Sixteen lanes of every sum.
-struct LaneSums {
-  alignas(64) float right[kColumns + 1][kBlockWidth];  // in order of registers
-  alignas(64) float normal[kProducts][kBlockWidth];  // lower triangle, row by row
-};
-
-// In the order of the registers.
-struct PatchTotals {
-  std::array<double, kColumns + 1> sums{};
-  NormalMatrix* normal = nullptr;
-  int pixels = 0;
-};
-
-}  // namespace moiregauge
-#endif
+#include "moiregauge/phase/patch_columns-inl.h"
+#include "moiregauge/phase/patch_job.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Float = hn::CappedTag<float, kBlockWidth>;
-using Whole = hn::RebindToSigned<Float>;
-using V = hn::Vec<Float>;
-constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
-
-HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }  // not MulAdd: it rounds once where it can
-
-struct Plane {
-  V at_0, per_u, per_v;
-  explicit Plane(const std::array<float, 3>& c)
-      : at_0(hn::Set(Float(), c[0])), per_u(hn::Set(Float(), c[1])), per_v(hn::Set(Float(), c[2])) {}
-  HWY_INLINE V operator()(V u, V v) const { return plus(plus(at_0, per_u, u), per_v, v); }
-};
-
-struct Level {
-  V t, tx, ty, bx, by;  // by nodes
-};
-
-// PrintTemplate::at
-struct Table {
-  const std::int32_t* words;
-  V side, per_side, wide, words_per_node, one;
-  V scale[2 * PrintNodes::kWords];
-
-  explicit Table(const PrintNodes& nodes) : words(nodes.words.data()) {
-    const auto set = [](auto value) { return hn::Set(Float(), static_cast<float>(value)); };
-    side = set(nodes.side), per_side = set(1.0F / static_cast<float>(nodes.side)), wide = set(nodes.wide());
-    words_per_node = set(PrintNodes::kWords), one = set(1);
-    for (int k = 0; k < 2 * PrintNodes::kWords; ++k) scale[k] = set(nodes.scale[static_cast<std::size_t>(k)]);
-  }
-
-  // The table begins a node before the period.
-  HWY_INLINE V node_of(V whole) const {
-    return hn::Add(hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))), one);
-  }
-
-  HWY_INLINE Level at(V x, V y) const {
-    const Float d;
-    const Whole di;
-    const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j);
-    const auto node = hn::ConvertTo(di, hn::Mul(plus(node_of(i), node_of(j), wide), words_per_node));
-    V a[2 * PrintNodes::kWords];
-#pragma GCC unroll 3
-    for (int w = 0; w < PrintNodes::kWords; ++w) {
-      const auto word = hn::GatherIndex(di, words + w, node);
-      a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word))), scale[2 * w]);
-      a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), scale[2 * w + 1]);
-    }
-    const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
-    return {plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5])),
-            plus(plus(a[1], u, bx), v, a[4]), plus(plus(a[2], v, by), u, a[4]), bx, by};
-  }
-};
-
-HWY_INLINE V greys(const std::uint8_t* from) {
-  const hn::Rebind<std::uint8_t, Float> d8;
-  return hn::ConvertTo(Float(), hn::PromoteTo(Whole(), hn::LoadU(d8, from)));
-}
-HWY_INLINE V greys(const std::uint16_t* from) {
-  const hn::Rebind<std::uint16_t, Float> d16;
-  return hn::ConvertTo(Float(), hn::PromoteTo(Whole(), hn::LoadU(d16, from)));
-}
-
-template <int kFirst, typename Put>
-HWY_INLINE void expand_field(V slope, V u, V v, const Put& put) {
-  for (int j = 0; j < 3; ++j) {
-    const V once = hn::Mul(slope, u);
-    put(kFirst + 3 * j, slope), put(kFirst + 3 * j + 1, once), put(kFirst + 3 * j + 2, hn::Mul(once, u));
-    slope = hn::Mul(slope, v);
-  }
-}
-
-// The columns, all times `one`, which the level holds already.
-template <typename Put>
-HWY_INLINE void expand(V one, const Level& l, V u, V v, const Put& put) {
-  put(0, one), put(1, hn::Mul(one, u)), put(2, hn::Mul(one, v));
-  put(3, l.t), put(4, hn::Mul(l.t, u)), put(5, hn::Mul(l.t, v));
-  put(6, l.bx), put(7, l.by);
-  expand_field<kBaseColumns>(l.tx, u, v, put);
-  expand_field<kBaseColumns + kFieldColumns>(l.ty, u, v, put);
-}
-
-HWY_INLINE Level times(const Level& l, V f) {
-  return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f)};
-}
 
 HWY_INLINE void add_to(float* sums, V value) {
   const Float d;
@@ -159,8 +31,7 @@ struct Patch {
   V side, x0, half_x, y0, half_y, one;
   V row_x, row_y, row_z;  // by which u z, v z and z change along a row
 
-  explicit Patch(const PatchJob& job)
-      : table(*job.table), light(job.light), contrast(job.contrast), gain(job.gain) {
+  explicit Patch(const PatchJob& job) : table(*job.table), light(job.light), contrast(job.contrast), gain(job.gain) {
     const auto set = [](float value) { return hn::Set(Float(), value); };
     side = table.side, one = table.one;
     x0 = set(job.nodes[0]), half_x = set(job.nodes[1]), y0 = set(job.nodes[2]), half_y = set(job.nodes[3]);
@@ -218,8 +89,7 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
   const auto in = hn::And(there, hn::Le(hn::Max(hn::Abs(u), hn::Abs(v)), patch.one));
   if (hn::AllFalse(d, in)) return 0;
   Level l = patch.table.at(plus(patch.x0, u, patch.half_x), plus(patch.y0, v, patch.half_y));
-  const V left = hn::IfThenElseZero(
-      in, hn::Sub(hn::Sub(grey, patch.light(u, v)), hn::Mul(patch.contrast(u, v), l.t)));
+  const V left = hn::IfThenElseZero(in, hn::Sub(hn::Sub(grey, patch.light(u, v)), hn::Mul(patch.contrast(u, v), l.t)));
   const V gain = hn::Mul(patch.gain(u, v), patch.side), bend = hn::Mul(gain, patch.side);
   l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend)};
   const V inside = hn::IfThenElseZero(in, patch.one);
@@ -308,14 +178,21 @@ void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out)
 template <typename Grey>
 void pass_of(const PatchJob& job, const ImageView<Grey>& picture, Sum sum, PatchTotals& out) {
   switch (sum) {
-    case Sum::kRight: return pass<Sum::kRight>(job, picture, out);
-    case Sum::kNormal: return pass<Sum::kNormal>(job, picture, out);
-    case Sum::kShift: return pass<Sum::kShift>(job, picture, out);
+    case Sum::kRight:
+      return pass<Sum::kRight>(job, picture, out);
+    case Sum::kNormal:
+      return pass<Sum::kNormal>(job, picture, out);
+    case Sum::kShift:
+      return pass<Sum::kShift>(job, picture, out);
   }
 }
 
-void Pass8(const PatchJob& job, const ImageView<std::uint8_t>& p, Sum sum, PatchTotals& out) { pass_of(job, p, sum, out); }
-void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& p, Sum sum, PatchTotals& out) { pass_of(job, p, sum, out); }
+void Pass8(const PatchJob& job, const ImageView<std::uint8_t>& p, Sum sum, PatchTotals& out) {
+  pass_of(job, p, sum, out);
+}
+void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& p, Sum sum, PatchTotals& out) {
+  pass_of(job, p, sum, out);
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace moiregauge
@@ -323,32 +200,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace moiregauge {
-namespace {
-
-std::array<float, 3> in_floats(const PatchPlane& p) {
-  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-}
-
-PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step) {
-  PatchJob job;
-  job.x = (box.x0 + box.x1) / 2, job.y = (box.y0 + box.y1) / 2;
-  const PatchWindow& w = model.window;
-  Matrix3 from_middle;
-  from_middle << 1, 0, job.x, 0, 1, job.y, 0, 0, 1;
-  const Matrix3 h = window_from_print(w).matrix() * model.map.matrix() * from_middle;
-  for (int i = 0; i < 9; ++i) job.uv_from_px[static_cast<std::size_t>(i)] = static_cast<float>(h(i / 3, i % 3) / h(2, 2));
-  job.light = in_floats(model.light), job.contrast = in_floats(model.contrast), job.gain = in_floats(model.gain);
-  const double side = nodes.side;
-  job.nodes = {static_cast<float>(side * w.centre.x), static_cast<float>(side * w.half_x),
-               static_cast<float>(side * w.centre.y), static_cast<float>(side * w.half_y)};
-  job.table = &nodes;
-  job.box = box;
-  job.row_step = row_step;
-  return job;
-}
-
-}  // namespace
-
 HWY_EXPORT(Pass8);
 HWY_EXPORT(Pass16);
 
@@ -363,8 +214,8 @@ void dispatched(const LumaView& luma, const PatchJob& job, Sum sum, PatchTotals&
 
 }  // namespace
 
-void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
-               PatchSums& sums, NormalMatrix* normal) {
+void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+               int row_step, PatchSums& sums, NormalMatrix* normal) {
   PatchTotals totals;
   totals.normal = normal;
   if (normal != nullptr) normal->setZero();
@@ -375,8 +226,8 @@ void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& 
   if (normal != nullptr) *normal = NormalMatrix(normal->selfadjointView<Eigen::Lower>());
 }
 
-void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
-               ShiftSums& sums) {
+void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+               int row_step, ShiftSums& sums) {
   PatchTotals totals;
   dispatched(luma, job_of(model, nodes, box, row_step), Sum::kShift, totals);
   std::size_t from = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One pass over a patch's raw pixels: all that least squares needs of them, as sums. The hot loop of `precise`; it
-// allocates nothing. Sixteen pixels side by side have a lane each, lanes are added in one fixed order, and no product is
-// fused with a sum: the same bits on every SIMD target (Highway, chosen at run time).
+// allocates nothing. Sixteen pixels side by side have a lane each, lanes are added in one fixed order, and no product
+// is fused with a sum: the same bits on every SIMD target (Highway, chosen at run time).
 #pragma once
 
 #include <array>
@@ -39,8 +39,8 @@ struct PixelBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
-// Unknowns in this order, in the window's own (u, v), each from -1 to 1: light b0 bu bv, contrast g0 gu gv, blur along X
-// and along Y, then dX of u^i v^j (i fastest, i, j <= 2), then dY.
+// Unknowns in this order, in the window's own (u, v), each from -1 to 1: light b0 bu bv, contrast g0 gu gv, blur along
+// X and along Y, then dX of u^i v^j (i fastest, i, j <= 2), then dY.
 inline constexpr int kLightColumns = 6;
 inline constexpr int kBlurColumns = 2;
 inline constexpr int kBaseColumns = kLightColumns + kBlurColumns;
@@ -56,7 +56,7 @@ using PatchPlane = std::array<double, 3>;
 struct PatchModel {
   PrintFromImage map;
   PatchWindow window;
-  PatchPlane light{}, contrast{};     // taken off the grey levels before they are summed
+  PatchPlane light{}, contrast{};  // taken off the grey levels before they are summed
   PatchPlane gain{1.0, 0.0, 0.0};  // times the template's slopes and second derivatives: the columns of blur and field
 };
 
@@ -68,8 +68,8 @@ struct PatchSums {
 };
 
 // Every row_step-th row of `box`, which must lie in the picture. With `normal` also the columns' products.
-void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
-               PatchSums& sums, NormalMatrix* normal = nullptr);
+void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+               int row_step, PatchSums& sums, NormalMatrix* normal = nullptr);
 
 // Where only light, contrast and place of the patch as a whole are asked for: b0, g0, dX, dY.
 inline constexpr int kShiftColumns = 4;
@@ -79,7 +79,7 @@ struct ShiftSums {
   double left2 = 0.0;
   int pixels = 0;
 };
-void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step,
-               ShiftSums& sums);
+void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+               int row_step, ShiftSums& sums);
 
 }  // namespace moiregauge

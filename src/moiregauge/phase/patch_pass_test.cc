@@ -108,7 +108,8 @@ TEST(PatchPass, SumsWhatItSaysItSums) {
       const PrintLevel level = print.at(p);
       const double gain = plane(model.gain, u, v);
       NormalVector c;
-      c << 1, u, v, level.t, level.t * u, level.t * v, gain * level.dxx, gain * level.dyy, NormalVector::Zero().head<18>();
+      c << 1, u, v, level.t, level.t * u, level.t * v, gain * level.dxx, gain * level.dyy,
+          NormalVector::Zero().head<18>();
       for (int k = 0; k < kFieldColumns; ++k) {
         const double power = std::pow(u, k % 3) * std::pow(v, k / 3);
         c(kBaseColumns + k) = gain * level.dx * power;
@@ -135,7 +136,8 @@ TEST(PatchPass, SumsWhatItSaysItSums) {
     EXPECT_NEAR(seen.shift.right(i), right(a), 0.02 * std::sqrt(left2 * normal(a, a) / pixels)) << i;
     for (int j = 0; j < kShiftColumns; ++j) {
       const int b = kOf[static_cast<std::size_t>(j)];
-      EXPECT_NEAR(seen.shift.normal(i, j), normal(a, b), 1e-3 * std::sqrt(normal(a, a) * normal(b, b))) << i << " " << j;
+      EXPECT_NEAR(seen.shift.normal(i, j), normal(a, b), 1e-3 * std::sqrt(normal(a, a) * normal(b, b)))
+          << i << " " << j;
     }
   }
 }

@@ -50,8 +50,7 @@ const Values& values_at_points() {
   return values;
 }
 
-std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixels,
-                                           const PatchFitOptions& options) {
+std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixels, const PatchFitOptions& options) {
   NormalMatrix n = normal;
   const double slopes = n(0, 0) + n(3, 3);
   for (int i = kLightColumns; i < kBaseColumns; ++i) n(i, i) = n(i, i) * (1.0 + kBlurRidge) + 1e-12 * slopes;
@@ -73,7 +72,8 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
 }
 
 NormalVector PatchSystem::solved(const PatchSums& sums) const {
-  return (static_cast<double>(pixels_) / sums.pixels) * per_length_.cwiseProduct(ldlt_.solve(per_length_.cwiseProduct(sums.right)));
+  return (static_cast<double>(pixels_) / sums.pixels) *
+         per_length_.cwiseProduct(ldlt_.solve(per_length_.cwiseProduct(sums.right)));
 }
 
 }  // namespace moiregauge

@@ -35,7 +35,9 @@ class PatchSystem {
   // The unknowns, where as many pixels as in the sums see the window.
   [[nodiscard]] NormalVector solved(const PatchSums& sums) const;
   // Of the field at the nine points (x of all, then y), per (grey level / gain)^2 of noise; the rest eliminated.
-  [[nodiscard]] PatchInformation information(int pixels) const { return (static_cast<double>(pixels) / pixels_) * information_; }
+  [[nodiscard]] PatchInformation information(int pixels) const {
+    return (static_cast<double>(pixels) / pixels_) * information_;
+  }
 
  private:
   Eigen::LDLT<NormalMatrix> ldlt_;  // of columns of unit length
