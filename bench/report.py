@@ -16,9 +16,10 @@ CASES = (("floor", "one pass over the frame's bytes"), ("textbook", "textbook ch
          ("textbook detection", "its search for the circles"), ("detection", "first detection, full frame"),
          ("tracking", "tracking: circles and five phases"), ("two-stage", "`two-stage`, with u"),
          ("precise", "`precise`, with u"))
-STAGES = (("circles", "four circles, in their windows"), ("rasters", "five patches on rasters (`two-stage`'s reading)"),
-          ("templates", "five patches against their templates"), ("outline", "the target's whole pitch, from its outline"),
-          ("fit and u", "camera's pose, target's place, u"))
+STAGES = (("templates", "five patches against their templates"), ("fit and u", "camera's pose, target's place, u"),
+          ("circles", "only where not as expected: four circles, in their windows"),
+          ("rasters", "the same: five patches on rasters (`two-stage`'s reading)"),
+          ("outline", "the same: the target's whole pitch, from its outline"))
 MEMORIES = ("hot", "ring", "cold")
 
 
@@ -106,7 +107,8 @@ def main():
     for word in ("--files", "--instructions", "--cpu", "--compiler", "--command"):
         parser.add_argument(word)
     words = parser.parse_args()
-    chain = ratios.Chain(words.chain)
+    chains = [ratios.Chain(path) for path in words.chain]
+    chain = chains[0]
     with open(words.files, encoding="utf-8") as file:
         measured = json.load(file)
     rows = ratios.rows_of(chains, words.files)
@@ -125,10 +127,9 @@ frames do not. `cold`: so many copies that not even the windows stay.
 ## Gates
 
 {ratios.table(rows)}
-{"".join(chains_with(c) for c in chains)}
-## Where a frame's time goes
+{"".join(chains_with(c) for c in chains)}## Where a frame's time goes
 
-Shares of a frame of `precise` (ring, {chain.vectors}). What is missing to 100 % is identification, homographies and copying.
+Shares of a frame of `precise` (ring, {chain.vectors}). A frame in which all is as expected has the first two; the rest is\ndiscs, homographies and copying.
 
 {stage_table(chain)}
 
