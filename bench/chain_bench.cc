@@ -4,14 +4,12 @@
 #include <cstdlib>
 #include <iostream>
 
-#include <glog/logging.h>
 #include <opencv2/core.hpp>
 
 #include "cases.h"
 #include "moiregauge/phase/simd_target.h"
 
 int main(int argc, char** argv) {
-  FLAGS_minloglevel = google::GLOG_FATAL;  // the scene's solver writes of every step it shortens
   cv::setNumThreads(1);
   const auto targets = moiregauge::simd_targets();
   const char* const asked = std::getenv("MOIREGAUGE_SIMD");

@@ -7,36 +7,21 @@
 namespace moiregauge::bench {
 namespace {
 
-// With everything up to millimetres and their u.
-std::shared_ptr<Work> chain_work(const Recording& recording, const Method& method) {
-  const auto chain = std::make_shared<ProductChain>(recording, method);
-  auto work = std::make_shared<Work>();
-  work->bytes = recording.window_bytes();
-  work->error_unit = "mm";
-  work->frame = [chain](const Shot& shot) {
-    chain->observe(shot);
-    benchmark::DoNotOptimize(chain->solve());
-    return !chain->is_lost();
-  };
-  work->error = [chain, &recording](const Shot& shot) {
-    chain->observe(shot);
-    return recording.error(chain->target(), chain->solve().displacement, shot.frame);
-  };
-  return work;
-}
+using Look = void (ProductChain::*)(const Shot&);
 
-// What a frame of `precise` begins with: where everything is. Its error is that of the displacement that follows.
-std::shared_ptr<Work> tracking_work(const Recording& recording) {
-  const auto chain = std::make_shared<ProductChain>(recording, *method_named("precise"));
+// Its error is that of the displacement that follows.
+std::shared_ptr<Work> chain_work(const Recording& recording, const char* method, Look look, bool solves) {
+  const auto chain = std::make_shared<ProductChain>(recording, *method_named(method));
   auto work = std::make_shared<Work>();
   work->bytes = recording.window_bytes();
   work->error_unit = "mm";
-  work->frame = [chain](const Shot& shot) {
-    chain->track(shot);
+  work->frame = [=](const Shot& shot) {
+    ((*chain).*look)(shot);
+    if (solves) benchmark::DoNotOptimize(chain->solve());
     return !chain->is_lost();
   };
-  work->error = [chain, &recording](const Shot& shot) {
-    chain->track(shot);
+  work->error = [=, &recording](const Shot& shot) {
+    ((*chain).*look)(shot);
     return recording.error(chain->target(), chain->solve().displacement, shot.frame);
   };
   return work;
@@ -57,10 +42,13 @@ std::shared_ptr<Work> detection_work(const Recording& recording) {
 void add_chain_cases() {
   using enum Memory;
   add_cases("detection", {kHot, kRing}, detection_work);
-  add_cases("tracking", {kHot, kRing, kCold}, tracking_work);
-  add_cases("two-stage", {kRing}, [](const Recording& r) { return chain_work(r, *method_named("two-stage")); });
+  // What a frame of `precise` begins with; and both methods with everything up to millimetres and their u.
+  add_cases("tracking", {kHot, kRing, kCold},
+            [](const Recording& r) { return chain_work(r, "precise", &ProductChain::track, false); });
+  add_cases("two-stage", {kRing},
+            [](const Recording& r) { return chain_work(r, "two-stage", &ProductChain::observe, true); });
   add_cases("precise", {kHot, kRing, kCold},
-            [](const Recording& r) { return chain_work(r, *method_named("precise")); });
+            [](const Recording& r) { return chain_work(r, "precise", &ProductChain::observe, true); });
 }
 
 }  // namespace moiregauge::bench

@@ -129,7 +129,8 @@ frames do not. `cold`: so many copies that not even the windows stay.
 {ratios.table(rows)}
 {"".join(chains_with(c) for c in chains)}## Where a frame's time goes
 
-Shares of a frame of `precise` (ring, {chain.vectors}). A frame in which all is as expected has the first two; the rest is\ndiscs, homographies and copying.
+Shares of a frame of `precise` (ring, {chain.vectors}). A frame in which all is as expected has the first two; the rest is
+discs, homographies and copying.
 
 {stage_table(chain)}
 

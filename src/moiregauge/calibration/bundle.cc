@@ -169,7 +169,7 @@ BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::s
   return solution;
 }
 
-double Bundle::promise(const SceneModel& model, const BundleSolution& from) const {
+double Bundle::predicted_reduction(const SceneModel& model, const BundleSolution& from) const {
   const auto free = footage_->free_parameters(model, FocalLength::kAsModel);
   const auto step = BundleNormal(footage_->patches, free, begun(from.scene, from.frames)).step(kFirstDamping);
   return step ? step->gain : std::numeric_limits<double>::infinity();

@@ -57,9 +57,9 @@ class Bundle {
                                      FocalLength f = FocalLength::kAsModel, Until until = Until::kStands) const;
   // Begins with the prior and the frames as they came.
   [[nodiscard]] BundleSolution solve(const SceneModel& model) const;
-  // What the model's first step promises to take off chi2 and priors together, to second order; infinite if it cannot
+  // By how much the model's first step should lower chi2 and priors together, to second order; infinite if that cannot
   // be told.
-  [[nodiscard]] double promise(const SceneModel& model, const BundleSolution& from) const;
+  [[nodiscard]] double predicted_reduction(const SceneModel& model, const BundleSolution& from) const;
 
   struct Footage;
 

@@ -40,8 +40,8 @@ long rows_of(std::span<const BundleFrame> frames) {
   return 2 * kPatchPoints * patches;
 }
 
-// A model whose first step promises no more than this part of its price is not worth the others.
-constexpr double kNoHope = 0.25;
+// A model whose first step should gain no more than this part of its price is not solved.
+constexpr double kLeastPrediction = 0.25;
 
 // The models in ascending order; empty when none can be solved.
 std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
@@ -52,7 +52,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     const double due = have ? price * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
-    if (from != nullptr && bundle.promise(model, *from) < kNoHope * due) return false;
+    if (from != nullptr && bundle.predicted_reduction(model, *from) < kLeastPrediction * due) return false;
     BundleSolution solution = from == nullptr ? bundle.solve(model) : bundle.solve(model, from->scene, from->frames);
     if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
       solution = bundle.solve(model, from->scene, from->frames, FocalLength::kHeld);

@@ -11,7 +11,7 @@ namespace moiregauge {
 namespace {
 
 // Through the four outermost points: a place to begin at. Through all where three of those are on a line.
-std::optional<IdealFromBoard> view_through(const std::vector<BoardPoint>& board, const std::vector<IdealPoint>& ideal) {
+std::optional<IdealFromBoard> rough_view(const std::vector<BoardPoint>& board, const std::vector<IdealPoint>& ideal) {
   std::array<std::size_t, 4> outermost{};
   const auto towards = [&](std::size_t corner, std::size_t k) {
     return (corner % 2 == 0 ? 1.0 : -1.0) * board[k].x + (corner / 2 == 0 ? 1.0 : -1.0) * board[k].y;
@@ -49,7 +49,7 @@ std::optional<Pose> pose_of(const Site& site, const Scene& scene, const BundleFr
     }
   }
   if (board.empty()) return std::nullopt;
-  const auto view = view_through(board, ideal);
+  const auto view = rough_view(board, ideal);
   return view ? std::optional(pose_of(*view, scene.camera)) : std::nullopt;
 }
 

@@ -3,10 +3,10 @@
 
 #include <csignal>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -70,29 +70,15 @@ std::vector<std::uint8_t> overlay_of_refusal(const Measurement& m, const Measure
   return draw_inspection({picture, seen, {}, "not measured: " + m.input.path});
 }
 
-// overlay.png, drawn and packed while the run is concluded: neither needs the other. Not with --threads 1.
-class OverlayBeside {
- public:
-  OverlayBeside(const Measurement& seen, const MeasureOptions& options, int threads) : seen_(seen), options_(options) {
-    if (seen.reference && threads != 1)
-      thread_ = std::jthread([this] { bytes_ = overlay_of(seen_.picture.grey.view(), *seen_.reference); });
-  }
-  // Of the concluded run.
-  [[nodiscard]] std::vector<std::uint8_t> bytes() {
-    if (thread_.joinable()) {
-      thread_.join();
-      return std::move(bytes_);
-    }
-    return seen_.reference ? overlay_of(seen_.picture.grey.view(), *seen_.reference)
-                           : overlay_of_refusal(seen_, options_);
-  }
+using Overlay = std::future<std::vector<std::uint8_t>>;
 
- private:
-  const Measurement& seen_;
-  const MeasureOptions& options_;
-  std::vector<std::uint8_t> bytes_;
-  std::jthread thread_;
-};
+// overlay.png, drawn and packed while the run is concluded: neither needs the other. Not with --threads 1; and what a
+// refusal shows is known at the end only.
+Overlay overlay_beside(const Measurement& seen, const MeasureOptions& options, int threads) {
+  return std::async(seen.reference && threads != 1 ? std::launch::async : std::launch::deferred, [&] {
+    return seen.reference ? overlay_of(seen.picture.grey.view(), *seen.reference) : overlay_of_refusal(seen, options);
+  });
+}
 
 // The two folders are each put in place as a whole: neither may hold the other.
 std::optional<std::string> stabilised_problem(const MeasureWords& words, const std::string& output) {
@@ -112,8 +98,9 @@ int run(const MeasureWords& words) {
   if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*opened)->info()))
     return fail(Exit::kUsage, *problem);
   Fingerprint fingerprint(words.input, input_options);
-  std::optional<OverlayBeside> overlay;
-  RunDirectory directory(output, [&](const Measurement&) { return overlay->bytes(); });
+  tl::expected<Measurement, InputError> measured;
+  Overlay overlay;  // of `measured`, so it must not outlive it
+  RunDirectory directory(output, [&](const Measurement&) { return overlay.get(); });
   // A taken folder is found before, not after, hours of measuring.
   if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
     return fail(Exit::kUsage, free.error().message);
@@ -129,7 +116,6 @@ int run(const MeasureWords& words) {
     if (!source) return source;
     return timed(std::move(*source), times);
   };
-  tl::expected<Measurement, InputError> measured;
   {
     const InterruptGuard guard;
     Progress progress("measuring", words.quiet);
@@ -141,7 +127,7 @@ int run(const MeasureWords& words) {
         },
         stabilised ? &*stabilised : nullptr);
     if (measured) {
-      overlay.emplace(*measured, *options, words.threads);
+      overlay = overlay_beside(*measured, *options, words.threads);
       conclude(*options, *measured);
     }
   }

@@ -9,20 +9,20 @@
 #include <type_traits>
 #include <variant>
 
+#include "moiregauge/image/fetch_row.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr double kPaper = 1.25;    // radii: so far there is paper round a disc
-constexpr double kInside = 0.7;    // radii: no blur reaches in here
+constexpr double kPaper = 1.25;  // radii: so far there is paper round a disc
+constexpr double kInside = 0.7;  // radii: no blur reaches in here
 constexpr int kMostLooks = 4;
-constexpr int kFirstRows = 3;         // the first look, from which the next begins, takes every third row
-constexpr double kLarge = 40.0;       // px: a disc of which every second row will do
-constexpr int kRowsAhead = 6;         // rows lie kilobytes apart: no processor foresees where the next one begins
-constexpr int kLine = 64;
-constexpr double kStands = 0.1;    // px: the centroid of a window round it that moves no further
-constexpr double kSameArea = 0.05;  // relative
+constexpr int kFirstRows = 3;    // the first look, from which the next begins, takes every third row
+constexpr double kLarge = 40.0;  // px: a disc of which every second row will do
+constexpr int kRowsAhead = 6;
+constexpr double kStands = 0.1;         // px: the centroid of a window round it that moves no further
+constexpr double kSameArea = 0.05;      // relative
 constexpr double kLeastContrast = 0.4;  // of the contrast that it had
 
 struct Look {
@@ -92,9 +92,7 @@ std::optional<Look> look(const ImageView<Grey>& picture, ImagePoint at, double r
   double all_y = 0.0, grey_y = 0.0;
   for (int y = y0; y <= y1; y += row_step) {
     const auto row = picture.row(y);
-    if (y + kRowsAhead <= y1) {
-      for (int x = x0; x <= x1; x += kLine) __builtin_prefetch(picture.row(y + kRowsAhead).data() + x);
-    }
+    if (y + kRowsAhead <= y1) fetch_row(picture, y + kRowsAhead, x0, x1);
     const double dy = y - at.y;
     const std::int64_t pixels = all.pixels, grey = all.grey;
     add<Grey>(row, {at.x, reach * reach - dy * dy}, x0, all);

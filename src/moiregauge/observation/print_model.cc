@@ -28,8 +28,8 @@ constexpr double kStandsStill = 1e-6;  // pitches
 constexpr double kAsBefore = 0.03;     // of the movement
 constexpr int kFirstOrders = 5;
 
-// From a start within a tenth of a pitch the first passes need not see every row: from three to a pitch on the
-// fundamental's slopes weigh the same wherever the first row is.
+// To move a print as a whole, to within a hundredth of a pitch, not every row need be seen: three to a pitch, and never
+// so few that printed edges fall between them.
 constexpr double kRowsPerPitch = 3.0;
 constexpr int kMostRowStep = 4;
 

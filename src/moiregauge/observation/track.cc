@@ -24,8 +24,8 @@ bool expects_all(const Reference& reference, const Prediction& prediction) {
 }
 
 // The discs, each by itself; who they are, the frame before said.
-std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& reference, const IdealFromBoard& expected,
-                                  Rows rows, Identified& who) {
+std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& reference,
+                                  const IdealFromBoard& expected, Rows rows, Identified& who) {
   const View view{expected, reference.lens};
   CircleSearch search;
   who.circle_of_marker.assign(reference.site.markers.size(), -1);
@@ -46,7 +46,8 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
                                Extent<frame::Board> moved, Rows rows) {
   const PrintModel& print = *reference.prints[i];
   auto fit = read_points(picture.luma, view, *reference.site.markers[i].grating, moved, print, rows);
-  if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) || !is_whole(*fit, *reference.seen.markers[i].points, print))
+  if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) ||
+      !is_whole(*fit, *reference.seen.markers[i].points, print))
     return std::nullopt;
   return *std::move(fit);
 }
@@ -88,7 +89,8 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
 
 bool track_target(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                   const Prediction& prediction, MarkerObservation& seen, Rows rows) {
-  if (!reference.prints[i] || !reference.seen.markers[i].points || !(i < prediction.travel_expected.size())) return false;
+  if (!reference.prints[i] || !reference.seen.markers[i].points || !(i < prediction.travel_expected.size()))
+    return false;
   auto fit = fitted(picture, reference, view, i, prediction.travel_expected[i], rows);
   if (!fit) return false;
   const PrintMotion motion = motion_of_points(reference, view, i, *fit);

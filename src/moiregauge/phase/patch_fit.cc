@@ -65,13 +65,13 @@ class Passes {
     model_.contrast = model_.gain = at_rest->gain;
   }
 
-  // Every row_step-th row. Without a system one is made, with the last pass' contrast.
-  tl::expected<void, Failure> pass(int row_step, const PatchSystem* known) {
+  // Over all rows. Without a system one is made, with the last pass' contrast.
+  tl::expected<void, Failure> pass(const PatchSystem* known) {
     if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
     if (known == nullptr && is_lit_) model_.gain = model_.contrast;
     NormalMatrix normal;
-    sum_patch(luma_, model_, print_.nodes(), box_, row_step, sums_, known == nullptr ? &normal : nullptr);
-    if (row_step * sums_.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    sum_patch(luma_, model_, print_.nodes(), box_, sums_, known == nullptr ? &normal : nullptr);
+    if (sums_.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
     if (known == nullptr) {
       own_ = PatchSystem::of(normal, sums_.pixels, options_);
       if (!own_) return tl::unexpected(Failure::kNoPattern);
@@ -108,7 +108,7 @@ class Passes {
   }
 
   [[nodiscard]] double last_step() const { return last_step_; }
-  [[nodiscard]] PatchAtRest at_rest() const { return {*own_, light_then_, model_.gain}; }
+  [[nodiscard]] PatchAtRest at_rest() const { return {*own_, model_.light, model_.gain}; }
   [[nodiscard]] PatchFit fit(const PatchSystem* known) const;
 
  private:
@@ -124,7 +124,6 @@ class Passes {
       model_.light[k] += value(static_cast<Eigen::Index>(k));
       model_.contrast[k] += value(static_cast<Eigen::Index>(3 + k));
     }
-    light_then_ = model_.light;
     if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
     // The slopes were taken with an earlier contrast.
     relative_ = model_.gain[0] / model_.contrast[0];
@@ -170,8 +169,7 @@ class Passes {
   PixelBox box_;
   PatchSums sums_;
   std::optional<PatchSystem> own_;
-  bool is_lit_ = false;  // light and contrast are this frame's
-  PatchPlane light_then_{};
+  bool is_lit_ = false;          // light and contrast are this frame's
   PrintFromImage seen_through_;  // the map of the last pass
   Field dx_, dy_;                // what it added at the nine points, pitches
   std::array<double, 2> blur_{};
@@ -209,7 +207,7 @@ tl::expected<FirstFit, Failure> fit_patch(const LumaView& luma, const PrintFromI
   if (!passes.aim()) return tl::unexpected(Failure::kOutsidePicture);
   passes.begin(nullptr);
   for (int k = 0; k < options.passes; ++k) {
-    if (const auto done = passes.pass(1, nullptr); !done) return tl::unexpected(done.error());
+    if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());
   }
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   return FirstFit{passes.fit(nullptr), passes.at_rest()};
@@ -225,7 +223,7 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
     if (passes.last_step() < (rows == Rows::kAll ? kNear : kStands)) break;
   }
   for (int k = 0; rows == Rows::kAll && k < kMostPasses; ++k) {
-    if (const auto done = passes.pass(1, &at_rest.system); !done) return tl::unexpected(done.error());
+    if (const auto done = passes.pass(&at_rest.system); !done) return tl::unexpected(done.error());
     if (passes.last_step() < kStands) break;
   }
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);

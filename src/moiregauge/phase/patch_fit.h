@@ -72,7 +72,8 @@ enum class Rows {
   kAll
 };
 
-// The same from what is known: passes over some of the rows until they come near, then over all until they stand.
+// The same from what is known: the patch is moved as a whole, by some of the rows, until it comes near; then passes
+// over all rows until its points stand.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> follow_patch(const LumaView& luma, const PrintFromImage& start,
                                                                    const PatchWindow& window,
                                                                    const PrintTemplate& print,

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <variant>
 
-#include <hwy/cache_control.h>
+#include "moiregauge/image/fetch_row.h"
 
 #define HWY_COMPILE_ALL_ATTAINABLE  // the scalar one too: it is what the others are compared with
 #undef HWY_TARGET_INCLUDE
@@ -122,15 +122,7 @@ const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[k
   return edge;
 }
 
-// Rows lie kilobytes apart: no processor foresees where the next one begins.
 constexpr int kRowsAhead = 4;
-template <typename Grey>
-HWY_INLINE void fetch(const ImageView<Grey>& picture, const PixelBox& box, int y) {
-  if (y > box.y1) return;
-  constexpr int kLine = 64 / static_cast<int>(sizeof(Grey));
-  const Grey* const row = picture.row(y).data();
-  for (int x = box.x0; x <= box.x1 + kLine - 1; x += kLine) hwy::Prefetch(row + std::min(x, box.x1));
-}
 
 template <Sum kSum, typename Grey>
 int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& picture, int first, int last,
@@ -144,7 +136,8 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
     for (int k = 0; k < registers_of(kSum); ++k) sums[k] = hn::Zero(d);
     for (int y = first; y <= last; y += job.row_step) {
       const Row row(job, static_cast<float>(y - job.y));
-      if (lane == 0) fetch(picture, job.box, y + kRowsAhead * job.row_step);
+      const int ahead = y + kRowsAhead * job.row_step;
+      if (lane == 0 && ahead <= job.box.y1) fetch_row(picture, ahead, job.box.x0, job.box.x1);
       V dx = hn::Iota(d, static_cast<float>(job.box.x0 - job.x + lane));
       V left = hn::Sub(hn::Set(d, static_cast<float>(job.box.x1 - job.x)), dx);
       for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth) {
@@ -215,11 +208,11 @@ void dispatched(const LumaView& luma, const PatchJob& job, Sum sum, PatchTotals&
 }  // namespace
 
 void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               int row_step, PatchSums& sums, NormalMatrix* normal) {
+               PatchSums& sums, NormalMatrix* normal) {
   PatchTotals totals;
   totals.normal = normal;
   if (normal != nullptr) normal->setZero();
-  dispatched(luma, job_of(model, nodes, box, row_step), normal == nullptr ? Sum::kRight : Sum::kNormal, totals);
+  dispatched(luma, job_of(model, nodes, box, 1), normal == nullptr ? Sum::kRight : Sum::kNormal, totals);
   sums.right = Eigen::Map<const NormalVector>(totals.sums.data());
   sums.left2 = totals.sums[kColumns];
   sums.pixels = totals.pixels;

@@ -67,11 +67,11 @@ struct PatchSums {
   int pixels = 0;
 };
 
-// Every row_step-th row of `box`, which must lie in the picture. With `normal` also the columns' products.
+// Over `box`, which must lie in the picture. With `normal` also the columns' products.
 void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               int row_step, PatchSums& sums, NormalMatrix* normal = nullptr);
+               PatchSums& sums, NormalMatrix* normal = nullptr);
 
-// Where only light, contrast and place of the patch as a whole are asked for: b0, g0, dX, dY.
+// Where only light, contrast and place of the patch as a whole are asked for (b0, g0, dX, dY), every row_step-th row.
 inline constexpr int kShiftColumns = 4;
 struct ShiftSums {
   Eigen::Vector4d right = Eigen::Vector4d::Zero();

@@ -56,8 +56,8 @@ Summed summed(const LumaView& luma, int row_step) {
   Summed out;
   // The last block of a row reaches beyond the picture.
   const PixelBox box{4, 6, kSide - 1, kSide - 2};
-  sum_patch(luma, oblique(), binary().nodes(), box, row_step, out.sums);
-  sum_patch(luma, oblique(), binary().nodes(), box, row_step, out.with_normal, &out.normal);
+  sum_patch(luma, oblique(), binary().nodes(), box, out.sums);
+  sum_patch(luma, oblique(), binary().nodes(), box, out.with_normal, &out.normal);
   sum_shift(luma, oblique(), binary().nodes(), box, row_step, out.shift);
   return out;
 }

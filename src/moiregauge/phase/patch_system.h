@@ -17,7 +17,7 @@ using PatchInformation = Eigen::Matrix<double, 2 * kPatchPoints, 2 * kPatchPoint
 
 struct PatchFitOptions {
   int passes = 3;       // where normal equations are made in every pass. From 0.1 pitch two reach the fixed point
-  int row_step = 1;     // the first passes of follow_patch look at every row_step-th row only
+  int row_step = 1;     // follow_patch moves the patch as a whole by every row_step-th row
   bool along_x = true;  // the print shows motion along its x
   bool along_y = true;
 };

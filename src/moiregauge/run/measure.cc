@@ -82,10 +82,15 @@ class Run {
   }
 
   void measure_frame(const Frame& frame, const FrameSource& source) {
+    const bool had_reference = out_.reference.has_value();
     Observation seen = observed(frame);
     if (!source.is_frame_whole()) {
       Frame torn = frame;
       torn.damaged = true;
+      if (!had_reference && out_.reference) {
+        out_.reference.reset();
+        out_.refusal = "the file was cut short while its first frames were read";
+      }
       seen = observed(torn);
     }
     out_.observations.push_back(std::move(seen));
