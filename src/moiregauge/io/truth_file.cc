@@ -72,6 +72,10 @@ std::string truth_camera_toml(const Scenario& scenario) {
     text +=
         fmt::format("shift_mm = [[{}, {}, {}]]\n", real(m.shift_x.at(0)), real(m.shift_y.at(0)), real(m.shift_z.at(0)));
   }
+  const simulator::Optics& o = scenario.optics;
+  if (o.zoom.moves() || o.shift_x.moves() || o.shift_y.moves()) {
+    text += "# Relative to fx and fy; px, px.\n" + per_frame("zoom_shift", scenario, o.zoom, o.shift_x, o.shift_y);
+  }
   return text;
 }
 

@@ -19,8 +19,6 @@ class Background {
   [[nodiscard]] const std::vector<SceneMarker>& decoys() const { return decoys_; }
 
  private:
-  [[nodiscard]] double roughness(double x_mm, double y_mm) const;
-
   Camera camera_;
   double grey_, texture_;
   std::uint64_t seed_;

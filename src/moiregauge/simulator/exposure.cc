@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "moiregauge/simulator/gaussian.h"
+#include "moiregauge/simulator/texture.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge::simulator {
 namespace {
@@ -43,8 +45,10 @@ std::vector<BoardPoint> outline(const PrintedMarker& print) {
 std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) {
   const Mount& m = scenario.mount;
   std::vector<double> cuts{from_s, to_s};
-  for (const Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z,
-                             &marker.dx, &marker.dy, &marker.dz}) {
+  const Optics& o = scenario.optics;
+  for (const Track* track :
+       {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z, &o.zoom, &o.shift_x,
+        &o.shift_y, &marker.dx, &marker.dy, &marker.dz, &marker.wander_x, &marker.wander_y}) {
     const std::vector<double> corners = track->corners(from_s, to_s);
     cuts.insert(cuts.end(), corners.begin(), corners.end());
   }
@@ -53,19 +57,47 @@ std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marke
   return cuts;
 }
 
+// What both kinds of point spread make of the middle of an exposure.
+double gaussian_sigma(const Scenario& scenario, long frame) {
+  const double defocus = scenario.sensor.defocus_px.at(time_of(scenario, frame));
+  return defocus == 0.0 ? scenario.sensor.psf_sigma_px : std::hypot(scenario.sensor.psf_sigma_px, defocus);
+}
+
+// A disc as equal Gaussians on a spiral, each a little blurred itself (`soft` of the radius), all together of a disc's
+// variance, radius^2 / 4. They stand 1.2 of their own sigma apart, so that no gap shows.
+constexpr double kSoft = 0.12;
+
+std::vector<ImagePoint> disc_of(double radius_px, double sigma_px) {
+  if (radius_px <= 0.0) return {};
+  const double reach = radius_px * std::sqrt(1.0 - 4.0 * kSoft * kSoft), apart = 1.2 * sigma_px;
+  const int count = std::clamp(static_cast<int>(std::ceil(kPi * reach * reach / (apart * apart))), 6, 200);
+  std::vector<ImagePoint> points;
+  for (int i = 0; i < count; ++i) {
+    const double r = reach * std::sqrt((i + 0.5) / count), angle = i * 2.399963229728653;  // the golden angle
+    points.push_back({r * std::cos(angle), r * std::sin(angle)});
+  }
+  return points;
+}
+
 }  // namespace
 
 ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame)
-    : ExposedMarker(scenario, marker, frame, PrintedMarker(marker),
+    : ExposedMarker(scenario, marker, frame, PrintedMarker(marker, marker.fold_mm.at(time_of(scenario, frame))),
                     {scenario.light.white, scenario.light.white - scenario.light.black}) {}
 
-// It hangs before the sheet and moves with it; at a share of 1 nothing of the sheet shows beside it.
+// It hangs before the sheet and moves with it, or across it; at a share of 1 nothing of the sheet shows beside it.
 ExposedMarker ExposedMarker::cover_of(const Scenario& scenario, const SceneMarker& marker, long frame) {
   const PrintedMarker whole(marker);
-  const double width = whole.high().x - whole.low().x, beyond = 0.1 * width;
+  const Cover& cover = marker.cover;
+  const double width = whole.high().x - whole.low().x, height = whole.high().y - whole.low().y, beyond = 0.1 * width;
   const BoardPoint low{whole.low().x - beyond, whole.low().y - beyond};
-  const double right = marker.cover.share < 1.0 ? whole.low().x + marker.cover.share * width : whole.high().x + beyond;
-  return {scenario, marker, frame, PrintedMarker(low, {right, whole.high().y + beyond}), {marker.cover.grey, 0.0}};
+  const double right = cover.share < 1.0 ? whole.low().x + cover.share * width : whole.high().x + beyond;
+  const double upper = cover.height_share < 1.0 ? whole.low().y + cover.height_share * height : whole.high().y + beyond;
+  SceneMarker moving = marker;
+  moving.wander_x = cover.x_mm;
+  moving.wander_y = cover.y_mm;
+  const Ink ink{cover.grey, 0.0, cover.opacity, cover.texture, own_seed(scenario, marker)};
+  return {scenario, moving, frame, PrintedMarker(low, {right, upper}), ink};
 }
 
 ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame, PrintedMarker print,
@@ -73,16 +105,20 @@ ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker
     : print_(std::move(print)),
       camera_(scenario.camera),
       ink_(ink),
-      cells_(cells_for(scenario.sensor.psf_sigma_px)),
-      cell_variance_(scenario.sensor.psf_sigma_px * scenario.sensor.psf_sigma_px + 1.0 / (12.0 * cells_ * cells_)),
-      reach_px_(kGaussianReach * std::sqrt(cell_variance_) + std::sqrt(0.5)) {
+      disc_radius_px_(std::max(scenario.sensor.defocus_disc_px.at(time_of(scenario, frame)), 0.0)) {
+  double sigma = gaussian_sigma(scenario, frame);
+  if (disc_radius_px_ > 0.0) sigma = std::hypot(sigma, kSoft * disc_radius_px_);
+  cells_ = cells_for(sigma);
+  cell_variance_ = sigma * sigma + 1.0 / (12.0 * cells_ * cells_);
+  reach_px_ = kGaussianReach * std::sqrt(cell_variance_) + std::sqrt(0.5);
+  disc_ = disc_of(disc_radius_px_, sigma);
   find_window(scenario, marker, frame);
   choose_moments(scenario, marker, frame);
 }
 
 void ExposedMarker::choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame) {
   const double now = time_of(scenario, frame);
-  if (scenario.sensor.readout_s == 0.0) return choose_moments_about(scenario, marker, now);
+  if (!scenario.sensor.exposes_row_by_row()) return choose_moments_about(scenario, marker, now);
   for (int y = top_; y < bottom_; ++y) {
     row_begins_.push_back(moments_.size());
     choose_moments_about(scenario, marker, now + delay_of_row(scenario, y));
@@ -110,7 +146,15 @@ void ExposedMarker::choose_moments_about(const Scenario& scenario, const SceneMa
 }
 
 void ExposedMarker::add_moment_at(const Scenario& scenario, const SceneMarker& marker, double time_s, double weight) {
-  moments_.push_back({inverse(camera_from_print(scenario, marker, time_s)), weight});
+  const Matrix3 print_from_ray = inverse(camera_from_print(scenario, marker, time_s));
+  if (disc_.empty()) return moments_.push_back({print_from_ray, weight});
+  for (const ImagePoint offset : disc_) {
+    // The sight of a pixel so far away; a lens's bending of so short a way is left out.
+    const double x = offset.x / camera_.fx, y = offset.y / camera_.fy;
+    Matrix3 beside = print_from_ray;
+    for (auto& row : beside) row[2] += row[0] * x + row[1] * y;
+    moments_.push_back({beside, weight / static_cast<double>(disc_.size())});
+  }
 }
 
 // The longest way of two opposite corners, and the largest distance of the middle from the chord.
@@ -138,8 +182,9 @@ Movement ExposedMarker::movement(const Scenario& scenario, const SceneMarker& ma
 
 void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& marker, long frame) {
   double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9;
-  const double span = scenario.sensor.exposure_s + scenario.sensor.readout_s;
-  const int looks = scenario.sensor.readout_s > 0.0 ? 16 : 2;
+  const double fields = scenario.sensor.interlaced ? 1.0 / scenario.sensor.fps : 0.0;
+  const double span = scenario.sensor.exposure_s + scenario.sensor.readout_s + fields;
+  const int looks = scenario.sensor.exposes_row_by_row() ? 16 : 2;
   for (int look = 0; look <= looks; ++look) {
     const double time = time_of(scenario, frame) + span * (static_cast<double>(look) / looks - 0.5);
     const Matrix3 seen = camera_from_print(scenario, marker, time);
@@ -152,7 +197,7 @@ void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& mar
       y1 = std::max(y1, pixel.y);
     }
   }
-  const double margin = 3.0 + kGaussianReach * std::sqrt(cell_variance_);
+  const double margin = 3.0 + kGaussianReach * std::sqrt(cell_variance_) + disc_radius_px_;
   left_ = static_cast<int>(std::clamp(std::floor(x0 - margin), 0.0, static_cast<double>(camera_.width)));
   right_ = static_cast<int>(std::clamp(std::ceil(x1 + margin), 0.0, static_cast<double>(camera_.width)));
   top_ = static_cast<int>(std::clamp(std::floor(y0 - margin), 0.0, static_cast<double>(camera_.height)));
@@ -168,7 +213,7 @@ void ExposedMarker::lay_over(int y, std::span<double> row) const {
     double paper = 0.0, level = 0.0;
     for (const Moment& moment : moments) see(moment, sight, paper, level);
     double& grey = row[static_cast<std::size_t>(x)];
-    grey = grey * (1.0 - paper) + level;
+    grey = grey * (1.0 - ink_.opacity * paper) + ink_.opacity * level;
   }
 }
 
@@ -187,7 +232,9 @@ void ExposedMarker::see(const Moment& moment, const RayPatch& sight, double& pap
   const double longest = std::sqrt(0.5 * (xx + yy + std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)));
   const Seen seen = print_.seen({centre, xu, xv, yu, yv, cells_, reach_px_ * longest}, blur);
   paper += moment.weight * seen.paper;
-  level += moment.weight * (seen.paper * ink_.white - seen.ink * ink_.contrast);
+  double white = ink_.white;
+  if (ink_.texture != 0.0) white += ink_.texture * roughness(ink_.seed, centre.x, centre.y);
+  level += moment.weight * (seen.paper * white - seen.ink * ink_.contrast);
 }
 
 }  // namespace moiregauge::simulator

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,9 @@ class ExposedMarker {
   struct Ink {
     double white;
     double contrast;  // to black
+    double opacity = 1.0;
+    double texture = 0.0;
+    std::uint64_t seed = 0;
   };
   ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame, PrintedMarker print, Ink ink);
   void choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame);
@@ -52,9 +56,11 @@ class ExposedMarker {
   PrintedMarker print_;
   Camera camera_;
   Ink ink_;
-  int cells_;             // a pixel is cells x cells squares, each as good as a Gaussian
-  double cell_variance_;  // px^2, point spread and cell together
-  double reach_px_;       // of the blur, and half a pixel's diagonal
+  double disc_radius_px_;         // of a point out of focus
+  std::vector<ImagePoint> disc_;  // that disc in equal shares, px; empty: a point
+  int cells_ = 2;                 // a pixel is cells x cells squares, each as good as a Gaussian
+  double cell_variance_ = 0.0;    // px^2, point spread and cell together
+  double reach_px_ = 0.0;         // of the blur, and half a pixel's diagonal
   std::vector<Moment> moments_;
   std::vector<std::size_t> row_begins_;  // in moments_, from top_ on, one more than rows; empty when all rows share all
   int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;

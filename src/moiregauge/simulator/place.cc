@@ -20,6 +20,10 @@ constexpr long kDrawOfPlaces = -1;  // no frame's noise has this address
 
 }  // namespace
 
+std::uint64_t own_seed(const Scenario& scenario, const SceneMarker& marker) {
+  return hash_of(marker.print.name) + 0x9e3779b97f4a7c15U * scenario.seed;
+}
+
 SceneMarker::Place true_place(const Scenario& scenario, const SceneMarker& marker) {
   SceneMarker::Place place = marker.place;
   const Draw& draw = scenario.draw;

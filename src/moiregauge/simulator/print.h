@@ -92,7 +92,8 @@ class PrintedGrating {
 // A marker's sheet: white paper, a grating, a disc.
 class PrintedMarker {
  public:
-  explicit PrintedMarker(const SceneMarker& marker);
+  // `fold_mm`: by how much what hangs right of its centre has been pushed to the right.
+  explicit PrintedMarker(const SceneMarker& marker, double fold_mm = 0.0);
   // A bare sheet.
   PrintedMarker(BoardPoint low, BoardPoint high);
   // What a pixel sees of the sheet: the mean over its cells, each blurred.
@@ -105,7 +106,10 @@ class PrintedMarker {
   [[nodiscard]] double seen_paper(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_circle(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_grating(const Footprint& pixel, const Blur& blur) const;
+  // Where on the flat sheet what is seen at x was printed.
+  [[nodiscard]] double unfolded(double x) const { return x > crease_mm_ ? x - fold_mm_ : x; }
 
+  double crease_mm_ = 0.0, fold_mm_ = 0.0;
   std::vector<PrintedGrating> grating_;  // none or one
   Grating where_;
   double cos_ = 1.0, sin_ = 0.0;

@@ -3,10 +3,12 @@
 #include <cmath>
 
 #include "moiregauge/simulator/print.h"
+#include "moiregauge/simulator/projection.h"
 
 namespace moiregauge::simulator {
 
-PrintedMarker::PrintedMarker(const SceneMarker& marker) {
+PrintedMarker::PrintedMarker(const SceneMarker& marker, double fold_mm)
+    : crease_mm_(centre_of(marker.print).x), fold_mm_(fold_mm) {
   double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9;
   const auto cover = [&](BoardPoint centre, double half_x, double half_y) {
     x0 = std::min(x0, centre.x - half_x);
@@ -71,11 +73,12 @@ double PrintedMarker::seen_paper(const Footprint& pixel, const Blur& blur) const
 
 double PrintedMarker::seen_circle(const Footprint& pixel, const Blur& blur) const {
   const BoardPoint c = circle_.centre;
-  const double radius = 0.5 * circle_.diameter_mm, dx = pixel.centre.x - c.x, dy = pixel.centre.y - c.y;
+  const double radius = 0.5 * circle_.diameter_mm, dx = unfolded(pixel.centre.x) - c.x, dy = pixel.centre.y - c.y;
   const double outer = radius + pixel.reach_mm, inner = radius - pixel.reach_mm, r2 = dx * dx + dy * dy;
   if (r2 > outer * outer) return 0.0;
   if (inner > 0.0 && r2 < inner * inner) return 1.0;
-  return mean_over(pixel, false, [&](double x, double y) { return seen_disc(x - c.x, y - c.y, radius, blur); });
+  return mean_over(pixel, false,
+                   [&](double x, double y) { return seen_disc(unfolded(x) - c.x, y - c.y, radius, blur); });
 }
 
 double PrintedMarker::seen_grating(const Footprint& pixel, const Blur& blur) const {
@@ -85,13 +88,14 @@ double PrintedMarker::seen_grating(const Footprint& pixel, const Blur& blur) con
     return BoardPoint{c * (x - where_.centre.x) + s * (y - where_.centre.y),
                       -s * (x - where_.centre.x) + c * (y - where_.centre.y)};
   };
-  const BoardPoint own_centre = in_own_axes(pixel.centre.x, pixel.centre.y);
-  const bool is_even = grating.is_even(own_centre.x, own_centre.y, pixel.reach_mm);
+  const BoardPoint own_centre = in_own_axes(unfolded(pixel.centre.x), pixel.centre.y);
+  const bool is_creased = fold_mm_ != 0.0 && std::abs(pixel.centre.x - crease_mm_) < pixel.reach_mm;
+  const bool is_even = !is_creased && grating.is_even(own_centre.x, own_centre.y, pixel.reach_mm);
   const Blur own_blur(c * c * blur.xx + 2.0 * c * s * blur.xy + s * s * blur.yy,
                       c * s * (blur.yy - blur.xx) + (c * c - s * s) * blur.xy,
                       s * s * blur.xx - 2.0 * c * s * blur.xy + c * c * blur.yy);
   return mean_over(pixel, is_even, [&](double x, double y) {
-    const BoardPoint own = in_own_axes(x, y);
+    const BoardPoint own = in_own_axes(unfolded(x), y);
     return grating.ink(own.x, own.y, own_blur);
   });
 }

@@ -98,17 +98,47 @@ BoardPoint centre_of(const Marker& marker) {
   return marker.circle ? marker.circle->centre : BoardPoint{};
 }
 
+namespace {
+
+// How a marker's picture moves while it stands.
+BoardPoint wander_of(const Scenario& scenario, const SceneMarker& marker, double time_s) {
+  BoardPoint wander{marker.wander_x.at(time_s), marker.wander_y.at(time_s)};
+  if (scenario.haze.rms_mm == 0.0 || marker.print.name.empty()) return wander;
+  const double widest = std::sqrt(3.0) * scenario.haze.rms_mm;  // of an even draw of that rms
+  Track haze{.random = widest, .random_step_s = scenario.haze.step_s, .random_seed = own_seed(scenario, marker)};
+  wander.x += haze.at(time_s);
+  ++haze.random_seed;
+  wander.y += haze.at(time_s);
+  return wander;
+}
+
+// A longer focal length and a shifted lens, said in rays.
+Matrix3 through(const Scenario& scenario, double time_s, Matrix3 seen) {
+  const Optics& optics = scenario.optics;
+  const double scale = 1.0 + optics.zoom.at(time_s);
+  const double x = optics.shift_x.at(time_s) / scenario.camera.fx, y = optics.shift_y.at(time_s) / scenario.camera.fy;
+  for (std::size_t j = 0; j < 3; ++j) {
+    seen[0][j] = scale * seen[0][j] + x * seen[2][j];
+    seen[1][j] = scale * seen[1][j] + y * seen[2][j];
+  }
+  return seen;
+}
+
+}  // namespace
+
 Matrix3 camera_from_print(const Scenario& scenario, const SceneMarker& marker, double time_s) {
   const Mount& m = scenario.mount;
   const SceneMarker::Place place = true_place(scenario, marker);
   const BoardPoint centre = centre_of(marker.print);
   const double turn = radians_from_degrees(place.rotation_deg), scale = 1.0 + place.print_scale;
   const double c = scale * std::cos(turn), s = scale * std::sin(turn);
-  const double x0 = centre.x - c * centre.x + s * centre.y + place.x_mm + marker.dx.at(time_s);
-  const double y0 = centre.y - s * centre.x - c * centre.y + place.y_mm + marker.dy.at(time_s);
+  const double cx = c * (1.0 + place.stretch_x), sx = s * (1.0 + place.stretch_x);
+  const BoardPoint wander = wander_of(scenario, marker, time_s);
+  const double x0 = centre.x - cx * centre.x + s * centre.y + place.x_mm + marker.dx.at(time_s) + wander.x;
+  const double y0 = centre.y - sx * centre.x - c * centre.y + place.y_mm + marker.dy.at(time_s) + wander.y;
   const double z0 = marker.print.z_mm.value_or(0.0) + place.z_mm + marker.dz.at(time_s);
   // The board's y points up and its z to the camera; the camera's the other way.
-  const Matrix3 turned_over{{{c, -s, x0}, {-s, -c, -y0}, {0, 0, -z0}}};
+  const Matrix3 turned_over{{{cx, -s, x0}, {-sx, -c, -y0}, {0, 0, -z0}}};
   Matrix3 at_rest = product(rotation_xyz(m.board_x_deg, m.board_y_deg, m.board_z_deg), turned_over);
   const Vector3 pivot{m.pivot_x_mm, m.pivot_y_mm, m.pivot_z_mm};
   at_rest[2][2] += m.distance_mm;
@@ -117,7 +147,7 @@ Matrix3 camera_from_print(const Scenario& scenario, const SceneMarker& marker, d
   Matrix3 seen = product(turned, at_rest);
   const Vector3 shift{m.shift_x.at(time_s), m.shift_y.at(time_s), m.shift_z.at(time_s)};
   for (std::size_t i = 0; i < 3; ++i) seen[i][2] += pivot[i] + shift[i];
-  return seen;
+  return through(scenario, time_s, seen);
 }
 
 Ray ray_of(const Matrix3& camera_from_print, BoardPoint point) {

@@ -11,55 +11,58 @@
 #include "moiregauge/simulator/background.h"
 #include "moiregauge/simulator/exposure.h"
 #include "moiregauge/simulator/gaussian.h"
+#include "moiregauge/simulator/lighting.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge::simulator {
 namespace {
 
-// Light that falls on a pixel, relative to the centre of the picture.
-struct Lighting {
-  double vignetting, slope_x, slope_y, middle_x, middle_y, corner2;
-  explicit Lighting(const Scenario& scenario)
-      : vignetting(scenario.light.vignetting),
-        slope_x(scenario.light.slope_x),
-        slope_y(scenario.light.slope_y),
-        middle_x(0.5 * (scenario.camera.width - 1)),
-        middle_y(0.5 * (scenario.camera.height - 1)),
-        corner2(middle_x * middle_x + middle_y * middle_y) {}
-  [[nodiscard]] double at(int x, int y) const {
-    const double dx = x - middle_x, dy = y - middle_y;
-    return (1.0 - vignetting * (dx * dx + dy * dy) / corner2) *
-           (1.0 + slope_x * dx / middle_x + slope_y * dy / middle_y);
-  }
-};
-
 // What turns light into stored numbers.
-struct Readout {
-  double sigma, gain, scale, highest;
-  Noise noise;
+class Readout {
+ public:
   Readout(const Scenario& scenario, long frame)
-      : sigma(scenario.sensor.noise_sigma),
-        gain(scenario.sensor.noise_gain),
-        scale(std::ldexp(1.0, scenario.sensor.bits - 8)),
-        highest(std::ldexp(1.0, scenario.sensor.bits) - 1.0),
-        noise(scenario.seed, frame) {}
-  [[nodiscard]] double stored(double grey, std::uint64_t pixel) const {
-    const double variance = sigma * sigma + gain * std::max(grey, 0.0);
-    if (variance > 0.0) grey += std::sqrt(variance) * noise.at(pixel);
-    return std::clamp(std::floor(grey * scale + 0.5), 0.0, highest);
+      : sigma_(scenario.sensor.noise_sigma),
+        gain_(scenario.sensor.noise_gain),
+        row_(scenario.sensor.row_noise),
+        gamma_(scenario.sensor.gamma),
+        scale_(std::ldexp(1.0, scenario.sensor.bits - 8)),
+        highest_(std::ldexp(1.0, scenario.sensor.bits) - 1.0),
+        noise_(scenario.seed, shot_of(scenario, frame)),
+        row_noise_(scenario.seed + kRows, shot_of(scenario, frame)) {}
+  // Of what pixel number `pixel`, in row y, received.
+  [[nodiscard]] double stored(double grey, int y, std::uint64_t pixel) const {
+    const double variance = sigma_ * sigma_ + gain_ * std::max(grey, 0.0);
+    if (variance > 0.0) grey += std::sqrt(variance) * noise_.at(pixel);
+    if (row_ != 0.0) grey += row_ * row_noise_.at(static_cast<std::uint64_t>(y));
+    return stored(grey);
   }
+  // Without noise.
+  [[nodiscard]] double stored(double grey) const {
+    if (gamma_ != 1.0) grey = 255.0 * std::pow(std::clamp(grey / 255.0, 0.0, 1.0), 1.0 / gamma_);
+    return std::clamp(std::floor(grey * scale_ + 0.5), 0.0, highest_);
+  }
+
+ private:
+  static constexpr std::uint64_t kRows = 7003;
+  double sigma_, gain_, row_, gamma_, scale_, highest_;
+  Noise noise_, row_noise_;
 };
 
 template <typename Grey>
 class Rendering {
  public:
   Rendering(const Scenario& scenario, long frame, Area area)
-      : scenario_(scenario), area_(area), lighting_(scenario), readout_(scenario, frame), background_(scenario, frame) {
+      : scenario_(scenario),
+        area_(area),
+        lighting_(scenario, frame),
+        readout_(scenario, frame),
+        background_(scenario, frame) {
     for (const SceneMarker& decoy : background_.decoys()) markers_.emplace_back(scenario, decoy, frame);
     for (const SceneMarker& marker : scenario.markers) markers_.emplace_back(scenario, marker, frame);
+    const long shot = shot_of(scenario, frame);
     for (const SceneMarker& marker : scenario.markers) {
       const auto& spans = marker.cover.frames;
-      const auto holds = [&](FrameSpan span) { return frame >= span.from && frame < span.to; };
+      const auto holds = [&](FrameSpan span) { return shot >= span.from && shot < span.to; };
       if (std::any_of(spans.begin(), spans.end(), holds))
         markers_.push_back(ExposedMarker::cover_of(scenario, marker, frame));
     }
@@ -74,27 +77,40 @@ class Rendering {
       }
       return store(y, 0, scenario_.camera.width, light, out);
     }
-    const double flat = scenario_.light.background * readout_.scale;
-    std::fill(out.begin(), out.end(),
-              std::is_floating_point_v<Grey> ? Grey(flat / readout_.scale) : Grey(std::lround(flat)));
+    const double flat = scenario_.light.background * lighting_.brightness_of(y);
+    if constexpr (std::is_floating_point_v<Grey>) {
+      std::fill(out.begin(), out.end(), flat);
+    } else {
+      std::fill(out.begin(), out.end(), static_cast<Grey>(readout_.stored(flat)));
+    }
     for (const ExposedMarker& marker : markers_) {
       if (marker.covers_row(y)) marker.lay_over(y, light);
     }
+    // Windows may share pixels: each is lit and read once.
+    std::vector<std::uint8_t> is_done(out.size(), 0);
     for (const ExposedMarker& marker : markers_) {
-      if (marker.covers_row(y)) store(y, marker.left(), marker.right(), light, out);
+      if (!marker.covers_row(y)) continue;
+      for (int from = marker.left(); from < marker.right();) {
+        int to = from;
+        const auto done = [&](int x) -> std::uint8_t& { return is_done[static_cast<std::size_t>(x)]; };
+        while (to < marker.right() && done(to) == 0) done(to++) = 1;
+        store(y, from, to, light, out);
+        from = std::max(to, from + 1);
+      }
     }
   }
 
  private:
-  void store(int y, int from, int to, std::span<const double> light, std::span<Grey> out) const {
+  // Lights the pixels and reads them out.
+  void store(int y, int from, int to, std::span<double> light, std::span<Grey> out) const {
     const auto first_pixel = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(scenario_.camera.width);
+    lighting_.fall_on(y, from, to, light);
     for (int x = from; x < to; ++x) {
       const auto i = static_cast<std::size_t>(x);
-      const double grey = light[i] * lighting_.at(x, y);
       if constexpr (std::is_floating_point_v<Grey>) {
-        out[i] = grey;
+        out[i] = light[i];
       } else {
-        out[i] = static_cast<Grey>(readout_.stored(grey, first_pixel + i));
+        out[i] = static_cast<Grey>(readout_.stored(light[i], y, first_pixel + i));
       }
     }
   }

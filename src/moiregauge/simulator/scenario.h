@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "moiregauge/simulator/track.h"
@@ -17,6 +18,13 @@ struct Camera {
   int height = 512;
   double fx = 3478.26, fy = 3478.26, cx = 511.5, cy = 255.5;
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
+};
+
+// What a lens does over time. The picture is scaled about the principal point and shifted; the distortion stays where
+// it is on the sensor.
+struct Optics {
+  Track zoom;              // relative: 0.01 is a focal length a hundredth longer
+  Track shift_x, shift_y;  // px, right and down: an optical stabiliser's travel
 };
 
 // Board point (x, y, z) at rest in the camera: B (x, -y, -z) + (0, 0, distance), B = Rx Ry Rz of the board's own
@@ -38,19 +46,26 @@ struct Light {
   double background = 110.0;
   double texture = 0.0;     // rms of a rough background, grey levels
   double vignetting = 0.0;  // relative loss at the corner of the picture, growing with r^2
-  double slope_x = 0.0;     // relative change of light from the centre to the right edge
-  double slope_y = 0.0;     // and to the lower edge
+  Track slope_x;            // relative change of light from the centre to the right edge
+  Track slope_y;            // and to the lower edge
+  Track flicker;            // relative change of all light: lamps, an automatic exposure or gain
 };
 
 // EMVA 1288 in grey levels: variance = sigma^2 + gain * level. Quantisation comes on top.
 struct Sensor {
   double psf_sigma_px = 0.7;
+  Track defocus_px;       // sigma of a further Gaussian
+  Track defocus_disc_px;  // radius of a disc (soft at its rim): what a lens out of focus makes of a point
   double noise_sigma = 1.5;
   double noise_gain = 0.0;
+  double row_noise = 0.0;  // rms of what all pixels of a row share
+  double gamma = 1.0;      // stored = 255 (light / 255)^(1 / gamma)
   int bits = 8;
   double fps = 10.0;
   double exposure_s = 1.0 / 80.0;  // centred on frame / fps
   double readout_s = 0.0;          // rolling shutter: from the first row's exposure to the last one's; 0: all at once
+  bool interlaced = false;         // odd rows half a frame later
+  [[nodiscard]] bool exposes_row_by_row() const { return readout_s > 0.0 || interlaced; }
 };
 
 // Frames from..to, the last left out.
@@ -59,11 +74,31 @@ struct FrameSpan {
   long to = 0;
 };
 
-// Something opaque and even, held before a marker's sheet.
+// How the recording's frames and time stamps come about. The camera takes shot n at n / fps, more or less.
+struct Timing {
+  double jitter_s = 0.0;            // shots are taken up to so much too early or too late
+  double stamp_jitter_s = 0.0;      // stamps are wrong by up to so much
+  bool nominal_stamps = false;      // the stamps are frame / fps, whatever happened
+  std::vector<FrameSpan> dropped;   // shots that are not in the recording
+  std::vector<FrameSpan> repeated;  // frames of the recording that show the one before once more
+};
+
+// Something held before a marker's sheet.
 struct Cover {
   std::vector<FrameSpan> frames;
-  double share = 1.0;  // of the sheet's width, from its left edge
+  double share = 1.0;         // of the sheet's width, from its left edge
+  double height_share = 1.0;  // of its height, from its lower edge
   double grey = 90.0;
+  double texture = 0.0;  // rms of its roughness, grey levels
+  double opacity = 1.0;  // less: it lets light through; with grey 0 a shadow
+  Track x_mm{}, y_mm{};  // its way across the sheet
+};
+
+// A lamp mirrored in glossy paper: a round spot of light that adds to what is there, normal in shape.
+struct Glare {
+  Track grey{};          // grey levels at its middle
+  Track x_mm{}, y_mm{};  // of its middle, from the marker's centre
+  double sigma_mm = 3.0;
 };
 
 // What stands there. `print` is what site.toml says of it; `place` is by how much the truth differs from that.
@@ -76,9 +111,13 @@ struct SceneMarker {
     double x_mm = 0.0, y_mm = 0.0, z_mm = 0.0;
     double rotation_deg = 0.0;  // counter-clockwise about the marker's own centre
     double print_scale = 0.0;   // relative: 0.001 is a print a thousandth too large, about that centre
+    double stretch_x = 0.0;     // relative, along x only: a printer's feed
   } place;
   Cover cover;
-  Track dx, dy, dz;  // mm
+  Glare glare;
+  Track fold_mm;             // what hangs right of the marker's centre has been pushed to the right by so much
+  Track dx, dy, dz;          // mm
+  Track wander_x, wander_y;  // mm; how its picture moves while it stands: not part of the truth
 };
 
 // Which of the site's errors are drawn: each from a normal distribution as wide as [known_to] says.
@@ -87,30 +126,50 @@ struct Draw {
   std::uint64_t seed = 0;  // 0: one that follows from the scenario's
 };
 
+// Hot air: every marker's picture wanders by itself.
+struct Haze {
+  double rms_mm = 0.0;
+  double step_s = 0.1;  // drawn anew for each, as a track's random part
+};
+
+// What is wrong about site.toml itself.
+struct SiteErrors {
+  bool mirrored = false;                                       // left for right
+  std::vector<std::pair<std::string, std::string>> exchanged;  // each is said to be where, and what, the other is
+};
+
 struct Scenario {
   std::string name;
   Camera camera;
+  Optics optics;
   Mount mount;
   Light light;
   Sensor sensor;
   std::vector<SceneMarker> markers;
   KnownTo known_to;  // as site.toml states it
   Draw draw;
+  SiteErrors site_errors;
+  Timing timing;
+  Haze haze;
   int decoys = 0;  // look-alike circles strewn over the background
   long frames = 161;
   std::uint64_t seed = 1;
 };
 
-[[nodiscard]] inline double time_of(const Scenario& scenario, long frame) {
-  return static_cast<double>(frame) / scenario.sensor.fps;
-}
+// Which of the camera's shots a frame of the recording shows.
+[[nodiscard]] long shot_of(const Scenario& scenario, long frame);
+// The middle of that shot's exposure.
+[[nodiscard]] double time_of(const Scenario& scenario, long frame);
+// What the recording says of it. It rises from frame to frame.
+[[nodiscard]] double stamp_of(const Scenario& scenario, long frame);
 
 // By how much row y of the picture is exposed later than the picture's middle.
-[[nodiscard]] inline double delay_of_row(const Scenario& scenario, int y) {
-  return ((y + 0.5) / scenario.camera.height - 0.5) * scenario.sensor.readout_s;
-}
+[[nodiscard]] double delay_of_row(const Scenario& scenario, int y);
 
 // By how much a marker truly stands elsewhere than site.toml says: its `place`, and what was drawn.
 [[nodiscard]] SceneMarker::Place true_place(const Scenario& scenario, const SceneMarker& marker);
+
+// For draws that belong to one marker of one scenario.
+[[nodiscard]] std::uint64_t own_seed(const Scenario& scenario, const SceneMarker& marker);
 
 }  // namespace moiregauge::simulator

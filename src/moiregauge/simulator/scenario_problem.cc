@@ -11,7 +11,9 @@ namespace moiregauge::simulator {
 namespace {
 
 std::optional<std::string> problem_with_sensor(const Scenario& s) {
-  const auto& [psf, sigma, gain, bits, fps, exposure, readout] = s.sensor;
+  const double psf = s.sensor.psf_sigma_px, sigma = s.sensor.noise_sigma, gain = s.sensor.noise_gain;
+  const double fps = s.sensor.fps, exposure = s.sensor.exposure_s, readout = s.sensor.readout_s;
+  const int bits = s.sensor.bits;
   if (s.camera.width < 16 || s.camera.height < 16 || s.camera.width > 20000 || s.camera.height > 20000) {
     return fmt::format("a picture of {}x{} px: width and height must lie in 16 to 20000", s.camera.width,
                        s.camera.height);
@@ -27,16 +29,39 @@ std::optional<std::string> problem_with_sensor(const Scenario& s) {
     return fmt::format("sensor.readout_s is {}: it must lie in 0 to 1 / fps = {}", readout, 1.0 / fps);
   }
   if (psf < 0.0 || psf > 20.0) return "sensor.psf_sigma_px must lie in 0 to 20";
-  if (sigma < 0.0 || gain < 0.0) return "noise.sigma and noise.gain must not be negative";
+  if (sigma < 0.0 || gain < 0.0 || s.sensor.row_noise < 0.0)
+    return "noise.sigma, noise.gain and noise.row must not be negative";
+  if (!(s.sensor.gamma > 0.1 && s.sensor.gamma < 10.0)) return "sensor.gamma must lie in 0.1 to 10";
   if (s.frames < 1 || s.frames > 1000000) return "frames must lie in 1 to 1000000";
   if (s.decoys > 10000) return "decoys must not be more than 10000";
+  return std::nullopt;
+}
+
+std::optional<std::string> problem_with_timing(const Scenario& s) {
+  const double most = 0.45 / s.sensor.fps;
+  const Timing& timing = s.timing;
+  if (timing.jitter_s < 0.0 || timing.stamp_jitter_s < 0.0 || timing.jitter_s + timing.stamp_jitter_s > most) {
+    return fmt::format(
+        "timing.jitter_s and timing.stamp_jitter_s must not be negative, nor together more than 0.45 / fps = {}: time "
+        "stamps must rise",
+        most);
+  }
+  if (s.haze.rms_mm < 0.0) return "haze.rms_mm must not be negative";
+  if (s.haze.rms_mm > 0.0 && !(s.haze.step_s >= 0.999 / s.sensor.fps)) {
+    return fmt::format("haze.step_s is {}: it must be 1 / fps = {} or longer", s.haze.step_s, 1.0 / s.sensor.fps);
+  }
   return std::nullopt;
 }
 
 std::optional<std::string> problem_with_tracks(const Scenario& s) {
   std::vector<const Track*> tracks{&s.mount.rotation_x, &s.mount.rotation_y, &s.mount.rotation_z,
                                    &s.mount.shift_x,    &s.mount.shift_y,    &s.mount.shift_z};
-  for (const SceneMarker& marker : s.markers) tracks.insert(tracks.end(), {&marker.dx, &marker.dy, &marker.dz});
+  tracks.insert(tracks.end(), {&s.optics.zoom, &s.optics.shift_x, &s.optics.shift_y, &s.light.flicker,
+                               &s.sensor.defocus_px, &s.sensor.defocus_disc_px});
+  for (const SceneMarker& m : s.markers) {
+    tracks.insert(tracks.end(), {&m.dx, &m.dy, &m.dz, &m.wander_x, &m.wander_y, &m.cover.x_mm, &m.cover.y_mm,
+                                 &m.glare.grey, &m.glare.x_mm, &m.glare.y_mm, &m.fold_mm});
+  }
   for (const Track* track : tracks) {
     // A thousandth for what decimals of 1 / fps leave out.
     if (track->random != 0.0 && !(track->random_step_s >= 0.999 / s.sensor.fps)) {
@@ -64,6 +89,15 @@ std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
   if (!(marker.cover.share > 0.0 && marker.cover.share <= 1.0)) {
     return fmt::format("marker {}: cover.share must be greater than 0 and not more than 1", print.name);
   }
+  if (!(marker.cover.height_share > 0.0 && marker.cover.height_share <= 1.0 && marker.cover.opacity >= 0.0 &&
+        marker.cover.opacity <= 1.0)) {
+    return fmt::format("marker {}: cover.height_share and cover.opacity must lie in 0 to 1", print.name);
+  }
+  if (!(marker.glare.sigma_mm > 0.0))
+    return fmt::format("marker {}: glare.sigma_mm must be greater than 0", print.name);
+  if (std::abs(marker.place.stretch_x) > 0.5) {
+    return fmt::format("marker {}: place.stretch_x must lie in -0.5 to 0.5", print.name);
+  }
   if (std::abs(marker.place.print_scale) > 0.5) {
     return fmt::format("marker {}: place.print_scale must lie in -0.5 to 0.5", print.name);
   }
@@ -83,6 +117,7 @@ std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
 
 std::optional<std::string> problem_with(const Scenario& scenario) {
   if (const auto problem = problem_with_sensor(scenario)) return problem;
+  if (const auto problem = problem_with_timing(scenario)) return problem;
   if (const auto problem = problem_with_tracks(scenario)) return problem;
   if (const auto problem = problem_with_known_to(scenario.known_to)) return problem;
   if (scenario.markers.empty()) return "there is no marker to be seen";

@@ -1,117 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/simulator/settings.h"
 
-#include <cmath>
-#include <cstdlib>
-
+#include "moiregauge/simulator/setting_collector.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::simulator {
 namespace {
-
-// "[[0, 1], [2, 3]]" and "0 1 2 3" alike; nothing if a word is no finite number.
-std::optional<std::vector<double>> numbers_in(std::string text) {
-  for (char& c : text) {
-    if (c == '[' || c == ']' || c == ',') c = ' ';
-  }
-  std::vector<double> numbers;
-  const char* at = text.c_str();
-  while (true) {
-    while (*at == ' ') ++at;
-    if (*at == '\0') return numbers;
-    char* end = nullptr;
-    numbers.push_back(std::strtod(at, &end));
-    if (end == at || (*end != ' ' && *end != '\0') || !std::isfinite(numbers.back())) return std::nullopt;
-    at = end;
-  }
-}
-
-std::optional<double> number_in(const std::string& text) {
-  const auto numbers = numbers_in(text);
-  return numbers && numbers->size() == 1 ? std::optional(numbers->front()) : std::nullopt;
-}
-
-class Collector {
- public:
-  std::vector<Setting> settings;
-
-  void number(const std::string& name, double& value) {
-    settings.push_back({name, "a number", [&value](const std::string& text) {
-                          const auto read = number_in(text);
-                          if (read) value = *read;
-                          return read.has_value();
-                        }});
-  }
-  template <typename Whole>
-  void whole(const std::string& name, Whole& value) {
-    settings.push_back({name, "a whole number of 0 or more", [&value](const std::string& text) {
-                          const auto read = number_in(text);
-                          if (!read || *read < 0.0 || *read > 2e9 || *read != std::floor(*read)) return false;
-                          value = static_cast<Whole>(*read);
-                          return true;
-                        }});
-  }
-  void flag(const std::string& name, std::vector<bool*> values) {
-    settings.push_back({name, "true or false", [values](const std::string& text) {
-                          if (text != "true" && text != "false") return false;
-                          for (bool* value : values) *value = text == "true";
-                          return true;
-                        }});
-  }
-  void pair(const std::string& name, std::function<void(double, double)> take) {
-    settings.push_back({name, "two numbers", [take](const std::string& text) {
-                          const auto read = numbers_in(text);
-                          if (!read || read->size() != 2) return false;
-                          take((*read)[0], (*read)[1]);
-                          return true;
-                        }});
-  }
-  void number(const std::string& name, std::function<void(double)> take) {
-    settings.push_back({name, "a number", [take](const std::string& text) {
-                          const auto read = number_in(text);
-                          if (read) take(*read);
-                          return read.has_value();
-                        }});
-  }
-  void text(const std::string& name, const std::string& kind, std::function<bool(const std::string&)> take) {
-    settings.push_back({name, kind, std::move(take)});
-  }
-  void frames(const std::string& name, std::vector<FrameSpan>& spans) {
-    text(name, "pairs of whole numbers, first frame and the one after the last", [&spans](const std::string& words) {
-      const auto read = numbers_in(words);
-      if (!read || read->size() % 2 != 0) return false;
-      std::vector<FrameSpan> taken;
-      for (std::size_t i = 0; i < read->size(); i += 2) {
-        const double from = (*read)[i], to = (*read)[i + 1];
-        if (from < 0.0 || to < from || to > 2e9 || from != std::floor(from) || to != std::floor(to)) return false;
-        taken.push_back({static_cast<long>(from), static_cast<long>(to)});
-      }
-      spans = taken;
-      return true;
-    });
-  }
-  void track(const std::string& name, Track& track) {
-    number(name + ".scale", track.scale);
-    number(name + ".offset", track.offset);
-    number(name + ".amplitude", track.amplitude);
-    number(name + ".frequency_hz", track.frequency_hz);
-    number(name + ".phase_deg", track.phase_deg);
-    number(name + ".random", track.random);
-    number(name + ".random_step_s", track.random_step_s);
-    whole(name + ".random_seed", track.random_seed);
-    text(name + ".knots", "pairs of time and value, times rising", [&track](const std::string& words) {
-      const auto read = numbers_in(words);
-      if (!read || read->size() % 2 != 0) return false;
-      std::vector<Knot> knots;
-      for (std::size_t i = 0; i < read->size(); i += 2) {
-        if (!knots.empty() && (*read)[i] <= knots.back().time_s) return false;
-        knots.push_back({(*read)[i], (*read)[i + 1]});
-      }
-      track.knots = knots;
-      return true;
-    });
-  }
-};
 
 void add_camera(Collector& all, Scenario& s) {
   all.whole("camera.width", s.camera.width);
@@ -146,8 +40,8 @@ void add_light(Collector& all, Scenario& s) {
   all.number("light.background", s.light.background);
   all.number("light.texture", s.light.texture);
   all.number("light.vignetting", s.light.vignetting);
-  all.number("light.slope_x", s.light.slope_x);
-  all.number("light.slope_y", s.light.slope_y);
+  all.track("light.slope_x", s.light.slope_x);
+  all.track("light.slope_y", s.light.slope_y);
   all.number("noise.sigma", s.sensor.noise_sigma);
   all.number("noise.gain", s.sensor.noise_gain);
   all.number("sensor.psf_sigma_px", s.sensor.psf_sigma_px);
@@ -239,9 +133,7 @@ void add_marker(Collector& all, SceneMarker& m) {
   all.number(name + "place.z_mm", m.place.z_mm);
   all.number(name + "place.rotation_deg", m.place.rotation_deg);
   all.number(name + "place.print_scale", m.place.print_scale);
-  all.frames(name + "cover.frames", m.cover.frames);
-  all.number(name + "cover.share", m.cover.share);
-  all.number(name + "cover.grey", m.cover.grey);
+  add_faults_of(all, m);
   all.track(name + "dx", m.dx);
   all.track(name + "dy", m.dy);
   all.track(name + "dz", m.dz);
@@ -254,6 +146,7 @@ std::vector<Setting> settings_of(Scenario& scenario) {
   add_camera(all, scenario);
   add_light(all, scenario);
   add_site_errors(all, scenario);
+  add_faults(all, scenario);
   add_print(all, scenario);
   for (SceneMarker& marker : scenario.markers) add_marker(all, marker);
   return std::move(all.settings);

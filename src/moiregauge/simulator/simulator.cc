@@ -2,6 +2,7 @@
 #include "moiregauge/simulator/simulator.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "moiregauge/simulator/projection.h"
 
@@ -21,10 +22,34 @@ ImagePoint project(const Scenario& scenario, long frame, BoardPoint point) {
 }
 
 Truth truth(const Scenario& scenario, long frame, const SceneMarker& marker) {
-  const double half = 0.5 * scenario.sensor.exposure_s, now = time_of(scenario, frame);
-  return {marker.dx.mean(now - half, now + half) - marker.dx.mean(-half, half),
-          marker.dy.mean(now - half, now + half) - marker.dy.mean(-half, half)};
+  const double half = 0.5 * scenario.sensor.exposure_s, now = time_of(scenario, frame), then = time_of(scenario, 0);
+  return {marker.dx.mean(now - half, now + half) - marker.dx.mean(then - half, then + half),
+          marker.dy.mean(now - half, now + half) - marker.dy.mean(then - half, then + half)};
 }
+
+namespace {
+
+void mirror(Marker& marker) {
+  if (marker.circle) marker.circle->centre.x = -marker.circle->centre.x;
+  if (!marker.grating) return;
+  marker.grating->centre.x = -marker.grating->centre.x;
+  marker.grating->angle_rad = -marker.grating->angle_rad;
+}
+
+// All but their names and parts.
+void exchange(Site& site, const std::string& name_a, const std::string& name_b) {
+  Marker *a = nullptr, *b = nullptr;
+  for (Marker& marker : site.markers) {
+    if (marker.name == name_a) a = &marker;
+    if (marker.name == name_b) b = &marker;
+  }
+  if (a == nullptr || b == nullptr) return;
+  std::swap(a->circle, b->circle);
+  std::swap(a->grating, b->grating);
+  std::swap(a->z_mm, b->z_mm);
+}
+
+}  // namespace
 
 Site site_of(const Scenario& scenario) {
   Site site;
@@ -32,6 +57,8 @@ Site site_of(const Scenario& scenario) {
     if (marker.listed) site.markers.push_back(marker.print);
   }
   site.known_to = scenario.known_to;
+  for (const auto& [a, b] : scenario.site_errors.exchanged) exchange(site, a, b);
+  if (scenario.site_errors.mirrored) std::for_each(site.markers.begin(), site.markers.end(), mirror);
   std::stable_sort(site.markers.begin(), site.markers.end(), [](const Marker& a, const Marker& b) {
     return a.role == Role::kReference && b.role == Role::kTarget;
   });

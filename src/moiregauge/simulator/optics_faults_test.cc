@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lens, light and sensor do wrong, against what optics says of it.
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/simulator/faults_for_tests.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge::simulator {
+namespace {
+
+// Amplitude of the print's first harmonic along x; the picture shows it upright and whole. Its sign is that of the
+// middle.
+double contrast(const Scenario& scenario, long frame = 0) {
+  const Image<double> picture = render_ideal(scenario, frame);
+  const ImagePoint middle = project(scenario, frame, scenario.markers[0], {0.0, 0.0});
+  const double pitch = pitch_px(scenario);
+  double sum = 0.0;
+  // Two periods wide under a Hann window, which is blind to the mean; one row.
+  const int y = static_cast<int>(std::lround(middle.y)), reach = static_cast<int>(std::floor(pitch));
+  for (int x = static_cast<int>(middle.x) - reach; x <= static_cast<int>(middle.x) + reach; ++x) {
+    const double d = x - middle.x, window = std::abs(d) < pitch ? 1.0 + std::cos(kPi * d / pitch) : 0.0;
+    sum += window * (picture.at(x, y) - 125.0) * std::cos(kTurn * d / pitch);
+  }
+  return sum;
+}
+
+// A Gaussian of sigma s takes exp(-2 pi^2 s^2 / P^2) of a wave of period P.
+TEST(Defocus, OfAGaussianTakesItsShareOfTheContrast) {
+  Scenario scenario = lines(Pattern::kCosine);
+  const double sharp = contrast(scenario), pitch = pitch_px(scenario);
+  for (const double sigma : {2.0, 5.0}) {
+    scenario.sensor.defocus_px.offset = sigma;
+    const double expected = std::exp(-0.5 * std::pow(kTurn * sigma / pitch, 2));
+    EXPECT_NEAR(contrast(scenario) / sharp, expected, 0.01) << sigma << " px";
+  }
+}
+
+// A disc of radius R takes 2 J1(x) / x, x = 2 pi R / P: negative beyond R = 0.61 P, dark lines where light ones were.
+TEST(Defocus, OfADiscTurnsLightIntoDark) {
+  Scenario scenario = lines(Pattern::kCosine);
+  scenario.camera.height = 12;  // a disc is drawn point by point
+  scenario.camera.cy = 6.0;
+  const double sharp = contrast(scenario), pitch = pitch_px(scenario);
+  for (const double share : {0.2, 0.4, 0.8}) {
+    scenario.sensor.defocus_disc_px.offset = share * pitch;
+    const double x = kTurn * share, expected = 2.0 * std::cyl_bessel_j(1, x) / x;
+    // The rim is soft by 0.12 of the radius; at equal variance a difference of fourth order, under 0.03 here.
+    EXPECT_NEAR(contrast(scenario) / sharp, expected, 0.03) << share << " pitch";
+  }
+}
+
+TEST(Defocus, MayComeAndGo) {
+  Scenario scenario = lines(Pattern::kCosine);
+  const double sharp = contrast(scenario, 0);
+  scenario.sensor.defocus_px.knots = {{0.4, 0.0}, {0.5, 6.0}};
+  EXPECT_EQ(contrast(scenario, 0), sharp);
+  EXPECT_LT(contrast(scenario, 9), 0.6 * sharp);
+}
+
+// A movement of b px during the exposure takes sin(pi b / P) / (pi b / P) of the wave along it: nothing is left at b =
+// P, and beyond it light is dark.
+TEST(MotionBlur, TakesItsShareUpToAPitchAndTurnsThePhaseBeyond) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  const double sharp = contrast(scenario);
+  for (const double pitches : {0.5, 1.0, 1.4}) {
+    const double speed = pitches * kPitch_mm / scenario.sensor.exposure_s;
+    scenario.markers[0].dx.knots = {{-1.0, -speed}, {1.0, speed}};
+    // Over more than a pitch the harmonics of binary lines are gone; what is left of the first follows the sinc.
+    const double expected = std::sin(kPi * pitches) / (kPi * pitches);
+    EXPECT_NEAR(contrast(scenario) / sharp, expected, 0.03) << pitches << " pitches";
+  }
+}
+
+TEST(Flicker, IsTheMeanOverTheExposure) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  scenario.light.flicker = {.amplitude = 0.2, .frequency_hz = 100.0, .phase_deg = 0.0};
+  const auto steady = lines(Pattern::kLinesX);
+  const auto share = [&] { return render_ideal(scenario, 0).at(5, 5) / render_ideal(steady, 0).at(5, 5); };
+  scenario.sensor.exposure_s = 0.01;
+  EXPECT_NEAR(share(), 1.0, 1e-12) << "a whole period";
+  scenario.light.flicker.phase_deg = 90.0;
+  scenario.sensor.exposure_s = 0.005;
+  EXPECT_NEAR(share(), 1.0 + 0.2 * 2.0 / kPi, 1e-12) << "half a period about its crest";
+}
+
+TEST(Flicker, GoesDownThePictureWithARollingShutter) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  scenario.sensor.exposure_s = 0.0;
+  scenario.sensor.readout_s = 0.02;
+  scenario.light.flicker = {.amplitude = 0.2, .frequency_hz = 50.0, .phase_deg = 0.0};
+  const auto picture = render_ideal(scenario, 0);
+  const int h = scenario.camera.height, y = h / 4;
+  const double expected = 1.0 + 0.2 * std::sin(kTurn * ((y + 0.5) / h - 0.5));
+  EXPECT_NEAR(picture.at(5, y) / 110.0, expected, 1e-12);
+}
+
+TEST(Glare, AddsANormalSpotAndMayFillThePixels) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  const auto without = render_ideal(scenario, 0);
+  Glare& glare = scenario.markers[0].glare;
+  glare.grey.offset = 180.0;
+  glare.sigma_mm = 2.0;
+  glare.x_mm.offset = 3.0;
+  const auto with = render_ideal(scenario, 0);
+  const ImagePoint p = project(scenario, 0, scenario.markers[0], {3.0, 0.0});
+  const double sigma = std::hypot(2.0 * px_per_mm(scenario), scenario.sensor.psf_sigma_px);
+  for (const int away : {0, 5, 11}) {
+    const int x = static_cast<int>(p.x) + away, y = static_cast<int>(p.y);
+    const double r2 = (x - p.x) * (x - p.x) + (y - p.y) * (y - p.y);
+    EXPECT_NEAR(with.at(x, y) - without.at(x, y), 180.0 * std::exp(-0.5 * r2 / (sigma * sigma)), 1e-9);
+  }
+  EXPECT_EQ(render8(scenario, 0).at(static_cast<int>(p.x), static_cast<int>(p.y)), 255);
+}
+
+TEST(ToneCurve, IsAPowerOfTheLight) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  scenario.sensor.noise_sigma = 0.0;
+  scenario.sensor.gamma = 2.2;
+  EXPECT_EQ(render8(scenario, 0).at(5, 5), std::lround(255.0 * std::pow(110.0 / 255.0, 1.0 / 2.2)));
+}
+
+TEST(RowNoise, IsSharedByARow) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  scenario.sensor.noise_sigma = 0.0;
+  scenario.sensor.row_noise = 4.0;
+  double sum = 0.0;
+  int rows = 0;
+  for (long frame = 0; frame < 4; ++frame) {
+    const auto picture = render8(scenario, frame);
+    for (int y = 0; y < picture.height(); ++y, ++rows) {
+      EXPECT_EQ(picture.at(3, y), picture.at(9, y)) << "background";
+      sum += (picture.at(3, y) - 110.0) * (picture.at(3, y) - 110.0);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(sum / rows), 4.0, 4.0 * 4.0 / std::sqrt(2.0 * rows));
+}
+
+TEST(Zoom, ScalesThePictureAboutThePrincipalPoint) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  scenario.optics.zoom.knots = {{0.0, 0.0}, {1.0, 0.01}};
+  const ImagePoint c{scenario.camera.cx, scenario.camera.cy};
+  const ImagePoint before = project(scenario, 0, {7.0, 4.0}), after = project(scenario, 10, {7.0, 4.0});
+  EXPECT_NEAR(after.x - c.x, 1.01 * (before.x - c.x), 1e-9);
+  EXPECT_NEAR(after.y - c.y, 1.01 * (before.y - c.y), 1e-9);
+}
+
+// Three pixels to the right, exactly: the picture is drawn where `project` says.
+TEST(Stabiliser, MovesThePicture) {
+  Scenario scenario = lines(Pattern::kLinesX);
+  const auto before = render_ideal(scenario, 0);
+  scenario.optics.shift_x.offset = 3.0;
+  const auto after = render_ideal(scenario, 0);
+  double worst = 0.0;
+  for (int x = 10; x < before.width() - 10; ++x)
+    worst = std::max(worst, std::abs(after.at(x + 3, 60) - before.at(x, 60)));
+  EXPECT_LT(worst, 1e-6);
+}
+
+// Below half a pixel per line nothing of it can be left but a beat; what is left is what point spread and pixel pass.
+TEST(FinePitch, IsAsFaintAsPointSpreadAndPixelLeaveIt) {
+  Scenario scenario = lines(Pattern::kCosine);
+  scenario.markers[0].print.grating->pitch_mm = 2.2 / px_per_mm(scenario);
+  const auto picture = render_ideal(scenario, 0);
+  double lightest = 0.0, darkest = 255.0;
+  const ImagePoint middle = project(scenario, 0, scenario.markers[0], {0.0, 0.0});
+  for (int x = static_cast<int>(middle.x) - 11; x <= static_cast<int>(middle.x) + 11; ++x) {
+    lightest = std::max(lightest, picture.at(x, static_cast<int>(middle.y)));
+    darkest = std::min(darkest, picture.at(x, static_cast<int>(middle.y)));
+  }
+  const double turn = kTurn / 2.2, psf = scenario.sensor.psf_sigma_px;
+  const double passed = std::exp(-0.5 * turn * turn * psf * psf) * std::sin(0.5 * turn) / (0.5 * turn);
+  // Its crests are met to within 0.1 px: cos(0.1 x 2 pi / 2.2) = 0.96.
+  const double alone = 85.0 * passed;
+  EXPECT_LT(0.5 * (lightest - darkest), 1.02 * alone);
+  EXPECT_GT(0.5 * (lightest - darkest), 0.4 * alone);
+}
+
+}  // namespace
+}  // namespace moiregauge::simulator

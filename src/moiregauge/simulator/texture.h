@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// The look of rough surfaces.
+#pragma once
+
+#include <cstdint>
+
+namespace moiregauge::simulator {
+
+// Three sizes of grain, 40, 9 and 2 mm, coarse ones stronger, as on concrete; scaled to an rms of 1.
+[[nodiscard]] double roughness(std::uint64_t seed, double x_mm, double y_mm);
+
+}  // namespace moiregauge::simulator
