@@ -24,6 +24,8 @@ pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavuti
 add_library(moiregauge_libav INTERFACE)
 target_link_libraries(moiregauge_libav INTERFACE PkgConfig::LIBAV Threads::Threads rt)
 
+pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)
+
 pkg_check_modules(HIGHWAY REQUIRED IMPORTED_TARGET libhwy)
 
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)

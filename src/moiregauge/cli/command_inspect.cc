@@ -137,7 +137,7 @@ int run(const InspectWords& words) {
                 fmt::format("output folder is taken: {}: it holds something else than an inspection: choose "
                             "another with -o",
                             output));
-  const auto source = open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads});
+  const auto source = open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads, words.measure.max_pixels});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);
   if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
   const auto frame = frame_of(**source, words.frame);
@@ -174,6 +174,7 @@ void add_inspect(CLI::App& app, int& exit_code) {
   command->add_option("--camera", shared.camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command->add_option("--fps", shared.fps, "frames per second of a folder of pictures")->type_name("N");
   command->add_option("-o,--out", shared.output, "output folder [<input>-inspect]")->type_name("DIR");
+  add_max_pixels(*command, shared.max_pixels);
   command->add_flag("--sequence", shared.sequence, "INPUT is a printf pattern such as shot%04d.png");
   command->add_flag("--quiet", shared.quiet, "print nothing but errors");
   command->add_flag("--json", shared.json, "print inspect.json on stdout instead of text");

@@ -92,7 +92,7 @@ int run(const MeasureWords& words) {
   if (!options) return fail(Exit::kUsage, options.error().message);
   const std::string output = words.output.empty() ? default_output(words.input) : words.output;
   if (const auto problem = stabilised_problem(words, output)) return fail(Exit::kUsage, *problem);
-  const InputOptions input_options{words.fps, words.sequence, words.threads};
+  const InputOptions input_options{words.fps, words.sequence, words.threads, words.max_pixels};
   auto opened = open_input(words.input, input_options);
   if (!opened) return fail(Exit::kInputUnreadable, opened.error().message);
   if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*opened)->info()))
@@ -181,6 +181,7 @@ void add_measure(CLI::App& app, int& exit_code) {
                    "also write every marker as a still camera would see it, frame by frame")
       ->type_name("DIR");
   command->add_option("--threads", words->threads, "threads to use; never changes a result")->type_name("N");
+  add_max_pixels(*command, words->max_pixels);
   command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");
   command->add_flag("--quiet", words->quiet, "print nothing but errors");
   command->add_flag("--json", words->json, "print run.json on stdout");

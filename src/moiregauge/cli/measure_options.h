@@ -20,6 +20,7 @@ struct MeasureWords {
   std::string method{kDefaultMethod};
   std::string camera;
   std::optional<double> fps;
+  std::int64_t max_pixels = InputOptions{}.max_pixels;
   std::optional<long> reference_frame;
   std::string frames;
   std::string rest;

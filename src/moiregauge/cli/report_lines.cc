@@ -72,7 +72,8 @@ int report(const Measurement& measurement, const MeasureOptions& options, const 
     fmt::print("{}", report_lines(measurement, options, words.output));
   }
   for (const std::string& warning : measurement.warnings) {
-    if (!words.quiet) fmt::print(stderr, "warning: {}\n", warning);
+    const bool is_note = warning.starts_with("note: ");
+    if (!words.quiet) fmt::print(stderr, "{}{}\n", is_note ? "" : "warning: ", warning);
   }
   if (measurement.exit == Exit::kRefused)
     return fail(Exit::kRefused,

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -28,13 +29,18 @@ namespace {
 // Before main(): glibc hands the program's words to constructors. Stands in this file so that whoever links start()
 // links it too. Never returns in the child, so nothing of the program's own runs there.
 __attribute__((constructor)) void become_the_child(int count, char** words) {
-  if (count == 2 && std::string_view(words[1]) == wire::kChildMode) ::_exit(decode_child());
+  if (count != 3 || std::string_view(words[1]) != wire::kChildMode) return;
+  std::int64_t max_pixels = 0;
+  const std::string_view number = words[2];
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), max_pixels);
+  const bool sane = error == std::errc{} && max_pixels > 0 && max_pixels <= wire::kMostPixels;
+  ::_exit(sane ? decode_child(max_pixels) : 2);
 }
 
 // Out of the way of the child's fixed numbers, which the spawn below fills one after the other.
 int moved_up(int file) { return ::fcntl(file, F_DUPFD_CLOEXEC, 16); }
 
-int spawn(pid_t& process, const std::string& program, int input, int memory, int socket) {
+int spawn(pid_t& process, const std::string& program, int input, int memory, int socket, std::string max_pixels) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -44,7 +50,7 @@ int spawn(pid_t& process, const std::string& program, int input, int memory, int
   posix_spawn_file_actions_addclosefrom_np(&actions, wire::kFirstUnusedFile);
   std::string name = "moiregauge";
   std::string mode = wire::kChildMode;
-  char* words[] = {name.data(), mode.data(), nullptr};
+  char* words[] = {name.data(), mode.data(), max_pixels.data(), nullptr};
   // An interrupt from the keyboard is for the parent to answer; the child ends when the parent closes the socket.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
@@ -58,7 +64,8 @@ int spawn(pid_t& process, const std::string& program, int input, int memory, int
 
 }  // namespace
 
-tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& program, int input) {
+tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& program, int input,
+                                                            std::int64_t max_pixels) {
   ChildProcess child;
   int ends[2] = {-1, -1};
   child.memory_file_ = ::memfd_create("moiregauge-frames", MFD_CLOEXEC | MFD_ALLOW_SEALING);
@@ -67,7 +74,7 @@ tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& p
   }
   child.socket_ = ends[0];
   const int files[] = {moved_up(input), moved_up(child.memory_file_), moved_up(ends[1])};
-  const int problem = spawn(child.process_, program, files[0], files[1], files[2]);
+  const int problem = spawn(child.process_, program, files[0], files[1], files[2], std::to_string(max_pixels));
   for (const int file : files) ::close(file);
   ::close(ends[1]);
   if (problem == 0) return child;
@@ -98,8 +105,8 @@ std::string ChildProcess::last_words() {
   while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
   }
   process_ = -1;
-  if (WIFSIGNALED(status)) return fmt::format("the decoder died of signal {}", WTERMSIG(status));
-  return fmt::format("the decoder ended without a word (exit code {})", WEXITSTATUS(status));
+  if (WIFSIGNALED(status)) return fmt::format("video decoder stopped (signal {})", WTERMSIG(status));
+  return fmt::format("video decoder stopped (exit code {})", WEXITSTATUS(status));
 }
 
 tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milliseconds watchdog) {
@@ -113,7 +120,7 @@ tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milli
     if (ready > 0) break;
     ::kill(process_, SIGKILL);
     return tl::unexpected(
-        fmt::format("the decoder was silent for {} s", std::chrono::duration<double>(watchdog).count()));
+        fmt::format("video decoder stopped (silent for {} s)", std::chrono::duration<double>(watchdog).count()));
   }
   wire::Record record;
   ssize_t got = ::recv(socket_, &record, sizeof record, 0);

@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -23,8 +24,10 @@ namespace moiregauge {
 
 class ChildProcess {
  public:
-  // `input` stays the caller's. The error says why no child could be started.
-  [[nodiscard]] static tl::expected<ChildProcess, std::string> start(const std::string& program, int input);
+  // `input` stays the caller's; no picture of it with more than `max_pixels` is decoded. The error says why no child
+  // could be started.
+  [[nodiscard]] static tl::expected<ChildProcess, std::string> start(const std::string& program, int input,
+                                                                     std::int64_t max_pixels);
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
   ~ChildProcess();  // kills it if it still runs

@@ -32,7 +32,7 @@ TEST(ChildProcess, WhatAChildSaidBeforeItsEndIsHeardThoughItLeftReleasesUnread) 
   }
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   const int input = ::open(program.c_str(), O_RDONLY | O_CLOEXEC);
-  auto child = ChildProcess::start(program, input);
+  auto child = ChildProcess::start(program, input, 1000);
   ::close(input);
   ASSERT_TRUE(child) << child.error();
   const auto first = child->receive(5s);

@@ -12,6 +12,9 @@ namespace moiregauge {
 
 // Error lines libav has logged in this process so far. Counted by the log callback, which any thread may call.
 [[nodiscard]] long errors_logged();
+// Where in the file the reader of the container stood at each of its own error lines, in order; takes them. Its lines
+// come while the container is probed, long before the packets there are handed out. Of the thread that reads only.
+[[nodiscard]] std::vector<std::int64_t> places_of_complaints();
 // Makes libav count instead of print.
 void count_log_errors();
 

@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -14,7 +13,9 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/decoder/confinement.h"
 #include "moiregauge/decoder/luma_plane.h"
+#include "moiregauge/decoder/margin.h"
 #include "moiregauge/decoder/video_stream.h"
 #include "moiregauge/decoder/wire.h"
 #include "moiregauge/image/quarter_turn.h"
@@ -36,21 +37,24 @@ struct Shape {
 
 class Child {
  public:
-  int run();
+  explicit Child(std::int64_t max_pixels) : max_pixels_(max_pixels) {}
+  int run(const std::optional<std::string>& unfiltered);
 
  private:
   void send(const Record& record) const {
     if (::send(wire::kSocket, &record, sizeof record, MSG_NOSIGNAL) != sizeof record) ::_exit(0);  // nobody listens
   }
-  int fail(const VideoProblem& problem) const;
-  void warn_once(bool& warned, const std::string& text) const;
+  int fail(const VideoProblem& problem);
+  void warn(const std::string& text) const;
   [[nodiscard]] tl::expected<void, VideoProblem> settle_shape(const VideoStream& stream);
   [[nodiscard]] bool make_slots(const VideoStream& stream);
   [[nodiscard]] int free_slot();
   void write_picture(const AVFrame& frame, std::byte* out);
   void send_frame(const VideoStream& stream, bool lost);
-  void watch(const VideoStream& stream);
+  void send_frame(Record record, bool spoilt) const;
+  void send_rest();
 
+  std::int64_t max_pixels_;
   Shape shape_;
   std::byte* memory_ = nullptr;
   std::size_t slot_bytes_ = 0;
@@ -58,12 +62,12 @@ class Child {
   std::vector<std::byte> upright_;  // the stored picture before it is turned
   std::int64_t number_ = 0;
   double start_s_ = 0.0;
-  double last_s_ = -1.0;
-  bool warned_time_ = false;
+  DamageMargin<Record> margin_;
   bool warned_fields_ = false;
 };
 
-int Child::fail(const VideoProblem& problem) const {
+int Child::fail(const VideoProblem& problem) {
+  send_rest();
   Record record;
   record.kind = Kind::kFailed;
   record.error = static_cast<std::int32_t>(problem.kind);
@@ -73,9 +77,7 @@ int Child::fail(const VideoProblem& problem) const {
   return 0;
 }
 
-void Child::warn_once(bool& warned, const std::string& text) const {
-  if (warned) return;
-  warned = true;
+void Child::warn(const std::string& text) const {
   Record record;
   record.kind = Kind::kWarning;
   wire::put(record.what, text);
@@ -93,10 +95,8 @@ tl::expected<void, VideoProblem> Child::settle_shape(const VideoStream& stream) 
                                        fmt::format("no luma in pixels of kind {}", name ? name : "?"),
                                        "convert the video to grey or YUV"});
   }
-  if (frame.width <= 0 || frame.height <= 0 || frame.width > wire::kMostPixels / frame.height) {
-    return tl::unexpected(
-        VideoProblem{InputErrorKind::kUnsupported, "the picture has more than 2^28 pixels", "crop it"});
-  }
+  if (frame.width <= 0 || frame.height <= 0 || frame.width > max_pixels_ / frame.height)
+    return tl::unexpected(too_many_pixels(frame.width, frame.height, max_pixels_));
   shape_ = {frame.width, frame.height, frame.format, *layout, *rotation};
   return {};
 }
@@ -114,8 +114,7 @@ bool Child::make_slots(const VideoStream& stream) {
   opened.fps = stream.fps();
   wire::put(opened.what, stream.codec());
   slot_bytes_ = wire::slot_bytes(opened.width, opened.height, opened.bits);
-  constexpr std::size_t kEnoughBytes = std::size_t{256} << 20;  // large pictures get fewer slots, never below two
-  opened.slots = static_cast<int>(std::clamp<std::size_t>(kEnoughBytes / slot_bytes_, 2, wire::kMostSlots));
+  opened.slots = wire::slots_for(slot_bytes_);
   const std::size_t bytes = slot_bytes_ * static_cast<std::size_t>(opened.slots);
   if (::ftruncate(wire::kMemoryFile, static_cast<off_t>(bytes)) != 0) return false;
   if (::fcntl(wire::kMemoryFile, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) return false;
@@ -153,21 +152,21 @@ void Child::write_picture(const AVFrame& frame, std::byte* out) {
     turned(reinterpret_cast<std::uint16_t*>(out));
 }
 
-void Child::watch(const VideoStream& stream) {
-  const double time_s = stream.time_s();
-  if (number_ > 0 && !(time_s > last_s_)) {
-    warn_once(warned_time_, fmt::format("the time stamps do not grow at frame {}", number_));
-  }
-  last_s_ = time_s;
-  if (stream.frame().interlaced_frame != 0) {
-    warn_once(warned_fields_,
-              "the video is interlaced: the odd and even lines of a frame were seen at different times");
-  }
+void Child::send_frame(Record record, bool spoilt) const {
+  if (spoilt && record.damaged == wire::kSound) record.damaged = wire::kSpoilt;
+  send(record);
+}
+
+void Child::send_rest() {
+  for (const auto& [record, spoilt] : margin_.rest()) send_frame(record, spoilt);
 }
 
 void Child::send_frame(const VideoStream& stream, bool lost) {
   if (number_ == 0) start_s_ = stream.time_s();
-  watch(stream);
+  if (!lost && !warned_fields_ && stream.frame().interlaced_frame != 0) {
+    warned_fields_ = true;
+    warn("the video is interlaced: the odd and even lines of a frame were seen at different times");
+  }
   Record record;
   record.kind = Kind::kFrame;
   record.slot = free_slot();
@@ -176,25 +175,25 @@ void Child::send_frame(const VideoStream& stream, bool lost) {
     std::memset(out, 0, slot_bytes_);  // nothing of an older frame may pass for this one
   else
     write_picture(stream.frame(), out);
-  record.damaged = lost || stream.damaged() ? 1 : 0;
   record.number = number_++;
   record.time_s = stream.time_s() - start_s_;
-  send(record);
+  // A frame without a time, where others have one, has lost its head.
+  const bool timeless = std::isnan(record.time_s) && !std::isnan(start_s_);
+  record.damaged = lost || stream.damaged() || timeless ? wire::kDamaged : wire::kSound;
+  if (const auto old = margin_.put(record, record.damaged != wire::kSound)) send_frame(old->first, old->second);
 }
 
-int Child::run() {
-  auto opened = VideoStream::open(wire::kInputFile);
+int Child::run(const std::optional<std::string>& unfiltered) {
+  auto opened = VideoStream::open(wire::kInputFile, max_pixels_);
   if (!opened) return fail(opened.error());
   VideoStream& stream = **opened;
   while (true) {
     const Decoded decoded = stream.next();
-    if (decoded == Decoded::kEnd && memory_ != nullptr) break;
-    if (decoded == Decoded::kEnd || (decoded == Decoded::kEndedEarly && memory_ == nullptr)) {
+    if (decoded == Decoded::kEnd && memory_ == nullptr)
       return fail({InputErrorKind::kDamaged, "no frame can be decoded", "record or copy the video again"});
-    }
-    if (decoded == Decoded::kEndedEarly) {
-      return fail(
-          {InputErrorKind::kDamaged, fmt::format("the file ends early, after {} frames", number_), "copy it again"});
+    if (decoded == Decoded::kEnd) {
+      if (const auto problem = stream.end_problem(number_)) return fail(*problem);
+      break;
     }
     if (decoded == Decoded::kLost) {
       if (memory_ != nullptr) send_frame(stream, true);
@@ -205,31 +204,27 @@ int Child::run() {
       if (const auto settled = settle_shape(stream); !settled) return fail(settled.error());
       if (!make_slots(stream))
         return fail({InputErrorKind::kUnreadable, "no memory for the pictures", "free some memory"});
+      if (unfiltered) warn(fmt::format("this system cannot hold the decoder back from system calls ({})", *unfiltered));
     } else if (frame.width != shape_.width || frame.height != shape_.height || frame.format != shape_.format) {
       return fail({InputErrorKind::kDamaged,
-                   fmt::format("the picture changes to {} x {} at frame {}", frame.width, frame.height, number_),
-                   "measure the parts one by one"});
+                   fmt::format("frame size changed {}x{} -> {}x{} at frame {}", shape_.width, shape_.height,
+                               frame.width, frame.height, number_),
+                   "what came before counts; measure the parts one by one"});
     }
     send_frame(stream, false);
   }
+  send_rest();
   send(Record{});
   return 0;
 }
 
-// What the child holds is all it will ever hold: no file can be opened, whatever a decoder is talked into.
-void close_the_doors() {
-  const rlimit files{wire::kFirstUnusedFile, wire::kFirstUnusedFile};
-  ::setrlimit(RLIMIT_NOFILE, &files);
-  const rlimit no_core{0, 0};
-  ::setrlimit(RLIMIT_CORE, &no_core);
-}
-
 }  // namespace
 
-int decode_child() {
-  close_the_doors();
+int decode_child(std::int64_t max_pixels) {
+  limit_resources(max_pixels);
+  const auto unfiltered = filter_system_calls();
   count_log_errors();
-  return Child().run();
+  return Child(max_pixels).run(unfiltered);
 }
 
 }  // namespace moiregauge

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 namespace moiregauge {
 
 // The whole life of the decoding child: reads the input on its descriptor, writes pictures into the shared memory and
-// records into the socket (wire.h). Returns the exit code.
-[[nodiscard]] int decode_child();
+// records into the socket (wire.h). No picture of more than `max_pixels` is decoded. Returns the exit code.
+[[nodiscard]] int decode_child(std::int64_t max_pixels);
 
 }  // namespace moiregauge

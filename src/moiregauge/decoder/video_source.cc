@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -83,7 +84,8 @@ class VideoSource final : public FrameSource {
     if (held_slot_ >= 0) child_.release(std::exchange(held_slot_, -1));
     while (true) {
       const auto record = child_.receive(watchdog_);
-      if (!record) return break_off(error_of(InputErrorKind::kDamaged, record.error(), place(), kDecoderAdvice));
+      if (!record)
+        return break_off(error_of(InputErrorKind::kDamaged, lost_decoder(record.error()), info_.path, kDecoderAdvice));
       if (record->kind == Kind::kFailed) return break_off(error_in(*record, info_.path));
       if (record->kind == Kind::kWarning) {
         if (info_.warnings.size() < 100) info_.warnings.push_back(wire::get(record->what));
@@ -93,6 +95,12 @@ class VideoSource final : public FrameSource {
       if (ended_) return std::optional<Frame>();
       if (record->kind != Kind::kFrame || record->slot < 0 || record->slot >= slots_ || record->number != number_) {
         return break_off(nonsense());
+      }
+      if (!fps_ && runs_backwards(*record)) {
+        return break_off(error_of(
+            InputErrorKind::kDamaged,
+            fmt::format("time runs backwards at frame {} ({:.2f} -> {:.2f} s)", number_, last_s_, record->time_s),
+            info_.path, "what came before counts; measure the parts one by one, or give --fps"));
       }
       return frame_in(*record);
     }
@@ -108,6 +116,19 @@ class VideoSource final : public FrameSource {
   [[nodiscard]] std::string place() const { return fmt::format("{} at frame {}", info_.path, number_); }
   [[nodiscard]] InputError nonsense() const {
     return error_of(InputErrorKind::kDamaged, "the decoder lost its senses", place(), kDecoderAdvice);
+  }
+  [[nodiscard]] std::string lost_decoder(const std::string& how) const {
+    return fmt::format("{} at frame {}; {} frames kept", how, number_, number_);
+  }
+
+  // A damaged frame may have lost its time; one beside it has not.
+  [[nodiscard]] bool runs_backwards(const Record& record) {
+    if (record.damaged == wire::kDamaged || std::isnan(record.time_s)) return false;
+    if (record.time_s < last_s_) return true;
+    if (record.time_s == last_s_ && !std::exchange(time_stood_still_, true))
+      info_.warnings.push_back(fmt::format("time stands still at frame {} ({:.3f} s)", number_, last_s_));
+    last_s_ = record.time_s;
+    return false;
   }
   tl::unexpected<InputError> break_off(InputError error) {
     broken_off_ = std::move(error);
@@ -138,6 +159,8 @@ class VideoSource final : public FrameSource {
   int slots_ = 0;
   int held_slot_ = -1;
   long number_ = 0;
+  double last_s_ = -std::numeric_limits<double>::infinity();  // of the last sound frame
+  bool time_stood_still_ = false;
   bool ended_ = false;
   std::optional<InputError> broken_off_;
 };
@@ -156,7 +179,7 @@ Opened decoded(const std::string& path, const InputOptions& options, const Decod
   }
   if (!S_ISREG(about.st_mode)) return unreadable("not a file", "give a video file");
   if (about.st_size == 0) return unreadable("the file is empty", "record or copy it again");
-  auto child = ChildProcess::start(decoder.child_program, file.number());
+  auto child = ChildProcess::start(decoder.child_program, file.number(), options.max_pixels);
   if (!child)
     return unreadable(fmt::format("no decoder could be started ({})", child.error()), "free memory or processes");
   InputInfo info;

@@ -1,24 +1,91 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/decoder/video_stream.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
 
 extern "C" {
 #include <libavutil/display.h>
 }
 
 namespace moiregauge {
+
+ReadAt reader_of(int file) {
+  return [file](std::uint64_t offset, std::span<std::uint8_t> out) {
+    const ssize_t read = ::pread(file, out.data(), out.size(), static_cast<off_t>(offset));
+    return read > 0 ? static_cast<std::size_t>(read) : std::size_t{0};
+  };
+}
+
+VideoProblem too_many_pixels(int width, int height, std::int64_t max_pixels) {
+  return {
+      InputErrorKind::kUnsupported,
+      fmt::format("image {}x{} exceeds the limit of {:g} Mpx", width, height, static_cast<double>(max_pixels) / 1e6),
+      "raise --max-pixels if it is right"};
+}
+
 namespace {
 
 // Containers of one file. No playlists, no concatenations, no picture sequences: those name other files.
 constexpr const char* kContainers = "mov,matroska,avi,mpegts,yuv4mpegpipe";
 constexpr int kReadBlock = 1 << 18;  // bytes
+
+// What the file is instead, by libav's own judgement of its first bytes; empty: it has none.
+std::string found_instead(int file) {
+  std::array<std::uint8_t, 2048 + AVPROBE_PADDING_SIZE> bytes{};
+  const std::size_t size = reader_of(file)(0, std::span(bytes).first(2048));
+  const AVProbeData probe{"", bytes.data(), static_cast<int>(size), nullptr};
+  int score = AVPROBE_SCORE_RETRY;
+  const AVInputFormat* format = av_probe_input_format2(&probe, 1, &score);
+  if (format != nullptr) return format->name;
+  const bool is_text = std::all_of(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size),
+                                   [](std::uint8_t c) { return c >= 0x20 || (c >= 0x09 && c <= 0x0d); });
+  return is_text ? "text" : "";
+}
+
+VideoProblem no_video(int file) {
+  const std::string found = found_instead(file);
+  if (found.starts_with("mov,mp4")) {
+    return {InputErrorKind::kDamaged, "the video has no index (the recording was cut off)",
+            "try a repair tool; nothing is measured"};
+  }
+  const bool is_allowed = found.empty() || std::string_view(kContainers).find(found) != std::string_view::npos;
+  return {InputErrorKind::kUnsupported,
+          found == "text" || is_allowed
+              ? fmt::format("no video{}", found.empty() ? "" : fmt::format(" (found: {})", found))
+              : fmt::format("input type '{}' is not allowed", found),
+          "give a whole mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of pictures"};
+}
+
+// Decoders count whole blocks, of which a picture need not fill the last.
+std::int64_t decoders_limit(std::int64_t max_pixels) { return 2 * max_pixels + 65536; }
+
+std::optional<VideoProblem> size_problem(const AVFormatContext& container, std::int64_t max_pixels) {
+  for (unsigned i = 0; i < container.nb_streams; ++i) {
+    const AVCodecParameters& codec = *container.streams[i]->codecpar;
+    if (codec.codec_type != AVMEDIA_TYPE_VIDEO || std::int64_t{codec.width} * codec.height <= max_pixels) continue;
+    return too_many_pixels(codec.width, codec.height, max_pixels);
+  }
+  return std::nullopt;
+}
+
+bool look_into_streams(AVFormatContext* container, std::int64_t max_pixels) {
+  std::vector<AVDictionary*> wishes(container->nb_streams, nullptr);
+  for (AVDictionary*& wish : wishes) av_dict_set_int(&wish, "max_pixels", decoders_limit(max_pixels), 0);
+  const int found = avformat_find_stream_info(container, wishes.empty() ? nullptr : wishes.data());
+  for (AVDictionary*& wish : wishes) av_dict_free(&wish);
+  return found >= 0;
+}
 
 int refuse_to_open(AVFormatContext* /*container*/, AVIOContext** /*bytes*/, const char* /*url*/, int /*flags*/,
                    AVDictionary** /*options*/) {
@@ -37,22 +104,20 @@ int read_bytes(void* self, std::uint8_t* out, int size) {
 
 std::int64_t seek_bytes(void* self, std::int64_t offset, int whence) {
   auto& stream = *static_cast<VideoStream*>(self);
-  struct stat about {};
-  if (::fstat(stream.file_, &about) != 0) return AVERROR(errno);
   whence &= ~AVSEEK_FORCE;
-  if (whence == AVSEEK_SIZE) return about.st_size;
-  const std::int64_t from = whence == SEEK_CUR ? stream.position_ : whence == SEEK_END ? about.st_size : 0;
+  if (whence == AVSEEK_SIZE) return stream.file_bytes_;
+  const std::int64_t from = whence == SEEK_CUR ? stream.position_ : whence == SEEK_END ? stream.file_bytes_ : 0;
   if (offset < 0 ? from < -offset : from > std::numeric_limits<std::int64_t>::max() - offset) return AVERROR(EINVAL);
   return stream.position_ = from + offset;
 }
 
-tl::expected<std::unique_ptr<VideoStream>, VideoProblem> VideoStream::open(int file) {
+tl::expected<std::unique_ptr<VideoStream>, VideoProblem> VideoStream::open(int file, std::int64_t max_pixels) {
   std::unique_ptr<VideoStream> stream(new VideoStream);
-  if (!stream->open_container(file)) {
-    return tl::unexpected(
-        VideoProblem{InputErrorKind::kUnsupported, "no video",
-                     "give a whole mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of pictures"});
-  }
+  stream->file_ = file;
+  stream->max_pixels_ = max_pixels;
+  // The parent reads by place too, so the descriptor's own position is nobody's.
+  stream->file_bytes_ = ::lseek(file, 0, SEEK_END);
+  if (auto problem = stream->open_container()) return tl::unexpected(std::move(*problem));
   if (!stream->open_decoder()) {
     return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "no decoder for " + stream->codec(),
                                        "convert the video to H.264 or FFV1"});
@@ -70,8 +135,7 @@ VideoStream::~VideoStream() {
   av_packet_free(&packet_);
 }
 
-bool VideoStream::open_container(int file) {
-  file_ = file;
+std::optional<VideoProblem> VideoStream::open_container() {
   frame_ = av_frame_alloc();
   packet_ = av_packet_alloc();
   auto* buffer = static_cast<unsigned char*>(av_malloc(kReadBlock));
@@ -83,15 +147,22 @@ bool VideoStream::open_container(int file) {
   container_->error_recognition = AV_EF_CRCCHECK;
   container_->format_whitelist = av_strdup(kContainers);
   container_->protocol_whitelist = av_strdup("");
-  if (avformat_open_input(&container_, "", nullptr, nullptr) < 0) return false;
-  if (avformat_find_stream_info(container_, nullptr) < 0) return false;
+  if (avformat_open_input(&container_, "", nullptr, nullptr) < 0) return no_video(file_);
+  header_complained_ = !places_of_complaints().empty();
+  // Some containers name the size in their heads, others in the stream, of which probing decodes a little.
+  if (auto problem = size_problem(*container_, max_pixels_)) return problem;
+  if (!look_into_streams(container_, max_pixels_)) return no_video(file_);
+  if (auto problem = size_problem(*container_, max_pixels_)) return problem;
+  early_complaints_ = places_of_complaints();
   const int best = av_find_best_stream(container_, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-  if (best < 0) return false;
+  if (best < 0) return no_video(file_);
   stream_ = container_->streams[best];
   for (unsigned i = 0; i < container_->nb_streams; ++i) {
     if (container_->streams[i] != stream_) container_->streams[i]->discard = AVDISCARD_ALL;
   }
-  return (stream_->disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;  // the cover of a piece of music
+  if ((stream_->disposition & AV_DISPOSITION_ATTACHED_PIC) != 0)
+    return no_video(file_);  // the cover of a piece of music
+  return std::nullopt;
 }
 
 bool VideoStream::open_decoder() {
@@ -104,7 +175,7 @@ bool VideoStream::open_decoder() {
   decoder_->thread_count = 0;
   decoder_->err_recognition = AV_EF_CRCCHECK;
   decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // marked by us, not swallowed: the others keep their numbers
-  decoder_->max_pixels = std::int64_t{1} << 28;
+  decoder_->max_pixels = decoders_limit(max_pixels_);
   return avcodec_open2(decoder_, codec, nullptr) >= 0;
 }
 
@@ -122,16 +193,34 @@ bool VideoStream::read_packet() {
     read = av_read_frame(container_, packet_);
   } while (read >= 0 && packet_->stream_index != stream_->index);
   if (read < 0) {  // a complaint about the end says nothing about the packets that came
-    last_read_complained_ = last_read_complained_ || read != AVERROR_EOF || errors_logged() != before;
+    last_read_complained_ = read != AVERROR_EOF || errors_logged() != before;
     errors_seen_ = errors_logged();
     return false;
   }
   ++packets_;
   if ((packet_->flags & AV_PKT_FLAG_KEY) != 0) damage_.key_packet(packets_);
-  last_read_complained_ = (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0;
-  if (last_read_complained_) damage_.complaint(packets_);
+  last_packet_corrupt_ = (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0;
+  if (last_packet_corrupt_) damage_.complaint(packets_);
   note_complaints(packets_);
+  take_early_complaints();
+  note_extent();
   return true;
+}
+
+// A complaint of the probe is about the first packet behind its place in the file.
+void VideoStream::take_early_complaints() {
+  if (early_complaints_.empty() || packet_->pos < 0) return;
+  const auto behind = std::remove_if(early_complaints_.begin(), early_complaints_.end(),
+                                     [this](std::int64_t place) { return place <= packet_->pos; });
+  if (behind != early_complaints_.end()) damage_.complaint(packets_);
+  early_complaints_.erase(behind, early_complaints_.end());
+}
+
+void VideoStream::note_extent() {
+  const std::int64_t time = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
+  if (time == AV_NOPTS_VALUE || (packet_->flags & AV_PKT_FLAG_DISCARD) != 0) return;
+  began_ = std::min(began_.value_or(time), time);
+  reached_ = std::max(reached_.value_or(time), time + std::max<std::int64_t>(packet_->duration, 0));
 }
 
 bool VideoStream::send_packet() {
@@ -155,7 +244,7 @@ Decoded VideoStream::next() {
       timestamp_ = frame_->best_effort_timestamp;
       return Decoded::kFrame;
     }
-    if (received == AVERROR_EOF) return ended_early() ? Decoded::kEndedEarly : Decoded::kEnd;
+    if (received == AVERROR_EOF) return Decoded::kEnd;
     if (received != AVERROR(EAGAIN)) damage_.complaint(packets_);
     if (draining_ && received != AVERROR(EAGAIN)) continue;
     if (!read_packet()) {
@@ -168,10 +257,6 @@ Decoded VideoStream::next() {
     }
   }
 }
-
-// The index of an mp4 knows its packets, the head of an avi its frames; elsewhere only the reader's own complaint
-// tells.
-bool VideoStream::ended_early() const { return last_read_complained_ || packets_ < frames(); }
 
 long VideoStream::frames() const {
   const bool is_mov = std::strncmp(container_->iformat->name, "mov", 3) == 0;

@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
 #include "moiregauge/decoder/damage.h"
+#include "moiregauge/decoder/stated_size.h"
 #include "moiregauge/run/frame_source.h"
 
 extern "C" {
@@ -24,12 +27,17 @@ struct VideoProblem {
   std::string advice;
 };
 
-enum class Decoded { kFrame, kLost, kEnd, kEndedEarly };
+enum class Decoded { kFrame, kLost, kEnd };
+
+[[nodiscard]] VideoProblem too_many_pixels(int width, int height, std::int64_t max_pixels);
+// `file` by place, whatever else reads it.
+[[nodiscard]] ReadAt reader_of(int file);
 
 class VideoStream {
  public:
-  // Reads through `file` alone: libav gets no name and no protocol, and every further opening is refused.
-  [[nodiscard]] static tl::expected<std::unique_ptr<VideoStream>, VideoProblem> open(int file);
+  // Reads through `file` alone: libav gets no name and no protocol, and every further opening is refused. No picture of
+  // more than `max_pixels` is decoded, nor memory taken for one.
+  [[nodiscard]] static tl::expected<std::unique_ptr<VideoStream>, VideoProblem> open(int file, std::int64_t max_pixels);
   VideoStream(const VideoStream&) = delete;
   VideoStream& operator=(const VideoStream&) = delete;
   ~VideoStream();
@@ -39,6 +47,9 @@ class VideoStream {
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
   [[nodiscard]] bool damaged() const { return damaged_; }
   [[nodiscard]] double time_s() const;  // of the frame or the lost packet, in the stream's own count; NaN: none
+  // After kEnd: why the file is less than it says it is, `shown` frames having come out of it. Nothing when it is
+  // whole, or when nothing in it tells.
+  [[nodiscard]] std::optional<VideoProblem> end_problem(long shown) const;
 
   [[nodiscard]] long frames() const;  // -1: the container does not say
   [[nodiscard]] double fps() const;   // NaN: not known
@@ -48,14 +59,18 @@ class VideoStream {
 
  private:
   VideoStream() = default;
-  [[nodiscard]] bool open_container(int file);
+  [[nodiscard]] std::optional<VideoProblem> open_container();
   [[nodiscard]] bool open_decoder();
   [[nodiscard]] bool read_packet();
   [[nodiscard]] bool send_packet();
   void note_complaints(std::int64_t packet);
-  [[nodiscard]] bool ended_early() const;
+  void note_extent();
+  void take_early_complaints();
+  [[nodiscard]] bool is_cut() const;
 
   int file_ = -1;
+  std::int64_t max_pixels_ = 0;
+  std::int64_t file_bytes_ = 0;
   std::int64_t position_ = 0;  // bytes; ours, as the descriptor's own may be shared
   AVFormatContext* container_ = nullptr;
   AVIOContext* bytes_ = nullptr;
@@ -64,10 +79,15 @@ class VideoStream {
   AVFrame* frame_ = nullptr;
   AVPacket* packet_ = nullptr;
   Damage damage_;
+  std::vector<std::int64_t> early_complaints_;  // places in the file, of complaints made while probing
+  bool header_complained_ = false;
   long errors_seen_ = 0;
   std::int64_t packets_ = 0;
+  std::optional<std::int64_t> began_;    // of all packets, in the stream's own count: the earliest time,
+  std::optional<std::int64_t> reached_;  // the end of the latest
   bool draining_ = false;
-  bool last_read_complained_ = false;
+  bool last_packet_corrupt_ = false;   // by the reader's own word: cut off, mostly
+  bool last_read_complained_ = false;  // about the end
   bool damaged_ = false;
   std::int64_t timestamp_ = AV_NOPTS_VALUE;
 

@@ -19,10 +19,14 @@ inline constexpr int kSocket = 5;
 inline constexpr int kFirstUnusedFile = 6;
 
 inline constexpr const char* kChildMode = "--decode-child";
-inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
+inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;  // whatever --max-pixels says
 inline constexpr int kMostSlots = 8;
+// The parent looks at one picture, three wait in the child for what is decoded after them (margin.h), one is written.
+inline constexpr int kFewestSlots = 5;
 
 enum class Kind : std::int32_t { kOpened, kFrame, kWarning, kEnd, kFailed };
+
+inline constexpr std::int32_t kSound = 0, kSpoilt = 1, kDamaged = 2;
 
 using Text = std::array<char, 192>;
 
@@ -45,7 +49,7 @@ struct Record {
   double fps = 0.0;  // NaN: not known
   // kFrame
   std::int32_t slot = 0;
-  std::int32_t damaged = 0;
+  std::int32_t damaged = 0;  // kSound, kSpoilt (near a damaged one), kDamaged
   std::int64_t number = 0;
   double time_s = 0.0;
   // kFailed
@@ -67,6 +71,18 @@ struct Release {
 [[nodiscard]] inline std::size_t slot_bytes(int width, int height, int bits) {
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   return (pixels * word_bytes(bits) + 4095) / 4096 * 4096;
+}
+
+inline constexpr std::size_t kEnoughBytes = std::size_t{256} << 20;
+
+// How many slots: large pictures get fewer.
+[[nodiscard]] inline int slots_for(std::size_t bytes_of_one) {
+  return static_cast<int>(std::clamp<std::size_t>(kEnoughBytes / bytes_of_one, kFewestSlots, kMostSlots));
+}
+
+// The most that all slots take together, of pictures with so many pixels.
+[[nodiscard]] inline std::uint64_t memory_limit(std::int64_t max_pixels) {
+  return std::max<std::uint64_t>(kEnoughBytes, kFewestSlots * (2 * static_cast<std::uint64_t>(max_pixels) + 4096));
 }
 
 }  // namespace moiregauge::wire

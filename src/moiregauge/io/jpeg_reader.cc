@@ -92,7 +92,7 @@ tl::unexpected<InputError> failure(InputErrorKind kind, const std::string& text)
 
 }  // namespace
 
-PictureOrError read_jpeg(const std::string& path) {
+PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
   JpegFile in;
   in.file = std::fopen(path.c_str(), "rb");
   if (in.file == nullptr) {
@@ -108,11 +108,8 @@ PictureOrError read_jpeg(const std::string& path) {
   const auto rotation = rotation_of_orientation(orientation_of(in));
   if (!rotation)
     return failure(InputErrorKind::kUnsupported, fmt::format("mirrored picture: {}: store it unmirrored", path));
-  if (!is_size_allowed(in.jpeg.image_width, in.jpeg.image_height)) {
-    return failure(InputErrorKind::kUnsupported,
-                   fmt::format("picture too large: {}: {} x {} pixels, at most 2^28 in all", path, in.jpeg.image_width,
-                               in.jpeg.image_height));
-  }
+  if (auto problem = size_problem(path, in.jpeg.image_width, in.jpeg.image_height, max_pixels))
+    return tl::unexpected(*problem);
   in.image = Image<std::uint8_t>(static_cast<int>(in.jpeg.image_width), static_cast<int>(in.jpeg.image_height));
   in.row.resize(std::size_t{3} * in.jpeg.image_width);
   if (!read_rows(in)) {

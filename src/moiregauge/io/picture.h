@@ -8,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include <fmt/format.h>
 #include <tl/expected.hpp>
 
 #include "moiregauge/image/image.h"
@@ -29,11 +30,15 @@ struct Picture {
 
 using PictureOrError = tl::expected<Picture, InputError>;
 
-// A header may promise any size; 2^28 pixels are 30 times the largest camera we know of.
-inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
-
-[[nodiscard]] inline bool is_size_allowed(std::int64_t width, std::int64_t height) {
-  return width > 0 && height > 0 && width <= kMostPixels && height <= kMostPixels / width;
+// A header may promise any size, and a file of a megabyte unpack to gigabytes: readers ask this before they take
+// memory.
+[[nodiscard]] inline std::optional<InputError> size_problem(const std::string& path, std::int64_t width,
+                                                            std::int64_t height, std::int64_t max_pixels) {
+  if (width <= 0 || height <= 0) return InputError{InputErrorKind::kDamaged, "no pixels: " + path + ": copy it again"};
+  if (width <= max_pixels && height <= max_pixels / width) return std::nullopt;
+  return InputError{InputErrorKind::kUnsupported,
+                    fmt::format("image {}x{} exceeds the limit of {:g} Mpx: {}: raise --max-pixels if it is right",
+                                width, height, static_cast<double>(max_pixels) / 1e6, path)};
 }
 
 [[nodiscard]] inline LumaView view_of(const Picture& picture) {

@@ -30,14 +30,14 @@ PictureKind picture_kind(const std::string& path) {
   return PictureKind::kNone;
 }
 
-PictureOrError read_picture(const std::string& path) {
+PictureOrError read_picture(const std::string& path, std::int64_t max_pixels) {
   switch (picture_kind(path)) {
     case PictureKind::kPng:
-      return read_png(path);
+      return read_png(path, max_pixels);
     case PictureKind::kJpeg:
-      return read_jpeg(path);
+      return read_jpeg(path, max_pixels);
     case PictureKind::kTiff:
-      return TiffStack::open(path).and_then([](const auto& stack) { return stack->read(0); });
+      return TiffStack::open(path, max_pixels).and_then([](const auto& stack) { return stack->read(0); });
     case PictureKind::kNone:
       break;
   }

@@ -13,6 +13,6 @@ enum class PictureKind { kNone, kPng, kJpeg, kTiff };
 [[nodiscard]] PictureKind picture_kind(const std::string& path);
 
 // The file's picture; of a TIFF stack its first page.
-[[nodiscard]] PictureOrError read_picture(const std::string& path);
+[[nodiscard]] PictureOrError read_picture(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
 
 }  // namespace moiregauge

@@ -35,7 +35,7 @@ bool is_of_same_shape(const LumaView& a, const LumaView& b) {
 }
 
 std::string shape_text(const LumaView& luma) {
-  return fmt::format("{} x {}, {} bit", width_of(luma), height_of(luma), luma.index() == 0 ? "8" : "16");
+  return fmt::format("{}x{} of {} bit", width_of(luma), height_of(luma), luma.index() == 0 ? "8" : "16");
 }
 
 class PictureSource final : public FrameSource {
@@ -72,9 +72,11 @@ class PictureSource final : public FrameSource {
   }
 
   tl::unexpected<InputError> break_off(const LumaView& changed) {
-    broken_off_ = InputError{InputErrorKind::kDamaged,
-                             fmt::format("the picture size changes: {}: {} instead of {}; measure the parts one by one",
-                                         set_.name(number_), shape_text(changed), shape_text(view_of(picture_)))};
+    broken_off_ = InputError{
+        InputErrorKind::kDamaged,
+        fmt::format(
+            "frame size changed {} -> {} at frame {}: {}: what came before counts; measure the parts one by one",
+            shape_text(view_of(picture_)), shape_text(changed), number_, set_.name(number_))};
     return tl::unexpected(*broken_off_);
   }
 
@@ -118,22 +120,24 @@ tl::unexpected<InputError> unreadable(const std::string& text) {
   return tl::unexpected(InputError{InputErrorKind::kUnreadable, text});
 }
 
-PictureSet set_of_files(const std::vector<std::string>& files) {
-  return {static_cast<long>(files.size()), [files](long i) { return read_picture(files[static_cast<std::size_t>(i)]); },
+PictureSet set_of_files(const std::vector<std::string>& files, std::int64_t max_pixels) {
+  return {static_cast<long>(files.size()),
+          [files, max_pixels](long i) { return read_picture(files[static_cast<std::size_t>(i)], max_pixels); },
           [files](long i) { return files[static_cast<std::size_t>(i)]; }, true};
 }
 
 // One file that is a TIFF: every page a picture.
-tl::expected<PictureSet, InputError> set_of_pages(const std::string& path) {
-  const auto stack = TiffStack::open(path);
+tl::expected<PictureSet, InputError> set_of_pages(const std::string& path, std::int64_t max_pixels) {
+  const auto stack = TiffStack::open(path, max_pixels);
   if (!stack) return tl::unexpected(stack.error());
   return PictureSet{(*stack)->pages(), [stack = *stack](long i) { return stack->read(i); },
                     [path](long i) { return fmt::format("{} page {}", path, i); }, false};
 }
 
-tl::expected<PictureSet, InputError> set_of(const std::vector<std::string>& files) {
-  if (files.size() == 1 && picture_kind(files.front()) == PictureKind::kTiff) return set_of_pages(files.front());
-  return set_of_files(files);
+tl::expected<PictureSet, InputError> set_of(const std::vector<std::string>& files, std::int64_t max_pixels) {
+  if (files.size() == 1 && picture_kind(files.front()) == PictureKind::kTiff)
+    return set_of_pages(files.front(), max_pixels);
+  return set_of_files(files, max_pixels);
 }
 
 InputInfo info_of(const std::string& path, const PictureSet& set, const Picture& first, const InputOptions& options) {
@@ -181,7 +185,7 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::
                                                                      const InputOptions& options) {
   const auto files = files_of_input(path, options);
   if (!files) return tl::unexpected(files.error());
-  auto set = set_of(*files);
+  auto set = set_of(*files, options.max_pixels);
   if (!set) return tl::unexpected(set.error());
   auto first = set->read(0);
   if (!first) return tl::unexpected(first.error());

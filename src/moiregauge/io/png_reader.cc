@@ -58,6 +58,8 @@ bool read_head(PngFile& in, PngHead& head) {
   if (setjmp(png_jmpbuf(in.png)) != 0) return false;
   png_init_io(in.png, in.file);
   png_set_user_limits(in.png, 0x7fffffffU, 0x7fffffffU);  // ours is on pixels, below
+  png_set_chunk_cache_max(in.png, 100);                   // texts and the like, of which we read none
+  png_set_chunk_malloc_max(in.png, 1U << 23);             // bytes; a compressed text may unpack to as much
   png_read_info(in.png, in.info);
   head.width = png_get_image_width(in.png, in.info);
   head.height = png_get_image_height(in.png, in.info);
@@ -106,7 +108,7 @@ tl::unexpected<InputError> failure(InputErrorKind kind, const std::string& text)
 
 }  // namespace
 
-PictureOrError read_png(const std::string& path) {
+PictureOrError read_png(const std::string& path, std::int64_t max_pixels) {
   PngFile in;
   in.file = std::fopen(path.c_str(), "rb");
   if (in.file == nullptr) {
@@ -119,11 +121,7 @@ PictureOrError read_png(const std::string& path) {
   if (!read_head(in, head)) {
     return failure(InputErrorKind::kDamaged, fmt::format("not a readable PNG: {}: {}", path, in.problem));
   }
-  if (!is_size_allowed(head.width, head.height)) {
-    return failure(
-        InputErrorKind::kUnsupported,
-        fmt::format("picture too large: {}: {} x {} pixels, at most 2^28 in all", path, head.width, head.height));
-  }
+  if (auto problem = size_problem(path, head.width, head.height, max_pixels)) return tl::unexpected(*problem);
   const std::size_t row_bytes = png_get_rowbytes(in.png, in.info);
   in.samples.resize(row_bytes * head.height);
   for (std::size_t y = 0; y < head.height; ++y) in.rows.push_back(in.samples.data() + y * row_bytes);

@@ -13,6 +13,6 @@ namespace moiregauge {
 // cameras and our own writer into the low ones: a sample too large for the low bits tells the first, and is shifted
 // down. (A standard file that is darker than 2^bits / 2^16 everywhere is taken for the second; nothing can be seen in
 // it.) fails      kUnreadable (missing), kUnsupported (no PNG, too many pixels), kDamaged (cut or corrupt)
-[[nodiscard]] PictureOrError read_png(const std::string& path);
+[[nodiscard]] PictureOrError read_png(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
 
 }  // namespace moiregauge

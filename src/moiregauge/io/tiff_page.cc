@@ -26,7 +26,6 @@ TiffPage page_at_hand(TIFF* tiff) {
 std::string problem_with(const TiffPage& page) {
   const bool grey = page.photometric == PHOTOMETRIC_MINISBLACK || page.photometric == PHOTOMETRIC_MINISWHITE;
   const bool colour = page.photometric == PHOTOMETRIC_RGB && page.samples >= 3;
-  if (!is_size_allowed(page.width, page.height)) return "it must have 1 to 2^28 pixels";
   if (!grey && !colour) return "store it as grey or RGB";
   if (page.word_bits != 8 && page.word_bits != 16)
     return fmt::format("{} bits a sample; store 8 or 16", page.word_bits);

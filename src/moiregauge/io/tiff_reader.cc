@@ -60,13 +60,15 @@ TiffStack::~TiffStack() {
   if (state_->tiff != nullptr) TIFFClose(state_->tiff);
 }
 
-tl::expected<std::shared_ptr<TiffStack>, InputError> TiffStack::open(const std::string& path) {
+tl::expected<std::shared_ptr<TiffStack>, InputError> TiffStack::open(const std::string& path, std::int64_t max_pixels) {
   std::shared_ptr<TiffStack> stack(new TiffStack);
   stack->path_ = path;
+  stack->max_pixels_ = max_pixels;
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
   TIFFOpenOptionsSetErrorHandlerExtR(options, &note_error, &stack->state_->problem);
   TIFFOpenOptionsSetWarningHandlerExtR(options, &ignore_warning, nullptr);
-  TIFFOpenOptionsSetMaxSingleMemAlloc(options, tmsize_t{1} << 31);
+  // A strip of the largest picture, colour in words; a table of strips or a compressed row takes less.
+  TIFFOpenOptionsSetMaxSingleMemAlloc(options, static_cast<tmsize_t>(8 * max_pixels + (1 << 24)));
   stack->state_->tiff = TIFFOpenExt(path.c_str(), "rm", options);  // m: it reads; what is mapped, we watch
   TIFFOpenOptionsFree(options);
   if (stack->state_->tiff == nullptr) {
@@ -108,6 +110,7 @@ PictureOrError TiffStack::read(long page) {
                      TIFFSetDirectory(tiff, static_cast<tdir_t>(page)) != 0;
   if (!there) return failure(InputErrorKind::kDamaged, "damaged picture", state_->problem);
   const TiffPage head = page_at_hand(tiff);
+  if (auto problem = size_problem(path_, head.width, head.height, max_pixels_)) return tl::unexpected(*problem);
   if (const std::string problem = problem_with(head); !problem.empty()) {
     return failure(InputErrorKind::kUnsupported, "unknown kind of TIFF", problem);
   }

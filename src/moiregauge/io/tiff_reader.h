@@ -12,11 +12,12 @@
 namespace moiregauge {
 
 // Grey or RGB pages of 8 or 16 bits, in strips, any compression libtiff knows. White-is-zero pages are turned to
-// black-is-zero; a page's orientation is applied. Pages are cheap in order, slower at random. An uncompressed grey page of
-// which the strips follow one another is not read at all: its picture is a window on the file (lies_in_place).
+// black-is-zero; a page's orientation is applied. Pages are cheap in order, slower at random. An uncompressed grey page
+// of which the strips follow one another is not read at all: its picture is a window on the file (lies_in_place).
 class TiffStack {
  public:
-  [[nodiscard]] static tl::expected<std::shared_ptr<TiffStack>, InputError> open(const std::string& path);
+  [[nodiscard]] static tl::expected<std::shared_ptr<TiffStack>, InputError> open(
+      const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
   ~TiffStack();
   TiffStack(const TiffStack&) = delete;
   TiffStack& operator=(const TiffStack&) = delete;
@@ -30,6 +31,7 @@ class TiffStack {
   [[nodiscard]] bool show_in_place(Picture& picture);
   std::unique_ptr<State> state_;
   std::string path_;
+  std::int64_t max_pixels_ = 0;
   long pages_ = 0;
 };
 

@@ -2,6 +2,7 @@
 // The door through which pictures come in. Implemented by io (folders of pictures, TIFF) and decoder (video files).
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,6 +58,7 @@ struct InputOptions {
   std::optional<double> fps;  // --fps: time stamps of pictures; also overrides a stream's
   bool sequence = false;      // --sequence: the path is a printf pattern
   int threads = 0;            // --threads: that read pictures ahead; 0: as many as there are cores, 1: none
+  std::int64_t max_pixels = 64'000'000;  // --max-pixels: a picture that claims more is not decoded
 };
 
 }  // namespace moiregauge

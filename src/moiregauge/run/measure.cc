@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/follower.h"
+#include "moiregauge/run/frame_notes.h"
 
 namespace moiregauge {
 namespace {
@@ -185,6 +186,7 @@ const Site& site_of(const Measurement& measurement, const MeasureOptions& option
 
 void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings = out.notes;
+  for (std::string& note : notes_on_frames(out.observations)) out.warnings.push_back(std::move(note));
   for (const Observation& seen : out.observations) out.input_damaged |= seen.decode_error;
   if (out.observations.empty() && out.refusal.empty()) out.refusal = "no frame of the input is selected by --frames";
   if (!out.reference) {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/decoder/margin.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace moiregauge {
+namespace {
+
+// 'x' is damaged on the way in; on the way out all that is spoilt by it.
+std::string through(const std::string& frames) {
+  DamageMargin<std::size_t> margin;
+  std::string out;
+  const auto take = [&](const std::pair<std::size_t, bool>& frame) {
+    EXPECT_EQ(frame.first, out.size()) << "in order";
+    out += frame.second ? 'x' : '.';
+  };
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (const auto old = margin.put(i, frames[i] == 'x')) take(*old);
+  }
+  for (const auto& frame : margin.rest()) take(frame);
+  return out;
+}
+
+TEST(DamageMargin, ThreeFramesOnEitherSideOfADamagedOneAreSpoilt) {
+  EXPECT_EQ(through("............"), "............");
+  EXPECT_EQ(through("......x....."), "...xxxxxxx..");
+  EXPECT_EQ(through("x..........."), "xxxx........");
+  EXPECT_EQ(through("...........x"), "........xxxx");
+  EXPECT_EQ(through("....x..x...."), ".xxxxxxxxxx.");
+  EXPECT_EQ(through("x........x.."), "xxxx..xxxxxx");
+  EXPECT_EQ(through("x"), "x");
+  EXPECT_EQ(through(""), "");
+}
+
+}  // namespace
+}  // namespace moiregauge

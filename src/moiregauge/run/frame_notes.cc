@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/run/frame_notes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace moiregauge {
+namespace {
+
+struct Interval {
+  double begin_s = 0.0;
+  double length_s = 0.0;
+  double per_frame_s = 0.0;
+};
+
+std::vector<Interval> intervals(const std::vector<Observation>& frames) {
+  std::vector<Interval> all;
+  const Observation* last = nullptr;
+  for (const Observation& frame : frames) {
+    if (frame.decode_error || std::isnan(frame.time_s)) continue;
+    if (last != nullptr && frame.frame > last->frame) {
+      const double length_s = frame.time_s - last->time_s;
+      all.push_back({last->time_s, length_s, length_s / static_cast<double>(frame.frame - last->frame)});
+    }
+    last = &frame;
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> notes_on_frames(const std::vector<Observation>& frames) {
+  std::vector<std::string> notes;
+  const auto is_damaged = [](const Observation& frame) { return frame.decode_error; };
+  const auto first = std::find_if(frames.begin(), frames.end(), is_damaged);
+  if (first != frames.end()) {
+    const auto count = std::count_if(first, frames.end(), is_damaged);
+    notes.push_back(fmt::format("input damaged from frame {}; {} frame{} marked decode-error", first->frame, count,
+                                count == 1 ? "" : "s"));
+  }
+  std::vector<Interval> all = intervals(frames);
+  const auto shorter = [](const Interval& a, const Interval& b) { return a.per_frame_s < b.per_frame_s; };
+  if (all.size() < 2) return notes;
+  const Interval largest = *std::max_element(all.begin(), all.end(), shorter);
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end(), shorter);
+  constexpr double kRounding = 1e-3;  // s: Matroska counts milliseconds
+  if (largest.per_frame_s > 1.5 * middle->per_frame_s + kRounding) {
+    notes.push_back(
+        fmt::format("note: variable frame rate, largest gap {:.2f} s at {:.2f} s; times are the stream's own",
+                    largest.length_s, largest.begin_s));
+  }
+  return notes;
+}
+
+}  // namespace moiregauge
