@@ -11,8 +11,6 @@ namespace {
 
 using simulator::Scenario;
 
-constexpr simulator::RenderOptions kMarkers{0, simulator::Area::kMarkersOnly};
-
 // 1/256 of a grey level: rounding of 0.001 grey levels rms, a thousandth of the sensor's noise.
 Image<std::uint16_t> finely_quantised(const Image<double>& light) {
   Image<std::uint16_t> out(light.width(), light.height());
@@ -29,9 +27,10 @@ struct Shot {
   [[nodiscard]] GreyPicture view() const { return {simulator::view_of(picture), bits}; }
 };
 
-Shot shot(const Scenario& scenario, long frame, Grain grain) {
-  if (grain == Grain::kNoiseFree) return {finely_quantised(render_ideal(scenario, frame, kMarkers)), 16};
-  return {render(scenario, frame, kMarkers), scenario.sensor.bits};
+Shot shot(const Scenario& scenario, long frame, const RunPlan& plan) {
+  const simulator::RenderOptions markers{plan.render_threads, simulator::Area::kMarkersOnly};
+  if (plan.grain == Grain::kNoiseFree) return {finely_quantised(render_ideal(scenario, frame, markers)), 16};
+  return {render(scenario, frame, markers), scenario.sensor.bits};
 }
 
 void compare(const Scenario& scenario, const Sample& sample, long reference_frame, MeasuredRun& run) {
@@ -49,7 +48,7 @@ void compare(const Scenario& scenario, const Sample& sample, long reference_fram
 
 MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   MeasuredRun run;
-  const Shot first = shot(scenario, plan.reference_frame, plan.grain);
+  const Shot first = shot(scenario, plan.reference_frame, plan);
   auto reference = make_reference(first.view(), plan.site.value_or(simulator::site_of(scenario)), plan.lens, plan.observe);
   if (!reference) {
     run.problem = reference.error().message;
@@ -63,7 +62,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   PatchWorkspace work;
   long count = 0;
   for (long frame = plan.first; frame < scenario.frames && (plan.frames < 0 || count < plan.frames); frame += plan.step, ++count) {
-    const Shot now = shot(scenario, frame, plan.grain);
+    const Shot now = shot(scenario, frame, plan);
     Observation seen = method->observe(now.view(), run.reference, follower.prediction(), work);
     seen.frame = frame;
     seen.time_s = simulator::time_of(scenario, frame);

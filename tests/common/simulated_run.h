@@ -21,6 +21,7 @@ struct RunPlan {
   long step = 1;     // every step-th frame of the scenario
   long frames = -1;  // at most so many; -1: to the end
   long reference_frame = 0;
+  int render_threads = 0;  // 0: as many as there are
   ObserveOptions observe{};
   SolveOptions solve{};
   std::optional<Site> site{};  // not given: the scenario's

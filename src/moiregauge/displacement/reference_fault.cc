@@ -3,33 +3,46 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "moiregauge/displacement/reference_slip.h"
 
 namespace moiregauge {
 namespace {
 
 constexpr std::size_t kMostFrames = 24;
-// F, the fall of chi2 per row of the reference left out against what is left per degree of freedom, is 1 when nothing
-// moves, whatever noise and print errors are; from here on something does.
+// A step to stay is two unknowns. Of noise alone chi2 falls by 40 once in 10^8 (exp(-20)) for each of some hundred
+// places of a step; from here on a reference has slipped.
+constexpr double kSlips = 40.0;
+// Which one: the most likely must be e^10 times as likely as any other.
+constexpr double kClearly = 20.0;
+// Movement of another kind, to and fro: so many times what noise makes of the way, on the average of its frames...
 constexpr double kMoves = 20.0;
-// To name it the fall must be this many times that of any other: leaving a sound one out also helps a little.
-constexpr double kClearly = 3.0;
+// ...and so many times that of any other reference.
+constexpr double kClearlyMoves = 3.0;
 
-struct Fit {
-  double chi2 = 0.0;
-  long dof = 0;
+struct Suspect {
+  std::size_t marker = 0;
+  double fall = 0.0;  // of chi2, in units of the most likely one's
 };
 
-Fit fit_of(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior, const SceneModel& model,
-           const Scene* start) {
-  const BundleSolution solution = solve_bundle(site, frames, prior, model, start);
-  Fit fit;
-  for (const BundleFrame& frame : solution.frames) {
-    const FrameFit f = fit_frame(site, solution.scene, frame);
-    if (!f.ok) continue;
-    fit.chi2 += f.chi2_sum;
-    fit.dof += f.dof;
+// The two that lower chi2 most, if each in turn may move as `fall` has it; nothing from `least` on.
+std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips,
+                                                  double (*fall)(const ReferenceSlip&), double least) {
+  const ReferenceSlip* best = nullptr;
+  Suspect first;
+  for (const auto& [marker, slip] : slips) {
+    if (best != nullptr && !(fall(slip) > fall(*best))) continue;
+    best = &slip;
+    first.marker = marker;
   }
-  return fit;
+  if (best == nullptr || !(fall(*best) > least * best->unit())) return std::nullopt;
+  double second = 0.0;
+  for (const auto& [marker, slip] : slips) {
+    if (marker != first.marker) second = std::max(second, fall(slip) / best->unit());
+  }
+  first.fall = fall(*best) / best->unit();
+  return std::pair(first, second);
 }
 
 }  // namespace
@@ -55,20 +68,22 @@ ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> 
   std::vector<BundleFrame> few;
   for (const std::size_t k : key_frames(frames, kMostFrames)) few.push_back(frames[k]);
   const BundleSolution all = solve_bundle(site, few, prior, model);
-  const Fit whole = fit_of(site, all.frames, prior, model, &all.scene);
-  std::vector<std::pair<double, std::size_t>> falls;  // F, reference
+  std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
   for (const std::size_t r : references) {
-    const Fit rest = fit_of(site, without(all.frames, r), prior, model, &all.scene);
-    const auto rows = static_cast<double>(whole.dof - rest.dof);
-    if (rest.dof <= 0 || rows <= 0.0) continue;
-    falls.emplace_back((whole.chi2 - rest.chi2) / rows / (rest.chi2 / static_cast<double>(rest.dof)), r);
+    if (const auto slip = slip_of(site, all.frames, prior, model, all.scene, r)) slips.emplace_back(r, *slip);
   }
-  std::sort(falls.rbegin(), falls.rend());
-  if (falls.empty() || falls.front().first < kMoves) return verdict;
-  if (verdict.verified && falls.front().first > kClearly * falls[1].first)
-    verdict.moved = falls.front().second;
-  else
-    verdict.doubtful = true;
+  const auto judge = [&](std::size_t marker, bool clear) {
+    if (verdict.verified && clear)
+      verdict.moved = marker;
+    else
+      verdict.doubtful = true;
+  };
+  const auto step = [](const ReferenceSlip& s) { return s.step_fall; };
+  const auto way = [](const ReferenceSlip& s) { return s.free_fall / static_cast<double>(std::max(1L, s.free_rows)); };
+  if (const auto slipped = suspect(slips, step, kSlips))
+    judge(slipped->first.marker, slipped->first.fall - slipped->second > kClearly);
+  else if (const auto moved = suspect(slips, way, kMoves))
+    judge(moved->first.marker, moved->first.fall > kClearlyMoves * moved->second);
   return verdict;
 }
 

@@ -99,14 +99,14 @@ void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, c
 
 // A template learned from one picture reads the scale of its print no better than this at the print's edge: what it
 // cannot hold, harmonics beyond the pixels', is odd about every printed edge and passes for a little scale. Noise-free
-// runs show 0.016 px; it is the same in all frames, so the bundle cannot see it.
-constexpr double kTemplateEdgePx = 0.016;
-// It is learned through the lens as it is known then. Of one that is not, a print's own bend of some hundredths of a
-// pixel leaks into its scale, for its window is not of whole pitches (-1 % at the corner: 0.04 px), in all references
-// alike, and from scales at the picture's sides against those in its middle the bundle would take a lens. Only
+// pictures show 0.0004 px at pitches of 29 px, 0.0025 px at 14 px; it is the same in all frames, so the bundle cannot
+// see it.
+constexpr double kTemplateEdgePx = 0.003;
+// It is learned through the lens as it is known then. Of one that is not, a print's own bend leaks into its scale, for
+// its window is not of whole pitches (-2 % at the small rig's corner: 0.004 px; -3 % at the rig's: 0.002 px). Only
 // references are so far outside; a target's scale also multiplies its displacement, which knows nothing of how its
 // template was learned.
-constexpr double kUnknownLensEdgePx = 0.08;
+constexpr double kUnknownLensEdgePx = 0.005;
 
 // One run's way from observations to samples.
 class Precise {
