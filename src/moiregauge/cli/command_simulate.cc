@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/command_simulate.h"
 
-#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "moiregauge/cli/exit_line.h"
-#include "moiregauge/cli/progress.h"
-#include "moiregauge/io/png_file.h"
+#include "moiregauge/cli/simulate_pictures.h"
 #include "moiregauge/io/scenario_file.h"
 #include "moiregauge/io/site_file.h"
 #include "moiregauge/io/truth_file.h"
@@ -36,6 +31,9 @@ struct SimulateWords {
   std::vector<std::string> settings;
   std::optional<std::uint64_t> seed;
   std::optional<long> frames;
+  std::string codec;
+  std::optional<int> quality;
+  std::optional<int> gop;
   int threads = 0;
   bool markers_only = false;
   bool list = false;
@@ -81,48 +79,41 @@ bool is_free(const fs::path& output) {
          fs::exists(output / "truth-camera.toml", ignored);
 }
 
-Expected<void> clear(const fs::path& output) {
+Expected<void> clear(const fs::path& output, bool for_video) {
   std::error_code error;
   fs::remove_all(output / "frames", error);
-  fs::remove(output / "truth.csv", error);
-  fs::create_directories(output / "frames", error);
+  for (const char* name : {"truth.csv", "video.mkv", "video.mp4"}) fs::remove(output / name, error);
+  fs::create_directories(for_video ? output : output / "frames", error);
   if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
   return {};
 }
 
-// Frames side by side: packing a PNG takes longer than drawing it. The first error stops the rest.
-Expected<void> write_frames(const Scenario& scenario, const SimulateWords& words, const fs::path& output) {
-  const simulator::RenderOptions options{
-      .threads = 1, .area = words.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame};
-  Progress progress("simulating", words.quiet);
-  std::mutex mutex;
-  std::optional<std::string> problem;
-  std::atomic<bool> failed{false};
-  long done = 0;
-  tbb::task_arena arena(words.threads > 0 ? words.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::parallel_for(0L, scenario.frames, [&](long frame) {
-      if (failed) return;
-      const auto picture = simulator::render(scenario, frame, options);
-      const auto path = output / "frames" / fmt::format("{:06d}.png", frame);
-      const auto written = write_png(path.string(), simulator::view_of(picture), scenario.sensor.bits);
-      const std::scoped_lock lock(mutex);
-      progress.show(++done, scenario.frames);
-      if (written) return;
-      failed = true;
-      if (!problem) problem = written.error();
-    });
-  });
-  if (problem) return tl::unexpected(*problem);
-  return {};
+// What --codec, --quality and --gop ask for.
+Expected<std::optional<VideoFormat>> video_of(const SimulateWords& words, const Scenario& scenario) {
+  if (words.codec.empty()) {
+    if (words.quality || words.gop)
+      return tl::unexpected(std::string("--quality and --gop belong to a video: add --codec"));
+    return std::nullopt;
+  }
+  const auto codec = codec_named(words.codec);
+  if (!codec) return tl::unexpected(fmt::format("no such codec: {}: ffv1, x264 or mjpeg", words.codec));
+  if (words.gop && *codec != VideoCodec::kX264) return tl::unexpected(std::string("--gop is for x264: leave it out"));
+  VideoFormat format{*codec, words.quality};
+  format.gop = words.gop.value_or(format.gop);
+  format.width = scenario.camera.width;
+  format.height = scenario.camera.height;
+  format.bits = scenario.sensor.bits;
+  format.fps = scenario.sensor.fps;
+  if (const auto problem = problem_with(format)) return tl::unexpected("bad --codec: " + *problem);
+  return format;
 }
 
 // The truth comes last: a folder with truth.csv in it is whole.
-Expected<void> write_all(const Scenario& scenario, const SimulateWords& words, const fs::path& output) {
-  return clear(output)
+Expected<void> write_all(const Scenario& scenario, const PicturesPlan& plan, const fs::path& output) {
+  return clear(output, plan.video.has_value())
       .and_then([&] { return write_text((output / "truth-camera.toml").string(), truth_camera_toml(scenario)); })
       .and_then([&] { return write_text((output / "site.toml").string(), write_site(simulator::site_of(scenario))); })
-      .and_then([&] { return write_frames(scenario, words, output); })
+      .and_then([&] { return write_pictures(scenario, plan, output.string()); })
       .and_then([&] { return write_text((output / "truth.csv").string(), truth_csv(scenario)); });
 }
 
@@ -141,13 +132,21 @@ int run(const SimulateWords& words) {
     return fail(Exit::kUsage, "no scenario: simulate: name one of moiregauge simulate --list or a file");
   const auto scenario = scenario_of(words);
   if (!scenario) return fail(Exit::kUsage, scenario.error());
+  const auto video = video_of(words, *scenario);
+  if (!video) return fail(Exit::kUsage, video.error());
   const fs::path output = words.output.empty() ? default_folder(words.scenario) : fs::path(words.output);
   if (!is_free(output)) {
     return fail(Exit::kUsage,
                 fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
                             output.string()));
   }
-  if (const auto written = write_all(*scenario, words, output); !written) {
+  const PicturesPlan plan{
+      .video = *video,
+      .area = words.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame,
+      .threads = words.threads,
+      .quiet = words.quiet,
+  };
+  if (const auto written = write_all(*scenario, plan, output); !written) {
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   }
@@ -167,6 +166,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->expected(1);
   command->add_option("--seed", words->seed, "Another draw of the noise (default 1)");
   command->add_option("--frames", words->frames, "Stop after so many frames");
+  command->add_option("--codec", words->codec, "Write a video, not pictures: ffv1 (lossless), x264 or mjpeg");
+  command->add_option("--quality", words->quality, "x264: rate factor, 0 to 51 (23); mjpeg: quantiser, 2 to 31 (3)");
+  command->add_option("--gop", words->gop, "x264: frames between key frames at most (250); 1: key frames only");
   command->add_option("--threads", words->threads, "Threads (default: all); never changes a byte")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--markers-only", words->markers_only, "Draw the markers' windows, the rest one flat grey");

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include <fmt/format.h>
+
+#include "moiregauge/encoder/video_writer.h"
+
+namespace moiregauge {
+namespace {
+
+struct Row {
+  VideoCodec codec;
+  const char* word;
+  const char* file_name;
+  int lowest, highest;  // quality; 0, 0: there is none to choose
+};
+
+constexpr std::array kRows{Row{VideoCodec::kFfv1, "ffv1", "video.mkv", 0, 0},
+                           Row{VideoCodec::kX264, "x264", "video.mp4", 0, 51},
+                           Row{VideoCodec::kMjpeg, "mjpeg", "video.mkv", 2, 31}};
+
+const Row& row_of(VideoCodec codec) {
+  for (const Row& row : kRows) {
+    if (row.codec == codec) return row;
+  }
+  return kRows.front();
+}
+
+}  // namespace
+
+const char* word_for(VideoCodec codec) { return row_of(codec).word; }
+const char* file_name_for(VideoCodec codec) { return row_of(codec).file_name; }
+
+std::optional<VideoCodec> codec_named(const std::string& word) {
+  for (const Row& row : kRows) {
+    if (row.word == word) return row.codec;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> problem_with(const VideoFormat& format) {
+  const Row& row = row_of(format.codec);
+  const bool is_lossless = format.codec == VideoCodec::kFfv1;
+  if (format.bits > 8 && !is_lossless) {
+    return fmt::format("pictures of {} bits: {} holds 8; take ffv1", format.bits, row.word);
+  }
+  if (!is_lossless && (format.width % 2 != 0 || format.height % 2 != 0)) {
+    return fmt::format("a picture of {}x{} px: {} needs even numbers; take ffv1", format.width, format.height,
+                       row.word);
+  }
+  if (format.quality && is_lossless) return std::string("ffv1 has no quality to choose: it is lossless");
+  if (format.quality && (*format.quality < row.lowest || *format.quality > row.highest)) {
+    return fmt::format("a quality of {}: {} takes {} to {}", *format.quality, row.word, row.lowest, row.highest);
+  }
+  if (format.gop < 1) return std::string("key frames 0 apart: 1 or more");
+  return std::nullopt;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// A fixed part of the fault corpus, a sequence or two of every mode: nothing that is wrong passes for right, and
+// nothing right for wrong. tools/fault-study measures the whole corpus (docs/accuracy.md).
+#include <cstddef>
+
+#include <gtest/gtest.h>
+
+#include "faults/fault_run.h"
+
+namespace moiregauge::faults {
+namespace {
+
+class EveryMode : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(EveryMode, TellsNoSilentLie) {
+  const Mode& mode = modes()[GetParam()];
+  // The strength in the middle, with a seed of its own: layouts, lenses and cameras differ from mode to mode.
+  const std::size_t strength = mode.strengths.size() / 2;
+  const int seed = static_cast<int>(GetParam()) + 40;
+  const Verdict verdict = verdict_on(sequence_of(mode, strength, seed), testing::TempDir());
+  EXPECT_GT(verdict.rows, 0);
+  EXPECT_EQ(verdict.lies, 0) << mode.strengths[strength].words << ", seed " << seed << ": an error of "
+                             << verdict.worst_u << " u, " << verdict.worst_um << " um in a row called ok";
+  if (mode.clean) {
+    EXPECT_EQ(verdict.ok, verdict.rows) << testing::PrintToString(verdict.statuses) << verdict.refusal;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Corpus, EveryMode, testing::Range(std::size_t{0}, modes().size()), [](const auto& param) {
+  std::string name = modes()[param.param].name;
+  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  return name;
+});
+
+}  // namespace
+}  // namespace moiregauge::faults
