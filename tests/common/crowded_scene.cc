@@ -152,8 +152,8 @@ CrowdedScene crowded_scene(std::uint64_t seed, Fault fault) {
   s.markers.back().dx = up_to(0.6);
   s.markers.back().dy = up_to(1.7);
   point_the_camera(s, dice, scene.roll_deg);
-  s.light.slope_x = dice.between(-0.25, 0.25);
-  s.light.slope_y = dice.between(-0.25, 0.25);
+  s.light.slope_x.offset = dice.between(-0.25, 0.25);
+  s.light.slope_y.offset = dice.between(-0.25, 0.25);
   s.light.vignetting = dice.between(0.0, 0.25);
   s.sensor.noise_sigma = dice.between(0.5, 3.0);
   SceneMarker spare;

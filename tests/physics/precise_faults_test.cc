@@ -85,6 +85,42 @@ TEST(PreciseFaults, WhatIsCoveredIsNotMeasuredAndItsOrderIsRightAfterwards) { ex
 
 TEST(PreciseFaults, WithAKnownCameraThreeReferencesCarryOn) { expect_only_lost(covered(true), true); }
 
+// A sheet's paper is 10 mm wide to each side of the print: of the target's 60 mm a share of 0.17 hides no print.
+TEST(PreciseFaults, ATargetOfWhichALittleIsCoveredIsMeasuredByTheRestAndSaysSo) {
+  for (const double share : {0.19, 0.22, 0.3}) {
+    auto scenario = scene("small-1xyz");
+    auto& target = *std::ranges::find(scenario.markers, "mid", [](const auto& m) { return m.print.name; });
+    target.cover.frames = {{4, 8}};
+    target.cover.share = share;
+    const auto run = precisely(scenario, {.frames = 12});
+    for (const Sample& s : run.samples) {
+      if (s.frame < 4 || s.frame >= 8) EXPECT_EQ(s.status, Status::kOk) << s.frame;
+      else EXPECT_NE(s.status, Status::kOk) << share << ' ' << s.frame;
+    }
+    for (std::size_t k = 0; k < run.error_x_um.size(); ++k) {
+      EXPECT_LT(std::abs(run.error_x_um[k]), 5.0 * run.u_x_um[k]) << share;
+      EXPECT_LT(std::abs(run.error_y_um[k]), 5.0 * run.u_y_um[k]) << share;
+    }
+  }
+}
+
+// It learns the template of the part that it shows then, or is not measured.
+TEST(PreciseFaults, AMarkerThatWasCoveredInTheReferenceFrameNeverLies) {
+  for (const char* name : {"mid", "NE"}) {
+    for (const double share : {0.22, 0.3, 0.4}) {
+      auto scenario = scene("small-1xyz");
+      auto& marker = *std::ranges::find(scenario.markers, name, [](const auto& m) { return m.print.name; });
+      marker.cover.frames = {{0, 1}};
+      marker.cover.share = share;
+      const auto run = precisely(scenario, {.frames = 8});
+      for (std::size_t k = 0; k < run.error_x_um.size(); ++k) {
+        EXPECT_LT(std::abs(run.error_x_um[k]), 5.0 * run.u_x_um[k]) << name << ' ' << share;
+        EXPECT_LT(std::abs(run.error_y_um[k]), 5.0 * run.u_y_um[k]) << name << ' ' << share;
+      }
+    }
+  }
+}
+
 TEST(PreciseFaults, ARollingShutterIsNamedAndNothingIsSolvedThroughIt) {
   auto scenario = scene("small-1xyz");
   scenario.sensor.readout_s = 0.02;

@@ -43,6 +43,7 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
   const PatchReading& then = reference.seen.markers[i].patch;
   const Status sharp = sharpness(then, seen.patch);
   if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
+  if (seen.cover != Cover::kNone) return Status::kPartlyCovered;
   const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i]);
   return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;
 }

@@ -24,7 +24,7 @@ template <> inline constexpr std::size_t kFields<Camera> = 11;
 
 // One frame.
 template <> inline constexpr std::size_t kFields<Observation> = 8;
-template <> inline constexpr std::size_t kFields<MarkerObservation> = 6;
+template <> inline constexpr std::size_t kFields<MarkerObservation> = 7;
 template <> inline constexpr std::size_t kFields<SeenCircle> = 9;
 template <> inline constexpr std::size_t kFields<PatchReading> = 10;
 template <> inline constexpr std::size_t kFields<PatchFit> = 10;
@@ -34,7 +34,8 @@ template <> inline constexpr std::size_t kFields<Reference> = 12;
 template <> inline constexpr std::size_t kFields<CirclePoint> = 4;
 template <> inline constexpr std::size_t kFields<View> = 2;
 template <> inline constexpr std::size_t kFields<RasterPlan> = 10;
-template <> inline constexpr std::size_t kFields<PrintModel> = 6;
+template <> inline constexpr std::size_t kFields<PrintModel> = 7;
+template <> inline constexpr std::size_t kFields<PrintMisses> = 2;
 template <> inline constexpr std::size_t kFields<PatchAtRest> = 3;
 template <> inline constexpr std::size_t kFields<Outline> = 4;
 template <> inline constexpr std::size_t kFields<PatchWindow> = 3;
@@ -84,6 +85,15 @@ template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
     case Loss::kNoModulation:
     case Loss::kCovered:
     case Loss::kTooCoarse:
+      return true;
+  }
+  return false;
+}
+[[nodiscard]] constexpr bool is_known(Cover cover) {
+  switch (cover) {
+    case Cover::kNone:
+    case Cover::kNow:
+    case Cover::kAtRest:
       return true;
   }
   return false;

@@ -15,12 +15,16 @@ namespace moiregauge {
 // Why a marker has no reading in a frame. The words of displacement.csv's `status` are made of these by `displacement`.
 enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kCovered, kTooCoarse };
 
+// Does something lie over a part of the print? At rest: in the reference frame it did, and now does not.
+enum class Cover { kNone, kNow, kAtRest };
+
 struct MarkerObservation {
   std::optional<SeenCircle> circle;        // px, as displayed
   std::optional<PatchFit> points;          // of `precise`: what nine pixels show of the print
   PatchReading patch;                      // in the raster of the method's last stage for this marker
   Extent<frame::Board> window_shift;       // by which the raster followed a travelling target, mm
   Loss loss = Loss::kNone;
+  Cover cover = Cover::kNone;              // of `precise`; the points are then those of the part that is free
   Order order = Order::kUnproven;          // of `precise`: the whole pitch it stands in
 };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "moiregauge/observation/cover.h"
 #include "moiregauge/observation/follow_marker.h"
 #include "moiregauge/observation/observe.h"
 #include "moiregauge/observation/patch_of_points.h"
@@ -77,14 +78,30 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   const bool may_have_slipped = !is_target && seen.loss == Loss::kCovered;
   if (seen.loss != Loss::kNone && !may_have_slipped) return;
   const auto d = is_target || may_have_slipped ? moved(reference, seen, i) : Extent<frame::Board>{};
-  const auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, *reference.prints[i]);
+  const PrintModel& print = *reference.prints[i];
+  auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, print);
   if (!points) return;
-  if (may_have_slipped) {
-    const auto& at_rest = reference.seen.markers[i].points;
-    if (!at_rest || !is_whole(*points, *at_rest, *reference.prints[i])) return;
-    seen.loss = Loss::kNone;
+  const auto& at_rest = reference.seen.markers[i].points;
+  if (!at_rest) {  // this is the reference frame
+    seen.points = *std::move(points);
+    return;
   }
-  seen.points = *points;
+  const CoveredBlocks covered = blocks_covered(picture.luma, print, *at_rest, *points);
+  if (covered.any_now) {
+    auto free = free_points(picture.luma, print, *at_rest, *points, covered.now);
+    if (!free) {
+      seen.loss = Loss::kCovered;
+      return;
+    }
+    *points = *std::move(free);
+  } else if (may_have_slipped && !is_whole(*points, *at_rest, print)) {
+    return;
+  }
+  seen.cover = covered.any_now ? Cover::kNow : covered.any_then ? Cover::kAtRest : Cover::kNone;
+  if (may_have_slipped)
+    seen.patch = patch_of_points(reference, i, *points, motion_of_points(reference, view, i, *points), {});
+  seen.loss = Loss::kNone;
+  seen.points = *std::move(points);
 }
 
 }  // namespace
@@ -99,6 +116,8 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
     if (!learned) continue;
     reference.prints[i] = *std::move(learned);
     read(picture, reference, reference.view, i, seen);
+    PrintModel& print = *reference.prints[i];
+    if (seen.points) print.misses = misses_of(picture.luma, *seen.points, print.window, print.print);
   }
 }
 

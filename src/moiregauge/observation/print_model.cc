@@ -190,7 +190,7 @@ class Learning {
     PatchFitOptions options;
     options.along_x = px > kNoSlope * py;
     options.along_y = py > kNoSlope * px;
-    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}};
+    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}, {}};
     auto fitted = fit_patch(*luma_, map_, window_, model_->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
     fit_ = std::move(fitted->fit);

@@ -8,6 +8,7 @@
 
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/observation/outline.h"
+#include "moiregauge/observation/print_misses.h"
 #include "moiregauge/phase/patch_fit.h"
 #include "moiregauge/site/site.h"
 
@@ -29,6 +30,7 @@ struct PrintModel {
   // From the print coordinates that the site gives through a view to those found: where the site's places are off by
   // millimetres the view is stretched by per cents, the same in every frame, and a fit should not begin there.
   PrintFromPrint correction;
+  PrintMisses misses;  // in the reference frame
 };
 
 // Kept clear of the print's edge: three sigma of a PSF with its pixel box, as the rasters do.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "moiregauge/observation/cover.h"
 #include "moiregauge/observation/disc_centre.h"
 #include "moiregauge/observation/patch_of_points.h"
 
@@ -49,6 +50,8 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
   if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) ||
       !is_whole(*fit, *reference.seen.markers[i].points, print))
     return std::nullopt;
+  const CoveredBlocks covered = blocks_covered(picture.luma, print, *reference.seen.markers[i].points, *fit);
+  if (covered.any_now || covered.any_then) return std::nullopt;
   return *std::move(fit);
 }
 
