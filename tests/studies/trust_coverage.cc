@@ -90,6 +90,14 @@ void tell(const TrustScenario& kind, const Tally& tally) {
   std::fprintf(stderr, "\n");
 }
 
+void tell(const TrustScenario& kind, int number, const test::MeasuredRun& run) {
+  const Scene scene = run.solution.scene.value_or(Scene{});
+  std::fprintf(stderr, "  %s %d: error %.2f %.2f u %.2f %.2f; %s chi2/dof %.2f f %.0f k1 %.3f k2 %.2f, %zu rows %s\n",
+               kind.name.c_str(), number, test::rms(run.error_x_um), test::rms(run.error_y_um), test::rms(run.u_x_um),
+               test::rms(run.u_y_um), scene.model.name().c_str(), scene.chi2_dof, scene.camera.fx, scene.camera.k1,
+               scene.camera.k2, run.error_x_um.size(), scene.problem.c_str());
+}
+
 }  // namespace
 
 void print_coverage(int runs, const std::string& only, bool verbose) {
@@ -104,7 +112,10 @@ void print_coverage(int runs, const std::string& only, bool verbose) {
       return test::measured(run.scenario, run.plan);
     });
     Tally tally;
-    for (const auto& run : measured) add(tally, run);
+    for (std::size_t n = 0; n < measured.size(); ++n) {
+      add(tally, measured[n]);
+      if (verbose) tell(kind, static_cast<int>(n), measured[n]);
+    }
     const auto size = [](const Axis& a) { return fmt::format("{:.2f}, {:.2f}", test::rms(a.error), test::rms(a.u)); };
     fmt::print("| {} | {} | {} | {}, {:.1f} % | {} | {} | {} | {} | {} | {} |\n", kind.name, kind.what, runs,
                tally.rows, 100.0 * tally.ok / std::max(1, tally.rows), coverage(tally.x), coverage(tally.y),

@@ -40,6 +40,25 @@ long rows_of(std::span<const BundleFrame> frames) {
   return 2 * kPatchPoints * patches;
 }
 
+constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
+
+// Heights and depths cost nothing beyond what their priors ask, which is in the cost: left out where they are true they
+// bend the lens, and u, which is stated with them, would be about another scene. Solved from all there is, a scene
+// also leaves a valley into which too small a model has led it.
+BundleSolution with_shapes(const Bundle& bundle, BundleSolution best, int side, double price) {
+  BundleSolution all = bundle.solve(kEverything, best.scene, best.frames);
+  SceneModel model = best.scene.model;
+  model.heights = model.depth = true;
+  BundleSolution same_lens = bundle.solve(model, all.scene, all.frames);
+  const double due = price * (count(free_camera(kEverything)) - count(free_camera(model)));
+  const auto is_better = [&](const BundleSolution& s, double by) {
+    return is_sane(s.scene, side) && best.scene.penalised_cost - s.scene.penalised_cost > by;
+  };
+  if (is_better(same_lens, 0.0)) best = std::move(same_lens);
+  if (is_better(all, due)) best = std::move(all);
+  return best;
+}
+
 // A model whose first step should gain no more than this part of its price is not solved.
 constexpr double kLeastPrediction = 0.25;
 
@@ -69,7 +88,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return best;
+  return with_shapes(bundle, std::move(best), side, price);
 }
 
 std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {
@@ -79,8 +98,6 @@ std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) 
 }
 
 // What is left when everything is free is the print's: a height or a depth left out must not pass for it.
-constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
-
 double print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
                       const ScenePrior& prior) {
   BundleSolution largest = solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Stands);

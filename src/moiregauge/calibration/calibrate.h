@@ -21,10 +21,10 @@ struct Calibration {
   ShutterTest shutter;
 };
 
-// Solves the models in ascending order (plane; + radial; + tangential; + heights; + depth), each from where the last
-// one ended, and takes a larger one only when the full cost, data plus priors, falls by more than its parameters
-// explain (Schwarz 1978: ln(rows) each). chi2 of the data alone would pass a flat model that bends a print scale to
-// fit.
+// Solves the models of the lens in ascending order (plane; + radial; + tangential), each from where the last one ended,
+// and takes a larger one only when the full cost, data plus priors, falls by more than its parameters explain (Schwarz
+// 1978: ln(rows) each). chi2 of the data alone would pass a flat model that bends a print scale to fit. Heights of the
+// references and depths of the targets are always solved: their priors are the site's word, and all the price they pay.
 [[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
 
 // `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.

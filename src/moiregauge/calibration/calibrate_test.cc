@@ -119,7 +119,7 @@ TEST(Calibrate, TheLensIsSolvedFromTheFootageToTheNoiseOfItsPoints) {
   const Scene& scene = solved.bundle.scene;
   ASSERT_TRUE(scene.solved) << scene.problem << ", seed " << kSeed;
   EXPECT_TRUE(scene.model.radial);
-  EXPECT_FALSE(scene.model.depth) << "nothing stands off the plane";
+  EXPECT_FALSE(scene.model.tangential) << "the lens has none";
   EXPECT_NEAR(scene.chi2_dof, 1.0, 0.15);
   const FrameFit then = fit_frame(site, scene, solved.bundle.frames.front());
   for (std::size_t k = 1; k < run.frames.size(); ++k) {
