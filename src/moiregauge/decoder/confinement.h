@@ -18,8 +18,7 @@ void limit_resources(std::int64_t max_pixels);
 
 // The filter of system calls (seccomp), for all threads and for good. Calls that an honest library makes in passing
 // (to open a file, to ask for its status) fail with EPERM; those that only an intruder makes (to execute, to fork, to
-// open a socket, to signal others) end the process with SIGSYS. Under the sanitizers, which print their findings,
-// writing to stderr is allowed too.
+// open a socket, to signal others) end the process with SIGSYS. The sanitizers get a few calls more.
 // Returns why the kernel would not have it: the child is then held by limit_resources alone.
 [[nodiscard]] std::optional<std::string> filter_system_calls();
 

@@ -59,11 +59,12 @@ VideoProblem no_video(int file) {
     return {InputErrorKind::kDamaged, "the video has no index (the recording was cut off)",
             "try a repair tool; nothing is measured"};
   }
-  const bool is_allowed = found.empty() || std::string_view(kContainers).find(found) != std::string_view::npos;
+  const std::string first = found.substr(0, found.find(','));  // libav lists a format's names
+  const bool is_allowed = std::string_view(kContainers).find(first) != std::string_view::npos;
   return {InputErrorKind::kUnsupported,
           found == "text" || is_allowed
-              ? fmt::format("no video{}", found.empty() ? "" : fmt::format(" (found: {})", found))
-              : fmt::format("input type '{}' is not allowed", found),
+              ? fmt::format("no video{}", first.empty() ? "" : fmt::format(" (found: {})", first))
+              : fmt::format("input type '{}' is not allowed", first),
           "give a whole mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of pictures"};
 }
 

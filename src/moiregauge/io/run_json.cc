@@ -170,7 +170,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
   json["references_verified"] = measurement.references_verified;
   json["warnings"] = measurement.warnings;
   json["exit_code"] = static_cast<int>(measurement.exit);
-  json["complete"] = !measurement.interrupted;
+  json["complete"] = !measurement.interrupted && !measurement.input_damaged;
   return json;
 }
 
