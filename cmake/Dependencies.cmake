@@ -45,3 +45,7 @@ find_path(TOML11_INCLUDE toml.hpp PATH_SUFFIXES toml11 REQUIRED)
 add_library(moiregauge_images INTERFACE)
 target_link_libraries(moiregauge_images INTERFACE PkgConfig::IMAGES)
 target_include_directories(moiregauge_images SYSTEM INTERFACE ${TOML11_INCLUDE})
+
+pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
+add_library(moiregauge_hdf5 INTERFACE)
+target_link_libraries(moiregauge_hdf5 INTERFACE PkgConfig::HDF5)

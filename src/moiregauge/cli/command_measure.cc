@@ -19,31 +19,42 @@
 #include "moiregauge/cli/report_lines.h"
 #include "moiregauge/drawing/overlay.h"
 #include "moiregauge/drawing/overlay_inspection.h"
+#include "moiregauge/io/file_hash.h"
+#include "moiregauge/io/picture_source.h"
 #include "moiregauge/io/run_directory.h"
 #include "moiregauge/io/stabilised_folder.h"
+#include "moiregauge/io/unfinished_run.h"
+#include "moiregauge/version.h"
 
 namespace moiregauge::cli {
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-void on_interrupt(int) { interrupted = 1; }
+void on_interrupt(int signal) {
+  if (interrupted != 0) std::signal(signal, SIG_DFL), std::raise(signal);  // takes effect when we return
+  interrupted = 1;
+}
 
-// Ctrl-C ends the run after the frame at hand; a second one kills as usual.
+// Ctrl-C, or a polite request to end, ends the run after the frame at hand; a second one kills as usual.
 class InterruptGuard {
  public:
   InterruptGuard() {
     struct sigaction action {};
     action.sa_handler = on_interrupt;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, &old_);
+    sigaction(SIGINT, &action, &old_interrupt_);
+    sigaction(SIGTERM, &action, &old_terminate_);
   }
-  ~InterruptGuard() { sigaction(SIGINT, &old_, nullptr); }
+  ~InterruptGuard() {
+    sigaction(SIGINT, &old_interrupt_, nullptr);
+    sigaction(SIGTERM, &old_terminate_, nullptr);
+  }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
  private:
-  struct sigaction old_ {};
+  struct sigaction old_interrupt_ {};
+  struct sigaction old_terminate_ {};
 };
 
 std::vector<std::uint8_t> overlay_of(const ImageView<std::uint8_t>& picture, const Reference& reference) {
@@ -87,6 +98,23 @@ std::optional<std::string> stabilised_problem(const MeasureWords& words, const s
                      words.stabilised, output);
 }
 
+RunStart start_of(const MeasureWords& words, const InputOptions& input_options, const InputInfo& input) {
+  const auto files = files_of_input(words.input, input_options);
+  return {kVersion, files ? quick_fingerprint(*files) : std::string{}, words.fps, words.sequence, input};
+}
+
+Earlier earlier_of(const MeasureWords& words) {
+  return words.resume ? Earlier::kResume : words.restart ? Earlier::kRestart : Earlier::kAsk;
+}
+
+// The run is in its place, or in DIR.unfinished: says how it ended.
+int ended(const Measurement& measured, const MeasureOptions& options, const ReportWords& words) {
+  const int exit = report(measured, options, words);
+  if (!measured.interrupted) return exit;
+  return fail(Exit::kInterrupted, fmt::format("stopped at frame {}: the results so far are in {}: go on with --resume",
+                                              measured.observations.back().frame, words.output));
+}
+
 int run(const MeasureWords& words) {
   const auto options = understood(words);
   if (!options) return fail(Exit::kUsage, options.error().message);
@@ -100,7 +128,8 @@ int run(const MeasureWords& words) {
   Fingerprint fingerprint(words.input, input_options);
   tl::expected<Measurement, InputError> measured;
   Overlay overlay;  // of `measured`, so it must not outlive it
-  RunDirectory directory(output, [&](const Measurement&) { return overlay.get(); });
+  const RunPlace place = place_of_run(output);
+  RunDirectory directory(place, [&](const Measurement&) { return overlay.get(); });
   // A taken folder is found before, not after, hours of measuring.
   if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
     return fail(Exit::kUsage, free.error().message);
@@ -109,6 +138,9 @@ int run(const MeasureWords& words) {
     stabilised.emplace(words.stabilised);
     if (const auto begun = stabilised->open(); !begun) return fail_output(begun.error());
   }
+  UnfinishedRun journal(place);
+  auto so_far = journal.begin(start_of(words, input_options, (*opened)->info()), *options, earlier_of(words));
+  if (!so_far) return fail_output(so_far.error());
   FrameTimes times;
   // What was opened to look at is measured; --reference-frame asks for the input a second time.
   const auto open = [&]() -> tl::expected<std::unique_ptr<FrameSource>, InputError> {
@@ -119,13 +151,13 @@ int run(const MeasureWords& words) {
   {
     const InterruptGuard guard;
     Progress progress("measuring", words.quiet);
-    measured = watch(
-        open, *options,
-        [&](long done, long expected) {
-          progress.show(done, expected, times.waiting_share());
-          return interrupted == 0;
-        },
-        stabilised ? &*stabilised : nullptr);
+    measured = watch(open, *options,
+                     [&](long done, long expected) {
+                       progress.show(done, expected, times.waiting_share());
+                       return interrupted == 0;
+                     },
+                     {stabilised ? &*stabilised : nullptr, &journal, *std::move(so_far)});
+    if (const auto closed = journal.close(); !closed) return fail_output(closed.error());
     if (measured) {
       overlay = overlay_beside(*measured, *options, words.threads);
       conclude(*options, *measured);
@@ -133,11 +165,13 @@ int run(const MeasureWords& words) {
   }
   if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
   measured->input.sha256 = fingerprint.hex();
+  // Of a run that is stopped they are made when it goes on: then they are all there.
   const tl::expected<void, OutputError> pictures =
-      stabilised ? stabilised->finish() : tl::expected<void, OutputError>{};
+      stabilised && !measured->interrupted ? stabilised->finish() : tl::expected<void, OutputError>{};
   if (!pictures) measured->exit = Exit::kOutputUnwritable;  // the results are kept all the same
-  if (const auto written = directory.write(*measured, *options); !written) return fail_output(written.error());
-  const int exit = report(*measured, *options, {words.input, output, words.quiet, words.json});
+  const auto written = journal.end(*measured).and_then([&] { return directory.write(*measured, *options); });
+  if (!written) return fail_output(written.error());
+  const int exit = ended(*measured, *options, {words.input, directory.results(), words.quiet, words.json});
   return pictures ? exit : fail_output(pictures.error());
 }
 
@@ -183,6 +217,8 @@ void add_measure(CLI::App& app, int& exit_code) {
   command->add_option("--threads", words->threads, "threads to use; never changes a result")->type_name("N");
   add_max_pixels(*command, words->max_pixels);
   command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");
+  command->add_flag("--resume", words->resume, "go on with an unfinished run, if there is one");
+  command->add_flag("--restart", words->restart, "throw an unfinished run away, if there is one");
   command->add_flag("--quiet", words->quiet, "print nothing but errors");
   command->add_flag("--json", words->json, "print run.json on stdout");
   command->callback([words, &exit_code] { exit_code = run(*words); });

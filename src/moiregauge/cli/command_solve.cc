@@ -85,15 +85,34 @@ Done choose_rest(const SolveWords& words, MeasureOptions& options) {
   return {};
 }
 
+// A run that was killed has no end and no results yet: what was kept of it will do. Where there are results a file that
+// breaks off is damaged.
+tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
+  namespace fs = std::filesystem;
+  const std::string path = (fs::path(folder) / kRunFileName).string();
+  std::error_code error;
+  if (!fs::exists(path, error) || fs::exists(fs::path(folder) / "run.json", error)) return read_run(path);
+  auto kept = recover_run(path);
+  if (!kept) return tl::unexpected(kept.error());
+  if (kept->run.options.method == nullptr)
+    return tl::unexpected(
+        fmt::format("no observations: {}: the run was stopped before its first frame: measure again", path));
+  if (!kept->has_end)
+    kept->run.seen.notes.push_back(
+        fmt::format("the run was not finished: these are its first {} frames", kept->run.seen.observations.size()));
+  return std::move(kept->run);
+}
+
 int run(const SolveWords& words) {
-  auto stored = read_run((std::filesystem::path(words.run) / kRunFileName).string());
+  auto stored = run_in(words.run);
   if (!stored) return fail(Exit::kInputUnreadable, stored.error());
+  complete_markers(stored->seen);
   for (const Done& done :
        {choose_method(words, stored->options), choose_rest(words, stored->options), restate(words, *stored)}) {
     if (!done) return fail(Exit::kUsage, done.error().message);
   }
   const std::string output = words.output.empty() ? words.run : words.output;
-  RunDirectory directory = RunDirectory::solved_from(output, words.run);
+  RunDirectory directory = RunDirectory::solved_from(place_of_run(output), words.run);
   if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free) return fail_output(free.error());
   Measurement solved;
   static_cast<Seen&>(solved) = std::move(stored->seen);

@@ -112,6 +112,9 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
   const auto method = method_of(words.method);
   if (!method) return tl::unexpected(method.error());
   options.method = *method;
+  if (words.resume && words.restart)
+    return usage(
+        "--resume and --restart together: one goes on with an unfinished run, the other throws it away: leave one out");
   if (!words.pitch.empty() && !words.site.empty())
     return usage("--pitch and --site together: the site file states the pitch: leave one of them out");
   if (!words.axes.empty() && words.pitch.empty())

@@ -28,6 +28,8 @@ struct MeasureWords {
   std::string output;
   std::string stabilised;
   bool sequence = false;
+  bool resume = false;
+  bool restart = false;
   bool quiet = false;
   bool json = false;
   int threads = 0;

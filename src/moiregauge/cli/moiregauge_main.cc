@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program: a table of commands. Every command says what went wrong itself; what escapes it is our fault (exit 1).
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 
@@ -54,6 +55,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);           // a limit on the size of files is like a full disk: the write says so
   FLAGS_minloglevel = google::GLOG_FATAL;  // the bundle's solver writes of every step it shortens; we say how it ended
   try {
     return run(argc, argv);

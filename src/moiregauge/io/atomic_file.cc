@@ -32,15 +32,27 @@ bool open_up(int file) {
   return ::fchmod(file, 0666 & ~mask) == 0;
 }
 
-// Some file systems cannot sync a folder; the file itself is safe by then.
-void sync_folder(const std::filesystem::path& folder) {
-  const int file = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) return;
-  ::fsync(file);
+}  // namespace
+
+bool sync_file(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool synced = ::fsync(file) == 0;
+  const int why = errno;
   ::close(file);
+  errno = why;
+  return synced;
 }
 
-}  // namespace
+bool sync_folder(const std::string& folder) {
+  const int file = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return errno == EACCES;  // a folder one may write to but not list
+  const bool synced = ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP;
+  const int why = errno;
+  ::close(file);
+  errno = why;
+  return synced;
+}
 
 tl::expected<void, std::string> write_file_atomically(const std::string& path, std::string_view bytes) {
   std::string unfinished = path + ".XXXXXX";
@@ -63,7 +75,7 @@ tl::expected<void, std::string> write_file_atomically(const std::string& path, s
     ::unlink(unfinished.c_str());
     return failed(why);
   }
-  sync_folder(std::filesystem::path(path).parent_path());
+  if (!sync_folder(std::filesystem::path(path).parent_path().string())) return failed(errno);
   return {};
 }
 

@@ -12,4 +12,8 @@ namespace moiregauge {
 [[nodiscard]] std::string sha256_of_files(
     const std::vector<std::string>& paths, const std::function<bool()>& go_on = [] { return true; });
 
+// What tells one recording from another at a glance, without reading it all: how many files, how many bytes, and the
+// SHA-256 of the first megabyte of the first file and the last megabyte of the last one.
+[[nodiscard]] std::string quick_fingerprint(const std::vector<std::string>& paths);
+
 }  // namespace moiregauge

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DIR of a run: displacement.csv, run.json, run.mgj, overlay.png, of a solved scene camera.toml and site.toml; written
-// beside it under another name and renamed as a whole.
+// DIR of a run: displacement.csv, displacement.h5, run.json, run.mgj, overlay.png, of a solved scene camera.toml and
+// site.toml; written beside it under another name and put in its place as a whole.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "moiregauge/io/run_place.h"
 #include "moiregauge/run/result_sink.h"
 
 namespace moiregauge {
@@ -17,11 +18,12 @@ using DrawOverlay = std::function<std::vector<std::uint8_t>(const Measurement&)>
 
 class RunDirectory : public ResultSink {
  public:
-  RunDirectory(std::string path, DrawOverlay draw_overlay)
-      : path_(std::move(path)), draw_overlay_(std::move(draw_overlay)) {}
+  // For what was just measured: its run.mgj, whole, lies in DIR.unfinished (unfinished_run.h).
+  RunDirectory(RunPlace place, DrawOverlay draw_overlay)
+      : place_(std::move(place)), draw_overlay_(std::move(draw_overlay)) {}
   // For new results of what was measured into another folder, or the same: its run.mgj and overlay.png are kept.
-  [[nodiscard]] static RunDirectory solved_from(std::string path, std::string measured) {
-    RunDirectory directory(std::move(path), {});
+  [[nodiscard]] static RunDirectory solved_from(RunPlace place, std::string measured) {
+    RunDirectory directory(std::move(place), {});
     directory.solved_from_ = std::move(measured);
     return directory;
   }
@@ -30,12 +32,20 @@ class RunDirectory : public ResultSink {
   // an empty folder is left alone. Asked before measuring, so that hours are not lost.
   // The input's fingerprint takes a pass over all its bytes: it is asked for only where a run stands already.
   [[nodiscard]] tl::expected<void, OutputError> check(const std::function<std::string()>& input_sha256) const;
+  // What a run that was interrupted has so far stays in DIR.unfinished where a finished run stands in DIR.
   [[nodiscard]] tl::expected<void, OutputError> write(const Measurement& measurement, const MeasureOptions& options) override;
+  // After write(): where the results are, as the user would type it.
+  [[nodiscard]] std::string results() const { return place_.shown + (is_unfinished_ ? ".unfinished" : ""); }
 
  private:
-  std::string path_;
+  [[nodiscard]] tl::expected<void, std::string> put_files(const std::filesystem::path& dir,
+                                                          const Measurement& measurement,
+                                                          const MeasureOptions& options) const;
+  [[nodiscard]] OutputError unwritable(const std::string& why, const Measurement& measurement) const;
+  RunPlace place_;
   DrawOverlay draw_overlay_;
   std::string solved_from_;  // empty: just measured
+  bool is_unfinished_ = false;
 };
 
 }  // namespace moiregauge

@@ -23,13 +23,16 @@ struct RunEnd {
 };
 template <>
 inline constexpr std::size_t kFields<RunEnd> = 6;
+template <>
+inline constexpr std::size_t kFields<RunStart> = 5;
 
 namespace {
 
 // A first byte that is no text, line ends that a transfer as text would change.
 constexpr std::string_view kMagic{"\x8dMGJ\r\n\x1a\n", 8};
 constexpr std::size_t kWord = 4;  // bytes of a tag, a length, a check sum
-constexpr std::string_view kOptionsTag = "OPTN", kReferenceTag = "REFR", kObservationTag = "OBSV", kEndTag = "LAST";
+constexpr std::string_view kStartTag = "STRT", kOptionsTag = "OPTN", kReferenceTag = "REFR", kNotesTag = "NOTE",
+                           kObservationTag = "OBSV", kEndTag = "LAST";
 
 template <typename Value>
 void spell(LayoutSpeller& speller) {
@@ -39,6 +42,7 @@ void spell(LayoutSpeller& speller) {
 
 std::string made_header() {
   LayoutSpeller speller;
+  spell<RunStart>(speller);
   spell<MeasureOptions>(speller);
   spell<Reference>(speller);
   spell<Observation>(speller);
@@ -93,11 +97,13 @@ struct Record {
 
 class RecordReader {
  public:
-  RecordReader(std::istream& file, const std::string& path) : file_(file), path_(path), left_(size_of(file)) {}
+  RecordReader(std::istream& file, const std::string& path)
+      : file_(file), path_(path), size_(size_of(file)), left_(size_) {}
 
   tl::expected<void, std::string> begin() {
     const std::string& wanted = header();
     const std::string found = take(wanted.size());
+    is_cut_short_ = found.size() < wanted.size() && wanted.compare(0, found.size(), found) == 0;
     if (found.substr(0, kMagic.size()) != kMagic.substr(0, found.size()) || found.empty())
       return Problem(fmt::format("no observations: {}: it is not a file of moiregauge: give a run's folder", path_));
     if (found.size() < wanted.size()) return damaged(path_, "it breaks off");
@@ -119,9 +125,14 @@ class RecordReader {
     return record;
   }
   [[nodiscard]] bool is_finished() const { return left_ == 0; }
+  [[nodiscard]] bool is_cut_short() const { return is_cut_short_; }
+  [[nodiscard]] std::size_t place() const { return size_ - left_; }  // of the next record
 
  private:
-  tl::expected<Record, std::string> breaks_off() const { return damaged(path_, "it breaks off"); }
+  tl::expected<Record, std::string> breaks_off() {
+    is_cut_short_ = true;
+    return damaged(path_, "it breaks off");
+  }
   std::string take(std::size_t size) {
     std::string bytes = bytes_of(file_, std::min(size, left_));
     left_ -= bytes.size();
@@ -129,7 +140,9 @@ class RecordReader {
   }
   std::istream& file_;
   const std::string& path_;
+  std::size_t size_;
   std::size_t left_;
+  bool is_cut_short_ = false;
 };
 
 template <typename Value>
@@ -158,57 +171,78 @@ bool is_sound(const Reference& reference) {
          reference.plan_loss.size() == markers && (reference.prints.empty() || reference.prints.size() == markers);
 }
 
-bool is_sound(const StoredRun& run) {
-  if (run.options.method == nullptr || !is_sound(run.options.site)) return false;
-  if (!run.seen.reference) return true;
-  for (const Observation& seen : run.seen.observations) {
-    if (!fits(run.seen.reference->site, seen)) return false;
+// Takes records in, one after the other.
+class RunReader {
+ public:
+  // False where the record cannot be, or does not fit those before it. The run is then of no use any more, except
+  // that a frame which does not fit is not taken.
+  bool take(const Record& record) {
+    if (record.tag == kStartTag) return places_ == 0 && count_place() && read_whole(record.payload, run_.start);
+    if (record.tag == kOptionsTag) return places_ == 1 && count_place() && take_options(record.payload);
+    if (places_ < 2 || end_) return false;
+    if (record.tag == kReferenceTag) return take_reference(record.payload);
+    if (record.tag == kNotesTag) return take_notes(record.payload);
+    if (record.tag == kObservationTag) return take_frame(record.payload);
+    return record.tag == kEndTag && take_end(record.payload);
   }
-  return is_sound(*run.seen.reference);
-}
-
-// Takes one record in; false where it cannot be.
-bool take_in(const Record& record, StoredRun& run, std::optional<RunEnd>& end) {
-  if (record.tag == kOptionsTag) return read_whole(record.payload, run.options);
-  if (record.tag == kReferenceTag) return read_whole(record.payload, run.seen.reference.emplace());
-  if (record.tag == kObservationTag) return read_whole(record.payload, run.seen.observations.emplace_back());
-  return record.tag == kEndTag && read_whole(record.payload, end.emplace());
-}
-
-}  // namespace
-
-bool write_run(const Seen& seen, const MeasureOptions& options, const PutBytes& put) {
-  bool wrote = put(header()) && put(record(kOptionsTag, options));
-  if (seen.reference) wrote = wrote && put(record(kReferenceTag, *seen.reference));
-  for (std::size_t n = 0; wrote && n < seen.observations.size(); ++n)
-    wrote = put(record(kObservationTag, seen.observations[n]));
-  const RunEnd end{seen.input,         seen.notes,       seen.refusal,
-                   seen.input_damaged, seen.interrupted, seen.observations.size()};
-  return wrote && put(record(kEndTag, end));
-}
-
-tl::expected<StoredRun, std::string> parse_run(std::istream& file, const std::string& path) {
-  RecordReader records(file, path);
-  if (const auto begun = records.begin(); !begun) return Problem(begun.error());
-  StoredRun run;
-  std::optional<RunEnd> end;
-  while (!end) {
-    const auto record = records.next();
-    if (!record) return Problem(record.error());
-    if (!take_in(*record, run, end)) return damaged(path, "a record makes no sense");
+  [[nodiscard]] bool has_head() const { return places_ == 2; }
+  [[nodiscard]] bool has_end() const { return end_.has_value(); }
+  // What a run that did not end knows of its input is what it began with.
+  [[nodiscard]] StoredRun take_run() {
+    Seen& seen = run_.seen;
+    if (end_) {
+      seen.input = std::move(end_->input);
+      seen.notes = std::move(end_->notes);
+      seen.refusal = std::move(end_->refusal);
+      seen.input_damaged = end_->input_damaged;
+      seen.interrupted = end_->interrupted;
+    } else {
+      seen.input = run_.start.input;
+      seen.interrupted = true;
+    }
+    return std::move(run_);
   }
-  if (!records.is_finished()) return damaged(path, "something follows its last record");
-  if (end->observations != run.seen.observations.size()) return damaged(path, "frames are missing");
-  run.seen.input = std::move(end->input);
-  run.seen.notes = std::move(end->notes);
-  run.seen.refusal = std::move(end->refusal);
-  run.seen.input_damaged = end->input_damaged;
-  run.seen.interrupted = end->interrupted;
-  if (!is_sound(run)) return damaged(path, "its parts do not fit together");
-  return run;
-}
 
-tl::expected<StoredRun, std::string> read_run(const std::string& path) {
+ private:
+  bool count_place() { return ++places_ > 0; }
+  bool take_options(const std::string& payload) {
+    return read_whole(payload, run_.options) && run_.options.method != nullptr && is_sound(run_.options.site);
+  }
+  bool take_reference(const std::string& payload) {
+    Reference reference;
+    if (run_.seen.reference || !read_whole(payload, reference) || !is_sound(reference)) return false;
+    // Frames that went by before it know the site's markers, or none where it was made from the picture.
+    for (const Observation& seen : run_.seen.observations) {
+      if (!seen.markers.empty() && !fits(reference.site, seen)) return false;
+    }
+    run_.seen.reference = std::move(reference);
+    return true;
+  }
+  bool take_notes(const std::string& payload) {
+    std::vector<std::string> notes;
+    if (run_.seen.reference || !read_whole(payload, notes)) return false;
+    run_.seen.notes = std::move(notes);
+    return true;
+  }
+  bool take_frame(const std::string& payload) {
+    Observation seen;
+    if (!read_whole(payload, seen)) return false;
+    if (run_.seen.reference && !fits(run_.seen.reference->site, seen)) return false;
+    run_.seen.observations.push_back(std::move(seen));
+    return true;
+  }
+  bool take_end(const std::string& payload) {
+    RunEnd end;
+    if (!read_whole(payload, end) || end.observations != run_.seen.observations.size()) return false;
+    end_ = std::move(end);
+    return true;
+  }
+  StoredRun run_;
+  std::optional<RunEnd> end_;
+  int places_ = 0;  // of start and options, which come first
+};
+
+tl::expected<std::ifstream, std::string> opened(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return Problem(
@@ -216,7 +250,71 @@ tl::expected<StoredRun, std::string> read_run(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path, ignored))
     return Problem(fmt::format("no observations: {}: it cannot be read: check its permissions", path));
-  return parse_run(file, path);
+  return file;
+}
+
+}  // namespace
+
+std::string head_bytes(const RunStart& start, const MeasureOptions& options) {
+  return header() + record(kStartTag, start) + record(kOptionsTag, options);
+}
+
+std::string reference_bytes(const Reference& reference, const std::vector<std::string>& notes) {
+  return record(kNotesTag, notes) + record(kReferenceTag, reference);
+}
+
+std::string frame_bytes(const Observation& seen) { return record(kObservationTag, seen); }
+
+std::string end_bytes(const Seen& seen) {
+  return record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.input_damaged, seen.interrupted,
+                                seen.observations.size()});
+}
+
+tl::expected<StoredRun, std::string> parse_run(std::istream& file, const std::string& path) {
+  RecordReader records(file, path);
+  if (const auto begun = records.begin(); !begun) return Problem(begun.error());
+  RunReader run;
+  while (!run.has_end()) {
+    const auto record = records.next();
+    if (!record) return Problem(record.error());
+    if (!run.take(*record)) return damaged(path, "a record makes no sense");
+  }
+  if (!records.is_finished()) return damaged(path, "something follows its last record");
+  return run.take_run();
+}
+
+tl::expected<KeptRun, std::string> parse_kept_run(std::istream& file, const std::string& path) {
+  RecordReader records(file, path);
+  if (const auto begun = records.begin(); !begun) {
+    if (records.is_cut_short()) return KeptRun{};
+    return Problem(begun.error());
+  }
+  RunReader run;
+  KeptRun kept;
+  while (!run.has_end()) {
+    const auto record = records.next();
+    if (!record || !run.take(*record)) break;
+    if (!run.has_end()) kept.bytes = records.place();
+  }
+  if (!run.has_head()) {
+    if (records.is_cut_short()) return KeptRun{};
+    return damaged(path, "its head makes no sense");
+  }
+  kept.has_end = run.has_end() && records.is_finished();
+  kept.run = run.take_run();
+  return kept;
+}
+
+tl::expected<StoredRun, std::string> read_run(const std::string& path) {
+  auto file = opened(path);
+  if (!file) return Problem(file.error());
+  return parse_run(*file, path);
+}
+
+tl::expected<KeptRun, std::string> recover_run(const std::string& path) {
+  auto file = opened(path);
+  if (!file) return Problem(file.error());
+  return parse_kept_run(*file, path);
 }
 
 }  // namespace moiregauge

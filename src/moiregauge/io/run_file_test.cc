@@ -41,6 +41,8 @@ class Filler {
 StoredRun filled_run(std::size_t count) {
   StoredRun run;
   Filler filler(count);
+  run.start = {"0.1.0", "2 files", 10.0 / 3.0, true, {}};
+  store(filler, run.start.input);
   store(filler, run.options);
   run.options.method = method_named("precise");
   store(filler, run.seen.input);
@@ -59,17 +61,20 @@ StoredRun filled_run(std::size_t count) {
 }
 
 std::string bytes_of(const StoredRun& run) {
-  std::string bytes;
-  EXPECT_TRUE(write_run(run.seen, run.options, [&](std::string_view more) {
-    bytes += more;
-    return true;
-  }));
-  return bytes;
+  std::string bytes = head_bytes(run.start, run.options);
+  if (run.seen.reference) bytes += reference_bytes(*run.seen.reference, run.seen.notes);
+  for (const Observation& seen : run.seen.observations) bytes += frame_bytes(seen);
+  return bytes + end_bytes(run.seen);
 }
 
 tl::expected<StoredRun, std::string> parsed(const std::string& bytes) {
   std::istringstream file(bytes);
   return parse_run(file, "here/run.mgj");
+}
+
+tl::expected<KeptRun, std::string> kept_of(const std::string& bytes) {
+  std::istringstream file(bytes);
+  return parse_kept_run(file, "here/run.mgj");
 }
 
 TEST(Crc32, IsThatOfPng) { EXPECT_EQ(crc32("123456789"), 0xCBF43926U); }
@@ -124,6 +129,65 @@ TEST(RunFile, CutOffAnywhereIsAnError) {
     ASSERT_NE(read.error().find("here/run.mgj"), std::string::npos);
   }
   EXPECT_FALSE(parsed(whole + '\0'));
+}
+
+TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
+  StoredRun run = filled_run(1);
+  run.seen.observations.resize(3, run.seen.observations[0]);
+  const std::string whole = bytes_of(run), end = end_bytes(run.seen), frame = frame_bytes(run.seen.observations[0]);
+  const std::size_t head = head_bytes(run.start, run.options).size();
+  const std::size_t first = whole.size() - end.size() - 3 * frame.size();
+  for (std::size_t size = 0; size <= whole.size(); size += size < head ? 1 : 7) {
+    const auto kept = kept_of(whole.substr(0, size));
+    ASSERT_TRUE(kept) << size << ": " << kept.error();
+    ASSERT_EQ(kept->run.options.method == nullptr, size < head) << size;
+    const std::size_t frames = size < first ? 0 : std::min<std::size_t>((size - first) / frame.size(), 3);
+    ASSERT_EQ(kept->run.seen.observations.size(), frames) << size;
+    ASSERT_EQ(kept->run.seen.reference.has_value(), size >= first) << size;
+    ASSERT_EQ(kept->has_end, size == whole.size());
+    ASSERT_LE(kept->bytes, size);
+    if (size >= first) {
+      ASSERT_EQ(kept->bytes, first + frames * frame.size());
+      ASSERT_EQ(kept->run.seen.notes, run.seen.notes);
+    }
+  }
+}
+
+TEST(RunFile, OfADamagedFileTheFramesBeforeTheDamageAreKept) {
+  StoredRun run = filled_run(1);
+  run.seen.observations.resize(3, run.seen.observations[0]);
+  std::string bytes = bytes_of(run);
+  const std::size_t frame = frame_bytes(run.seen.observations[0]).size();
+  bytes[bytes.size() - end_bytes(run.seen).size() - frame / 2] ^= 1;  // in the last frame
+  const auto kept = kept_of(bytes + "more");
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->run.seen.observations.size(), 2U);
+  EXPECT_FALSE(kept->has_end);
+  bytes[20] ^= 1;  // in the head
+  EXPECT_FALSE(kept_of(bytes));
+  bytes[8] ^= 1;  // the version
+  EXPECT_NE(kept_of(bytes).error().find("another version"), std::string::npos);
+  EXPECT_FALSE(kept_of("frame,time_s,marker"));
+}
+
+// A site may be made from the first picture in which it is seen: until then nobody knows how many markers there are.
+TEST(RunFile, FramesMayGoByBeforeTheReferenceFrame) {
+  const StoredRun run = filled_run(2);
+  Observation before;
+  const auto order = [&](const Observation& first) {
+    Seen seen = run.seen;
+    seen.observations = {first, run.seen.observations[0]};
+    return parsed(head_bytes(run.start, run.options) + frame_bytes(first) +
+                  reference_bytes(*run.seen.reference, run.seen.notes) + frame_bytes(run.seen.observations[0]) +
+                  end_bytes(seen));
+  };
+  const auto read = order(before);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_TRUE(read->seen.observations[0].markers.empty());
+  before.markers.resize(2);
+  EXPECT_TRUE(order(before));
+  before.markers.resize(1);
+  EXPECT_FALSE(order(before));
 }
 
 TEST(RunFile, AnyByteThatChangedIsAnError) {

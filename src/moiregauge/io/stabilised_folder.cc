@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/stabilised_folder.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -44,7 +42,7 @@ std::string folder_name(const std::string& marker) {
 }  // namespace
 
 StabilisedFolder::StabilisedFolder(std::string path)
-    : path_(without_slash(path).string()), partial_(path_ + fmt::format(".partial-{}", ::getpid())) {}
+    : path_(without_slash(path).string()), partial_(path_ + ".unfinished") {}
 
 StabilisedFolder::~StabilisedFolder() {
   std::error_code ignored;
@@ -56,6 +54,7 @@ tl::expected<void, OutputError> StabilisedFolder::open() {
   if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
     return tl::unexpected(OutputError{
         true, fmt::format("folder is taken: {}: it is not empty: choose another with --stabilised", path_)});
+  fs::remove_all(partial_, error);  // of a run that was killed
   fs::create_directories(partial_, error);
   if (error) return tl::unexpected(unwritable(fmt::format("{}: {}", path_, error.message())));
   return {};

@@ -56,7 +56,16 @@ tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& pictur
 // The run's state while frames go by.
 class Run {
  public:
-  Run(const MeasureOptions& options, Measurement& out, FrameSink* frames) : options_(options), out_(out), frames_(frames) {}
+  // Of a run that goes on without a reference frame nothing is kept: it tries every frame again.
+  Run(const MeasureOptions& options, Measurement& out, WatchDoors doors)
+      : options_(options), out_(out), frames_(doors.frames), journal_(doors.journal) {
+    if (!doors.so_far.reference) return;
+    out_.reference = std::move(doors.so_far.reference);
+    out_.notes = std::move(doors.so_far.notes);
+    kept_ = std::move(doors.so_far.observations);
+    is_journaled_ = true;
+    follower_.emplace(*out_.reference);
+  }
 
   // Tries to make `frame` the reference frame; the failure is kept in words (the first one is the one to report).
   bool refer_to(const Frame& frame) {
@@ -73,6 +82,7 @@ class Run {
     }
     out_.refusal.clear();
     out_.notes.insert(out_.notes.end(), notes.begin(), notes.end());
+    reference_notes_ = std::move(notes);
     out_.reference = std::move(*made);
     if (options_.method->prepare != nullptr) options_.method->prepare({frame.luma, out_.input.bits}, *out_.reference);
     out_.reference->seen.frame = frame.number;
@@ -94,13 +104,44 @@ class Run {
       }
       seen = observed(torn);
     }
-    out_.observations.push_back(std::move(seen));
-    if (frames_ == nullptr) return;
-    frames_->add(frame, out_.input.bits, out_.reference ? &*out_.reference : nullptr, out_.observations.back());
+    put(frame, std::move(seen));
+    if (journal_ == nullptr) return;
+    if (out_.reference && !std::exchange(is_journaled_, true)) journal_->refer(*out_.reference, reference_notes_);
+    journal_->add(out_.observations.back());
+  }
+
+  // Was the selection's next frame seen before this run went on?
+  [[nodiscard]] bool is_kept() const { return out_.observations.size() < kept_.size(); }
+  // False when it is not this frame.
+  bool pass_over(const Frame& frame) {
+    Observation seen = std::move(kept_[out_.observations.size()]);
+    if (seen.frame != frame.number) return false;
+    keep_picture(frame);
+    // As it was the first time: neither damaged frames nor those before the reference frame were followed.
+    if (!seen.decode_error && (options_.reference_frame || seen.frame >= out_.reference->seen.frame))
+      (void)follower_->follow(*out_.reference, seen);
+    put(frame, std::move(seen));
+    return true;
+  }
+  void keep_picture(const Frame& frame) {
+    if (frame.number == out_.reference->seen.frame) out_.picture = kept(frame.luma, out_.input.bits);
+  }
+  // A run that is stopped again while it passes over frames still holds them all.
+  void stop() {
+    out_.interrupted = true;
+    out_.observations.insert(out_.observations.end(), kept_.begin() + std::min(kept_.size(), out_.observations.size()),
+                             kept_.end());
   }
   [[nodiscard]] bool hopeless() const { return hopeless_; }
+  [[nodiscard]] bool can_go_on() const { return journal_ == nullptr || journal_->good(); }
 
  private:
+  void put(const Frame& frame, Observation seen) {
+    out_.observations.push_back(std::move(seen));
+    if (frames_ == nullptr) return;
+    const bool is_before = !out_.reference || (!options_.reference_frame && frame.number < out_.reference->seen.frame);
+    frames_->add(frame, out_.input.bits, is_before ? nullptr : &*out_.reference, out_.observations.back());
+  }
   Observation observed(const Frame& frame) {
     const std::size_t markers = site_of(out_, options_).markers.size();
     if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
@@ -116,6 +157,10 @@ class Run {
   const MeasureOptions& options_;
   Measurement& out_;
   FrameSink* frames_;
+  JournalSink* journal_;
+  std::vector<Observation> kept_;             // by a run before this one
+  bool is_journaled_ = false;                 // the reference frame
+  std::vector<std::string> reference_notes_;  // of its making
   std::optional<Follower> follower_;
   PatchWorkspace work_;
   bool hopeless_ = false;
@@ -139,10 +184,18 @@ tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number
       return {};
     }
     if ((*frame)->number < number) continue;
-    if ((*frame)->damaged) out.refusal = fmt::format("reference frame {} is damaged", number);
+    if (out.reference)
+      run.keep_picture(**frame);
+    else if ((*frame)->damaged)
+      out.refusal = fmt::format("reference frame {} is damaged", number);
     else if (!run.refer_to(**frame)) out.refusal = fmt::format("reference frame {}: {}", number, out.refusal);
     return {};
   }
+}
+
+InputError not_the_same(const std::string& path) {
+  return {InputErrorKind::kUnreadable,
+          fmt::format("cannot resume: {}: its frames are not those that were measured: use --restart", path)};
 }
 
 long selected(const FrameRange& range, long frames) {
@@ -167,13 +220,17 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     const Frame& now = **frame;
     if (options.frames.end >= 0 && now.number >= options.frames.end) break;
     if (!options.frames.holds(now.number)) continue;
-    run.measure_frame(now, source);
+    if (!run.is_kept())
+      run.measure_frame(now, source);
+    else if (!run.pass_over(now))
+      return tl::unexpected(not_the_same(source.info().path));
     if (run.hopeless() && !out.reference) break;
-    if (on_progress && !on_progress(static_cast<long>(out.observations.size()), expected)) {
-      out.interrupted = true;
+    if (!run.can_go_on() || (on_progress && !on_progress(static_cast<long>(out.observations.size()), expected))) {
+      run.stop();
       break;
     }
   }
+  if (run.is_kept()) return tl::unexpected(not_the_same(source.info().path));
   if (!any) return tl::unexpected(InputError{InputErrorKind::kUnreadable, "no pictures: " + source.info().path + ": give a video or a folder of pictures"});
   return {};
 }
@@ -184,20 +241,24 @@ const Site& site_of(const Measurement& measurement, const MeasureOptions& option
   return measurement.reference ? measurement.reference->site : options.site;
 }
 
+void complete_markers(Seen& seen) {
+  if (!seen.reference) return;
+  MarkerObservation not_seen;
+  not_seen.loss = Loss::kNotSeen;
+  for (Observation& frame : seen.observations) frame.markers.resize(seen.reference->site.markers.size(), not_seen);
+}
+
 void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings = out.notes;
   for (std::string& note : notes_on_frames(out.observations)) out.warnings.push_back(std::move(note));
   for (const Observation& seen : out.observations) out.input_damaged |= seen.decode_error;
   if (out.observations.empty() && out.refusal.empty()) out.refusal = "no frame of the input is selected by --frames";
   if (!out.reference) {
-    out.exit = Exit::kRefused;
+    out.exit = out.interrupted ? Exit::kInterrupted : Exit::kRefused;
     return;
   }
   out.refusal.clear();
-  // Frames that went by before the reference frame told how many markers there are.
-  MarkerObservation not_seen;
-  not_seen.loss = Loss::kNotSeen;
-  for (Observation& seen : out.observations) seen.markers.resize(out.reference->site.markers.size(), not_seen);
+  complete_markers(out);
   Solution solution = options.method->solve(*out.reference, out.observations, options.solve);
   out.samples = std::move(solution.samples);
   out.scene = std::move(solution.scene);
@@ -218,9 +279,9 @@ void conclude(const MeasureOptions& options, Measurement& out) {
 }
 
 tl::expected<Measurement, InputError> watch(const OpenInput& open, const MeasureOptions& options,
-                                            const OnProgress& on_progress, FrameSink* frames) {
+                                            const OnProgress& on_progress, WatchDoors doors) {
   Measurement out;
-  Run run(options, out, frames);
+  Run run(options, out, std::move(doors));
   if (options.reference_frame) {
     if (auto done = refer_to_frame(open, *options.reference_frame, run, out); !done) return tl::unexpected(done.error());
   }
@@ -238,7 +299,7 @@ tl::expected<Measurement, InputError> watch(const OpenInput& open, const Measure
 
 tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                               const OnProgress& on_progress, FrameSink* frames) {
-  auto out = watch(open, options, on_progress, frames);
+  auto out = watch(open, options, on_progress, {.frames = frames});
   if (out) conclude(options, *out);
   return out;
 }

@@ -14,6 +14,7 @@
 #include "moiregauge/results/summary.h"
 #include "moiregauge/run/frame_sink.h"
 #include "moiregauge/run/frame_source.h"
+#include "moiregauge/run/journal_sink.h"
 #include "moiregauge/units/frame_range.h"
 
 namespace moiregauge {
@@ -64,10 +65,21 @@ struct Measurement : Seen {
 using OnProgress = std::function<bool(long done, long expected)>;
 using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, InputError>()>;
 
-// What is seen in all frames. Fails only when the input gives no picture at all; every other trouble is part of the
-// Measurement. `frames`, if there is one, is handed every selected frame with what was seen in it.
+// Where a run's findings go while it is under way, and what an earlier, unfinished one found.
+struct WatchDoors {
+  FrameSink* frames = nullptr;     // handed every selected frame with what was seen in it
+  JournalSink* journal = nullptr;  // handed what was seen in frames that `so_far` does not hold
+  Seen so_far = {};                // frames from the beginning of the selection on, as the journal was given them
+};
+
+// What is seen in all frames. Fails only when the input gives no picture at all, or is not the one that `so_far` is of;
+// every other trouble is part of the Measurement. A run that goes on gives what it would have given in one piece:
+// frames that were seen are passed over, and the Follower is told of them.
 [[nodiscard]] tl::expected<Measurement, InputError> watch(const OpenInput& open, const MeasureOptions& options,
-                                                          const OnProgress& on_progress, FrameSink* frames = nullptr);
+                                                          const OnProgress& on_progress, WatchDoors doors = {});
+
+// Frames that went by before the reference frame told how many markers there are: their markers, all of them not seen.
+void complete_markers(Seen& seen);
 
 // The end of every run: what was seen turned into samples, summaries and an exit code; picture and reference frame stay
 // as they are. Used again by `solve`.

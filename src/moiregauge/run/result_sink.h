@@ -2,18 +2,12 @@
 // The door through which results go out. Implemented by io (a run directory).
 #pragma once
 
-#include <string>
-
 #include <tl/expected.hpp>
 
 #include "moiregauge/run/measure.h"
+#include "moiregauge/run/output_error.h"
 
 namespace moiregauge {
-
-struct OutputError {
-  bool usage = false;    // the place is somebody else's: exit 2, not 6
-  std::string message;   // "what: where: what to do"
-};
 
 class ResultSink {
  public:

@@ -1,0 +1,70 @@
+"""The disk fills while a run is measured, or cannot be written at all."""
+import os
+import resource
+import shutil
+import subprocess
+import sys
+
+from survival import beside, clear, contents, done, error_lines, insist, insist_same, long_clip, measure, start
+
+program, work, _ = start()
+clip, site = long_clip(program, work, 60)
+out = work / "out"
+plain = measure(program, clip, site, out)
+insist(done(plain).returncode == 0, "the plain run")
+wanted = contents(out)
+journal = len(wanted["run.mgj"])
+
+
+def run_into_a_full_disk(command, env=None, limit=None):
+    """limit: no file may grow beyond it; write() says so when the signal is ignored."""
+    def before():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    run = subprocess.run(command, env=env, capture_output=True, text=True, check=False, preexec_fn=before if limit else None)
+    insist(run.returncode == 6, f"exit {run.returncode}\n{run.stderr}")
+    insist(len(error_lines(run.stderr)) == 1 and len(run.stderr.splitlines()) == 1, run.stderr)
+    return run.stderr
+
+
+# While frames are measured: old results stay, the journal keeps what there was room for.
+said = run_into_a_full_disk(plain, limit=journal * 2 // 3)
+insist("run.mgj" in said and "frames are safe: free space and run again with --resume" in said, said)
+insist(contents(out) == wanted, "old results")
+insist(set(contents(beside(out, ".unfinished"))) == {"run.mgj"}, "more than a journal")
+again = done(plain)
+insist(again.returncode == 2 and "found unfinished run (" in again.stderr, again.stderr)
+insist(contents(out) == wanted, "old results")
+frames = int(again.stderr.split("(")[1].split()[0])
+insist(frames > 0 and f" {frames} frames are safe" in said, f"{frames} frames found\n{said}")
+insist(done([*plain, "--resume"]).returncode == 0, "--resume")
+insist_same(out, wanted, "after --resume")
+
+# A file system that is full: a small one of its own, where one may be mounted.
+small = work / "small"
+small.mkdir()
+mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "none", small], capture_output=True, check=False).returncode == 0
+if mounted:
+    try:
+        on_small = measure(program, clip, site, small / "out")
+        said = run_into_a_full_disk(on_small)
+        insist("No space left on device" in said and "--resume" in said, said)
+        subprocess.run(["mount", "-o", "remount,size=64m", small], check=True)
+        insist(done([*on_small, "--resume"]).returncode == 0, "--resume after the disk was enlarged")
+        insist_same(small / "out", wanted, "on a disk that was full")
+    finally:
+        subprocess.run(["umount", small], check=True)
+else:
+    print("no file system may be mounted here", file=sys.stderr)
+
+# Where nothing can be written it is said before anything is measured.
+clear(out)
+if os.geteuid() != 0:
+    locked = work / "locked"
+    locked.mkdir(mode=0o555)
+    said = run_into_a_full_disk(measure(program, clip, site, locked / "out"))
+    insist("locked/out" in said, said)
+file = work / "file"
+file.write_text("")
+said = run_into_a_full_disk(measure(program, clip, site, file / "out"))
+insist("file/out" in said, said)
+insist(file.read_text() == "" and not shutil.rmtree(work / "few"), "nothing else was touched")
