@@ -51,6 +51,7 @@ class Child {
   [[nodiscard]] int free_slot();
   void write_picture(const AVFrame& frame, std::byte* out);
   void send_frame(const VideoStream& stream, bool lost);
+  void write_quantiser(const StreamQuantiser& quantiser, std::byte* out, Record& record);
   void send_frame(Record record, bool spoilt) const;
   void send_rest();
 
@@ -152,6 +153,17 @@ void Child::write_picture(const AVFrame& frame, std::byte* out) {
     turned(reinterpret_cast<std::uint16_t*>(out));
 }
 
+// Behind the picture; turned with it, which is right to a block where the picture does not end with one.
+void Child::write_quantiser(const StreamQuantiser& quantiser, std::byte* out, Record& record) {
+  record.quantiser_step = quantiser.whole().step;
+  record.predicted = quantiser.whole().predicted ? 1 : 0;
+  record.has_blocks = quantiser.blocks().empty() ? 0 : 1;
+  if (record.has_blocks == 0) return;
+  const int across = blocks_across(shape_.width), down = blocks_across(shape_.height);
+  auto* to = reinterpret_cast<std::uint8_t*>(out + wire::picture_bytes(shape_.width, shape_.height, shape_.layout.bits));
+  turn_clockwise(ImageView<std::uint8_t>{quantiser.blocks().data(), across, down, across}, shape_.rotation_deg, to);
+}
+
 void Child::send_frame(Record record, bool spoilt) const {
   if (spoilt && record.damaged == wire::kSound) record.damaged = wire::kSpoilt;
   send(record);
@@ -171,10 +183,12 @@ void Child::send_frame(const VideoStream& stream, bool lost) {
   record.kind = Kind::kFrame;
   record.slot = free_slot();
   std::byte* out = memory_ + static_cast<std::size_t>(record.slot) * slot_bytes_;
-  if (lost)
+  if (lost) {
     std::memset(out, 0, slot_bytes_);  // nothing of an older frame may pass for this one
-  else
+  } else {
     write_picture(stream.frame(), out);
+    write_quantiser(stream.quantiser(), out, record);
+  }
   record.number = number_++;
   record.time_s = stream.time_s() - start_s_;
   // A frame without a time, where others have one, has lost its head.

@@ -140,6 +140,14 @@ class VideoSource final : public FrameSource {
     const std::byte* pixels = memory_ + static_cast<std::size_t>(record.slot) * slot_bytes_;
     const double time_s = fps_ ? static_cast<double>(number_) / *fps_ : record.time_s;
     Frame frame{number_++, time_s, record.damaged != 0, {}};
+    const bool is_step = record.quantiser_step >= 0.0 && record.quantiser_step < 65536.0;
+    frame.quantiser.whole = {is_step ? record.quantiser_step : kUnknownStep, record.predicted != 0};
+    if (record.has_blocks != 0) {
+      const int across = blocks_across(info_.width);
+      frame.quantiser.blocks = {reinterpret_cast<const std::uint8_t*>(
+                                    pixels + wire::picture_bytes(info_.width, info_.height, info_.bits)),
+                                across, blocks_across(info_.height), across};
+    }
     const auto view = [&]<typename Grey>(const Grey* data) {
       frame.luma = ImageView<Grey>{data, info_.width, info_.height, info_.width};
     };

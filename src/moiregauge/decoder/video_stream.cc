@@ -176,6 +176,7 @@ bool VideoStream::open_decoder() {
   decoder_->thread_count = 0;
   decoder_->err_recognition = AV_EF_CRCCHECK;
   decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // marked by us, not swallowed: the others keep their numbers
+  StreamQuantiser::ask(*decoder_);
   decoder_->max_pixels = decoders_limit(max_pixels_);
   return avcodec_open2(decoder_, codec, nullptr) >= 0;
 }
@@ -226,6 +227,7 @@ void VideoStream::note_extent() {
 
 bool VideoStream::send_packet() {
   decoder_->reordered_opaque = packets_;
+  quantiser_.note_packet(*decoder_, *packet_);
   const int sent = avcodec_send_packet(decoder_, packet_);
   note_complaints(packets_);
   if (sent >= 0) return true;
@@ -243,6 +245,7 @@ Decoded VideoStream::next() {
       damaged_ =
           damage_.touches(packet) || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
       timestamp_ = frame_->best_effort_timestamp;
+      quantiser_.note_frame(*decoder_, *frame_);
       return Decoded::kFrame;
     }
     if (received == AVERROR_EOF) return Decoded::kEnd;

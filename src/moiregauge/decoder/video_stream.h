@@ -12,6 +12,7 @@
 
 #include "moiregauge/decoder/damage.h"
 #include "moiregauge/decoder/stated_size.h"
+#include "moiregauge/decoder/stream_quantiser.h"
 #include "moiregauge/run/frame_source.h"
 
 extern "C" {
@@ -46,6 +47,7 @@ class VideoStream {
   [[nodiscard]] Decoded next();
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
   [[nodiscard]] bool damaged() const { return damaged_; }
+  [[nodiscard]] const StreamQuantiser& quantiser() const { return quantiser_; }  // of frame()
   [[nodiscard]] double time_s() const;  // of the frame or the lost packet, in the stream's own count; NaN: none
   // After kEnd: why the file is less than it says it is, `shown` frames having come out of it. Nothing when it is
   // whole, or when nothing in it tells.
@@ -81,6 +83,7 @@ class VideoStream {
   Damage damage_;
   std::vector<std::int64_t> early_complaints_;  // places in the file, of complaints made while probing
   bool header_complained_ = false;
+  StreamQuantiser quantiser_;
   long errors_seen_ = 0;
   std::int64_t packets_ = 0;
   std::optional<std::int64_t> began_;    // of all packets, in the stream's own count: the earliest time,

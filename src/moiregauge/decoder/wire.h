@@ -10,6 +10,8 @@
 #include <string>
 #include <type_traits>
 
+#include "moiregauge/image/quantiser.h"
+
 namespace moiregauge::wire {
 
 // File descriptors of the child.
@@ -52,6 +54,9 @@ struct Record {
   std::int32_t damaged = 0;  // kSound, kSpoilt (near a damaged one), kDamaged
   std::int64_t number = 0;
   double time_s = 0.0;
+  double quantiser_step = 0.0;  // grey levels; 0: lossless, NaN: not known
+  std::int32_t predicted = 0;
+  std::int32_t has_blocks = 0;  // the slot holds their quantisers behind its pixels
   // kFailed
   std::int32_t error = 0;  // an InputErrorKind
   std::int32_t unused = 0;
@@ -67,10 +72,15 @@ struct Release {
 
 [[nodiscard]] inline std::size_t word_bytes(int bits) { return bits > 8 ? 2 : 1; }
 
+// Where in a slot the quantisers of its picture's blocks are.
+[[nodiscard]] inline std::size_t picture_bytes(int width, int height, int bits) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * word_bytes(bits);
+}
+
 // Bytes of one slot: whole pages.
 [[nodiscard]] inline std::size_t slot_bytes(int width, int height, int bits) {
-  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  return (pixels * word_bytes(bits) + 4095) / 4096 * 4096;
+  const auto blocks = static_cast<std::size_t>(blocks_across(width)) * static_cast<std::size_t>(blocks_across(height));
+  return (picture_bytes(width, height, bits) + blocks + 4095) / 4096 * 4096;
 }
 
 inline constexpr std::size_t kEnoughBytes = std::size_t{256} << 20;

@@ -59,4 +59,14 @@ BundleFrames bundle_frames(const Reference& reference, const std::vector<Observa
   return out;
 }
 
+std::vector<BundleFrame> with_codec_error(const BundleFrames& all, const CodecHistory& codec) {
+  std::vector<BundleFrame> out = all.frames;
+  if (!codec.is_lossy() || out.empty()) return out;
+  out.front() = with_codec_error(out.front(), codec, std::nullopt);
+  for (std::size_t n = 0; n < all.place.size(); ++n) {
+    if (all.place[n] > 0) out[all.place[n]] = with_codec_error(out[all.place[n]], codec, n);
+  }
+  return out;
+}
+
 }  // namespace moiregauge

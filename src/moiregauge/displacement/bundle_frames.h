@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "moiregauge/calibration/bundle.h"
+#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/method.h"
 
 namespace moiregauge {
@@ -17,6 +18,9 @@ struct BundleFrames {
 // A frame counts from `least` references on; one whose lattice line is in doubt is left out of its frame.
 [[nodiscard]] BundleFrames bundle_frames(const Reference& reference, const std::vector<Observation>& observations,
                                          const Camera& camera, const SolveOptions& options, std::size_t least);
+
+// With the codec's error in their covariance.
+[[nodiscard]] std::vector<BundleFrame> with_codec_error(const BundleFrames& all, const CodecHistory& codec);
 
 [[nodiscard]] std::size_t references_in(const Site& site, const BundleFrame& frame);
 

@@ -99,6 +99,31 @@ Budget PreciseBudget::budget(const FrameFit& now, std::size_t marker, Extent<fra
   return b;
 }
 
+Budget PreciseBudget::budget(const FrameFit& now, const FrameFit& now_by_noise, const FrameFit& then_by_noise,
+                             std::size_t marker, Extent<frame::Board> moved) const {
+  Budget b = budget(now, marker, moved);
+  for (const int axis : {0, 1}) {
+    const auto member = [axis](Extent<frame::Board>& e) -> double& { return axis == 0 ? e.x : e.y; };
+    // The noise's share of a variance that both make up.
+    const auto by_noise = [marker, axis](const FrameFit& both, const FrameFit& noise) {
+      const int row = both.shift_row[marker], alone = noise.ok ? noise.shift_row[marker] : -1;
+      if (row < 0 || alone < 0) return 1.0;
+      return std::min(1.0, noise.covariance(alone + axis, alone + axis) / both.covariance(row + axis, row + axis));
+    };
+    const double here = by_noise(now, now_by_noise), there = by_noise(then_, then_by_noise);
+    double codec = 0.0;
+    const auto take = [&codec](double& part, double share) {
+      codec += (1.0 - share) * part * part;
+      part *= std::sqrt(share);
+    };
+    take(member(b.noise), here);
+    take(member(b.references), here);
+    take(member(b.reference_frame), there);
+    member(b.codec) = std::sqrt(codec);
+  }
+  return b;
+}
+
 Extent<frame::Board> total(const Budget& budget) {
   double x = 0.0, y = 0.0;
   for (const BudgetPart& part : kBudgetParts) {

@@ -15,6 +15,10 @@ class PreciseBudget {
 
   // Of `now` less `then`, for a displacement of `moved` mm.
   [[nodiscard]] Budget budget(const FrameFit& now, std::size_t marker, Extent<frame::Board> moved) const;
+  // The same of compressed footage: `now` and `then` hold the codec's error, these fits of the same frames do not. What
+  // they differ by is the codec's part.
+  [[nodiscard]] Budget budget(const FrameFit& now, const FrameFit& now_by_noise, const FrameFit& then_by_noise,
+                              std::size_t marker, Extent<frame::Board> moved) const;
   [[nodiscard]] const FrameFit& then() const { return then_; }
 
  private:

@@ -41,6 +41,7 @@ struct Budget {
   Extent<frame::Board> geometry;         // places, turns and heights of the markers
   Extent<frame::Board> axis;             // the direction of the board's axes, told by the references' places alone
   Extent<frame::Board> print_scale;      // of every print
+  Extent<frame::Board> codec;            // what a lossy codec left out, in both frames
 };
 
 // The budget's parts by the names of run.json.
@@ -55,7 +56,8 @@ inline constexpr std::array kBudgetParts{BudgetPart{"noise", &Budget::noise},
                                          BudgetPart{"lens", &Budget::lens},
                                          BudgetPart{"geometry", &Budget::geometry},
                                          BudgetPart{"axis", &Budget::axis},
-                                         BudgetPart{"print_scale", &Budget::print_scale}};
+                                         BudgetPart{"print_scale", &Budget::print_scale},
+                                         BudgetPart{"codec", &Budget::codec}};
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/sample_parts.h"
 
@@ -26,14 +27,21 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
   return false;
 }
 
-void measure(const Reference& reference, const Observation& seen, bool moved, Sample& sample) {
+void measure(const Reference& reference, const Observation& seen, const CodecHistory& codec, std::size_t n, bool moved,
+             Sample& sample) {
   const RasterPlan& plan = reference.plans[sample.marker];
   const PatchReading& then = reference.seen.markers[sample.marker].patch;
   const PatchReading& now = seen.markers[sample.marker].patch;
   sample.displacement = displacement_between(plan, then, now);
   sample.budget.noise = noise_mm(plan, now);
   sample.budget.reference_frame = noise_mm(plan, then);
-  sample.u = hypot3(sample.budget.noise, sample.budget.reference_frame, {});
+  if (codec.is_lossy()) {
+    const std::size_t i = sample.marker;
+    sample.budget.codec = hypot3(
+        codec_mm(reference, i, now, codec.at(n, i), Lag::kOwn),
+        codec_mm(reference, i, then, codec.in_reference_frame(i), codec.lag_in_reference_frame(i)), {});
+  }
+  sample.u = hypot3(sample.budget.noise, sample.budget.reference_frame, sample.budget.codec);
   sample.status = moved ? Status::kCameraMoved : quality(plan, then, now);
 }
 
@@ -42,7 +50,9 @@ void measure(const Reference& reference, const Observation& seen, bool moved, Sa
 Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations,
                             const SolveOptions&) {
   Solution solution;
-  for (const Observation& seen : observations) {
+  const CodecHistory codec(reference, observations);
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    const Observation& seen = observations[n];
     const bool moved = !seen.decode_error && camera_moved(reference, seen);
     for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
@@ -53,7 +63,7 @@ Solution solve_conventional(const Reference& reference, const std::vector<Observ
         else if (seen.markers[i].loss != Loss::kNone)
           sample.status = status_of_loss(seen.markers[i].loss);
         else
-          measure(reference, seen, moved, sample);
+          measure(reference, seen, codec, n, moved, sample);
       }
       solution.samples.push_back(sample);
     }

@@ -8,6 +8,7 @@
 #include "moiregauge/calibration/pose.h"
 #include "moiregauge/calibration/print_error.h"
 #include "moiregauge/displacement/bundle_frames.h"
+#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/layout_advice.h"
 #include "moiregauge/displacement/precise_budget.h"
 #include "moiregauge/displacement/reference_fault.h"
@@ -79,7 +80,13 @@ bool shutter_rolls(const ShutterTest& shutter) {
   return shutter.chi2_dof > kRollingChi2 && shutter.share > kRollingShare;
 }
 
-void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, const FrameFit& now) {
+// Fits of a compressed recording's frames as if noise were all that is wrong with them; not ok of any other.
+struct ByNoise {
+  FrameFit now, then;
+};
+
+void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, const FrameFit& now,
+          const ByNoise& by_noise) {
   const std::size_t i = sample.marker;
   const FrameFit& then = budget.then();
   if (!then.ok || std::isnan(then.shift[i].x)) {
@@ -87,7 +94,8 @@ void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, c
     return;
   }
   sample.displacement = now.shift[i] - then.shift[i];
-  sample.budget = budget.budget(now, i, sample.displacement);
+  sample.budget = by_noise.now.ok ? budget.budget(now, by_noise.now, by_noise.then, i, sample.displacement)
+                                  : budget.budget(now, i, sample.displacement);
   sample.u = total(sample.budget);
   const auto only_if_shown = [&](double& d, double& u) {
     if (!(u < kShownWithin * grating.pitch_mm)) d = u = kNotMeasured;
@@ -113,7 +121,7 @@ constexpr double kUnknownLensEdgePx = 0.005;
 class Precise {
  public:
   Precise(const Reference& reference, const std::vector<Observation>& observations, const SolveOptions& options)
-      : reference_(reference), observations_(observations), options_(options) {
+      : reference_(reference), observations_(observations), options_(options), codec_(reference, observations) {
     lens_given_ = reference.knows_camera();
     prior_ = scene_prior(reference.site, reference.width, reference.height,
                          lens_given_ ? std::optional(reference.lens) : std::nullopt);
@@ -130,8 +138,11 @@ class Precise {
   }
 
   Solution solve() {
-    auto [frames, place] = bundle_frames(reference_, observations_, prior_.camera, options_,
-                                         lens_given_ ? kLeastForPose : kLeastForHomography);
+    BundleFrames seen = bundle_frames(reference_, observations_, prior_.camera, options_,
+                                      lens_given_ ? kLeastForPose : kLeastForHomography);
+    std::vector<BundleFrame> frames = with_codec_error(seen, codec_);
+    const std::vector<std::size_t>& place = seen.place;
+    if (codec_.is_lossy()) by_noise_ = std::move(seen.frames);
     if (references_in(reference_.site, frames.front()) < kLeastForHomography)
       return fallback(reference_, observations_, options_,
                       "the prints of four references could not be learned from the reference frame");
@@ -190,6 +201,8 @@ class Precise {
     note(weak_axis_note(reference_));
     const PreciseBudget budget(site, solution_.scene->full_covariance,
                                calibration.fits.front());  // the reference frame leads the key frames
+    ByNoise by_noise;
+    if (codec_.is_lossy()) by_noise.then = fit_by_noise(0, calibration.bundle.frames.front());
     for (std::size_t n = 0; n < observations_.size(); ++n) {
       const Observation& seen = observations_[n];
       FrameFit now;
@@ -200,18 +213,31 @@ class Precise {
         frame.pose = pose_of(site, *solution_.scene, frame).value_or(frame.pose);
         frame.at_rest = false;
         now = fit_frame(site, *solution_.scene, frame);
+        if (codec_.is_lossy()) by_noise.now = fit_by_noise(place[n], frame);
       }
       for (std::size_t i = 0; i < site.markers.size(); ++i) {
         if (!is_target(reference_, i)) continue;
         Sample sample = begun_sample(reference_, seen, i);
         if (seen.frame != reference_.seen.frame) {
           sample.status = status_of(reference_, seen, i, now);
-          if (has_numbers(sample.status)) fill(sample, *site.markers[i].grating, budget, now);
+          if (has_numbers(sample.status)) fill(sample, *site.markers[i].grating, budget, now, by_noise);
           if (doubtful_ && sample.status == Status::kOk) sample.status = Status::kUntrusted;
         }
         solution_.samples.push_back(sample);
       }
     }
+  }
+
+  // A frame from where another fit of it ended.
+  FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const {
+    BundleFrame frame = with_print_error(reference_.site, std::span(&by_noise_[place], 1), print_error_mm_).front();
+    for (std::size_t i = 0; i < frame.points.size(); ++i) {
+      if (!from.points[i]) frame.points[i].reset();
+    }
+    frame.pose = from.pose;
+    frame.shift = from.shift;
+    frame.at_rest = from.at_rest;
+    return fit_frame(reference_.site, *solution_.scene, frame);
   }
 
   void note(std::optional<std::string> line) {
@@ -225,6 +251,8 @@ class Precise {
   bool lens_given_ = false;
   bool doubtful_ = false;
   double print_error_mm_ = 0.0;
+  CodecHistory codec_;
+  std::vector<BundleFrame> by_noise_;  // of compressed footage: its frames without the codec's error
   Solution solution_;
 };
 

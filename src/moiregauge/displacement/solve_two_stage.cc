@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/layout.h"
 #include "moiregauge/displacement/lens_evidence.h"
@@ -57,7 +58,26 @@ struct RunEvidence {
   LensEvidence lens;
   std::vector<BoardPoint> circles;
   std::vector<BoardExtent> then_noise;  // of the references in the reference frame
+  CodecHistory codec;
 };
+
+// The codec's error of target and references, in this frame and the reference frame; of circles without a grating, what
+// their own u allows for.
+BoardExtent codec_part(const RunEvidence& run, std::size_t n, const Observation& seen, std::size_t target,
+                       std::span<const Matrix2> weights) {
+  if (!run.codec.is_lossy()) return {};
+  const Reference& reference = run.reference;
+  std::vector<BoardExtent> now, then;
+  for (const CirclePoint& point : reference.circles) {
+    const std::size_t i = point.marker;
+    now.push_back(codec_mm(reference, i, seen.markers[i].patch, run.codec.at(n, i), Lag::kShared));
+    then.push_back(codec_mm(reference, i, reference.seen.markers[i].patch, run.codec.in_reference_frame(i), Lag::kShared));
+  }
+  const BoardExtent references = hypot3(through_references(weights, now), through_references(weights, then), {});
+  return hypot3(references, codec_mm(reference, target, seen.markers[target].patch, run.codec.at(n, target), Lag::kOwn),
+                codec_mm(reference, target, reference.seen.markers[target].patch, run.codec.in_reference_frame(target),
+                         run.codec.lag_in_reference_frame(target)));
+}
 
 void measure(const RunEvidence& run, const Observation& seen, std::size_t n, BoardExtent travel, Sample& sample) {
   const Reference& reference = run.reference;
@@ -77,7 +97,9 @@ void measure(const RunEvidence& run, const Observation& seen, std::size_t n, Boa
   const BoardExtent& e = run.lens.sensitivity[n][i];
   budget.model =
       hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained), parallax_bound(reference, seen, i));
-  const BoardExtent noise = hypot3(budget.noise, budget.references, budget.reference_frame);
+  budget.codec = codec_part(run, n, seen, i, weights);
+  const BoardExtent noise =
+      hypot3(hypot3(budget.noise, budget.references, budget.reference_frame), budget.codec, {});
   sample.u = hypot3(noise, budget.model, {});
   const double floor = kNoiseFloorPitches * plan.pitch_mm;
   const bool beyond =
@@ -89,7 +111,8 @@ void measure(const RunEvidence& run, const Observation& seen, std::size_t n, Boa
 
 Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations,
                          const SolveOptions&) {
-  RunEvidence run{reference, lens_evidence(reference, observations), {}, reference_noise(reference, reference.seen)};
+  RunEvidence run{reference, lens_evidence(reference, observations), {}, reference_noise(reference, reference.seen),
+                  CodecHistory(reference, observations)};
   for (const CirclePoint& point : reference.circles) run.circles.push_back(point.board);
   Follower follower(reference);
   Solution solution;

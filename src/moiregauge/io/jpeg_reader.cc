@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/jpeg_reader.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csetjmp>
@@ -26,6 +27,7 @@ struct JpegFile {
   std::array<char, JMSG_LENGTH_MAX> problem{};
   std::vector<std::uint8_t> row;
   Image<std::uint8_t> image;
+  Quantiser quantiser;
   JpegFile() = default;
   JpegFile(const JpegFile&) = delete;
   JpegFile& operator=(const JpegFile&) = delete;
@@ -59,6 +61,20 @@ bool read_head(JpegFile& in) {
   return true;
 }
 
+// Of the luma's table; a picture whose head does not hold it is lossy all the same.
+Quantiser quantiser_of(const JpegFile& in) {
+  if (in.jpeg.num_components < 1 || in.jpeg.comp_info == nullptr) return {kUnknownStep, false};
+  const int number = in.jpeg.comp_info[0].quant_tbl_no;
+  if (number < 0 || number >= NUM_QUANT_TBLS || in.jpeg.quant_tbl_ptrs[number] == nullptr) return {kUnknownStep, false};
+  std::array<std::uint16_t, DCTSIZE2> zigzag{};
+  std::size_t k = 0;
+  for (int diagonal = 0; diagonal < 2 * DCTSIZE - 1; ++diagonal) {  // libjpeg keeps it row by row
+    for (int v = std::max(0, diagonal - DCTSIZE + 1); v <= std::min(diagonal, DCTSIZE - 1); ++v)
+      zigzag[k++] = in.jpeg.quant_tbl_ptrs[number]->quantval[v * DCTSIZE + diagonal - v];
+  }
+  return {step_of_jpeg_table(zigzag), false};
+}
+
 // Grey and YCbCr keep luma as their first component, given as stored; RGB goes through our formula.
 bool read_rows(JpegFile& in) {
   if (setjmp(in.out_of_here) != 0) return false;
@@ -74,6 +90,7 @@ bool read_rows(JpegFile& in) {
       out[x] = luma_of_colour<std::uint8_t>(row[3 * x], row[3 * x + 1], row[3 * x + 2]);
     }
   }
+  in.quantiser = quantiser_of(in);
   jpeg_finish_decompress(&in.jpeg);
   return true;
 }
@@ -115,7 +132,7 @@ PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
   if (!read_rows(in)) {
     return failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem.data()));
   }
-  Picture picture{std::move(in.image), 8, 0, "jpeg"};
+  Picture picture{std::move(in.image), 8, 0, "jpeg", in.quantiser};
   turn(picture, *rotation);
   return picture;
 }

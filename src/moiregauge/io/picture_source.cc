@@ -61,7 +61,7 @@ class PictureSource final : public FrameSource {
       if (!read) show_nothing(read.error());
     }
     const double time_s = std::isnan(info_.fps) ? info_.fps : static_cast<double>(number_) / info_.fps;
-    return Frame{number_++, time_s, damaged, view_of(picture_)};
+    return Frame{number_++, time_s, damaged, view_of(picture_), {picture_.quantiser, {}}};
   }
 
  private:

@@ -24,7 +24,8 @@ template <> inline constexpr std::size_t kFields<Camera> = 11;
 
 // One frame.
 template <> inline constexpr std::size_t kFields<Observation> = 8;
-template <> inline constexpr std::size_t kFields<MarkerObservation> = 7;
+template <> inline constexpr std::size_t kFields<MarkerObservation> = 8;
+template <> inline constexpr std::size_t kFields<Quantiser> = 2;
 template <> inline constexpr std::size_t kFields<SeenCircle> = 9;
 template <> inline constexpr std::size_t kFields<PatchReading> = 10;
 template <> inline constexpr std::size_t kFields<PatchFit> = 10;

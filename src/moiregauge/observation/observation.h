@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "moiregauge/image/quantiser.h"
 #include "moiregauge/markers/identity.h"
 #include "moiregauge/observation/patch.h"
 #include "moiregauge/observation/print_model.h"
@@ -26,6 +27,7 @@ struct MarkerObservation {
   Loss loss = Loss::kNone;
   Cover cover = Cover::kNone;              // of `precise`; the points are then those of the part that is free
   Order order = Order::kUnproven;          // of `precise`: the whole pitch it stands in
+  Quantiser quantiser;                     // of a lossy codec, where the marker is seen
 };
 
 // Stages of the two-stage method, as they were used on the pixels of this frame.

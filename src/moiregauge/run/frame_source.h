@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/image/image.h"
+#include "moiregauge/image/quantiser.h"
 
 namespace moiregauge {
 
@@ -35,6 +36,7 @@ struct Frame {
   double time_s = 0.0;       // from frame 0 by the stream's time stamps; NaN when unknown
   bool damaged = false;      // the decoder reported an error in it
   LumaView luma;             // valid until the next call of next()
+  QuantiserMap quantiser{};  // of a lossy codec, in grey levels of `luma`; valid as long
 };
 
 enum class InputErrorKind { kUnreadable, kUnsupported, kDamaged };

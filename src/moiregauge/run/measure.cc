@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/follower.h"
+#include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
 
 namespace moiregauge {
@@ -87,6 +88,7 @@ class Run {
     if (options_.method->prepare != nullptr) options_.method->prepare({frame.luma, out_.input.bits}, *out_.reference);
     out_.reference->seen.frame = frame.number;
     out_.reference->seen.time_s = frame.time_s;
+    note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, out_.reference->seen);
     out_.picture = kept(frame.luma, out_.input.bits);
     follower_.emplace(*out_.reference);
     return true;
@@ -150,6 +152,7 @@ class Run {
         options_.method->observe({frame.luma, out_.input.bits}, *out_.reference, follower_->prediction(), work_);
     seen.frame = frame.number;
     seen.time_s = frame.time_s;
+    note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
     (void)follower_->follow(*out_.reference, seen);
     return seen;
   }
@@ -266,6 +269,7 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
   out.targets = summarise(*out.reference, out.samples);
+  if (auto note = codec_note(out)) out.warnings.push_back(*std::move(note));
   out.exit = out.interrupted ? Exit::kInterrupted : exit_of(out.samples, out.reference->seen.frame, out.input_damaged);
   if (out.exit != Exit::kRefused) return;
   std::map<std::string, long> counts;

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// How coarsely a stream's codec rounded each frame, as far as the stream says. Runs in the child only.
+//
+// H.264, VP9 and the MPEGs tell the parameter of every block; Motion JPEG carries its tables in every packet; lossless
+// codecs lose nothing. HEVC, AV1 and others keep it to themselves in libavcodec 5.1: their step is not known.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "moiregauge/image/quantiser.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+}
+
+namespace moiregauge {
+
+// The luma's quantisation table of a JPEG: its step, NaN if none is found before the picture's data.
+[[nodiscard]] double step_of_jpeg(std::span<const std::uint8_t> bytes);
+
+class StreamQuantiser {
+ public:
+  // Before the decoder is opened.
+  static void ask(AVCodecContext& decoder);
+  void note_packet(const AVCodecContext& decoder, const AVPacket& packet);
+  // The frame that came last; `blocks` has one byte per block of 16 px, rows packed, or none.
+  void note_frame(const AVCodecContext& decoder, const AVFrame& frame);
+  [[nodiscard]] Quantiser whole() const { return whole_; }
+  [[nodiscard]] const std::vector<std::uint8_t>& blocks() const { return blocks_; }
+
+ private:
+  Quantiser whole_;
+  std::vector<std::uint8_t> blocks_;
+  double packet_step_ = kUnknownStep;
+};
+
+}  // namespace moiregauge

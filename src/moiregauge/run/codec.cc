@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/run/codec.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace moiregauge {
+namespace {
+
+// The rectangle round a marker's print, px.
+struct Rectangle {
+  double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
+  void add(ImagePoint p) {
+    x0 = std::min(x0, p.x), y0 = std::min(y0, p.y);
+    x1 = std::max(x1, p.x), y1 = std::max(y1, p.y);
+  }
+};
+
+Rectangle round(const Marker& marker, Extent<frame::Board> shift, const View& view) {
+  Rectangle out;
+  const BoardPoint centre = (marker.grating ? marker.grating->centre : marker.circle->centre) + shift;
+  const double across = marker.grating ? marker.grating->width_mm : marker.circle->diameter_mm;
+  const double up = marker.grating ? marker.grating->height_mm : marker.circle->diameter_mm;
+  for (const double x : {-0.5, 0.5}) {
+    for (const double y : {-0.5, 0.5}) out.add(view(centre + Extent<frame::Board>{x * across, y * up}));
+  }
+  return out;
+}
+
+}  // namespace
+
+void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Camera& lens, Observation& seen) {
+  const View view{seen.stage2, lens};
+  for (std::size_t i = 0; i < seen.markers.size(); ++i) {
+    MarkerObservation& marker = seen.markers[i];
+    marker.quantiser = quantiser.whole;
+    if (!seen.references_seen || i >= site.markers.size() || marker.loss != Loss::kNone) continue;
+    if (!site.markers[i].grating && !site.markers[i].circle) continue;
+    const Rectangle at = round(site.markers[i], marker.window_shift, view);
+    marker.quantiser = quantiser.within(at.x0, at.y0, at.x1, at.y1);
+  }
+}
+
+std::optional<std::string> codec_note(const Measurement& measurement) {
+  if (!measurement.reference) return std::nullopt;
+  std::vector<double> steps;
+  bool lossy = false, known = true, predicted = false;
+  for (const Observation& seen : measurement.observations) {
+    for (const MarkerObservation& marker : seen.markers) {
+      lossy = lossy || !marker.quantiser.is_lossless();
+      known = known && !std::isnan(marker.quantiser.step);
+      predicted = predicted || marker.quantiser.predicted;
+      if (!std::isnan(marker.quantiser.step)) steps.push_back(marker.quantiser.step);
+    }
+  }
+  if (!lossy) return std::nullopt;
+  double u_mm = 0.0;
+  for (const TargetSummary& target : measurement.targets) {
+    for (const double u : {target.budget.codec.x, target.budget.codec.y}) u_mm = std::fmax(u_mm, u);
+  }
+  std::string how = "its quantiser is not told and taken for a usual one";
+  if (known) {  // skipped blocks report less than they were judged by
+    const auto coarse = steps.begin() + static_cast<long>(0.9 * static_cast<double>(steps.size() - 1));
+    std::nth_element(steps.begin(), coarse, steps.end());
+    how = fmt::format("quantiser {:.0f} grey levels", *coarse);
+  }
+  const std::string begin = fmt::format("the pictures are compressed ({}, {})", measurement.input.codec, how);
+  if (!predicted)
+    return fmt::format("{}: this adds about {:.4f} mm to u: record raw or lossless for less", begin, u_mm);
+  return fmt::format("{}: movement below about {:.3f} mm may not show: record intra-only or raw", begin, 2.0 * u_mm);
+}
+
+}  // namespace moiregauge
