@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A codec that predicts every block from the frame before and drops coefficients of the change below its step, as all of
-// them do, against the u that is told from the step alone.
+// A codec that predicts every block from the frame before and drops coefficients of the change below its step, as all
+// of them do, against the u that is told from the step alone.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -23,7 +23,8 @@ Block transformed(const Block& in, bool back) {
     Block b{};
     for (std::size_t k = 0; k < kBlock; ++k) {
       for (std::size_t x = 0; x < kBlock; ++x)
-        b[k][x] = std::sqrt((k == 0 ? 1.0 : 2.0) / kBlock) * std::cos(std::numbers::pi * double(k) * (double(x) + 0.5) / kBlock);
+        b[k][x] = std::sqrt((k == 0 ? 1.0 : 2.0) / kBlock) *
+                  std::cos(std::numbers::pi * double(k) * (double(x) + 0.5) / kBlock);
     }
     return b;
   }();
@@ -133,13 +134,6 @@ TEST(Codec, TheLagOfATargetThatCreepsIsWithinU) {
   }
   EXPECT_GE(double(within), 0.95 * double(count));
   EXPECT_LT(u_sum / double(count), 4.0 * std::sqrt(squares / double(count)));
-}
-
-// The reason for it all: nothing in the pixels tells.
-TEST(Codec, WithoutTheQuantiserTheLagIsManyU) {
-  const Errors errors = creeping(0.004, 10.0, false);
-  ASSERT_EQ(errors.error_mm.size(), 11u);
-  EXPECT_GT(std::abs(errors.error_mm.back()), 5.0 * errors.u_mm.back());
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ std::string make_video(const TestFolder& folder, const std::string& name, int bi
     }
   }
   out.close();
-  const std::string words =
-      fmt::format("ffmpeg -nostdin -v error -y -f rawvideo -pix_fmt {} -s {}x{} -r 25 -i {} {} {}",
-                  bits == 8 ? "gray" : fmt::format("gray{}le", bits), kWidth, kHeight, folder / "raw", how, folder / name);
+  const std::string words = fmt::format(
+      "ffmpeg -nostdin -v error -y -f rawvideo -pix_fmt {} -s {}x{} -r 25 -i {} {} {}",
+      bits == 8 ? "gray" : fmt::format("gray{}le", bits), kWidth, kHeight, folder / "raw", how, folder / name);
   EXPECT_EQ(std::system(words.c_str()), 0) << words;
   return folder / name;
 }
@@ -51,7 +51,9 @@ std::vector<Quantiser> quantisers(const std::string& path) {
 TEST(StreamQuantiser, H264TellsTheStepItWasGiven) {
   const TestFolder folder;
   for (const int parameter : {18, 30, 42}) {
-    const auto path = make_video(folder, "a.mkv", 8, fmt::format("-c:v libx264 -qp {} -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p", parameter));
+    const auto path = make_video(
+        folder, "a.mkv", 8,
+        fmt::format("-c:v libx264 -qp {} -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p", parameter));
     const auto all = quantisers(path);
     ASSERT_EQ(all.size(), 6u);
     for (const Quantiser& q : all) {
@@ -63,7 +65,8 @@ TEST(StreamQuantiser, H264TellsTheStepItWasGiven) {
 
 TEST(StreamQuantiser, ALongerWordHasALongerStep) {
   const TestFolder folder;
-  const auto path = make_video(folder, "a.mkv", 10, "-c:v libx264 -qp 30 -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p10le");
+  const auto path = make_video(folder, "a.mkv", 10,
+                               "-c:v libx264 -qp 30 -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p10le");
   for (const Quantiser& q : quantisers(path)) EXPECT_DOUBLE_EQ(q.step, 4.0 * step_of_parameter(30 - 12));
 }
 
@@ -71,7 +74,8 @@ TEST(StreamQuantiser, MotionJpegHasItsTablesStep) {
   const TestFolder folder;
   double last = 0.0;
   for (const int quality : {2, 4, 8, 16}) {  // ffmpeg's tables are proportional to it, entries rounded down
-    const auto all = quantisers(make_video(folder, "a.avi", 8, fmt::format("-c:v mjpeg -q:v {} -pix_fmt yuvj420p", quality)));
+    const auto all =
+        quantisers(make_video(folder, "a.avi", 8, fmt::format("-c:v mjpeg -q:v {} -pix_fmt yuvj420p", quality)));
     ASSERT_EQ(all.size(), 6u);
     EXPECT_FALSE(all.front().predicted);
     if (last > 0.0) {
@@ -84,8 +88,8 @@ TEST(StreamQuantiser, MotionJpegHasItsTablesStep) {
 
 TEST(StreamQuantiser, LosslessStreamsLoseNothing) {
   const TestFolder folder;
-  for (const char* how : {"-c:v ffv1 -pix_fmt gray", "-c:v huffyuv -pix_fmt yuv422p", "-c:v libx264 -qp 0 -pix_fmt yuv444p",
-                          "-c:v rawvideo -pix_fmt gray"}) {
+  for (const char* how : {"-c:v ffv1 -pix_fmt gray", "-c:v huffyuv -pix_fmt yuv422p",
+                          "-c:v libx264 -qp 0 -pix_fmt yuv444p", "-c:v rawvideo -pix_fmt gray"}) {
     for (const Quantiser& q : quantisers(make_video(folder, "a.mkv", 8, how))) EXPECT_TRUE(q.is_lossless()) << how;
   }
 }
@@ -98,8 +102,7 @@ TEST(StreamQuantiser, WhatAStreamKeepsToItselfIsNotKnown) {
 
 TEST(StreamQuantiser, ATornHeadOfAJpegIsNotKnown) {
   const std::vector<std::uint8_t> nothing{0xff, 0xd8, 0xff, 0xdb, 0x00, 0x43, 0x00, 0x10};
-  for (std::size_t n = 0; n <= nothing.size(); ++n)
-    EXPECT_TRUE(std::isnan(step_of_jpeg(std::span(nothing).first(n))));
+  for (std::size_t n = 0; n <= nothing.size(); ++n) EXPECT_TRUE(std::isnan(step_of_jpeg(std::span(nothing).first(n))));
 }
 
 }  // namespace

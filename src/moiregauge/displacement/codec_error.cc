@@ -36,7 +36,8 @@ std::array<double, 2> codec_u_pitches(const PatchFit& patch, const Quantiser& qu
   if (!(quantiser.step > 0.0) || patch.pixels <= 0) return u;
   for (const int axis : {0, 1}) {
     const double energy =
-        patch.sigma * patch.sigma * patch.information.block<kPatchPoints, kPatchPoints>(axis * kPatchPoints, axis * kPatchPoints).sum();
+        patch.sigma * patch.sigma *
+        patch.information.block<kPatchPoints, kPatchPoints>(axis * kPatchPoints, axis * kPatchPoints).sum();
     const double pitch_px = axis == 0 ? pitch_px_of(patch, 3, 5) : pitch_px_of(patch, 1, 7);
     if (!(energy > 0.0) || !(pitch_px > 0.0)) continue;
     const double slope = std::sqrt(energy / patch.pixels) / pitch_px;
@@ -102,9 +103,7 @@ CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observa
   }
 }
 
-Quantiser CodecHistory::at(std::size_t n, std::size_t marker) const {
-  return lossy_ ? steps_[n][marker] : Quantiser{};
-}
+Quantiser CodecHistory::at(std::size_t n, std::size_t marker) const { return lossy_ ? steps_[n][marker] : Quantiser{}; }
 
 Quantiser CodecHistory::in_reference_frame(std::size_t marker) const {
   return {or_assumed(then_[marker].step), then_[marker].predicted};

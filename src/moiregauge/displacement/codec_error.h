@@ -2,8 +2,8 @@
 // What a lossy codec does to a displacement (docs/methods/precise.md, "Compressed footage").
 //
 // A print that moves by d changes its pixels by d times the grey levels' slope g. Where the codec predicts a block from
-// the frame before, it stores the change only if a coefficient of the change exceeds about its quantiser's step: a block
-// of 8 x 8 pixels whose change is spread over a few coefficients of 8 g d each is left as it was up to
+// the frame before, it stores the change only if a coefficient of the change exceeds about its quantiser's step: a
+// block of 8 x 8 pixels whose change is spread over a few coefficients of 8 g d each is left as it was up to
 //
 //   d = step / (8 g)     the codec's dead zone, px, g rms over the print
 //

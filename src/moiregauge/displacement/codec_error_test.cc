@@ -78,7 +78,8 @@ TEST(CodecError, APatchsMeanIsAsUncertainAsNoiseAndLagTogether) {
     EXPECT_NEAR(mean, 1e-4 / 9.0 + u * u * (1.0 + 1.0 / 9.0), 1e-9);
     EXPECT_NEAR((c.topRightCorner<9, 9>().norm()), 0.0, 1e-12);
   }
-  EXPECT_GT(wide.points[0]->information.trace(), wide.points[1]->information.trace());  // a reference lags with the rest
+  EXPECT_GT(wide.points[0]->information.trace(),
+            wide.points[1]->information.trace());  // a reference lags with the rest
 }
 
 TEST(CodecError, LosslessFootageKeepsItsBits) {

@@ -31,7 +31,8 @@ Quantiser QuantiserMap::within(double x0, double y0, double x1, double y1) const
   }
   long below = 0;
   int parameter = 0;
-  while (below += counts[static_cast<std::size_t>(parameter)], static_cast<double>(below) < kQuartile * static_cast<double>(total))
+  while (below += counts[static_cast<std::size_t>(parameter)],
+         static_cast<double>(below) < kQuartile * static_cast<double>(total))
     ++parameter;
   return {step_of_parameter(parameter), whole.predicted};
 }

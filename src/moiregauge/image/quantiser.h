@@ -23,7 +23,8 @@ struct Quantiser {
 };
 inline constexpr double kUnknownStep = std::numeric_limits<double>::quiet_NaN();
 
-// H.264's scale, a step of 0.625 at 0 and twice as much every 6 (ITU-T H.264, 8.5.9); other codecs' steps are put on it.
+// H.264's scale, a step of 0.625 at 0 and twice as much every 6 (ITU-T H.264, 8.5.9); other codecs' steps are put on
+// it.
 [[nodiscard]] inline double step_of_parameter(int parameter) { return 0.625 * std::exp2(parameter / 6.0); }
 inline constexpr int kMostParameter = 87;  // 51, and 6 for each bit beyond 8
 [[nodiscard]] std::uint8_t parameter_of_step(double step);
