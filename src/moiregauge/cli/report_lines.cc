@@ -14,15 +14,22 @@
 namespace moiregauge::cli {
 namespace {
 
+// Four points fit any homography: whichever of them moved, it would go unnoticed.
+std::string check_of(const Measurement& m) {
+  if (m.references_verified) return "";
+  return m.reference->circles.size() <= 4 ? "; references not verified: four cannot check each other, six can"
+                                          : "; references not verified";
+}
+
 std::string found_line(const Measurement& m, const MeasureOptions& options) {
   if (!m.reference) return fmt::format("found: {}", m.refusal);
   const auto references = m.reference->circles.size();
   std::string targets;
   for (const TargetSummary& t : m.targets)
     targets += fmt::format("{}{}", targets.empty() ? "" : ", ", site_of(m, options).markers[t.marker].name);
-  return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}", references,
+  return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}{}", references,
                      m.targets.size() == 1 ? "1 target" : fmt::format("{} targets", m.targets.size()), targets,
-                     m.observations.size(), m.input.width, m.input.height, m.reference->seen.frame, options.method->name);
+                     m.observations.size(), m.input.width, m.input.height, m.reference->seen.frame, options.method->name, check_of(m));
 }
 
 // Expanded uncertainty, k = 2, with as many digits of the result as it deserves.
