@@ -56,7 +56,8 @@ Expected<Scenario> scenario_of(const SimulateWords& words) {
         fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list", words.scenario));
   } else {
     auto read = read_scenario(words.scenario);
-    if (!read) return tl::unexpected(fmt::format("{}", fmt::join(read.error(), "\nerror: ")));
+    if (!read)
+      return tl::unexpected(mistakes_in("scenario", words.scenario, fmt::format("{}", fmt::join(read.error(), "\n"))));
     scenario = *std::move(read);
   }
   for (const std::string& setting : words.settings) {

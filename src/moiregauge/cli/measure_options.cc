@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/cli/exit_line.h"
 #include "moiregauge/io/camera_file.h"
 #include "moiregauge/io/length_text.h"
 #include "moiregauge/io/site_file.h"
@@ -16,14 +17,6 @@ namespace moiregauge::cli {
 namespace {
 
 tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
-
-// One line says that the file is wrong, then one line per mistake, each with its place.
-std::string mistakes(const std::string& path, const std::vector<std::string>& lines) {
-  std::string text = fmt::format("site file: {}: correct {}", path,
-                                 lines.size() == 1 ? "this mistake:" : fmt::format("these {} mistakes:", lines.size()));
-  for (const std::string& line : lines) text += "\n" + line;
-  return text;
-}
 
 bool parse_long(const std::string& text, long& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -47,13 +40,13 @@ tl::expected<const Method*, UsageError> method_of(const std::string& word) {
 
 tl::expected<Site, UsageError> site_of_file(const std::string& path) {
   auto site = read_site(path);
-  if (!site) return usage(mistakes(path, site.error()));
+  if (!site) return usage(mistakes_in("site file", path, fmt::format("{}", fmt::join(site.error(), "\n"))));
   return *std::move(site);
 }
 
 tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options) {
   const auto known = read_known_camera(path);
-  if (!known) return usage(known.error());
+  if (!known) return usage(mistakes_in("camera file", path, known.error()));
   options.camera = known->camera;
   options.solve.u_camera = known->u;
   return {};

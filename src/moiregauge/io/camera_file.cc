@@ -37,6 +37,8 @@ Camera read_table(const TomlTable& table) {
   Camera camera;
   camera.width = whole_number(table, "width");
   camera.height = whole_number(table, "height");
+  if (table.has("width") != table.has("height"))
+    table.mistake(table.has("width") ? "width" : "height", "width and height stand together or not at all");
   camera.fx = required(table, "fx");
   camera.fy = required(table, "fy");
   camera.cx = required(table, "cx");

@@ -66,6 +66,36 @@ TEST(CameraFile, MistakesAreNamedWithTheirPlaces) {
   EXPECT_NE(read_camera("/nowhere/c.toml").error().find("/nowhere/c.toml: cannot be read"), std::string::npos);
 }
 
+TEST(CameraFile, MistakesInACalibrationAreNamedWithTheirPlacesAllAtOnce) {
+  const auto read = parse_camera(
+      "image_width: 10mm\nimage_height: 480\ncamera_matrix:\n  data: [1e999, 0, 320, 0, 500, 240, 0, 0, 1]\n"
+      "distortion_coefficients: [0.1, 1,5]\ndistortion_model: equidistant\nimage_height: 481\n",
+      "c.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error(),
+            "c.yaml:1:1: image_width must be a whole number of pixels\n"
+            "c.yaml:3:1: camera_matrix: \"1e999\" is no finite number\n"
+            "c.yaml:5:1: distortion_coefficients holds fewer than 4 numbers\n"
+            "c.yaml:6:1: a fisheye lens; only the five-term model k1 k2 p1 p2 k3 is known\n"
+            "c.yaml:7:1: image_height stands twice, first in line 2: leave the one that is meant");
+}
+
+TEST(CameraFile, OneOfTwoCamerasIsNotGuessed) {
+  const auto read = parse_camera(
+      "left:\n  camera_matrix: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nright:\n  camera_matrix: [510, 0, 320, 0, 510, "
+      "240, 0, 0, 1]\n",
+      "c.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error(), "c.yaml:4:3: camera_matrix stands twice, first in line 2: leave the one that is meant");
+}
+
+TEST(CameraFile, AWidthWithoutAHeightIsNoSize) {
+  const std::string matrix = "camera_matrix: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n";
+  EXPECT_EQ(parse_camera("image_width: 640\n" + matrix, "c.yaml").error(),
+            "c.yaml:1:1: image_width without image_height");
+  EXPECT_FALSE(parse_camera("[camera]\nheight = 480\nfx = 1.0\nfy = 1.0\ncx = 0.0\ncy = 0.0\n", "c.toml"));
+}
+
 TEST(CameraFile, WrittenComesBackToTheLastBitWithWhatIsKnownOfIt) {
   const double third = 1.0 / 3.0;
   const Camera camera{640,          480, 500 * third, 500 * third, 320 + third, 240, -0.1 * third, 1e-9 * third, 0,

@@ -2,6 +2,8 @@
 #include "moiregauge/io/scenario_file.h"
 
 #include <algorithm>
+#include <cctype>
+#include <map>
 #include <optional>
 #include <string_view>
 
@@ -25,9 +27,8 @@ struct Entry {
 std::string text_of(const toml::value& value) {
   if (value.is_string()) return value.as_string(std::nothrow).str;
   if (value.is_boolean()) return value.as_boolean(std::nothrow) ? "true" : "false";
-  if (value.is_integer()) return fmt::format("{}", value.as_integer(std::nothrow));
-  if (value.is_floating()) return fmt::format("{}", value.as_floating(std::nothrow));
-  if (!value.is_array()) return "";
+  if (const auto number = finite_number(value)) return fmt::format("{}", *number);
+  if (!value.is_array()) return value.is_integer() || value.is_floating() ? "not finite" : "";
   std::string text;
   for (const toml::value& part : value.as_array(std::nothrow)) text += text_of(part) + " ";
   return text;
@@ -70,19 +71,26 @@ int turn_of(const Entry& entry) {
   return entry.name.starts_with("grating.") || entry.name == "truth.draw_known_to" ? 1 : 2;
 }
 
-std::optional<std::string> problem_applying(simulator::Scenario& scenario, const std::string& name,
-                                            const std::string& text) {
-  const auto settings = simulator::settings_of(scenario);
-  std::vector<std::string_view> names;
-  for (const auto& setting : settings) {
-    if (setting.name == name) {
+// A scenario's settings by name; it must not gain or lose a marker while they are used.
+class Settings {
+ public:
+  explicit Settings(simulator::Scenario& scenario) {
+    for (auto& setting : simulator::settings_of(scenario)) by_name_.try_emplace(setting.name, std::move(setting));
+  }
+  [[nodiscard]] std::optional<std::string> problem_applying(const std::string& name, const std::string& text) const {
+    if (const auto found = by_name_.find(name); found != by_name_.end()) {
+      const simulator::Setting& setting = found->second;
       return setting.set(text) ? std::nullopt : std::optional(fmt::format("{} must be {}", name, setting.kind));
     }
-    names.push_back(setting.name);
+    std::vector<std::string_view> names;
+    for (const auto& [known, setting] : by_name_) names.push_back(known);
+    const auto nearest = nearest_word(name, names);
+    return fmt::format("unknown key \"{}\"{}", name, nearest ? fmt::format("; did you mean \"{}\"?", *nearest) : "");
   }
-  const auto nearest = nearest_word(name, names);
-  return fmt::format("unknown key \"{}\"{}", name, nearest ? fmt::format("; did you mean \"{}\"?", *nearest) : "");
-}
+
+ private:
+  std::map<std::string, simulator::Setting> by_name_;
+};
 
 std::optional<simulator::Scenario> base_of(const toml::value& file, TomlMistakes& wrong) {
   const TomlTable table(file, wrong);
@@ -92,6 +100,65 @@ std::optional<simulator::Scenario> base_of(const toml::value& file, TomlMistakes
   if (!base)
     table.mistake("base", fmt::format("there is no built-in scenario \"{}\"; see moiregauge simulate --list", *name));
   return base;
+}
+
+bool is_word_of(const std::string& text, const std::string& word) {
+  const auto is_letter = [&](std::size_t at) {
+    return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_');
+  };
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    if ((at == 0 || !is_letter(at - 1)) && !is_letter(at + word.size())) return true;
+  }
+  return false;
+}
+
+// Which line a problem speaks of: one that it names in full, or by the last part of its name and, if it is a marker's,
+// by the marker.
+std::vector<Entry>::iterator spoken_of(const std::string& problem, std::vector<Entry>& entries) {
+  const auto named =
+      std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) { return is_word_of(problem, entry.name); });
+  if (named != entries.end()) return named;
+  return std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) {
+    const std::size_t dot = entry.name.rfind('.');
+    if (!is_word_of(problem, entry.name.substr(dot == std::string::npos ? 0 : dot + 1))) return false;
+    if (!entry.name.starts_with("marker.")) return true;
+    const std::string rest = entry.name.substr(7);
+    return is_word_of(problem, rest.substr(0, rest.find('.')));
+  });
+}
+
+// More than anybody corrects at a time; a file made to hold thousands must not take hours.
+constexpr int kMostMistakes = 20;
+
+// Takes the lines in as far as they can be; the others are mistakes, and left out.
+void apply(std::vector<Entry>& entries, simulator::Scenario& scenario, TomlMistakes& wrong) {
+  const Settings settings(scenario);
+  int mistakes = 0;
+  std::erase_if(entries, [&](const Entry& entry) {
+    const auto problem = mistakes < kMostMistakes ? settings.problem_applying(entry.name, entry.text) : std::nullopt;
+    if (!problem) return false;
+    wrong.add_at(*entry.place, *problem);
+    ++mistakes;
+    return true;
+  });
+}
+
+// Values that are numbers but make no sense, each at its line: what one line says wrongly is left out to see what else
+// is wrong. A problem that no line alone makes is told only when it is the only one.
+void note_senseless(const simulator::Scenario& unset, std::vector<Entry> entries, TomlMistakes& wrong) {
+  for (int mistakes = 0; mistakes < kMostMistakes; ++mistakes) {
+    simulator::Scenario scenario = unset;
+    apply(entries, scenario, wrong);
+    const auto problem = simulator::problem_with(scenario);
+    if (!problem) return;
+    const auto entry = spoken_of(*problem, entries);
+    if (entry == entries.end()) {
+      if (wrong.empty()) wrong.add(1, 1, *problem);
+      return;
+    }
+    wrong.add_at(*entry->place, *problem);
+    entries.erase(entry);
+  }
 }
 
 }  // namespace
@@ -111,13 +178,10 @@ tl::expected<simulator::Scenario, std::vector<std::string>> parse_scenario(const
     read_markers(*markers, *scenario, entries, wrong);
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return turn_of(a) < turn_of(b); });
-  for (const Entry& entry : entries) {
-    if (const auto problem = problem_applying(*scenario, entry.name, entry.text)) wrong.add_at(*entry.place, *problem);
-  }
+  const simulator::Scenario unset = *scenario;
+  apply(entries, *scenario, wrong);
+  note_senseless(unset, std::move(entries), wrong);
   if (!wrong.empty()) return tl::unexpected(wrong.lines());
-  if (const auto problem = simulator::problem_with(*scenario)) {
-    return tl::unexpected(std::vector{fmt::format("{}: {}", path, *problem)});
-  }
   return *std::move(scenario);
 }
 
@@ -131,9 +195,9 @@ tl::expected<void, std::string> apply_setting(simulator::Scenario& scenario, con
   const auto equals = assignment.find('=');
   if (equals == std::string::npos)
     return tl::unexpected(fmt::format("\"{}\" has no \"=\"; write KEY=VALUE", assignment));
-  if (auto problem = problem_applying(scenario, assignment.substr(0, equals), assignment.substr(equals + 1))) {
+  const Settings settings(scenario);
+  if (auto problem = settings.problem_applying(assignment.substr(0, equals), assignment.substr(equals + 1)))
     return tl::unexpected(*std::move(problem));
-  }
   return {};
 }
 

@@ -97,5 +97,23 @@ TEST(Setting, ThatMakesNoSenseIsRefused) {
   EXPECT_FALSE(apply_setting(scenario, "seed=-1"));
 }
 
+TEST(ScenarioFile, ValuesThatMakeNoSenseAreNamedWithTheirPlacesAllAtOnce) {
+  const auto read = parse_scenario(
+      "base = \"small-1x\"\nframs = 3\n[lens]\nk1 = 1e999\n[sensor]\nfps = -1\n[grating]\npitch_mm = -10.0\n"
+      "[known_to]\nprint_scale = 3.0\n",
+      "s.toml");
+  ASSERT_FALSE(read);
+  const std::vector<std::string> expected{
+      "s.toml:2:9: unknown key \"frams\"; did you mean \"frames\"?", "s.toml:4:6: lens.k1 must be a number",
+      "s.toml:6:7: sensor.fps must be greater than 0", "s.toml:8:12: marker NW: pitch_mm must be greater than 0",
+      "s.toml:10:15: known_to.print_scale must not be more than 0.1"};
+  EXPECT_EQ(read.error(), expected);
+}
+
+TEST(ScenarioFile, WhatIsMissingHasNoLineOfItsOwn) {
+  EXPECT_EQ(parse_scenario("frames = 3\n", "s.toml").error(),
+            std::vector<std::string>{"s.toml:1:1: there is no marker to be seen"});
+}
+
 }  // namespace
 }  // namespace moiregauge

@@ -120,5 +120,15 @@ TEST(SiteFile, AMissingFileSaysWhichOne) {
   EXPECT_NE(all(read_site("/nowhere/site.toml")).find("/nowhere/site.toml: cannot be read"), std::string::npos);
 }
 
+TEST(SiteFile, ANumberBeyondAllNumbersIsNotTakenForTheLargest) {
+  for (const char* number : {"1e999", "-1e999", "nan", "inf", "99999999999999999999"}) {
+    const auto site = parse_site(
+        std::string("[[target]]\ngrating_mm = [0.0, 0.0]\ngrating_size_mm = [4.0, 4.0]\npitch_mm = ") + number,
+        "s.toml");
+    ASSERT_FALSE(site) << number;
+    EXPECT_EQ(site.error().front(), "s.toml:4:12: pitch_mm must be a finite number");
+  }
+}
+
 }  // namespace
 }  // namespace moiregauge

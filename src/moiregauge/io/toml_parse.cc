@@ -51,6 +51,7 @@ std::string first_line_of(const std::string& what) {
   }
   if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon)
     line.erase(0, colon + 2);
+  if (line == "invalid line format") return "the line goes on behind its value: write numbers like 1.5, without a unit";
   return line;
 }
 

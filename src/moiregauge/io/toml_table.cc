@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -59,15 +60,18 @@ void TomlTable::mistake(const std::string& key, const std::string& text) const {
   mistakes_->add_at(value != nullptr ? *value : *table_, text);
 }
 
-namespace {
-
+// toml11 gives the last number there is for one beyond it (1e999): nobody means that one.
 std::optional<double> finite_number(const toml::value& value) {
-  if (value.is_integer()) return static_cast<double>(value.as_integer(std::nothrow));
-  if (value.is_floating() && std::isfinite(value.as_floating(std::nothrow))) return value.as_floating(std::nothrow);
-  return std::nullopt;
+  constexpr auto kLast = std::numeric_limits<toml::integer>::max();
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  if (value.is_integer()) {
+    const toml::integer read = value.as_integer(std::nothrow);
+    return read < kLast && read > -kLast ? std::optional(static_cast<double>(read)) : std::nullopt;
+  }
+  if (!value.is_floating()) return std::nullopt;
+  const double read = value.as_floating(std::nothrow);
+  return std::abs(read) < kLargest ? std::optional(read) : std::nullopt;  // NaN is not below anything
 }
-
-}  // namespace
 
 std::optional<double> TomlTable::number(const std::string& key) const {
   const toml::value* value = find(key);

@@ -35,6 +35,10 @@ class TomlMistakes {
   std::vector<Entry> entries_;
 };
 
+// A whole or a real number as the file has it; nothing for NaN, for infinity, and beyond what a double (or, of a whole
+// number, 64 bits) can hold.
+[[nodiscard]] std::optional<double> finite_number(const toml::value& value);
+
 // One table. Absent keys give nothing and are no mistake; keys of a wrong type give nothing and are one.
 class TomlTable {
  public:
