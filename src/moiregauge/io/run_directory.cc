@@ -14,6 +14,7 @@
 #include "moiregauge/io/displacement_h5.h"
 #include "moiregauge/io/run_file.h"
 #include "moiregauge/io/run_json.h"
+#include "moiregauge/io/run_json_reader.h"
 #include "moiregauge/io/site_file.h"
 #include "moiregauge/io/solved_scene.h"
 
@@ -28,9 +29,7 @@ Done put(const fs::path& path, std::string_view bytes) { return write_file_atomi
 
 std::string sha256_of_run(const fs::path& dir) {
   std::ifstream file(dir / "run.json");
-  const auto json = nlohmann::json::parse(file, nullptr, false);
-  if (json.is_discarded() || !json.contains("input") || !json["input"].contains("sha256")) return {};
-  return json["input"]["sha256"].is_string() ? json["input"]["sha256"].get<std::string>() : std::string{};
+  return input_sha256_of_run(file);
 }
 
 // For a folder that takes the place of `from` the same files under another name, else, or where the file system has no

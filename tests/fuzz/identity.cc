@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any circles, wherever they lie, against a site: never a guess, and never a search without end.
+//
+// First byte: how many references the site has, 4 to 8. Then five bytes a circle: x, y (1/16 px), diameter (px).
+#include "moiregauge/markers/identity.h"
+
+#include <cmath>
+#include <set>
+
+#include "tests/fuzz/input_file.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::size_t kCircleBytes = 5;
+
+Site ring_of(int references) {
+  Site site;
+  for (int k = 0; k < references; ++k) {
+    Marker marker;
+    marker.name = std::to_string(k);
+    marker.circle = Circle{{k % 2 == 0 ? -128.0 : 128.0, 40.0 - 80.0 * (k / 2) / ((references - 1) / 2)}, 16.0};
+    site.markers.push_back(marker);
+  }
+  return site;
+}
+
+CircleSearch circles_of(fuzz::Bytes bytes) {
+  CircleSearch search;
+  for (; bytes.size() >= kCircleBytes; bytes = bytes.subspan(kCircleBytes)) {
+    SeenCircle circle;
+    circle.centre = {(bytes[0] * 256 + bytes[1]) / 16.0, (bytes[2] * 256 + bytes[3]) / 16.0};
+    circle.diameter_px = 7.0 + bytes[4];
+    circle.circularity = 0.9;
+    circle.u_centre_px = 0.01;
+    circle.contrast = 100.0;
+    search.circles.push_back(circle);
+  }
+  return search;
+}
+
+}  // namespace
+}  // namespace moiregauge
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace moiregauge;
+  if (size == 0) return 0;
+  const Site site = ring_of(4 + data[0] % 5);
+  const CircleSearch search = circles_of({data + 1, size - 1});
+  const auto who = identify_first(site, search);
+  if (!who) return 0;
+  const std::set<int> taken(who->circle_of_marker.begin(), who->circle_of_marker.end());
+  fuzz::demand(taken.size() == site.markers.size() && *taken.rbegin() < static_cast<int>(search.circles.size()));
+  static_cast<void>(identify_next(site, search, {who->image_from_board, 0.0}));
+  return 0;
+}

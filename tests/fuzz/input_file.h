@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bytes of one trial as a file with a name, for readers that open files.
+#pragma once
+
+#include <sys/mman.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <string>
+
+namespace moiregauge::fuzz {
+
+using Bytes = std::span<const std::uint8_t>;
+
+// A promise of the code under test that was broken; what found it shows the place.
+inline void demand(bool kept) {
+  if (!kept) std::abort();
+}
+
+// Lives in memory; every open() of its path begins at the first byte.
+class InputFile {
+ public:
+  explicit InputFile(Bytes bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {
+    demand(file_ >= 0 && ::write(file_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
+  }
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  ~InputFile() { ::close(file_); }
+  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+
+ private:
+  int file_;
+};
+
+inline std::string text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+}  // namespace moiregauge::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

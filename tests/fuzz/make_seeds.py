@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+"""Makes the seeds of the fuzz targets afresh: small real inputs, written by the program itself and by ffmpeg.
+
+    make_seeds.py MOIREGAUGE      # the program; writes corpus/<target>/seed-*, leaves everything else there alone
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy
+
+HERE = pathlib.Path(__file__).resolve().parent
+REAL = HERE.parent / "real" / "data"
+RIG = "color=gray:size=24x16,noise=alls=40:allf=t"  # a small moving picture
+
+
+def run(*words, cwd):
+    return subprocess.run([str(word) for word in words], cwd=cwd, check=True, capture_output=True).stdout
+
+
+def put(target, name, content):
+    folder = HERE / "corpus" / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"seed-{name}").write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def film(work, name, *options, frames=2):
+    run("ffmpeg", "-loglevel", "error", "-y", "-f", "lavfi", "-i", RIG, "-frames:v", frames, "-bitexact", *options, name,
+        cwd=work)
+    return (work / name).read_bytes()
+
+
+def grey_of(path, work, scale=1.0, crop=None):
+    """Grey levels of a picture, first cropped (x, y, width, height), then made smaller."""
+    steps = ["crop={2}:{3}:{0}:{1}".format(*crop)] if crop else []
+    steps += [f"scale=round(iw*{scale}):-1:flags=area", "format=gray"]
+    run("ffmpeg", "-loglevel", "error", "-i", path, "-frames:v", 1, "-vf", ",".join(steps), "-f", "rawvideo",
+        "picture.grey", "-y", cwd=work)
+    size = run("ffprobe", "-v", "error", "-show_entries", "stream=width,height", "-of", "csv=p=0", path, cwd=work)
+    width = crop[2] if crop else int(size.split(b",")[0])
+    width = int(numpy.floor(width * scale + 0.5))
+    grey = numpy.fromfile(work / "picture.grey", numpy.uint8)
+    return grey.reshape(-1, width)
+
+
+def markers(name, grey, words=0):
+    put("markers", name, bytes([grey.shape[1] - 16, words]) + grey.tobytes())
+
+
+def texts(moiregauge, work):
+    run(moiregauge, "simulate", "small-1xyz", "--frames", 2, "--markers-only", "-o", "rig", cwd=work)
+    run(moiregauge, "measure", "rig/frames", "--site", "rig/site.toml", "--fps", 10, "--method", "two-stage", "--quiet",
+        "-o", "run", cwd=work)
+    put("site_file", "simulated", (work / "rig/site.toml").read_bytes())
+    put("site_file", "real", (REAL / "board-checker/site.toml").read_bytes())
+    put("site_file", "every-key", '[grating]\npitch_mm = 10\npattern = "squares"\nangle_deg = 1.5\n[[reference]]\n'
+        'name = "NW"\ncircle_mm = [-395.0, 3.4e1]\ncircle_diameter_mm = 20.0\n[[target]]\ngrating_mm = [0, 0]\n'
+        'grating_size_mm = [60.0, 60.0]\npitch_mm = 5.0\npattern = "lines-x"\nz_mm = -30.0\n[known_to]\nposition_mm = 1.0\n'
+        'rotation_deg = 0.3\nheight_mm = 3.0\nprint_scale = 0.0005\n')
+    put("camera_file", "simulated", (work / "rig/truth-camera.toml").read_bytes())
+    put("camera_file", "solved", '[camera]\nmodel = "brown"\nwidth = 1024\nheight = 512\nfx = 3478.26\nfy = 3478.26\n'
+        'cx = 511.5\ncy = 255.5\nk1 = -0.37\nk2 = 0.0\np1 = 0.0\np2 = 0.0\nk3 = 0.0\n[camera.u]\nfx = 1.5\ncx = 2.0\ncy = 2.0\n'
+        'k1 = 0.01\nk2 = 0.1\np1 = 0.001\np2 = 0.001\nk3 = 0.5\n')
+    put("camera_file", "opencv.yml", '%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n'
+        '   rows: 3\n   cols: 3\n   dt: d\n   data: [ 5.3e+02, 0., 3.2e+02, 0.,\n       5.3e+02, 2.4e+02, 0., 0., 1. ]\n'
+        'distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n'
+        '   data: [ -2.8e-01, 3.9e-02, 1.2e-03, -1.0e-04, 1.5e-01 ]\n')
+    put("camera_file", "ros.yaml", 'image_width: 640\nimage_height: 480\ncamera_name: c\ncamera_matrix:\n  rows: 3\n  cols: 3\n'
+        '  data: [530.1, 0, 320.5, 0, 530.2, 240.5, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n'
+        '  rows: 1\n  cols: 5\n  data:\n  - -0.28\n  - 0.04\n  - 0.001\n  - 0\n  - 0\n')
+    put("scenario_file", "every-kind", 'base = "small-1xyz"\nframes = 50\n[lens]\nk1 = -0.1\n[rotation.z]\n'
+        'knots = [[0, 0], [5, 0.8]]\n[[marker]]\nname = "beam"\nrole = "target"\ngrating_mm = [0, 0]\n'
+        'grating_size_mm = [40, 40]\npitch_mm = 10\n[marker.dy]\nknots = [[0, 0], [2, 1]]\n[marker.cover]\nframes = [[2, 4]]\n'
+        'share = 0.5\n[sensor]\nbits = 12\nreadout_s = 0.02\n[known_to]\nposition_mm = 1.0\n[truth]\ndraw_known_to = true\n')
+    put("scenario_file", "set-track", "marker.mid.dy.knots=[[0,0],[2,1]]\n")
+    put("scenario_file", "set-lens", "lens.k1=-0.0225\n")
+    put("scenario_file", "length", "10000 \u00b5m\n")
+    put("run_json", "measured", (work / "run/run.json").read_bytes()[:1500])
+    put("run_json", "whole", '{"schema":1,"input":{"path":"a.mkv","sha256":"0a1b","frames":2,"fps":null},"warnings":["\\u00e9"]}')
+    put("run_file", "two-stage", b"\0" + (work / "run/run.mgj").read_bytes()[16:])
+
+
+def pictures(work):
+    raw = ["-c:v", "rawvideo"]
+    put("stored_video", "grey.avi", film(work, "g.avi", *raw, "-pix_fmt", "gray"))
+    put("stored_video", "420.avi", film(work, "y.avi", *raw, "-pix_fmt", "yuv420p"))
+    put("stored_video", "grey.mkv", film(work, "g.mkv", *raw, "-pix_fmt", "gray", "-allow_raw_vfw", 1))
+    put("stored_video", "grey12.avi", film(work, "g12.avi", *raw, "-pix_fmt", "gray12le"))
+    put("stored_video", "420.mkv", film(work, "y.mkv", *raw, "-pix_fmt", "yuv420p"))
+    for name, options in {"raw": ["-pix_fmt", "gray", "-compression_algo", "raw"],
+                          "packbits": ["-pix_fmt", "gray", "-compression_algo", "packbits"],
+                          "lzw16": ["-pix_fmt", "gray16le", "-compression_algo", "lzw"],
+                          "raw16": ["-pix_fmt", "gray16le", "-compression_algo", "raw"],
+                          "deflate-rgb": ["-pix_fmt", "rgb24", "-compression_algo", "deflate"]}.items():
+        put("tiff_picture", f"{name}.tiff", film(work, f"{name}.tiff", *options, frames=1))
+    for kind in ["gray", "gray16be", "rgb24", "pal8", "ya8", "monob"]:
+        put("png_picture", f"{kind}.png", film(work, f"{kind}.png", "-pix_fmt", kind, frames=1))
+    put("jpeg_picture", "420.jpg", film(work, "y.jpg", "-pix_fmt", "yuvj420p", frames=1))
+    put("jpeg_picture", "grey.jpg", film(work, "g.jpg", "-pix_fmt", "gray", "-color_range", "pc", frames=1))
+    exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
+    jpeg = (work / "g.jpg").read_bytes()
+    put("jpeg_picture", "turned.jpg", jpeg[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + jpeg[2:])
+    put("jpeg_picture", "exif", exif)
+
+
+def views(work):
+    frame = work / "rig/frames/000000.png"
+    markers("rig", grey_of(frame, work, scale=0.25))
+    markers("circle", grey_of(frame, work, scale=0.5, crop=(90, 90, 192, 104)), words=1)
+    markers("checker", grey_of(REAL / "handheld-chess/left01.jpg", work, scale=0.25, crop=(220, 60, 360, 240)))
+    markers("dots", grey_of(REAL / "robot-circles/0.png", work, scale=0.25, crop=(0, 0, 480, 320)))
+    square = [(100, 60), (900, 60), (100, 310), (900, 310)]
+    def circles(places):
+        return b"".join(int(16 * x).to_bytes(2, "big") + int(16 * y).to_bytes(2, "big") + bytes([39]) for x, y in places)
+    put("identity", "four", b"\0" + circles(square))
+    put("identity", "six-and-others", b"\2" + circles(square + [(100, 185), (900, 185), (500, 180), (420, 100), (600, 250)]))
+    put("identity", "grid", b"\4" + circles((60 * i, 60 * k) for i in range(6) for k in range(5)))
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        work = pathlib.Path(folder)
+        texts(pathlib.Path(sys.argv[1]).resolve(), work)
+        pictures(work)
+        views(work)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any grey levels as a picture: circles, gratings, lattices, and who is who on the small rig's site.
+//
+// First byte: 16 + it is the width; second, bit 0: 16-bit words of 10 bits. Then the pixels, row by row.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "moiregauge/markers/circles.h"
+#include "moiregauge/markers/grating_patches.h"
+#include "moiregauge/markers/identity.h"
+#include "moiregauge/markers/indexed_lattice.h"
+#include "tests/fuzz/input_file.h"
+
+namespace moiregauge {
+namespace {
+
+Site four_circles() {
+  Site site;
+  for (const double y : {40.0, -40.0}) {
+    for (const double x : {-128.0, 128.0}) {
+      Marker marker;
+      marker.name = std::to_string(site.markers.size());
+      marker.circle = Circle{{x, y}, 16.0};
+      site.markers.push_back(marker);
+    }
+  }
+  return site;
+}
+
+template <typename Grey>
+Image<Grey> picture_of(fuzz::Bytes pixels, int width, int shift) {
+  Image<Grey> picture(width, static_cast<int>(pixels.size()) / width);
+  for (int y = 0; y < picture.height(); ++y) {
+    const auto from = pixels.subspan(static_cast<std::size_t>(y * width), static_cast<std::size_t>(width));
+    std::transform(from.begin(), from.end(), picture.row(y).begin(),
+                   [&](std::uint8_t grey) { return static_cast<Grey>(grey << shift); });
+  }
+  return picture;
+}
+
+void look_at(const LumaView& luma, int bits) {
+  const CircleSearch search = find_circles(luma, {});
+  for (const SeenCircle& circle : search.circles) {
+    fuzz::demand(std::isfinite(circle.centre.x) && std::isfinite(circle.centre.y) && circle.u_centre_px >= 0.0);
+    static_cast<void>(find_circles_near(luma, circle.centre, circle.diameter_px, 4.0, {}));
+  }
+  for (const SeenPatch& patch : find_grating_patches(luma, {.bits = bits}))
+    fuzz::demand(std::isfinite(patch.centre.x) && std::isfinite(patch.centre.y));
+  static_cast<void>(find_checker_lattices(luma, bits));
+  static_cast<void>(find_dot_lattices(luma, search.circles));
+  static const Site site = four_circles();
+  if (const auto who = identify_first(site, search)) fuzz::demand(who->circle_of_marker.size() == site.markers.size());
+}
+
+}  // namespace
+}  // namespace moiregauge
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace moiregauge;
+  if (size < 2) return 0;
+  const int width = 16 + data[0];
+  const fuzz::Bytes pixels(data + 2, size - 2);
+  if (pixels.size() < static_cast<std::size_t>(width)) return 0;
+  if (data[1] % 2 == 0) {
+    const auto picture = picture_of<std::uint8_t>(pixels, width, 0);
+    look_at(picture.view(), 8);
+  } else {
+    const auto picture = picture_of<std::uint16_t>(pixels, width, 2);
+    look_at(picture.view(), 10);
+  }
+  return 0;
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every reader of pictures promises, asked of whatever it read.
+#pragma once
+
+#include "moiregauge/io/picture.h"
+#include "tests/fuzz/input_file.h"
+
+namespace moiregauge::fuzz {
+
+// A header may promise pictures of a quarter of a gigabyte, which costs a trial a tenth of a second and finds nothing.
+inline constexpr std::uint64_t kMostTrialPixels = 1U << 22U;
+
+// Looks at every pixel, so that one outside its memory is noticed.
+inline void look_at(const PictureOrError& picture) {
+  if (!picture) return demand(!picture.error().message.empty());
+  demand(picture->bits >= 8 && picture->bits <= 16 && picture->rotation_deg % 90 == 0);
+  unsigned all = 0;
+  const LumaView luma = view_of(*picture);
+  std::visit(
+      [&](const auto& view) {
+        demand(view.width > 0 && view.height > 0);
+        for (int y = 0; y < view.height; ++y) {
+          for (const auto grey : view.row(y)) all |= grey;
+        }
+      },
+      luma);
+  demand(all < 1U << 16U);
+}
+
+}  // namespace moiregauge::fuzz

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes as the run.json of a run that is about to be replaced.
+#include <sstream>
+
+#include "moiregauge/io/run_json_reader.h"
+#include "tests/fuzz/input_file.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  std::istringstream file(moiregauge::fuzz::text_of({data, size}));
+  static_cast<void>(moiregauge::input_sha256_of_run(file));
+  return 0;
+}

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes as a TIFF: its pages are pictures or errors, read in order and one of them again.
+#include "moiregauge/io/tiff_reader.h"
+
+#include <algorithm>
+
+#include "tests/fuzz/picture_trial.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace moiregauge;
+  const fuzz::InputFile file({data, size});
+  const auto stack = TiffStack::open(file.path());
+  if (!stack) return 0;
+  const long pages = std::min(4L, (*stack)->pages());
+  for (long page = 0; page < pages; ++page) fuzz::look_at((*stack)->read(page));
+  if (pages > 1) fuzz::look_at((*stack)->read(0));
+  return 0;
+}
