@@ -106,7 +106,7 @@ def pictures(work):
 
 def views(work):
     frame = work / "rig/frames/000000.png"
-    markers("rig", grey_of(frame, work, scale=0.25))
+    markers("rig", grey_of(frame, work, scale=0.18))
     markers("circle", grey_of(frame, work, scale=0.5, crop=(90, 90, 192, 104)), words=1)
     markers("checker", grey_of(REAL / "handheld-chess/left01.jpg", work, scale=0.25, crop=(220, 60, 360, 240)))
     markers("dots", grey_of(REAL / "robot-circles/0.png", work, scale=0.25, crop=(0, 0, 480, 320)))
