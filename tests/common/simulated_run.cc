@@ -74,7 +74,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   run.solution = method->solve(run.reference, run.observations, plan.solve);
   const Samples all = std::move(run.solution.samples);
   for (const Sample& sample : all) {
-    if (sample.marker != first_target || sample.frame == plan.reference_frame) continue;
+    if ((sample.marker != first_target && !plan.all_targets) || sample.frame == plan.reference_frame) continue;
     run.samples.push_back(sample);
     compare(scenario, sample, plan.reference_frame, run);
   }

@@ -21,6 +21,7 @@ struct RunPlan {
   long step = 1;     // every step-th frame of the scenario
   long frames = -1;  // at most so many; -1: to the end
   long reference_frame = 0;
+  bool all_targets = false;  // else the first one's samples are kept
   int render_threads = 0;  // 0: as many as there are
   ObserveOptions observe{};
   SolveOptions solve{};
@@ -31,7 +32,7 @@ struct RunPlan {
 struct MeasuredRun {
   Reference reference;
   std::vector<Observation> observations;
-  Samples samples;                 // of the first target only, reference frame left out
+  Samples samples;                 // of the first target, reference frame left out
   std::vector<double> error_x_um;  // measured minus true, since the reference frame; of samples with numbers
   std::vector<double> error_y_um;
   std::vector<double> u_x_um, u_y_um;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "studies/trust_coverage.h"
+#include "studies/trust_order.h"
 #include "studies/trust_reference.h"
 
 int main(int argc, char** argv) {
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
   }
   const bool all = !coverage && !order && !reference;
   if (coverage || all) print_coverage(runs > 0 ? runs : 400, only, verbose);
+  if (order || all) print_orders(runs > 0 ? runs : 100000, only, verbose);
   if (reference || all) print_reference_faults(runs > 0 ? runs : 1000, only, verbose);
   return 0;
 }

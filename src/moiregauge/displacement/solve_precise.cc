@@ -9,6 +9,7 @@
 #include "moiregauge/calibration/print_error.h"
 #include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/displacement/codec_error.h"
+#include "moiregauge/displacement/continuity.h"
 #include "moiregauge/displacement/layout_advice.h"
 #include "moiregauge/displacement/precise_budget.h"
 #include "moiregauge/displacement/reference_fault.h"
@@ -203,6 +204,7 @@ class Precise {
                                calibration.fits.front());  // the reference frame leads the key frames
     ByNoise by_noise;
     if (codec_.is_lossy()) by_noise.then = fit_by_noise(0, calibration.bundle.frames.front());
+    const std::vector<bool> outruns = outruns_continuity(site, frames);
     for (std::size_t n = 0; n < observations_.size(); ++n) {
       const Observation& seen = observations_[n];
       FrameFit now;
@@ -220,6 +222,8 @@ class Precise {
         Sample sample = begun_sample(reference_, seen, i);
         if (seen.frame != reference_.seen.frame) {
           sample.status = status_of(reference_, seen, i, now);
+          const bool unproven = outruns[i] && seen.markers[i].order == Order::kUnproven;
+          if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
           if (has_numbers(sample.status)) fill(sample, *site.markers[i].grating, budget, now, by_noise);
           if (doubtful_ && sample.status == Status::kOk) sample.status = Status::kUntrusted;
         }

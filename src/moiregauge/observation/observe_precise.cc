@@ -4,6 +4,7 @@
 
 #include "moiregauge/observation/cover.h"
 #include "moiregauge/observation/follow_marker.h"
+#include "moiregauge/observation/likeness.h"
 #include "moiregauge/observation/observe.h"
 #include "moiregauge/observation/patch_of_points.h"
 #include "moiregauge/observation/track.h"
@@ -167,6 +168,7 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
       if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
         look_for(picture, reference, view, i, prediction, true, seen.markers[i], work);
     }
+    doubt_what_may_be_another(reference, prediction, seen);
     return seen;
   }
   const std::size_t least = reference.knows_camera() ? kLeastForPose : kLeastForHomography;
@@ -175,6 +177,7 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
   const View view{seen.stage2, reference.lens};
   for (std::size_t i = 0; i < seen.markers.size(); ++i)
     look_for(picture, reference, view, i, prediction, false, seen.markers[i], work);
+  doubt_what_may_be_another(reference, prediction, seen);
   return seen;
 }
 

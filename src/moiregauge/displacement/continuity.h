@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole pitch of a print that shows no outline and has no circle follows from continuity alone.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "moiregauge/calibration/bundle.h"
+
+namespace moiregauge {
+
+// One per site marker: does a target go more than a quarter of a pitch between any two frames that show it? Then it may
+// as well go more than half of one, which continuity takes for less in the other direction.
+[[nodiscard]] std::vector<bool> outruns_continuity(const Site& site, std::span<const BundleFrame> frames);
+
+}  // namespace moiregauge

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What tools/trust-study counts over thousands of runs, in one or two each.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "studies/jumping_targets.h"
+#include "studies/slipping_reference.h"
+#include "studies/trust_scenarios.h"
+
+namespace moiregauge::study {
+namespace {
+
+std::string notes_of(const Solution& solution) {
+  std::string all;
+  for (const std::string& note : solution.notes) all += note + "\n";
+  return all;
+}
+
+TEST(Trust, AReferenceThatSlipsByAFifthOfAPixelIsNamed) {
+  for (const int number : {0, 1, 2}) {
+    const Slip slip = drawn_slip({.references = 6}, number);
+    const auto solution = measured(slip, Footage::kPoints);
+    ASSERT_TRUE(solution) << number;
+    EXPECT_NE(notes_of(*solution).find("'" + slip.who + "' moves"), std::string::npos)
+        << "draw " << number << ", " << slip.who << " from frame " << slip.when << ": " << notes_of(*solution);
+  }
+}
+
+TEST(Trust, SixReferencesThatStandStillAreNotSuspected) {
+  const auto solution = measured(drawn_slip({.references = 6, .slip_px = 0.0}, 3), Footage::kPoints);
+  ASSERT_TRUE(solution);
+  EXPECT_TRUE(solution->references_verified);
+  EXPECT_EQ(notes_of(*solution).find("moves"), std::string::npos) << notes_of(*solution);
+}
+
+TEST(Trust, FourReferencesAreNeverCalledVerified) {
+  const auto solution = measured(drawn_slip({.references = 4}, 4), Footage::kPoints);
+  ASSERT_TRUE(solution);
+  EXPECT_FALSE(solution->references_verified);
+}
+
+// Twelve like prints, of which each may stand where its neighbour was a frame ago.
+TEST(Trust, ATargetIsNotMistakenForItsLikeNeighbour) {
+  const JumpKind kind{.pattern = Pattern::kGrid, .pitch_mm = 5.0};
+  test::RunPlan plan{.method = "precise", .first = 1, .frames = 6};
+  plan.all_targets = true;
+  const auto run = test::measured(jumping_targets(kind, 0), plan);
+  ASSERT_EQ(run.problem, "");
+  std::size_t k = 0, ok = 0;
+  for (const Sample& sample : run.samples) {
+    if (!has_numbers(sample.status)) continue;
+    const double off_um = std::max(std::abs(run.error_x_um[k]), std::abs(run.error_y_um[k]));
+    ++k;
+    if (sample.status != Status::kOk) continue;
+    ++ok;
+    EXPECT_LT(off_um, 250.0 * kind.pitch_mm) << "frame " << sample.frame << " marker " << sample.marker;
+  }
+  EXPECT_GT(ok, run.samples.size() / 2) << "jumps of a pitch or two are followed";
+}
+
+// Draws in which a lens solved without the heights ended at two thirds of its focal length.
+TEST(Trust, ATargetOffThePlaneIsWithinItsUWhenTheCameraTravels) {
+  const auto& all = trust_scenarios();
+  const auto kind = std::find_if(all.begin(), all.end(), [](const TrustScenario& s) { return s.name == "off-plane"; });
+  ASSERT_NE(kind, all.end());
+  for (const int number : {12, 17, 20}) {
+    const DrawnRun drawn = drawn_run(*kind, number);
+    const auto run = test::measured(drawn.scenario, drawn.plan);
+    ASSERT_EQ(run.problem, "");
+    for (std::size_t k = 0; k < run.error_x_um.size(); ++k) {
+      // 4 u: once in 16000.
+      EXPECT_LT(std::abs(run.error_x_um[k]), 4.0 * run.u_x_um[k]) << "draw " << number;
+      EXPECT_LT(std::abs(run.error_y_um[k]), 4.0 * run.u_y_um[k]) << "draw " << number;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace moiregauge::study
