@@ -177,8 +177,8 @@ class RunReader {
   // False where the record cannot be, or does not fit those before it. The run is then of no use any more, except
   // that a frame which does not fit is not taken.
   bool take(const Record& record) {
-    if (record.tag == kStartTag) return places_ == 0 && count_place() && read_whole(record.payload, run_.start);
-    if (record.tag == kOptionsTag) return places_ == 1 && count_place() && take_options(record.payload);
+    if (record.tag == kStartTag) return places_ == 0 && read_whole(record.payload, run_.start) && count_place();
+    if (record.tag == kOptionsTag) return places_ == 1 && take_options(record.payload) && count_place();
     if (places_ < 2 || end_) return false;
     if (record.tag == kReferenceTag) return take_reference(record.payload);
     if (record.tag == kNotesTag) return take_notes(record.payload);

@@ -233,5 +233,13 @@ TEST(RunFile, SaysWhatIsWrong) {
   EXPECT_NE(parsed(bytes).error().find("another version"), std::string::npos);
 }
 
+TEST(RunFile, NothingIsKeptOfARunWhoseOptionsMakeNoSense) {
+  StoredRun run = filled_run(1);
+  run.options.method = nullptr;
+  const auto kept = kept_of(bytes_of(run));
+  ASSERT_FALSE(kept.has_value());
+  EXPECT_NE(kept.error().find("its head makes no sense"), std::string::npos) << kept.error();
+}
+
 }  // namespace
 }  // namespace moiregauge
