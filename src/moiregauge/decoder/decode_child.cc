@@ -206,11 +206,17 @@ int Child::run(const std::optional<std::string>& unfiltered) {
     if (decoded == Decoded::kEnd && memory_ == nullptr)
       return fail({InputErrorKind::kDamaged, "no frame can be decoded", "record or copy the video again"});
     if (decoded == Decoded::kEnd) {
-      if (const auto problem = stream.end_problem(number_)) return fail(*problem);
+      if (const auto problem = stream.end_problem(number_)) {
+        margin_.spoil_around();  // who cut the file need not have cut between frames
+        return fail(*problem);
+      }
       break;
     }
     if (decoded == Decoded::kLost) {
-      if (memory_ != nullptr) send_frame(stream, true);
+      if (stream.is_place_known() && memory_ != nullptr)
+        send_frame(stream, true);
+      else
+        margin_.spoil_around();
       continue;
     }
     const AVFrame& frame = stream.frame();

@@ -18,17 +18,20 @@ class DamageMargin {
 
   // Takes the next frame; gives the one that is old enough, if there is one, with its verdict.
   [[nodiscard]] std::optional<std::pair<Item, bool>> put(Item item, bool damaged) {
-    if (damaged) {
-      for (auto& [waiting, spoilt] : waiting_) spoilt = true;
-      to_spoil_ = kFrames + 1;
-    }
-    const bool spoilt = to_spoil_ > 0;
-    if (spoilt) --to_spoil_;
+    if (damaged) spoil_around();
+    const bool spoilt = damaged || to_spoil_ > 0;
+    if (!damaged && to_spoil_ > 0) --to_spoil_;
     waiting_.emplace_back(std::move(item), spoilt);
     if (waiting_.size() <= kFrames) return std::nullopt;
     auto oldest = std::move(waiting_.front());
     waiting_.pop_front();
     return oldest;
+  }
+
+  // Damage between the frame before and the one to come, such as data that gave no frame at all.
+  void spoil_around() {
+    for (auto& [waiting, spoilt] : waiting_) spoilt = true;
+    to_spoil_ = kFrames;
   }
 
   // At the end: all that wait, in order.

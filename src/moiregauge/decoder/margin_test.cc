@@ -8,7 +8,7 @@
 namespace moiregauge {
 namespace {
 
-// 'x' is damaged on the way in; on the way out all that is spoilt by it.
+// 'x' is damaged on the way in, '|' damage between two frames; on the way out all that is spoilt by it.
 std::string through(const std::string& frames) {
   DamageMargin<std::size_t> margin;
   std::string out;
@@ -16,8 +16,13 @@ std::string through(const std::string& frames) {
     EXPECT_EQ(frame.first, out.size()) << "in order";
     out += frame.second ? 'x' : '.';
   };
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (const auto old = margin.put(i, frames[i] == 'x')) take(*old);
+  std::size_t number = 0;
+  for (const char frame : frames) {
+    if (frame == '|') {
+      margin.spoil_around();
+    } else if (const auto old = margin.put(number++, frame == 'x')) {
+      take(*old);
+    }
   }
   for (const auto& frame : margin.rest()) take(frame);
   return out;
@@ -32,6 +37,8 @@ TEST(DamageMargin, ThreeFramesOnEitherSideOfADamagedOneAreSpoilt) {
   EXPECT_EQ(through("x........x.."), "xxxx..xxxxxx");
   EXPECT_EQ(through("x"), "x");
   EXPECT_EQ(through(""), "");
+  EXPECT_EQ(through("......|......"), "...xxxxxx...");
+  EXPECT_EQ(through(".....|"), "..xxx");
 }
 
 }  // namespace

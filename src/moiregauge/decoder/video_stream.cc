@@ -172,9 +172,11 @@ bool VideoStream::open_decoder() {
   if (decoder_ == nullptr || avcodec_parameters_to_context(decoder_, stream_->codecpar) < 0) return false;
   decoder_->pkt_timebase = stream_->time_base;
   // Slices, not frames, in parallel: a complaint then belongs to the packet just sent.
+  // H.264 gets one thread: with more, libav leaves out the search for macroblocks that nothing decoded, which is how
+  // most damaged pictures are known; and cameras put a picture into one slice.
   decoder_->thread_type = FF_THREAD_SLICE;
-  decoder_->thread_count = 0;
-  decoder_->err_recognition = AV_EF_CRCCHECK;
+  decoder_->thread_count = codec->id == AV_CODEC_ID_H264 ? 1 : 0;
+  decoder_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_AGGRESSIVE;
   decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // marked by us, not swallowed: the others keep their numbers
   StreamQuantiser::ask(*decoder_);
   decoder_->max_pixels = decoders_limit(max_pixels_);
@@ -235,6 +237,13 @@ bool VideoStream::send_packet() {
   return false;
 }
 
+// An AVI has no times but the count of its frames, and of those that wait in the decoder at its end libav forgets that.
+void VideoStream::note_time() {
+  const bool is_counted = std::strcmp(container_->iformat->name, "avi") == 0 && timestamp_ != AV_NOPTS_VALUE;
+  const bool is_timeless = frame_->best_effort_timestamp == AV_NOPTS_VALUE;
+  timestamp_ = is_timeless && is_counted ? timestamp_ + 1 : frame_->best_effort_timestamp;
+}
+
 Decoded VideoStream::next() {
   while (true) {
     const int received = avcodec_receive_frame(decoder_, frame_);
@@ -244,7 +253,7 @@ Decoded VideoStream::next() {
       if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) damage_.complaint(packet);
       damaged_ =
           damage_.touches(packet) || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
-      timestamp_ = frame_->best_effort_timestamp;
+      note_time();
       quantiser_.note_frame(*decoder_, *frame_);
       return Decoded::kFrame;
     }
@@ -254,7 +263,7 @@ Decoded VideoStream::next() {
     if (!read_packet()) {
       draining_ = true;
       avcodec_send_packet(decoder_, nullptr);
-    } else if (!send_packet() && decoder_->has_b_frames == 0) {  // with reordering its place is not known
+    } else if (!send_packet()) {
       damaged_ = true;
       timestamp_ = packet_->pts;
       return Decoded::kLost;

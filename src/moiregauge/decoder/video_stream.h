@@ -43,9 +43,10 @@ class VideoStream {
   VideoStream& operator=(const VideoStream&) = delete;
   ~VideoStream();
 
-  // kFrame: frame() holds the next one. kLost: a packet gave none, its place in the order is here.
+  // kFrame: frame() holds the next one. kLost: a packet gave none; is_place_known(): it would have been the next.
   [[nodiscard]] Decoded next();
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
+  [[nodiscard]] bool is_place_known() const { return decoder_->has_b_frames == 0; }
   [[nodiscard]] bool damaged() const { return damaged_; }
   [[nodiscard]] const StreamQuantiser& quantiser() const { return quantiser_; }  // of frame()
   [[nodiscard]] double time_s() const;  // of the frame or the lost packet, in the stream's own count; NaN: none
@@ -67,6 +68,7 @@ class VideoStream {
   [[nodiscard]] bool send_packet();
   void note_complaints(std::int64_t packet);
   void note_extent();
+  void note_time();
   void take_early_complaints();
   [[nodiscard]] bool is_cut() const;
 
