@@ -56,7 +56,6 @@ void tell(const Task& task, const Verdict& v) {
   for (const std::string& warning : v.warnings) fmt::print(stderr, "      {}\n", warning);
 }
 
-// A decoder's process is forked from this one: with its threads all the same ones, that is safe (child_process.h).
 std::vector<Verdict> verdicts_on(const std::vector<Task>& tasks, const Words& words, const std::string& folder) {
   std::vector<Verdict> verdicts(tasks.size());
   std::atomic<std::size_t> next{0};
