@@ -188,12 +188,27 @@ void add_light(std::vector<Mode>& all) {
 // --- prints and places
 
 void add_prints(std::vector<Mode>& all) {
-  add(all, "print scale, target", "the target's print too large", "{}", {0.002, 0.005, 0.01, 0.03},
-      [](Sequence& q, int, double s) { target(q).place.print_scale = s; });
-  add(all, "print scale, all", "every print too large", "{}", {0.002, 0.005, 0.01, 0.03},
-      [](Sequence& q, int, double s) {
-        for (SceneMarker& m : q.scenario.markers) m.place.print_scale = s;
+  add(all, "print scale, as stated", "every print drawn as wrong as known_to says", "{}", {0.002, 0.005, 0.01},
+      [](Sequence& q, int, double s) { q.scenario.known_to.print_scale = s; });
+  add(all, "print scale of all, as stated", "every print too large by what known_to says", "{}", {0.002, 0.005, 0.01},
+      [](Sequence& q, int seed, double s) {
+        q.scenario.known_to.print_scale = s;
+        q.scenario.draw.print_scale = false;
+        for (SceneMarker& m : q.scenario.markers) m.place.print_scale = seed % 4 < 2 ? s : -s;
       });
+  const auto too_large = [](double scale, bool all_prints) {
+    return Mode::Strength{fmt::format("{}: {}", all_prints ? "all" : "the target's", scale), [=](Sequence& q, int) {
+                            for (SceneMarker& m : q.scenario.markers) {
+                              if (all_prints || m.print.role == Role::kTarget) m.place.print_scale = scale;
+                            }
+                          }};
+  };
+  all.push_back({"print scale, unstated",
+                 "prints too large by 10 to 60 times what known_to says (0.0005)",
+                 false,
+                 {too_large(0.005, false), too_large(0.01, false), too_large(0.03, false), too_large(0.005, true),
+                  too_large(0.01, true), too_large(0.03, true)}});
+  all.back().vouched_for = true;
   add(all, "print stretched", "every print too long along x", "{}", {0.002, 0.01, 0.03},
       [](Sequence& q, int, double s) {
         for (SceneMarker& m : q.scenario.markers) m.place.stretch_x = s;
@@ -219,12 +234,21 @@ void add_moves(std::vector<Mode>& all) {
   const auto slip = [](Sequence& q, int seed, double s) {
     (seed % 4 < 2 ? reference(q, seed).dy : reference(q, seed).dx).knots = step(seed, s);
   };
-  add(all, "reference slips", "a step of one of four (even seeds) or six references", "{} mm", {0.03, 0.1, 0.5, 3.0},
-      slip);
-  add(all, "reference creeps", "the same, slowly over the recording", "{} mm", {0.03, 0.1, 0.5, 3.0},
-      [](Sequence& q, int seed, double s) {
-        reference(q, seed).dy.knots = {{0.0, 0.0}, {9.0, s}};
-      });
+  const auto creep = [](Sequence& q, int seed, double s) {
+    (seed % 4 < 2 ? reference(q, seed).dy : reference(q, seed).dx).knots = {{0.0, 0.0}, {9.0, s}};
+  };
+  // Layouts change with every seed: even ones have four references.
+  const auto of = [](int references, const Change& change) -> Change {
+    return [references, change](Sequence& q, int seed, double s) {
+      q.scenario = scene_of(references == 4 ? 2 * seed : 2 * seed + 1);
+      change(q, seed, s);
+    };
+  };
+  const std::initializer_list<double> ways{0.03, 0.1, 0.5, 3.0};
+  add(all, "one of six slips", "a step of one of six references", "{} mm", ways, of(6, slip));
+  add(all, "one of four slips", "a step of one of four references", "{} mm", ways, of(4, slip));
+  add(all, "one of six creeps", "slowly over the recording", "{} mm", ways, of(6, creep));
+  add(all, "one of four creeps", "slowly over the recording", "{} mm", ways, of(4, creep));
   add(all, "target jumps", "from one frame to the next", "{} mm", {4.9, 5.1, 9.0, 10.0, 15.0},
       [](Sequence& q, int seed, double s) {
         (seed % 2 == 0 ? target(q).dy : target(q).dx).knots = {{3.4, 0.0}, {3.6, s}};

@@ -29,6 +29,9 @@ struct Mode {
     std::function<void(Sequence&, int seed)> apply;
   };
   std::vector<Strength> strengths;
+  // site.toml states with certainty what is wrong here, and no picture need contradict it: in the table, not in its
+  // sum.
+  bool vouched_for = false;
 };
 
 [[nodiscard]] const std::vector<Mode>& modes();
