@@ -16,6 +16,7 @@ namespace {
 // A square cell stands in for by a Gaussian of its variance; what is left is its fourth moment, h^4 / 2880 of the
 // fourth derivative. With these the worst pixel is 5e-5 of the contrast off, at point spreads of 0.35 px and more.
 int cells_for(double psf_sigma_px) {
+  if (psf_sigma_px >= 1.2) return 1;
   if (psf_sigma_px >= 0.6) return 2;
   return psf_sigma_px >= 0.35 ? 4 : 8;
 }
@@ -64,12 +65,13 @@ double gaussian_sigma(const Scenario& scenario, long frame) {
 }
 
 // A disc as equal Gaussians on a spiral, each a little blurred itself (`soft` of the radius), all together of a disc's
-// variance, radius^2 / 4. They stand 1.2 of their own sigma apart, so that no gap shows.
+// variance, radius^2 / 4. They stand 1.5 of their own sigma apart: a net that wide shows by 2 exp(-2 pi^2 / 1.5^2) =
+// 3e-4.
 constexpr double kSoft = 0.12;
 
 std::vector<ImagePoint> disc_of(double radius_px, double sigma_px) {
   if (radius_px <= 0.0) return {};
-  const double reach = radius_px * std::sqrt(1.0 - 4.0 * kSoft * kSoft), apart = 1.2 * sigma_px;
+  const double reach = radius_px * std::sqrt(1.0 - 4.0 * kSoft * kSoft), apart = 1.5 * sigma_px;
   const int count = std::clamp(static_cast<int>(std::ceil(kPi * reach * reach / (apart * apart))), 6, 200);
   std::vector<ImagePoint> points;
   for (int i = 0; i < count; ++i) {
