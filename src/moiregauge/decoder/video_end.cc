@@ -58,6 +58,10 @@ std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
     text += of_s >= end_s ? fmt::format(" ({:.2f} s of {:.2f} s)", end_s, of_s) : fmt::format(" ({:.2f} s)", end_s);
     return VideoProblem{InputErrorKind::kDamaged, text, "copy it again; what came before counts"};
   }
+  if (!sums_agree_) {
+    return VideoProblem{InputErrorKind::kDamaged, "a check sum of the video is wrong: its data is damaged",
+                        "copy it again; frames may be wrong that are not marked"};
+  }
   if (header_complained_ || (complained && !is_cut())) {
     return VideoProblem{InputErrorKind::kDamaged, "the container of the video is damaged",
                         "copy it again; doubt the times of its frames"};

@@ -273,6 +273,23 @@ TEST(VideoSource, OneFlippedBitInH264IsSeen) {
   EXPECT_GE(seen, kFlips * 3 / 4);
 }
 
+// Nothing in a JPEG picture tells that a bit of it is wrong, but a Matroska file has check sums of its own.
+TEST(VideoSource, AWrongCheckSumOfTheContainerIsSaidAtTheEnd) {
+  const TestFolder folder;
+  ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v mjpeg -q:v 2 {}", folder / "a.mkv"));
+  const std::string whole = text_of(folder / "a.mkv");
+  for (std::size_t i = 1; i < 8; ++i) {
+    std::string hit = whole;
+    hit[whole.size() * i / 9] ^= 1;
+    write_text(folder / "a.mkv", hit);
+    auto source = opened(folder / "a.mkv");
+    ASSERT_NE(source, nullptr);
+    const Seen seen = all_of(*source);
+    EXPECT_TRUE(seen.broken_off || seen.damaged > 0) << i;
+    EXPECT_EQ(seen.times.size(), 25U) << "all frames are shown";
+  }
+}
+
 // It holds no times, only the number of frames; those that the decoder still holds at the end count on.
 TEST(VideoSource, AnAviWithReorderedFramesIsWholeAndKeepsTime) {
   const TestFolder folder;

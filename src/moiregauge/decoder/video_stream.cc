@@ -123,6 +123,8 @@ tl::expected<std::unique_ptr<VideoStream>, VideoProblem> VideoStream::open(int f
     return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "no decoder for " + stream->codec(),
                                        "convert the video to H.264 or FFV1"});
   }
+  // FFV1 has sums of its own in every slice.
+  if (stream->stream_->codecpar->codec_id != AV_CODEC_ID_FFV1) stream->sums_.emplace(reader_of(file));
   stream->errors_seen_ = errors_logged();
   return stream;
 }
@@ -208,6 +210,7 @@ bool VideoStream::read_packet() {
   note_complaints(packets_);
   take_early_complaints();
   note_extent();
+  if (sums_ && packet_->pos >= 0) sums_agree_ = sums_->agree_up_to(static_cast<std::uint64_t>(packet_->pos));
   return true;
 }
 

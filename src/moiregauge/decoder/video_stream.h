@@ -10,6 +10,7 @@
 
 #include <tl/expected.hpp>
 
+#include "moiregauge/decoder/cluster_sums.h"
 #include "moiregauge/decoder/damage.h"
 #include "moiregauge/decoder/stated_size.h"
 #include "moiregauge/decoder/stream_quantiser.h"
@@ -83,6 +84,8 @@ class VideoStream {
   AVFrame* frame_ = nullptr;
   AVPacket* packet_ = nullptr;
   Damage damage_;
+  std::optional<ClusterSums> sums_;
+  bool sums_agree_ = true;
   std::vector<std::int64_t> early_complaints_;  // places in the file, of complaints made while probing
   bool header_complained_ = false;
   StreamQuantiser quantiser_;
