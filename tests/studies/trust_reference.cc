@@ -49,12 +49,12 @@ std::vector<Row> table() {
   };
   for (const double px : {0.2, 0.0}) {
     for (const Layout layout : {Layout::kRows, Layout::kStrewn}) {
-      for (const bool known : {false, true}) add(6, layout, known, px, Footage::kPoints, 0.25);
+      for (const bool known : {false, true}) add(6, layout, known, px, Footage::kPoints, px > 0.0 ? 0.25 : 0.15);
     }
   }
   for (const double px : {0.2, 0.0}) add(6, Layout::kRows, false, px, Footage::kPictures, 0.05);
   for (const int n : {8, 5, 4}) {
-    for (const bool known : {false, true}) add(n, Layout::kRows, known, 0.2, Footage::kPoints, 0.1);
+    for (const bool known : {false, true}) add(n, Layout::kRows, known, 0.2, Footage::kPoints, 0.06);
   }
   return all;
 }

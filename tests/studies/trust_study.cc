@@ -6,6 +6,8 @@
 #include <cstring>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "studies/trust_coverage.h"
 #include "studies/trust_order.h"
 #include "studies/trust_reference.h"
@@ -37,8 +39,32 @@ int main(int argc, char** argv) {
     }
   }
   const bool all = !coverage && !order && !reference;
-  if (coverage || all) print_coverage(runs > 0 ? runs : 400, only, verbose);
-  if (order || all) print_orders(runs > 0 ? runs : 100000, only, verbose);
-  if (reference || all) print_reference_faults(runs > 0 ? runs : 1000, only, verbose);
+  if (coverage || all) {
+    fmt::print(
+        "Made by `tools/trust-study`. The small rig, markers only, raw footage.\n\n"
+        "**Coverage.** Runs of a reference frame and five more; in each, all that the instrument is told is drawn anew "
+        "as "
+        "wide as it is told: places, turns, heights, print scales, a given camera. How often the truth lies inside "
+        "1.96 u; "
+        "after the +-, by how much that scatters by chance (from run to run, for frames of one run share what was "
+        "drawn).\n\n");
+    print_coverage(runs > 0 ? runs : 400, only, verbose);
+  }
+  if (order || all) {
+    fmt::print(
+        "\n**Whole pitches.** Like prints all over a sheet jump by whole pitches, halves or anything, up to 4.4 "
+        "pitches "
+        "from frame to frame, before a camera that turns by up to 1 deg; lens unknown.\n\n");
+    print_orders(runs > 0 ? runs : 100000, only, verbose);
+  }
+  if (reference || all) {
+    fmt::print(
+        "\n**A reference that slips** by 0.2 px (0.069 mm) in any direction, from any of 16 frames on, before a camera "
+        "that "
+        "stands nearly still, sways or is posed anew. Points with the noise of pictures, unless it says pictures. "
+        "Noticed: "
+        "a warning, or a row that is not `ok`.\n\n");
+    print_reference_faults(runs > 0 ? runs : 1000, only, verbose);
+  }
   return 0;
 }
