@@ -49,8 +49,14 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const CircleSearch search = circles_of({data + 1, size - 1});
   const auto who = identify_first(site, search);
   if (!who) return 0;
-  const std::set<int> taken(who->circle_of_marker.begin(), who->circle_of_marker.end());
-  fuzz::demand(taken.size() == site.markers.size() && *taken.rbegin() < static_cast<int>(search.circles.size()));
+  std::set<int> taken;
+  std::size_t seen = 0;
+  for (const int circle : who->circle_of_marker) {
+    fuzz::demand(circle >= -1 && circle < static_cast<int>(search.circles.size()));
+    if (circle >= 0) taken.insert(circle);
+    seen += circle >= 0 ? 1 : 0;
+  }
+  fuzz::demand(seen >= 4 && taken.size() == seen);  // nobody is two markers
   static_cast<void>(identify_next(site, search, {who->image_from_board, 0.0}));
   return 0;
 }
