@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/continuity.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace moiregauge {
+namespace {
+
+// A target of 10 mm pitch seen at these heights, frame after frame; NaN: not seen.
+std::vector<bool> verdict(const std::vector<double>& y_mm) {
+  Site site;
+  for (const Role role : {Role::kReference, Role::kTarget}) {
+    Marker marker;
+    marker.role = role;
+    marker.grating.emplace().pitch_mm = 10.0;
+    site.markers.push_back(marker);
+  }
+  std::vector<BundleFrame> frames;
+  for (const double y : y_mm) {
+    BundleFrame frame;
+    frame.shift = {{}, {0.0, y}};
+    frame.points.resize(2);
+    if (y == y) frame.points[1].emplace();
+    frames.push_back(frame);
+  }
+  return outruns_continuity(site, frames);
+}
+
+TEST(Continuity, HoldsForAQuarterOfAPitchFromFrameToFrameHoweverFarInAll) {
+  EXPECT_EQ(verdict({0.0, 2.4, 4.8, 7.2, 9.6, 12.0}), std::vector<bool>({false, false}));
+}
+
+TEST(Continuity, IsOutrunByOneLongerStepInEitherDirection) {
+  EXPECT_TRUE(verdict({0.0, 1.0, 3.6, 3.7})[1]);
+  EXPECT_TRUE(verdict({0.0, 0.1, -2.5})[1]);
+}
+
+TEST(Continuity, IsJudgedAcrossFramesThatDoNotShowTheTarget) {
+  const double unseen = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(verdict({0.0, unseen, unseen, 4.0})[1]);
+  EXPECT_FALSE(verdict({0.0, unseen, unseen, 2.0})[1]);
+}
+
+}  // namespace
+}  // namespace moiregauge
