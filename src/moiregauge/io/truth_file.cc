@@ -46,8 +46,9 @@ std::string truth_csv(const Scenario& scenario) {
       const bool moves = marker.dx.moves() || marker.dy.moves();
       if (!marker.listed || (marker.print.role == Role::kReference && !moves)) continue;
       const simulator::Truth truth = simulator::truth(scenario, frame, marker);
-      fmt::format_to(std::back_inserter(text), "{},{:.6f},{},{},{}\n", frame, simulator::time_of(scenario, frame),
-                     marker.print.name, millimetres(truth.dx_mm), millimetres(truth.dy_mm));
+      const double since_first = simulator::time_of(scenario, frame) - simulator::time_of(scenario, 0);
+      fmt::format_to(std::back_inserter(text), "{},{:.6f},{},{},{}\n", frame, since_first, marker.print.name,
+                     millimetres(truth.dx_mm), millimetres(truth.dy_mm));
     }
   }
   return text;
