@@ -17,10 +17,18 @@ wanted = contents(out)
 journal = beside(out, ".unfinished") / "run.mgj"
 
 
+def kept_frames():
+    """In the journal; None where there is none, or none any more."""
+    try:
+        return Records(journal.read_bytes()).frames()
+    except FileNotFoundError:
+        return None
+
+
 def stopped(command, *signals):
     """Once a frame or more is in the journal."""
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    while process.poll() is None and not (journal.exists() and Records(journal.read_bytes()).frames() > 0):
+    while process.poll() is None and not kept_frames():
         time.sleep(0.002)
     for each in signals:
         process.send_signal(each)
@@ -52,8 +60,8 @@ for state in ("old results", "none"):
     code, _ = stopped(plain, signal.SIGKILL)
     insist(code == -signal.SIGKILL, f"exit {code}")
     insist(contents(out) == (wanted if state == "old results" else None), state)
-    insist_found(Records(journal.read_bytes()).frames())
-    kept = Records(journal.read_bytes()).frames()
+    kept = kept_frames()
+    insist_found(kept)
     solved = done([program, "solve", journal.parent, "-o", work / "solved"])
     insist(solved.returncode == 130 and f"these are its first {kept} frames" in solved.stderr, f"{solved.returncode}: {solved.stderr}")
     insist(len((work / "solved/displacement.csv").read_text().splitlines()) == kept + 1, "frames solved")
@@ -118,15 +126,15 @@ for option in ([], ["--resume"], ["--restart"]):
 (clip / "000300.png").unlink()
 
 # Stopped again and again, and once more while it passes over what it has.
-while True:
+while kept_frames() is not None:
+    had = kept_frames()
     process = subprocess.Popen([*plain, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    had = Records(journal.read_bytes()).frames()
-    while process.poll() is None and Records(journal.read_bytes()).frames() < min(had + 60, 299):
+    while process.poll() is None and (kept_frames() or 0) < min(had + 60, 300):
         time.sleep(0.002)
     process.send_signal(signal.SIGKILL)
     process.communicate()
-    if process.returncode == 0 or not journal.exists() or Records(journal.read_bytes()).frames() >= 299:
-        break
-if journal.exists():
-    insist_resumes("stopped again and again")
+    insist(process.returncode in (0, -signal.SIGKILL), f"exit {process.returncode}")
+    insist((kept_frames() or 300) >= had, "frames were lost")
+    if kept_frames() == 300:
+        insist_resumes("stopped again and again")
 insist_same(out, wanted, "in the end")
