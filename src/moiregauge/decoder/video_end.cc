@@ -37,6 +37,8 @@ bool VideoStream::is_cut() const {
 // what is missing behind that (an index) is no loss. Stated time is that of the longest stream, so beside sound, with
 // nothing else amiss, too little of it proves nothing.
 std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
+  if (tear_)
+    return VideoProblem{tear_->kind, fmt::format("input ends at frame {}: {}", shown, tear_->what), tear_->advice};
   const double rate = fps();
   const double frame_s = rate > 0.0 ? 1.0 / rate : 0.0;
   constexpr double kRounding = 2e-3;  // s: Matroska counts milliseconds

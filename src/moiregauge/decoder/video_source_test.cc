@@ -290,6 +290,34 @@ TEST(VideoSource, AWrongCheckSumOfTheContainerIsSaidAtTheEnd) {
   }
 }
 
+// Frames behind lost ones keep their times: the index knows by place which they are. Where no place is right, the input
+// ends, because the number of lost frames is not known.
+TEST(VideoSource, AnAviKeepsTimeBehindAHoleOrEnds) {
+  const TestFolder folder;
+  ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v mjpeg -q:v 2 {}", folder / "a.avi"));
+  const std::string whole = text_of(folder / "a.avi");
+  std::string hole = whole;
+  const std::size_t at = whole.find("00dc", whole.size() / 2);  // the head of a chunk, and of the next
+  hole.replace(at - 50, 100, std::string(100, '\0'));
+  write_text(folder / "hole.avi", hole);
+  auto source = opened(folder / "hole.avi");
+  ASSERT_NE(source, nullptr);
+  Seen seen = all_of(*source);
+  EXPECT_EQ(seen.times.size(), 24U);
+  EXPECT_NEAR(seen.times.back(), 24 / 25.0, 1e-9);
+  EXPECT_GT(seen.damaged, 3);
+  std::string cut = whole;
+  cut.erase(at - 50, 100);
+  write_text(folder / "cut.avi", cut);
+  source = opened(folder / "cut.avi");
+  ASSERT_NE(source, nullptr);
+  seen = all_of(*source);
+  EXPECT_LT(seen.times.size(), 16U);
+  ASSERT_TRUE(seen.broken_off);
+  EXPECT_NE(seen.broken_off->message.find("an AVI has no times to go on by"), std::string::npos)
+      << seen.broken_off->message;
+}
+
 // It holds no times, only the number of frames; those that the decoder still holds at the end count on.
 TEST(VideoSource, AnAviWithReorderedFramesIsWholeAndKeepsTime) {
   const TestFolder folder;

@@ -151,6 +151,8 @@ std::optional<VideoProblem> VideoStream::open_container() {
   container_->format_whitelist = av_strdup(kContainers);
   container_->protocol_whitelist = av_strdup("");
   if (avformat_open_input(&container_, "", nullptr, nullptr) < 0) return no_video(file_);
+  // Read with the head of an AVI; what libav adds to it later is its own count.
+  has_places_ = container_->nb_streams > 0 && avformat_index_get_entries_count(container_->streams[0]) > 0;
   header_complained_ = !places_of_complaints().empty();
   // Some containers name the size in their heads, others in the stream, of which probing decodes a little.
   if (auto problem = size_problem(*container_, max_pixels_)) return problem;
@@ -209,6 +211,7 @@ bool VideoStream::read_packet() {
   if (last_packet_corrupt_) damage_.complaint(packets_);
   note_complaints(packets_);
   take_early_complaints();
+  if (!note_count()) return false;
   note_extent();
   if (sums_ && packet_->pos >= 0) sums_agree_ = sums_->agree_up_to(static_cast<std::uint64_t>(packet_->pos));
   return true;

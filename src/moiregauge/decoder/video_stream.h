@@ -70,6 +70,7 @@ class VideoStream {
   void note_complaints(std::int64_t packet);
   void note_extent();
   void note_time();
+  [[nodiscard]] bool note_count();
   void take_early_complaints();
   [[nodiscard]] bool is_cut() const;
 
@@ -93,6 +94,10 @@ class VideoStream {
   std::int64_t packets_ = 0;
   std::optional<std::int64_t> began_;    // of all packets, in the stream's own count: the earliest time,
   std::optional<std::int64_t> reached_;  // the end of the latest
+  std::int64_t chunk_end_ = 0;           // of an AVI: where the last packet ended,
+  std::int64_t count_shift_ = 0;         // how many frames libav did not see,
+  bool has_places_ = false;              // and whether its index knows places
+  std::optional<VideoProblem> tear_;     // reading ended there
   bool draining_ = false;
   bool last_packet_corrupt_ = false;   // by the reader's own word: cut off, mostly
   bool last_read_complained_ = false;  // about the end
