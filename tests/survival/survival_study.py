@@ -63,9 +63,10 @@ def kill():
 
 
 def fail_every_call():
-    clip, site = long_clip(program, work / "calls", 4)
+    clip, site = long_clip(program, work / "calls", 6)
     states = {"nothing": "into a new folder", "finished": "over old results", "unfinished": "with `--resume`"}
-    ways = {"once": [(errno.ENOSPC, "once")], "and all after it": [(errno.EIO, "on")], "half done": [(errno.ENOSPC, "short")]}
+    ways = {"once, no space": [(errno.ENOSPC, "once")], "once, input/output error": [(errno.EIO, "once")],
+            "and all after it": [(errno.ENOSPC, "on")], "half done": [(errno.ENOSPC, "short")]}
     jobs = [(state, way) for state in states for way in ways]
 
     def one(job):
