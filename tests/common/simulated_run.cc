@@ -56,6 +56,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   }
   run.reference = std::move(*reference);
   run.reference.seen.frame = plan.reference_frame;
+  run.reference.seen.time_s = simulator::time_of(scenario, plan.reference_frame);
   const Method* method = method_named(plan.method);
   if (method->prepare != nullptr) method->prepare(first.view(), run.reference);
   Follower follower(run.reference);

@@ -175,6 +175,53 @@ void add_events(std::vector<PreciseCase>& all) {
                  .coverage_runs = 0});
 }
 
+// Rows read one after the other over 18 ms, 30 frames/s.
+Scenario rolling(double sway_deg, double tremor_deg, double tremor_hz) {
+  Scenario s = scene("small-still");
+  bend(s, -1.0);
+  s.sensor.fps = 30.0;
+  s.sensor.readout_s = 0.018;
+  s.sensor.exposure_s = 1.0 / 500.0;
+  auto& m = s.mount;
+  double turn = 40.0;  // deg, so that the six are never in step
+  for (Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z}) {
+    // Straight lines between knots a quarter of a second apart: a hand that sways.
+    for (int k = 0; k <= 80; ++k) {
+      const double t = 0.25 * k;
+      track->knots.push_back({t, sway_deg * std::sin(2.0 * t + turn)});
+    }
+    track->amplitude = tremor_deg, track->frequency_hz = tremor_hz, track->phase_deg = turn += 77.0;
+  }
+  for (Track* track : {&m.shift_x, &m.shift_y, &m.shift_z})
+    track->amplitude = 4.0 * tremor_deg, track->frequency_hz = 0.8 * tremor_hz, track->phase_deg = turn += 77.0;
+  return s;
+}
+
+void add_rolling(std::vector<PreciseCase>& all) {
+  const auto add = [&all](std::string name, std::string gate, Scenario s, std::optional<double> readout_s = {}) {
+    PreciseCase c{.name = "rolling-" + std::move(name), .gate = std::move(gate), .scenario = std::move(s)};
+    c.readout_s = readout_s;
+    c.frames = 45, c.runs = 5;
+    c.coverage_frames = 20, c.coverage_step = 1, c.coverage_runs = 40;
+    all.push_back(std::move(c));
+  };
+  add("tremor", "no lies", rolling(0.3, 0.06, 8.0));
+  add("tremor-given", "no lies", rolling(0.3, 0.06, 8.0), 0.018);
+  add("sway", "<= 1.5 x", rolling(0.5, 0.0, 0.0));
+  add("vibration-13", "no lies", rolling(0.3, 0.02, 13.0), 0.018);
+  add("vibration-25", "no lies", rolling(0.3, 0.01, 25.0), 0.018);
+  add("vibration-40", "no lies", rolling(0.3, 0.02, 40.0));
+  add("still", "<= 1.5 x", rolling(0.0, 0.0, 0.0));
+  Scenario slow = rolling(0.3, 0.06, 8.0);
+  slow.sensor.fps = 10.0;
+  add("tremor-10fps", "no lies", slow);
+  Scenario moving = rolling(0.3, 0.03, 8.0);
+  moving.markers.back().print.grating->centre = {0.0, 55.0};
+  moving.markers.back().dy.amplitude = 1.0, moving.markers.back().dy.frequency_hz = 3.0;
+  moving.markers.back().dx.amplitude = 0.5, moving.markers.back().dx.frequency_hz = 2.3;
+  add("target", "no lies", moving);
+}
+
 }  // namespace
 
 const std::vector<PreciseCase>& precise_cases() {
@@ -184,6 +231,7 @@ const std::vector<PreciseCase>& precise_cases() {
     add_unknown_lens(all);
     add_travel(all);
     add_events(all);
+    add_rolling(all);
     return all;
   }();
   return list;

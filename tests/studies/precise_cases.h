@@ -20,6 +20,7 @@ struct PreciseCase {
   Bound bound = Bound::kPhase;
   bool lens_known = false;
   std::optional<FrameRange> rest{};
+  std::optional<double> readout_s{};  // as --readout gives it
   long frames = 60;          // of a run, the reference frame among them
   long step = 1;             // every step-th frame of the scenario
   long coverage_frames = 8;  // of a short run, likewise

@@ -122,6 +122,7 @@ test::RunPlan plan_of(const PreciseCase& c, const Words& words) {
   plan.frames = c.frames;
   plan.step = c.step;
   plan.solve.rest = c.rest;
+  plan.solve.readout_s = c.readout_s;
   if (c.lens_known) plan.lens = lens_of(c.scenario.camera);
   return plan;
 }

@@ -46,6 +46,11 @@ struct Bundle::Footage {
         if (!frames[k].points[i] || !site.markers[i].grating) continue;
         const bool shifts = site.markers[i].role != Role::kReference && !frames[k].at_rest;
         patches.push_back({k, i, shifts, PatchResidual(*frames[k].points[i], *site.markers[i].grating)});
+        if (frames[k].rows) {
+          patches.back().rows = std::make_shared<const BundlePatch::Rows>(
+              BundlePatch::Rows{patches.back().residual.root() * frames[k].rows->by_marker[i].leftCols<kMotionParameters>(),
+                                frames[k].rows->information});
+        }
         rows += PatchResidual::kSize - (shifts ? 2 : 0);
       }
       rows -= 6;
@@ -75,9 +80,9 @@ struct Bundle::Footage {
 
   [[nodiscard]] Minimum valued(BundleState state, std::span<const SceneParameter> free) const {
     Minimum m{std::move(state)};
-    for (const BundlePatch& p : patches) {
-      m.data += robust(p.residual.chi2(m.state.camera, m.state.markers[p.marker], m.state.poses[p.frame],
-                                       p.shifts ? m.state.shifts[p.frame][p.marker] : Extent<frame::Board>{}));
+    for (const BundlePatch& p : patches) m.data += robust(p.chi2(m.state));
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      if (frames[k].rows) m.prior += m.state.motions[k].dot(frames[k].rows->information * m.state.motions[k]);
     }
     for (const SceneParameter& p : free) m.prior += std::pow((parameter(m.state, p.index) - p.mean) / p.u, 2);
     return m;
@@ -126,8 +131,9 @@ Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter
 }
 
 BundleState begun(const Scene& scene, std::span<const BundleFrame> frames) {
-  BundleState start{numbers_of(scene.camera), scene.markers, {}, {}};
+  BundleState start{numbers_of(scene.camera), scene.markers, {}, {}, {}};
   for (const BundleFrame& frame : frames) {
+    start.motions.push_back(frame.motion);
     start.poses.push_back(frame.pose);
     start.shifts.push_back(frame.shift);
   }
@@ -164,6 +170,7 @@ BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::s
   for (std::size_t k = 0; k < solution.frames.size(); ++k) {
     solution.frames[k].pose = best.state.poses[k];
     solution.frames[k].shift = best.state.shifts[k];
+    solution.frames[k].motion = best.state.motions[k];
     solution.scene.key_frames.push_back(solution.frames[k].frame);
   }
   return solution;

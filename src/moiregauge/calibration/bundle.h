@@ -2,6 +2,7 @@
 // Self-calibration: one least squares over camera, markers and the poses of many frames.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,6 +14,19 @@
 
 namespace moiregauge {
 
+// A rolling shutter: how the nine points of every patch are off, in pitches (x of all nine, then y), per rate and
+// acceleration by which the camera moves otherwise than expected while rows are read (set_back in row_motion.h), and,
+// in the last column, per second of readout.
+inline constexpr int kMotionParameters = 12;
+struct RowDesign {
+  using Columns = Eigen::Matrix<double, 2 * kPatchPoints, kMotionParameters + 1>;
+  std::vector<Columns> by_marker;  // one per site marker
+  Eigen::Matrix<double, kMotionParameters, kMotionParameters> information;  // prior about zero
+};
+using Motion = Eigen::Matrix<double, kMotionParameters, 1>;
+
+inline constexpr double kNotTimed = std::numeric_limits<double>::quiet_NaN();
+
 // One frame as the bundle takes it.
 struct BundleFrame {
   long frame = 0;
@@ -20,7 +34,13 @@ struct BundleFrame {
   std::vector<std::optional<PatchFit>> points;  // one per site marker
   std::vector<Extent<frame::Board>> shift;      // of the targets, where to start; one per site marker, mm
   bool at_rest = false;                         // targets known not to have moved: shift is zero
+  double time_s = kNotTimed;
+  std::optional<RowDesign> rows = std::nullopt;  // of a rolling shutter, points set back
+  Motion motion = Motion::Zero();                // otherwise than expected, where to start
 };
+
+// In which direction of the picture as displayed the sensor's rows follow one another.
+enum class RowsRun { kDown, kUp, kRight, kLeft };
 
 // What is known beforehand: values (a Scene's) and their standard uncertainties in the Scene's order.
 struct ScenePrior {
@@ -28,6 +48,7 @@ struct ScenePrior {
   std::array<double, kCameraParameters> u_camera{};
   std::vector<MarkerShape> markers;
   std::vector<MarkerShape> u_markers;  // 0: held fixed
+  RowsRun rows_run = RowsRun::kDown;
 };
 
 // Nothing known of the lens but the picture's size; of the markers what the site says. A calibrated camera narrows it.

@@ -18,6 +18,7 @@ struct BundleState {
   std::vector<MarkerShape> markers;
   std::vector<Pose> poses;                                // one per frame
   std::vector<std::vector<Extent<frame::Board>>> shifts;  // by frame, then site marker
+  std::vector<Motion> motions;                            // one per frame, of a rolling shutter
 };
 
 // One patch of the footage.
@@ -26,6 +27,13 @@ struct BundlePatch {
   std::size_t marker;
   bool shifts;  // a target that may have moved
   PatchResidual residual;
+  // Of a rolling shutter: the residual per motion otherwise than expected, and the motion's prior.
+  struct Rows {
+    Eigen::Matrix<double, PatchResidual::kSize, kMotionParameters> by_motion;
+    Eigen::Matrix<double, kMotionParameters, kMotionParameters> information;
+  };
+  std::shared_ptr<const Rows> rows{};
+  [[nodiscard]] double chi2(const BundleState& at) const;
 };
 
 // Prior of the scene's parameters: the camera's, then five per marker.
@@ -56,18 +64,32 @@ class BundleNormal {
   [[nodiscard]] std::optional<BundleState> step_of_frames() const;
 
  private:
-  using PatchNormal = Eigen::Matrix<double, PatchColumn::kColumns, PatchColumn::kColumns>;
+  // Columns of the design, and behind them those of the motion.
+  template <int kMotion>
+  using PatchNormal = Eigen::Matrix<double, PatchColumn::kColumns + kMotion, PatchColumn::kColumns + kMotion>;
+  template <int kMotion>
   struct Frame;
-  [[nodiscard]] Frame eliminated(std::size_t first, std::size_t end, double damping, Eigen::MatrixXd& scene) const;
-  [[nodiscard]] double substituted(std::size_t first, std::size_t end, const Frame& frame, const Eigen::VectorXd& moved,
-                                   BundleState& to) const;
+  struct Eliminated;
+  template <int kMotion>
+  [[nodiscard]] PatchNormal<kMotion> normal_of(std::size_t patch) const;
+  template <int kMotion>
+  [[nodiscard]] Frame<kMotion> eliminated(std::size_t first, std::size_t end, double damping,
+                                          Eigen::MatrixXd& scene) const;
+  template <int kMotion>
+  [[nodiscard]] double substituted(std::size_t first, std::size_t end, const Frame<kMotion>& frame,
+                                   const Eigen::VectorXd& moved, BundleState& to) const;
+  [[nodiscard]] Eliminated frame_eliminated(std::size_t first, double damping, Eigen::MatrixXd& scene) const;
+  [[nodiscard]] double frame_substituted(std::size_t first, const Eliminated& frame, const Eigen::VectorXd& moved,
+                                         BundleState& to) const;
   [[nodiscard]] Eigen::Index size() const;  // of the scene's parameters and the right side
   [[nodiscard]] std::size_t end_of_frame(std::size_t first) const;
 
   std::span<const BundlePatch> patches_;
   std::span<const SceneParameter> free_;
   BundleState at_;
-  std::vector<PatchNormal> normal_;  // one per patch, weighted
+  std::vector<PatchNormal<0>> normal_;  // one per patch, weighted
+  // Of patches with rows: the motion's columns against all others and against themselves.
+  std::vector<Eigen::Matrix<double, kMotionParameters, PatchColumn::kColumns + kMotionParameters>> of_motion_;
 };
 
 }  // namespace moiregauge

@@ -106,20 +106,32 @@ double print_error_of(const Site& site, const BundleSolution& solution, std::spa
   return print_error_mm(site, largest.scene, noise_alone, fits, prior);
 }
 
+constexpr double kNotChance = 3.0;  // standard deviations of chi2
+// Of chi2 beyond its degrees of freedom: six parameters of some eighty take a twelfth of anything.
+constexpr double kWorthAsking = 0.25;
+
 // How much of what noise alone does not explain goes when the camera may turn while rows are read. Asked before a print
-// error is allowed for: that would take it all.
-ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits) {
+// error is allowed for: that would take it all. Nothing is asked where noise explains everything.
+ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits,
+                         RowsRun run) {
   ShutterTest out;
   double chi2 = 0.0, gone = 0.0;
-  long dof = 0;
+  long dof = 0, frames = 0;
   for (std::size_t k = 0; k < fits.size(); ++k) {
     if (!fits[k].ok) continue;
     chi2 += fits[k].chi2_sum, dof += fits[k].dof;
-    gone += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k]);
+    ++frames;
   }
   if (dof <= 0 || !(chi2 > 0.0)) return out;
   out.chi2_dof = chi2 / static_cast<double>(dof);
+  out.dof = dof;
+  const auto excess = chi2 - static_cast<double>(dof);
+  if (!(excess > kNotChance * std::sqrt(2.0 * static_cast<double>(dof))) || solution.frames.front().rows) return out;
+  for (std::size_t k = 0; k < fits.size(); ++k)
+    gone += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
   out.share = gone / chi2;
+  const double turned = gone - static_cast<double>(kTurning * frames);
+  out.asks = turned > std::log(std::max(3.0, static_cast<double>(dof))) && turned > kWorthAsking * excess;
   return out;
 }
 
@@ -159,7 +171,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     return best;
   }
   best.fits = fits_of(site, *solution);
-  best.shutter = shutter_test(site, *solution, best.fits);
+  best.shutter = shutter_test(site, *solution, best.fits, prior.rows_run);
   for (int round = 0; round < kErrorRounds; ++round) {
     const double u_mm = print_error_of(site, *solution, frames, prior);
     if (u_mm == 0.0 || std::abs(u_mm - best.print_error_mm) < kSameError * u_mm) break;

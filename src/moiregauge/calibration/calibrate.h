@@ -12,6 +12,8 @@ namespace moiregauge {
 struct ShutterTest {
   double chi2_dof = 0.0;
   double share = 0.0;  // of chi2
+  long dof = 0;
+  bool asks = false;   // for a solution with rows read one after the other: more than chance, and more than noise gives
 };
 
 struct Calibration {

@@ -8,6 +8,7 @@
 
 #include "moiregauge/calibration/free_parameters.h"
 #include "moiregauge/calibration/patch_residual.h"
+#include "moiregauge/calibration/row_motion.h"
 
 namespace moiregauge {
 namespace {
@@ -24,11 +25,14 @@ using Jacobian = Eigen::Matrix<double, kRows, kColumns>;
 struct Normal {
   Eigen::MatrixXd ff, fg, gg;
   Eigen::VectorXd rf;
+  // And of the readout.
+  Eigen::VectorXd fb;
+  double bb = 0.0, rb = 0.0;
 };
 
 Normal empty_normal(int rows, int globals) {
   return {Eigen::MatrixXd::Zero(rows, rows), Eigen::MatrixXd::Zero(rows, globals),
-          Eigen::MatrixXd::Zero(globals, globals), Eigen::VectorXd::Zero(rows)};
+          Eigen::MatrixXd::Zero(globals, globals), Eigen::VectorXd::Zero(rows), Eigen::VectorXd::Zero(rows)};
 }
 
 // Adds the patch of marker i, whose shift has two rows from `shift_row` on unless that is negative; what concerns the
@@ -55,8 +59,37 @@ void add_patch(Normal& n, const PatchResidual::Design& design, std::size_t i, in
   }
 }
 
+// What a rolling shutter adds: the motion's rows from `first` on, and the readout. `rows`: whitened.
+void add_rows(Normal& n, const RowDesign::Columns& rows, const PatchResidual::Design& design, std::size_t i,
+              int shift_row, int first, bool with_scene) {
+  Jacobian<8> own;
+  own << design.middleCols<6>(PatchColumn::kPose), design.middleCols<2>(PatchColumn::kShape);
+  const Jacobian<kMotionParameters> by_motion = rows.leftCols<kMotionParameters>();
+  const Eigen::Matrix<double, kRows, 1> by_readout = rows.col(kMotionParameters);
+  const auto residual = design.col(PatchColumn::kResidual);
+  const Eigen::Matrix<double, 8, kMotionParameters> across = own.transpose() * by_motion;
+  const Eigen::Matrix<double, 8, 1> readout = own.transpose() * by_readout;
+  for (int a = 0; a < (shift_row < 0 ? 6 : 8); ++a) {
+    const int row = a < 6 ? a : shift_row + a - 6;
+    n.ff.block<1, kMotionParameters>(row, first) += across.row(a);
+    n.ff.block<kMotionParameters, 1>(first, row) += across.row(a).transpose();
+    n.fb(row) += readout(a);
+  }
+  n.ff.block<kMotionParameters, kMotionParameters>(first, first).noalias() += by_motion.transpose() * by_motion;
+  n.rf.segment<kMotionParameters>(first).noalias() += by_motion.transpose() * residual;
+  n.fb.segment<kMotionParameters>(first).noalias() += by_motion.transpose() * by_readout;
+  n.bb += by_readout.squaredNorm();
+  n.rb += by_readout.dot(residual);
+  if (!with_scene) return;
+  const auto column = [&](int k) { return k < kCameraParameters ? k : k + kShape * static_cast<int>(i); };
+  const Eigen::Matrix<double, kMotionParameters, kCameraParameters + kShape> fg =
+      by_motion.transpose() * design.leftCols<kCameraParameters + kShape>();
+  for (int b = 0; b < kCameraParameters + kShape; ++b)
+    n.fg.block<kMotionParameters, 1>(first, column(b)) += fg.col(b);
+}
+
 // Gauss and Newton's step; false when the patches do not determine it.
-bool take_step(FrameFit& fit, const Normal& n) {
+bool take_step(FrameFit& fit, const Normal& n, int first_motion) {
   const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * n.ff * scale.asDiagonal());
   if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return false;
@@ -70,7 +103,29 @@ bool take_step(FrameFit& fit, const Normal& n) {
     fit.shift[i].x -= step(fit.shift_row[i]);
     fit.shift[i].y -= step(fit.shift_row[i] + 1);
   }
+  if (first_motion < step.size()) fit.motion -= step.tail<kMotionParameters>();
   return true;
+}
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal) {
+  const auto rows = normal.rows();
+  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd inverse =
+      (scale.asDiagonal() * normal * scale.asDiagonal()).ldlt().solve(Eigen::MatrixXd::Identity(rows, rows));
+  return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+// What the fit of a frame with rows knows of them.
+void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int first) {
+  fit.of_motion = Eigen::VectorXd::Zero(n.ff.rows());
+  fit.of_motion.head(first) =
+      (fit.covariance.diagonal().head(first) - inverse_of(n.ff.topLeftCorner(first, first)).diagonal()).cwiseMax(0.0);
+  fit.by_readout = -fit.covariance * n.fb;
+  fit.readout_information = n.bb + n.fb.dot(fit.by_readout);
+  fit.readout_slope = n.rb + n.rf.dot(fit.by_readout);
+  // As many degrees of freedom go as the patches tell of the motion beyond what was expected of it.
+  const auto known = (rows.information * fit.covariance.bottomRightCorner<kMotionParameters, kMotionParameters>()).trace();
+  fit.dof -= std::lround(kMotionParameters - known);
 }
 
 }  // namespace
@@ -98,6 +153,11 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
     rows += 2;
   }
   if (references < 3) return fit;
+  const int first_motion = rows;
+  if (frame.rows) {
+    fit.motion = frame.motion;
+    rows += kMotionParameters;
+  }
   const CameraNumbers camera = numbers_of(scene.camera);
   Normal n;
   for (int pass = 0; pass <= kPasses; ++pass) {
@@ -105,10 +165,15 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
     const TurnedPose pose(fit.pose);
     n = empty_normal(rows, last ? scene_parameters(markers) : 0);
     fit.chi2_sum = 0.0;
-    fit.dof = -rows;
+    fit.dof = -first_motion;
     for (std::size_t i = 0; i < markers; ++i) {
       if (!patches[i]) continue;
-      const auto design = patches[i]->design(camera, scene.markers[i], pose, fit.shift[i]);
+      auto design = patches[i]->design(camera, scene.markers[i], pose, fit.shift[i]);
+      if (frame.rows) {
+        const RowDesign::Columns by_rows = patches[i]->root() * frame.rows->by_marker[i];
+        design.col(PatchColumn::kResidual) += by_rows.leftCols<kMotionParameters>() * fit.motion;
+        add_rows(n, by_rows, design, i, fit.shift_row[i], first_motion, last);
+      }
       add_patch(n, design, i, fit.shift_row[i], last);
       fit.chi2[i] = design.col(PatchColumn::kResidual).squaredNorm();
       fit.chi2_sum += fit.chi2[i];
@@ -116,47 +181,32 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
       const auto by_shift = design.middleCols<2>(PatchColumn::kShape);
       fit.own_information[i] = by_shift.transpose() * by_shift;
     }
-    for (int k = 6; k < rows; ++k) n.ff(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
-    if (!last && !take_step(fit, n)) return fit;
+    for (int k = 6; k < first_motion; ++k) n.ff(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
+    if (frame.rows) {
+      n.ff.bottomRightCorner<kMotionParameters, kMotionParameters>() += frame.rows->information;
+      n.rf.tail<kMotionParameters>() += frame.rows->information * fit.motion;
+    }
+    if (!last && !take_step(fit, n, first_motion)) return fit;
   }
-  const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd inverse =
-      (scale.asDiagonal() * n.ff * scale.asDiagonal()).ldlt().solve(Eigen::MatrixXd::Identity(rows, rows));
-  fit.covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
+  fit.covariance = inverse_of(n.ff);
+  if (frame.rows) conclude_rows(fit, n, *frame.rows, first_motion);
   fit.sensitivity = -fit.covariance * n.fg;
   fit.scene_information = n.gg + n.fg.transpose() * fit.sensitivity;
   fit.ok = std::isfinite(fit.chi2_sum);
   return fit;
 }
 
-double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit) {
+double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit,
+                       RowsRun run) {
   if (!fit.ok) return 0.0;
-  const auto rows = fit.covariance.rows();
-  const CameraNumbers camera = numbers_of(scene.camera);
-  const TurnedPose pose(fit.pose);
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(rows + 3, rows + 3);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(rows + 3);
-  for (std::size_t i = 0; i < site.markers.size(); ++i) {
-    if (!frame.points[i] || !site.markers[i].grating) continue;
-    const auto design =
-        PatchResidual(*frame.points[i], *site.markers[i].grating).design(camera, scene.markers[i], pose, fit.shift[i]);
-    // The patch is read at the time of its middle row.
-    const double row = (frame.points[i]->image[kPatchPoints / 2].y - scene.camera.cy) / scene.camera.fx;
-    Eigen::MatrixXd j = Eigen::MatrixXd::Zero(kRows, rows + 3);
-    j.leftCols<6>() = design.middleCols<6>(PatchColumn::kPose);
-    if (fit.shift_row[i] >= 0) j.middleCols<2>(fit.shift_row[i]) = design.middleCols<2>(PatchColumn::kShape);
-    j.rightCols<3>() = row * j.leftCols<3>();
-    normal.noalias() += j.transpose() * j;
-    right.noalias() += j.transpose() * design.col(PatchColumn::kResidual);
-  }
-  for (Eigen::Index k = 6; k < rows; ++k) normal(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
-  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  const Eigen::VectorXd r = scale.cwiseProduct(right);
-  const auto explained = [&](Eigen::Index size) {
-    return r.head(size).dot(scaled.topLeftCorner(size, size).ldlt().solve(r.head(size)));
-  };
-  return std::max(0.0, explained(rows + 3) - explained(rows));
+  // Of roll and the two directions in which the board is seen; as quick as they like (rad per readout).
+  FrameMotion free{};
+  for (const std::size_t k : {2, 3, 4}) free.camera[k].covariance = Eigen::Vector2d(1.0, 100.0).asDiagonal();
+  BundleFrame rolling = frame;
+  rolling.pose = fit.pose;
+  rolling.shift = fit.shift;
+  const FrameFit after = fit_frame(site, scene, set_back(site, scene, rolling, free, fit.pose, 1.0, run));
+  return after.ok ? std::max(0.0, fit.chi2_sum - after.chi2_sum) : 0.0;
 }
 
 Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames, const ScenePrior& prior,

@@ -19,19 +19,27 @@ struct FrameFit {
   std::vector<double> chi2;                      // one per site marker
   double chi2_sum = 0.0;
   long dof = 0;
+  // Of a rolling shutter, else empty or zero: the motion otherwise than expected; what of the covariance's diagonal is
+  // due to it; how pose and shifts follow the readout; what the frame tells of the readout (information and half the
+  // slope of chi2, per second).
+  Motion motion = Motion::Zero();
+  Eigen::VectorXd of_motion, by_readout;
+  double readout_information = 0.0, readout_slope = 0.0;
 };
 
 [[nodiscard]] int scene_parameters(std::size_t markers);  // 8 + 5 per marker
 
+// Of a frame with RowDesign the covariance has twelve rows more, behind the shifts: those of the motion.
 // A fixed number of Gauss-Newton passes from frame.pose and frame.shift. A target's shift along an axis that its print
 // does not show stays where it starts, with kUnknownShift as its standard uncertainty.
 [[nodiscard]] FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame);
 inline constexpr double kUnknownShift = 1e4;  // mm
 
-// chi2 that the frame loses if the camera may turn while its rows are read, at a constant rate (three parameters): a
-// rolling shutter. To first order from the fit.
+// chi2 that the frame loses if the camera may turn while its rows are read, ever faster or slower (kTurning parameters,
+// without a prior to speak of): a rolling shutter.
+inline constexpr int kTurning = 6;
 [[nodiscard]] double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame,
-                                     const FrameFit& fit);
+                                     const FrameFit& fit, RowsRun run);
 
 // Covariance of the scene's parameters from the frames' information and the priors of what the model leaves free.
 [[nodiscard]] Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames,

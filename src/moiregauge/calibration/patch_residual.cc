@@ -143,14 +143,28 @@ PatchResidual::Design PatchResidual::design(const CameraNumbers& camera, const M
   return whitened;
 }
 
-double PatchResidual::chi2(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
-                           Extent<frame::Board> shift) const {
+PatchResidual::Vector PatchResidual::residual(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
+                                              Extent<frame::Board> shift) const {
   const std::array<double, 6> place{pose.turn[0],  pose.turn[1],  pose.turn[2],
                                     pose.shift[0], pose.shift[1], pose.shift[2]};
   const std::array<double, 2> moved{shift.x, shift.y};
   Vector r;
   (*this)(camera.data(), shape.value.data(), place.data(), moved.data(), r.data());
-  return r.squaredNorm();
+  return r;
+}
+
+double PatchResidual::chi2(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
+                           Extent<frame::Board> shift) const {
+  return residual(camera, shape, pose, shift).squaredNorm();
+}
+
+std::array<double, 3> PatchResidual::board(const MarkerShape& shape, Extent<frame::Board> shift, std::size_t n) const {
+  const double angle = angle_rad_ + shape.value[MarkerShape::kTurn];
+  const double pitch = pitch_mm_ * (1.0 + shape.value[MarkerShape::kScale]);
+  const double c = pitch * std::cos(angle), s = pitch * std::sin(angle);
+  return {x_mm_ + shape.value[MarkerShape::kX] + shift.x + c * print_[n].x - s * print_[n].y,
+          y_mm_ + shape.value[MarkerShape::kY] + shift.y + s * print_[n].x + c * print_[n].y,
+          shape.value[MarkerShape::kHeight]};
 }
 
 }  // namespace moiregauge

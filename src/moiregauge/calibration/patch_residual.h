@@ -102,6 +102,13 @@ class PatchResidual {
   [[nodiscard]] double chi2(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
                             Extent<frame::Board> shift) const;
 
+  // Where print point n is, as `projected` takes it: (X, Y, Z) on the board, mm.
+  [[nodiscard]] std::array<double, 3> board(const MarkerShape& shape, Extent<frame::Board> shift, std::size_t n) const;
+  // The residual in pitches per pixel by which point n is projected elsewhere.
+  [[nodiscard]] const Eigen::Matrix2d& pitches_per_px(std::size_t n) const { return pitches_per_px_[n]; }
+  [[nodiscard]] Vector residual(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
+                                Extent<frame::Board> shift) const;
+
   // Whitens: root^T root is the patch's information.
   [[nodiscard]] const Eigen::Matrix<double, kSize, kSize>& root() const { return root_; }
 

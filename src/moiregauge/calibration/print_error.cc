@@ -45,12 +45,13 @@ struct Whitened {
   }
 };
 
-Whitened whitened(const PatchFit& patch, const Grating& grating, const Scene& scene, const MarkerShape& shape,
-                  const FrameFit& fit, Extent<frame::Board> shift) {
-  const PatchResidual residual(patch, grating);
-  const Vector18 r =
-      residual.design(numbers_of(scene.camera), shape, TurnedPose(fit.pose), shift).col(PatchColumn::kResidual);
+Whitened whitened(const BundleFrame& frame, std::size_t i, const Grating& grating, const Scene& scene,
+                  const FrameFit& fit) {
+  const PatchResidual residual(*frame.points[i], grating);
+  Vector18 r = residual.design(numbers_of(scene.camera), scene.markers[i], TurnedPose(fit.pose), fit.shift[i])
+                   .col(PatchColumn::kResidual);
   const Matrix18& root = residual.root();
+  if (frame.rows) r += root * (frame.rows->by_marker[i].leftCols<kMotionParameters>() * fit.motion);
   const Matrix18 error = root * unit_covariance() * root.transpose() / (grating.pitch_mm * grating.pitch_mm);
   const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(error);
   const Vector18 along = eigen.eigenvectors().transpose() * r;
@@ -90,8 +91,7 @@ double print_error_mm(const Site& site, const Scene& scene, std::span<const Bund
     dof += static_cast<double>(fits[k].dof);
     for (std::size_t i = 0; i < site.markers.size(); ++i) {
       if (!frames[k].points[i] || !site.markers[i].grating) continue;
-      patches.push_back(
-          whitened(*frames[k].points[i], *site.markers[i].grating, scene, scene.markers[i], fits[k], fits[k].shift[i]));
+      patches.push_back(whitened(frames[k], i, *site.markers[i].grating, scene, fits[k]));
       pitch = std::max(pitch, site.markers[i].grating->pitch_mm);
     }
   }

@@ -42,6 +42,9 @@ struct Scene {
   double chi2_dof = 0.0;        // of the data
   double penalised_cost = 0.0;  // data plus priors
   std::vector<long> key_frames;
+  // From the first row's exposure to the last one's (below zero: from the picture's other end); 0: all at once. NaN
+  // where frames have no times.
+  double readout_s = 0.0, u_readout_s = 0.0;
   bool solved = false;  // false: nothing was solved, `problem` says why
   std::string problem;
 };

@@ -209,6 +209,10 @@ void add_measure(CLI::App& app, int& exit_code) {
                    "[auto]")
       ->type_name("WORD");
   command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
+  command
+      ->add_option("--readout", words->readout,
+                   "rolling shutter: first row's exposure to the last one's, e.g. 18ms; 0ms: none [told by the footage]")
+      ->type_name("TIME");
   command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");
   command
       ->add_option("--stabilised", words->stabilised,

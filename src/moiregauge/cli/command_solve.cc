@@ -24,6 +24,7 @@ struct SolveWords {
   std::string camera;
   std::string method;
   std::string rest;
+  std::string readout;
   std::string output;
   bool quiet = false;
   bool json = false;
@@ -103,12 +104,21 @@ tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
   return std::move(kept->run);
 }
 
+Done choose_readout(const SolveWords& words, MeasureOptions& options) {
+  if (words.readout.empty()) return {};
+  const auto readout = readout_time(words.readout);
+  if (!readout) return tl::unexpected(readout.error());
+  options.solve.readout_s = *readout;
+  return {};
+}
+
 int run(const SolveWords& words) {
   auto stored = run_in(words.run);
   if (!stored) return fail(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
   for (const Done& done :
-       {choose_method(words, stored->options), choose_rest(words, stored->options), restate(words, *stored)}) {
+       {choose_method(words, stored->options), choose_rest(words, stored->options),
+        choose_readout(words, stored->options), restate(words, *stored)}) {
     if (!done) return fail(Exit::kUsage, done.error().message);
   }
   const std::string output = words.output.empty() ? words.run : words.output;
@@ -131,6 +141,8 @@ void add_solve(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
+  command->add_option("--readout", words->readout, "rolling shutter: first row's exposure to the last one's, e.g. 18ms")
+      ->type_name("TIME");
   command->add_option("--method", words->method, "two-stage, of a run measured by precise [the run's own]")
       ->type_name("NAME");
   command->add_option("-o,--out", words->output, "output folder [DIR: its results are replaced]")->type_name("DIR");

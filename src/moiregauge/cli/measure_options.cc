@@ -10,6 +10,7 @@
 
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/io/camera_file.h"
+#include "moiregauge/io/duration_text.h"
 #include "moiregauge/io/length_text.h"
 #include "moiregauge/io/site_file.h"
 
@@ -58,6 +59,12 @@ tl::expected<FrameRange, UsageError> rest_frames(const std::string& text) {
   if (!range || colons != 1)
     return usage(fmt::format("frames at rest: --rest {}: write A:B, half open, e.g. 0:20", text));
   return range;
+}
+
+tl::expected<double, UsageError> readout_time(const std::string& text) {
+  const auto seconds = duration_s(text);
+  if (!seconds) return usage(fmt::format("readout time: --readout {}: {}", text, seconds.error()));
+  return *seconds;
 }
 
 tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
@@ -139,6 +146,11 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     const auto rest = rest_frames(words.rest);
     if (!rest) return tl::unexpected(rest.error());
     options.solve.rest = *rest;
+  }
+  if (!words.readout.empty()) {
+    const auto readout = readout_time(words.readout);
+    if (!readout) return tl::unexpected(readout.error());
+    options.solve.readout_s = *readout;
   }
   if (!words.template_use.empty()) {
     const auto use = template_use_named(words.template_use);

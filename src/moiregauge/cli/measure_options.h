@@ -24,6 +24,7 @@ struct MeasureWords {
   std::optional<long> reference_frame;
   std::string frames;
   std::string rest;
+  std::string readout;
   std::string template_use;
   std::string output;
   std::string stabilised;
@@ -48,6 +49,7 @@ struct UsageError {
 // Into the options, with what the file says of how well it is known.
 [[nodiscard]] tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options);
 [[nodiscard]] tl::expected<FrameRange, UsageError> rest_frames(const std::string& text);  // A:B
+[[nodiscard]] tl::expected<double, UsageError> readout_time(const std::string& text);     // s, from "18ms"
 
 // <input name without extension, or before %> + suffix, in the current directory.
 [[nodiscard]] std::string default_output(const std::string& input, const std::string& suffix = "-moiregauge");

@@ -16,6 +16,7 @@ BundleFrame bundle_frame(const Reference& reference, const Observation& seen, co
                          const std::vector<BoardExtent>& travel) {
   BundleFrame frame;
   frame.frame = seen.frame;
+  frame.time_s = seen.time_s;
   frame.pose = pose_of(seen.stage2, camera);
   const std::vector<bool> doubtful = references_in_doubt(reference, seen);
   for (std::size_t i = 0; i < seen.markers.size(); ++i) {

@@ -22,6 +22,9 @@ struct SolveOptions {
   std::optional<FrameRange> rest;  // frames in which no target moves
   // Standard uncertainties of the given camera in the Scene's order, NaN where unknown; none: those of a calibration.
   std::optional<std::array<double, kCameraParameters>> u_camera;
+  // Time from the first row's exposure to the last one's; 0: all rows at once; none: told by the footage.
+  std::optional<double> readout_s;
+  int rotation_deg = 0;  // by which the picture is shown turned: rows of the sensor may be columns
 };
 
 struct Solution {

@@ -36,6 +36,13 @@ double inflation(const FrameFit& fit) {
   return fit.dof > 0 ? std::max(1.0, fit.chi2_sum / static_cast<double>(fit.dof)) : 1.0;
 }
 
+// Variance that the camera's motion while rows are read adds to a shift; none where all are read at once.
+double of_motion(const FrameFit& fit, int row) {
+  return row < fit.of_motion.size() ? inflation(fit) * fit.of_motion(row) : 0.0;
+}
+
+double of_readout(const FrameFit& fit, int row) { return row < fit.by_readout.size() ? fit.by_readout(row) : 0.0; }
+
 }  // namespace
 
 // Variances, mm^2.
@@ -43,8 +50,8 @@ struct PreciseBudget::Share {
   double lens = 0.0, geometry = 0.0, scale = 0.0, axis = 0.0, rest = 0.0;
 };
 
-PreciseBudget::PreciseBudget(const Site& site, Eigen::MatrixXd scene, FrameFit then)
-    : scene_(std::move(scene)), then_(std::move(then)) {
+PreciseBudget::PreciseBudget(const Site& site, Eigen::MatrixXd scene, FrameFit then, double u_readout_s)
+    : scene_(std::move(scene)), then_(std::move(then)), u_readout_s_(u_readout_s) {
   u_axis_rad_ = std::sqrt(variance(turn_of_places(site, scene_.rows()), scene_));
 }
 
@@ -75,7 +82,9 @@ Budget PreciseBudget::budget(const FrameFit& now, std::size_t marker, Extent<fra
   for (const int axis : {0, 1}) {
     const auto member = [axis](Extent<frame::Board>& e) -> double& { return axis == 0 ? e.x : e.y; };
     const int row = now.shift_row[marker] + axis;
-    const double all = inflation(now) * now.covariance(row, row);
+    double shutter = of_motion(now, row);
+    double by_readout = of_readout(now, row);
+    const double all = inflation(now) * now.covariance(row, row) - shutter;
     const Eigen::Matrix2d information = now.own_information[marker];
     const double alone = information(axis, axis) > 0.0 ? inflation(now) / information(axis, axis) : all;
     const double own = std::min(all, alone);
@@ -86,7 +95,9 @@ Budget PreciseBudget::budget(const FrameFit& now, std::size_t marker, Extent<fra
     // At rest the reference frame has no shift of its own: it shares the place in which the target rests.
     if (then_.shift_row[marker] >= 0) {
       const int before = then_.shift_row[marker] + axis;
-      reference_frame = inflation(then_) * then_.covariance(before, before);
+      shutter += of_motion(then_, before);
+      by_readout -= of_readout(then_, before);
+      reference_frame = inflation(then_) * then_.covariance(before, before) - of_motion(then_, before);
       k -= then_.sensitivity.row(before);
     }
     const Share s = share(k, marker, axis == 0 ? moved.y : moved.x);
@@ -95,6 +106,7 @@ Budget PreciseBudget::budget(const FrameFit& now, std::size_t marker, Extent<fra
     member(b.geometry) = std::sqrt(s.geometry);
     member(b.print_scale) = std::sqrt(s.scale);
     member(b.axis) = std::sqrt(s.axis);
+    member(b.shutter) = std::hypot(std::sqrt(shutter), by_readout * u_readout_s_);
   }
   return b;
 }

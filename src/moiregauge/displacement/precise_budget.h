@@ -11,7 +11,8 @@ class PreciseBudget {
  public:
   // scene   covariance of all of its parameters
   // then    the reference frame's fit
-  PreciseBudget(const Site& site, Eigen::MatrixXd scene, FrameFit then);
+  // u_readout_s   of a rolling shutter's readout
+  PreciseBudget(const Site& site, Eigen::MatrixXd scene, FrameFit then, double u_readout_s = 0.0);
 
   // Of `now` less `then`, for a displacement of `moved` mm.
   [[nodiscard]] Budget budget(const FrameFit& now, std::size_t marker, Extent<frame::Board> moved) const;
@@ -27,6 +28,7 @@ class PreciseBudget {
 
   Eigen::MatrixXd scene_;
   FrameFit then_;
+  double u_readout_s_;
   double u_axis_rad_ = 0.0;  // of the direction of the board's axes
 };
 

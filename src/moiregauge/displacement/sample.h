@@ -42,6 +42,7 @@ struct Budget {
   Extent<frame::Board> axis;             // the direction of the board's axes, told by the references' places alone
   Extent<frame::Board> print_scale;      // of every print
   Extent<frame::Board> codec;            // what a lossy codec left out, in both frames
+  Extent<frame::Board> shutter;          // what moves while the rows of a frame are read
 };
 
 // The budget's parts by the names of run.json.
@@ -57,7 +58,8 @@ inline constexpr std::array kBudgetParts{BudgetPart{"noise", &Budget::noise},
                                          BudgetPart{"geometry", &Budget::geometry},
                                          BudgetPart{"axis", &Budget::axis},
                                          BudgetPart{"print_scale", &Budget::print_scale},
-                                         BudgetPart{"codec", &Budget::codec}};
+                                         BudgetPart{"codec", &Budget::codec},
+                                         BudgetPart{"shutter", &Budget::shutter}};
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 

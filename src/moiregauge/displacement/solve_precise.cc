@@ -7,6 +7,7 @@
 
 #include "moiregauge/calibration/pose.h"
 #include "moiregauge/calibration/print_error.h"
+#include "moiregauge/calibration/shutter.h"
 #include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/continuity.h"
@@ -14,6 +15,7 @@
 #include "moiregauge/displacement/precise_budget.h"
 #include "moiregauge/displacement/reference_fault.h"
 #include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/displacement/shutter_lines.h"
 #include "moiregauge/observation/fine_pitch.h"
 #include "moiregauge/observation/patch_of_points.h"
 
@@ -50,14 +52,15 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
   return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;
 }
 
-Status status_of(const Reference& reference, const Observation& seen, std::size_t i, const FrameFit& fit) {
+Status status_of(const Reference& reference, const Observation& seen, std::size_t i, const FrameFit& fit,
+                 double untrusted_chi2) {
   if (seen.decode_error) return Status::kDecodeError;
   if (!seen.references_seen || !fit.ok)
     return seen.references_seen && order_in_doubt(reference, seen) ? Status::kOrderUnproven : Status::kReferenceLost;
   if (seen.markers[i].loss != Loss::kNone) return status_of_loss(seen.markers[i].loss);
   if (seen.markers[i].order == Order::kContradicted) return Status::kOrderUnproven;
   if (fit.shift_row[i] < 0) return Status::kLost;
-  if (fit.chi2_sum > kUntrustedChi2 * static_cast<double>(fit.dof)) return Status::kUntrusted;
+  if (fit.chi2_sum > untrusted_chi2 * static_cast<double>(fit.dof)) return Status::kUntrusted;
   return quality_of(reference, seen.markers[i], i);
 }
 
@@ -69,16 +72,36 @@ Solution fallback(const Reference& reference, const std::vector<Observation>& ob
   return solution;
 }
 
-std::vector<BundleFrame> key_frames_of(const std::vector<BundleFrame>& frames) {
-  std::vector<BundleFrame> key{frames.front()};
+// The reference frame leads.
+std::vector<std::size_t> key_of(const std::vector<BundleFrame>& frames) {
+  std::vector<std::size_t> key{0};
   for (const std::size_t k : key_frames(frames, kMostKeyFrames)) {
-    if (k > 0) key.push_back(frames[k]);
+    if (k > 0) key.push_back(k);
   }
   return key;
 }
 
+std::vector<BundleFrame> key_frames_of(const std::vector<BundleFrame>& frames) {
+  std::vector<BundleFrame> key;
+  for (const std::size_t k : key_of(frames)) key.push_back(frames[k]);
+  return key;
+}
+
+// Rows read one after the other, and taken for rows read at once: an error that u knows nothing of.
+Solution untrusted(Solution solution, const Reference& reference) {
+  for (Sample& sample : solution.samples) {
+    if (sample.status == Status::kOk && sample.frame != reference.seen.frame) sample.status = Status::kUntrusted;
+  }
+  return solution;
+}
+
 bool shutter_rolls(const ShutterTest& shutter) {
   return shutter.chi2_dof > kRollingChi2 && shutter.share > kRollingShare;
+}
+
+// chi2 beyond its own scatter.
+bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
+  return rolling.chi2_dof > at_once.chi2_dof + 3.0 * std::sqrt(2.0 / static_cast<double>(std::max(1L, at_once.dof)));
 }
 
 // Fits of a compressed recording's frames as if noise were all that is wrong with them; not ok of any other.
@@ -130,6 +153,7 @@ class Precise {
       if (std::isfinite((*options.u_camera)[k])) prior_.u_camera[k] = (*options.u_camera)[k];
     }
     widen_scales();
+    prior_.rows_run = rows_run(options.rotation_deg);
     if (options.rest) {
       for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
         if (is_target(reference, i))
@@ -147,20 +171,55 @@ class Precise {
     if (references_in(reference_.site, frames.front()) < kLeastForHomography)
       return fallback(reference_, observations_, options_,
                       "the prints of four references could not be learned from the reference frame");
-    auto calibration = calibrate(reference_.site, key_frames_of(frames), prior_);
-    if (calibration.bundle.scene.solved) leave_out_what_moves(frames, calibration);
+    const std::vector<BundleFrame> read = frames;
+    Calibration calibration = solve_scene(frames);
+    if (calibration.bundle.scene.solved) leave_out_what_moves(read, frames, calibration);
     if (!calibration.bundle.scene.solved)
       return fallback(reference_, observations_, options_, calibration.bundle.scene.problem);
     if (shutter_rolls(calibration.shutter))
-      return fallback(reference_, observations_, options_,
-                      "the camera turns while the rows of a frame are read (a rolling shutter)");
+      return untrusted(fallback(reference_, observations_, options_,
+                                "the camera turns while the rows of a frame are read (a rolling shutter), no path of "
+                                "the camera explains it, and no row is trusted"),
+                       reference_);
     solution_.scene = calibration.bundle.scene;
     print_error_mm_ = calibration.print_error_mm;
+    if (shutter_) count_taken_out(read);
     measure(frames, place, calibration);
+    if (shutter_) tell_shutter();
     return std::move(solution_);
   }
 
  private:
+  // With a rolling shutter where one is given, or where the footage asks for it and it pays; then the frames are set
+  // back.
+  Calibration solve_scene(std::vector<BundleFrame>& frames) {
+    const auto key = key_of(frames);
+    Calibration at_once = calibrate(reference_.site, key_frames_of(frames), prior_);
+    const auto given = options_.readout_s;
+    if (given == 0.0 || (!given && at_once.bundle.scene.solved && !at_once.shutter.asks)) return at_once;
+    if (given && !timed()) solution_.notes.emplace_back("--readout is not used: the frames have no times: give --fps");
+    Shutter shutter = solve_shutter(reference_.site, frames, key, prior_, timed() ? given : std::nullopt);
+    if (given && !shutter.problem.empty()) solution_.notes.push_back("--readout is not used: " + shutter.problem);
+    if (!shutter.problem.empty() || (!given && !pays(shutter, at_once))) return at_once;
+    if (given && at_once.bundle.scene.solved && fits_worse(shutter.calibration.shutter, at_once.shutter))
+      solution_.notes.push_back(fmt::format(
+          "with rows read over {:.2f} ms the frames fit worse than with all rows at once: check --readout, or leave it out",
+          1e3 * *given));
+    frames = shutter.frames;
+    Calibration calibration = std::move(shutter.calibration);
+    shutter_ = std::move(shutter);
+    return calibration;
+  }
+
+  void tell_shutter() {
+    solution_.scene->readout_s = timed() ? shutter_->readout_s : kNotTimed;
+    solution_.scene->u_readout_s = timed() ? shutter_->u_readout_s : kNotTimed;
+    solution_.notes.push_back(shutter_note(*solution_.scene, options_.readout_s.has_value(),
+                                           shutter_->readout_s / shutter_->interval_s, taken_out_mm_,
+                                           solution_.samples));
+  }
+  [[nodiscard]] bool timed() const { return std::isfinite(reference_.seen.time_s); }
+
   // What templates add to the u of their prints' scales.
   void widen_scales() {
     for (std::size_t i = 0; i < reference_.site.markers.size(); ++i) {
@@ -175,7 +234,9 @@ class Precise {
   }
 
   // The test takes the model that all references together chose: to find a fault it need not be the last word.
-  void leave_out_what_moves(std::vector<BundleFrame>& frames, Calibration& calibration) {
+  // What of a reference's movement passed for a rolling shutter goes with it: the frames are taken as they were read.
+  void leave_out_what_moves(const std::vector<BundleFrame>& read, std::vector<BundleFrame>& frames,
+                            Calibration& calibration) {
     const auto verdict = test_references(reference_.site, frames, prior_, calibration.bundle.scene.model, lens_given_);
     solution_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) {
@@ -185,11 +246,11 @@ class Precise {
           "no row is trusted: give --camera, or six references");
     }
     if (!verdict.moved) return;
-    const std::vector<BundleFrame> all = frames;
-    frames = without(frames, *verdict.moved);
-    calibration = calibrate(reference_.site, key_frames_of(frames), prior_);
+    frames = without(read, *verdict.moved);
+    shutter_.reset();
+    calibration = solve_scene(frames);
     if (!calibration.bundle.scene.solved) return;
-    const Movement went = movement_of(reference_.site, calibration.bundle.scene, all, *verdict.moved);
+    const Movement went = movement_of(reference_.site, calibration.bundle.scene, read, *verdict.moved);
     solution_.notes.push_back(
         fmt::format("reference '{}' moves by up to {:.3f} mm (u {:.4f} mm) against the others and is left out",
                     reference_.site.markers[*verdict.moved].name, went.mm, went.u_mm));
@@ -201,7 +262,8 @@ class Precise {
     if (!lens_given_) note(still_camera_note(*solution_.scene, calibration.bundle.frames));
     note(weak_axis_note(reference_));
     const PreciseBudget budget(site, solution_.scene->full_covariance,
-                               calibration.fits.front());  // the reference frame leads the key frames
+                               calibration.fits.front(),  // the reference frame leads the key frames
+                               shutter_ ? shutter_->u_readout_s : 0.0);
     ByNoise by_noise;
     if (codec_.is_lossy()) by_noise.then = fit_by_noise(0, calibration.bundle.frames.front());
     const std::vector<bool> outruns = outruns_continuity(site, frames);
@@ -221,10 +283,11 @@ class Precise {
         if (!is_target(reference_, i)) continue;
         Sample sample = begun_sample(reference_, seen, i);
         if (seen.frame != reference_.seen.frame) {
-          sample.status = status_of(reference_, seen, i, now);
+          sample.status = status_of(reference_, seen, i, now, shutter_ ? kRollingChi2 : kUntrustedChi2);
           const bool unproven = outruns[i] && seen.markers[i].order == Order::kUnproven;
           if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
           if (has_numbers(sample.status)) fill(sample, *site.markers[i].grating, budget, now, by_noise);
+          if (shutter_ && has_numbers(sample.status)) widen_by_target(sample, place[n]);
           if (doubtful_ && sample.status == Status::kOk) sample.status = Status::kUntrusted;
         }
         solution_.samples.push_back(sample);
@@ -237,11 +300,42 @@ class Precise {
     BundleFrame frame = with_print_error(reference_.site, std::span(&by_noise_[place], 1), print_error_mm_).front();
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
       if (!from.points[i]) frame.points[i].reset();
+      if (frame.points[i]) frame.points[i]->image = from.points[i]->image;  // set back, if the shutter rolls
     }
     frame.pose = from.pose;
     frame.shift = from.shift;
+    frame.rows = from.rows;
+    frame.motion = from.motion;
     frame.at_rest = from.at_rest;
     return fit_frame(reference_.site, *solution_.scene, frame);
+  }
+
+  // By what its own motion leaves open between its rows' time and its frame's.
+  void widen_by_target(Sample& sample, std::size_t place) const {
+    const auto now = shutter_->u_target[place][sample.marker], then = shutter_->u_target.front()[sample.marker];
+    sample.budget.shutter = hypot3(sample.budget.shutter, now, then);
+    const auto all = total(sample.budget);
+    for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
+      if (!std::isnan(sample.u.*axis)) sample.u.*axis = all.*axis;
+    }
+  }
+
+  // The same frames taken for rows read at once, in the same scene.
+  void count_taken_out(const std::vector<BundleFrame>& read) {
+    const auto shifts = [&](BundleFrame frame) {
+      frame.pose = pose_of(reference_.site, *solution_.scene, frame).value_or(frame.pose);
+      return fit_frame(reference_.site, *solution_.scene, frame).shift;
+    };
+    std::vector<BoardExtent> first, first_rolling;
+    for (std::size_t k = 0; k < read.size(); ++k) {
+      const auto at_once = shifts(read[k]), rolling = shifts(shutter_->frames[k]);
+      if (first.empty()) first = at_once, first_rolling = rolling;
+      for (std::size_t i = 0; i < at_once.size(); ++i) {
+        if (!is_target(reference_, i)) continue;
+        const auto by = (at_once[i] - first[i]) - (rolling[i] - first_rolling[i]);
+        for (const double d : {by.x, by.y}) taken_out_mm_ = std::fmax(taken_out_mm_, std::abs(d));
+      }
+    }
   }
 
   void note(std::optional<std::string> line) {
@@ -257,6 +351,8 @@ class Precise {
   double print_error_mm_ = 0.0;
   CodecHistory codec_;
   std::vector<BundleFrame> by_noise_;  // of compressed footage: its frames without the codec's error
+  std::optional<Shutter> shutter_;  // that rolls
+  double taken_out_mm_ = 0.0;
   Solution solution_;
 };
 

@@ -38,6 +38,7 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
   const KnownTo& known_to = site_of(measurement, options).known_to;
   Json config{{"frames", range_json(options.frames)},
               {"rest", options.solve.rest ? range_json(*options.solve.rest) : Json(nullptr)},
+              {"readout_s", options.solve.readout_s ? number(*options.solve.readout_s) : Json(nullptr)},
               {"reference_frame", nullptr},
               {"region_px", options.observe.raster.region_px},
               {"sampling_pitch_px", nullptr},
@@ -76,9 +77,17 @@ Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
 
 Json scene_json(const Measurement& measurement) {
   if (!measurement.scene || !measurement.scene->solved)
-    return {{"model", "homography"}, {"chi2_dof", nullptr}, {"key_frames", Json::array()}};
+    return {{"model", "homography"},
+            {"chi2_dof", nullptr},
+            {"key_frames", Json::array()},
+            {"readout_s", nullptr},
+            {"u_readout_s", nullptr}};
   const Scene& scene = *measurement.scene;
-  return {{"model", scene.model.name()}, {"chi2_dof", number(scene.chi2_dof)}, {"key_frames", scene.key_frames}};
+  return {{"model", scene.model.name()},
+          {"chi2_dof", number(scene.chi2_dof)},
+          {"key_frames", scene.key_frames},
+          {"readout_s", number(scene.readout_s)},
+          {"u_readout_s", number(scene.u_readout_s)}};
 }
 
 BoardPoint place_of(const Marker& marker) { return marker.grating ? marker.grating->centre : marker.circle->centre; }

@@ -262,7 +262,9 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   }
   out.refusal.clear();
   complete_markers(out);
-  Solution solution = options.method->solve(*out.reference, out.observations, options.solve);
+  SolveOptions how = options.solve;
+  how.rotation_deg = out.input.rotation_deg;
+  Solution solution = options.method->solve(*out.reference, out.observations, how);
   out.samples = std::move(solution.samples);
   out.scene = std::move(solution.scene);
   out.references_verified = solution.references_verified;
