@@ -48,7 +48,7 @@ class Filter {
   using Square = Eigen::Matrix<double, kOrder, kOrder>;
   struct Moment {
     State mean, predicted;
-    Square covariance, predicted_covariance, forth;  // forth: from the sample before
+    Square covariance, predicted_covariance, forth, noise;  // forth, noise: from the sample before
   };
 
   Filter(const Scaled& samples, double strength, double excess)
@@ -87,7 +87,10 @@ class Filter {
       const Square inverse = scale.asDiagonal() * unit.ldlt().solve(Square(scale.asDiagonal()));
       const Square back = across * inverse;
       m[i].mean += back * (next.mean - next.predicted);
-      const Square c = m[i].covariance + back * (next.covariance - next.predicted_covariance) * back.transpose();
+      // As a sum, which stays positive where the difference of large numbers would not.
+      const Square keep = Square::Identity() - back * next.forth;
+      const Square c =
+          keep * m[i].covariance * keep.transpose() + back * (next.covariance + next.noise) * back.transpose();
       m[i].covariance = 0.5 * (c + c.transpose());
     }
   }
@@ -95,19 +98,18 @@ class Filter {
  private:
   void move(Moment& m, double dt) const {
     m.forth.setIdentity();
-    Square noise;
     for (int i = 0; i < kOrder; ++i) {
       for (int j = i + 1; j < kOrder; ++j) m.forth(i, j) = m.forth(i, j - 1) * dt / (j - i);
     }
     for (int i = 0; i < kOrder; ++i) {
       for (int j = 0; j < kOrder; ++j) {
         const int p = 2 * kOrder - 1 - i - j;
-        noise(i, j) =
+        m.noise(i, j) =
             strength_ * std::pow(dt, p) / (p * std::tgamma(kOrder - i) * std::tgamma(kOrder - j));
       }
     }
     m.mean = m.forth * m.mean;
-    m.covariance = m.forth * m.covariance * m.forth.transpose() + noise;
+    m.covariance = m.forth * m.covariance * m.forth.transpose() + m.noise;
   }
 
   const Scaled& samples_;
