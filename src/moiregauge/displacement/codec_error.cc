@@ -12,17 +12,11 @@ namespace moiregauge {
 namespace {
 
 constexpr double kOwnShare = 0.55, kSharedShare = 0.2;
-// Motion vectors are multiples of a quarter of a pixel: what is left is within an eighth.
-constexpr double kMostLag_px = 0.12;
 // One of the 64 coefficients of a block, each off by up to half a step, in each of the blocks of a print.
 constexpr double kBlock_px = 64.0;
 constexpr double kRoundedShare = 0.5;
-// Where the stream does not tell: that of a telephone's H.264 at parameter 28.
-constexpr double kAssumedStep = 15.9;
 constexpr std::size_t kRoundAbout = 16;  // frames: the longest run of frames that x264 predicts both ways
 constexpr double kOverall = 0.9;         // quantile over the run
-
-double or_assumed(double step) { return std::isnan(step) ? kAssumedStep : step; }
 
 double pitch_px_of(const PatchFit& patch, int from, int to) {
   const auto image = patch.image[static_cast<std::size_t>(to)] - patch.image[static_cast<std::size_t>(from)];
@@ -64,7 +58,7 @@ PatchInformation widened(const PatchInformation& information, const std::array<d
 
 double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px) {
   if (!(quantiser.step > 0.0) || !(slope_rms > 0.0)) return 0.0;
-  const double dead_zone = quantiser.step / (std::sqrt(kBlock_px) * slope_rms);
+  const double dead_zone = dead_zone_px(quantiser.step, slope_rms);
   const double rounded = kRoundedShare * dead_zone * std::sqrt(kBlock_px / std::max(area_px, kBlock_px));
   if (!quantiser.predicted) return rounded;
   const double lagging = (lag == Lag::kOwn ? kOwnShare : kSharedShare) * dead_zone;
@@ -88,7 +82,7 @@ CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observa
   for (std::size_t i = 0; i < markers; ++i) {
     std::vector<double> all;
     for (const Observation& seen : observations) {
-      if (i < seen.markers.size()) all.push_back(or_assumed(seen.markers[i].quantiser.step));
+      if (i < seen.markers.size()) all.push_back(step_or_usual(seen.markers[i].quantiser.step));
     }
     if (all.size() != observations.size()) continue;
     std::vector<double> sorted = all;
@@ -106,7 +100,7 @@ CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observa
 Quantiser CodecHistory::at(std::size_t n, std::size_t marker) const { return lossy_ ? steps_[n][marker] : Quantiser{}; }
 
 Quantiser CodecHistory::in_reference_frame(std::size_t marker) const {
-  return {or_assumed(then_[marker].step), then_[marker].predicted};
+  return {step_or_usual(then_[marker].step), then_[marker].predicted};
 }
 
 BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,

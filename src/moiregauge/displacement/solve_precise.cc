@@ -48,7 +48,8 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
   const Status sharp = sharpness(then, seen.patch);
   if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
   if (seen.cover != Cover::kNone) return Status::kPartlyCovered;
-  const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i]);
+  const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i],
+                                          rounding_of_step(step_or_usual(seen.quantiser.step)));
   return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;
 }
 

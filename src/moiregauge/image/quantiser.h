@@ -22,6 +22,19 @@ struct Quantiser {
   [[nodiscard]] bool is_lossless() const { return step == 0.0; }
 };
 inline constexpr double kUnknownStep = std::numeric_limits<double>::quiet_NaN();
+// Where the stream does not tell: that of a telephone's H.264 at parameter 28, 8 bits.
+inline constexpr double kUsualStep = 15.9;
+[[nodiscard]] inline double step_or_usual(double step) { return std::isnan(step) ? kUsualStep : step; }
+
+// Coefficients are off by up to a step where they were dropped and half of one where they were kept: a pixel by half a
+// step, rms, at most.
+[[nodiscard]] inline double rounding_of_step(double step) { return 0.5 * step; }
+// How far a print may move before its codec shows it, px: a block of 8 x 8 pixels whose grey levels slope by g (rms, per
+// px) changes by 8 g a pixel of movement in one coefficient.
+[[nodiscard]] inline double dead_zone_px(double step, double slope_rms) { return step / (8.0 * slope_rms); }
+// Motion vectors are multiples of a quarter of a pixel, and cost little: of a faint print no more than half of one is
+// left, or about so much.
+inline constexpr double kMostLag_px = 0.12;
 
 // H.264's scale, a step of 0.625 at 0 and twice as much every 6 (ITU-T H.264, 8.5.9); other codecs' steps are put on
 // it.

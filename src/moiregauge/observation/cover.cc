@@ -19,29 +19,30 @@ constexpr double kStillCovered = 2.0;
 
 double square(double v) { return v * v; }
 
-double least_of(const PrintModel& model, const PatchFit& fit) {
-  return square(kLeastMiss * fit.gain[0] * model.print.contrast());
+double least_of(const PrintModel& model, const PatchFit& fit, double rounding) {
+  return square(kLeastMiss * fit.gain[0] * model.print.contrast()) + square(rounding);
 }
 
 }  // namespace
 
-CoveredBlocks blocks_covered(const LumaView& luma, const PrintModel& model, const PatchFit& at_rest,
+CoveredBlocks blocks_covered(const GreyPicture& picture, const PrintModel& model, const PatchFit& at_rest,
                              const PatchFit& fit) {
   const double ratio = square(fit.sigma) / square(at_rest.sigma);
   if (ratio < kMissesChanged && ratio > 1.0 / kMissesChanged) return {};
-  return covered_blocks(model.misses, misses_of(luma, fit, model.window, model.print), least_of(model, fit));
+  return covered_blocks(model.misses, misses_of(picture.luma, fit, model.window, model.print),
+                        least_of(model, fit, picture.rounding));
 }
 
-std::optional<PatchFit> free_points(const LumaView& luma, const PrintModel& model, const PatchFit& at_rest,
+std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel& model, const PatchFit& at_rest,
                                     const PatchFit& fit, const BlockSet& covered) {
   const auto window = free_window(model.window, covered);
   const auto map = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(fit.image),
                                                               std::span<const PrintPoint>(fit.print));
   if (!window || !map) return std::nullopt;
-  auto part = fit_patch(luma, *map, *window, model.print, model.options);
+  auto part = fit_patch(picture.luma, *map, *window, model.print, model.options);
   if (!part) return std::nullopt;
   // What covered the print also bent the first fit: the blocks that are left must be as they were.
-  const double least = square(at_rest.sigma) + least_of(model, fit);
+  const double least = square(at_rest.sigma) + least_of(model, fit, picture.rounding);
   if (square(part->fit.sigma) > kStillCovered * least) return std::nullopt;
   return std::move(part->fit);
 }

@@ -4,18 +4,19 @@
 
 #include <optional>
 
-#include "moiregauge/observation/print_model.h"
+#include "moiregauge/observation/reference.h"
 
 namespace moiregauge {
 
 // Looked for only where the misses as a whole changed since the reference frame.
 //
 // at_rest, fit   the print's points then and now
-[[nodiscard]] CoveredBlocks blocks_covered(const LumaView& luma, const PrintModel& model, const PatchFit& at_rest,
+// A lossy codec leaves some blocks coarser than others: picture.rounding is allowed for.
+[[nodiscard]] CoveredBlocks blocks_covered(const GreyPicture& picture, const PrintModel& model, const PatchFit& at_rest,
                                            const PatchFit& fit);
 
 // The points of the part that is free; nothing when that is too little, or has something over it still.
-[[nodiscard]] std::optional<PatchFit> free_points(const LumaView& luma, const PrintModel& model,
+[[nodiscard]] std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel& model,
                                                   const PatchFit& at_rest, const PatchFit& fit, const BlockSet& covered);
 
 }  // namespace moiregauge

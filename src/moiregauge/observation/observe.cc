@@ -7,6 +7,7 @@
 
 #include "moiregauge/geometry/pose.h"
 #include "moiregauge/observation/follow_marker.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
@@ -144,6 +145,19 @@ std::string too_few(std::size_t least, const char* what) {
   return std::string(least == kLeastForPose ? "fewer than three " : "fewer than four ") + what;
 }
 
+// By how much a reference's print may be left behind by a lossy codec, told from its fainter fundamental; 0 of others.
+double lag_mm(const GreyPicture& picture, const Reference& reference, const CirclePoint& point) {
+  if (!(picture.rounding > 0.0)) return 0.0;
+  const RasterPlan& plan = reference.plans[point.marker];
+  const auto& modulation = reference.seen.markers[point.marker].patch.modulation;
+  const double least = !plan.reads_y   ? modulation[0]
+                       : !plan.reads_x ? modulation[1]
+                                       : std::min(modulation[0], modulation[1]);
+  const double mm_per_px = reference.view.mm_per_px(point.board);
+  const double slope = least * kTurn * mm_per_px / plan.pitch_mm / std::sqrt(2.0);
+  return std::min(dead_zone_px(picture.rounding / rounding_of_step(1.0), slope), 2.0 * kMostLag_px) * mm_per_px;
+}
+
 }  // namespace
 
 Observation observe_board(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
@@ -168,7 +182,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
     const auto& at_rest = reference.seen.markers[point.marker].patch;
     // A target's half reading may be told with its status; a reference's would spoil every target.
     if (seen.loss == Loss::kNone && reference.site.markers[point.marker].grating &&
-        is_bent(reference.plans[point.marker], at_rest, seen.patch))
+        is_bent(reference.plans[point.marker], at_rest, seen.patch, lag_mm(picture, reference, point)))
       seen.loss = Loss::kCovered;
   }
   const auto second = second_view(reference, now.points, observation);

@@ -87,15 +87,15 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
     seen.points = *std::move(points);
     return;
   }
-  const CoveredBlocks covered = blocks_covered(picture.luma, print, *at_rest, *points);
+  const CoveredBlocks covered = blocks_covered(picture, print, *at_rest, *points);
   if (covered.any_now) {
-    auto free = free_points(picture.luma, print, *at_rest, *points, covered.now);
+    auto free = free_points(picture, print, *at_rest, *points, covered.now);
     if (!free) {
       seen.loss = Loss::kCovered;
       return;
     }
     *points = *std::move(free);
-  } else if (may_have_slipped && !is_whole(*points, *at_rest, print)) {
+  } else if (may_have_slipped && !is_whole(*points, *at_rest, print, picture.rounding)) {
     return;
   }
   seen.cover = covered.any_now ? Cover::kNow : covered.any_then ? Cover::kAtRest : Cover::kNone;
@@ -132,7 +132,7 @@ bool tracked(const GreyPicture& picture, const Reference& reference, const View&
   if (!track_target(picture, reference, view, i, prediction, here)) return false;
   const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
   if (is_taken(here.window_shift) ||
-      !ends_with_print(*here.points, *reference.seen.markers[i].points, *reference.prints[i])) {
+      !ends_with_print(*here.points, *reference.seen.markers[i].points, *reference.prints[i], picture.rounding)) {
     const OrderVerdict verdict = prove_order(picture.luma, view, *reference.site.markers[i].grating,
                                              *reference.prints[i]->outline, here.window_shift, is_taken);
     if (verdict.order != Order::kProven || length(verdict.moved - here.window_shift) > 0.0) return false;

@@ -92,10 +92,10 @@ bool is_gone(const PatchReading& then, const PatchReading& now) {
   return false;
 }
 
-bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
-  if (now.straightness_mm > kBentLattice * plan.pitch_mm + then.straightness_mm + 5.0 * now.u_straightness_mm)
+bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now, double lag_mm) {
+  if (now.straightness_mm > kBentLattice * plan.pitch_mm + then.straightness_mm + 5.0 * now.u_straightness_mm + lag_mm)
     return true;
-  const double allowed = kStretchedLattice + 5.0 * std::hypot(then.u_gradient, now.u_gradient);
+  const double allowed = kStretchedLattice + 5.0 * std::hypot(then.u_gradient, now.u_gradient) + lag_mm / plan.pitch_mm;
   for (std::size_t a = 0; a < 2; ++a) {
     for (std::size_t b = 0; b < 2; ++b) {
       if (std::abs(now.gradient[a][b] - then.gradient[a][b]) > allowed)

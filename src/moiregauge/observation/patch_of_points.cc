@@ -78,20 +78,21 @@ double clipped_share(const GreyPicture& picture, const PatchFit& fit) {
                        static_cast<int>(right->x - left->x), static_cast<int>(bottom->y - top->y));
 }
 
-double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {
-  const double more = std::sqrt(std::max(0.0, points.sigma * points.sigma - at_rest.sigma * at_rest.sigma));
+double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model, double rounding) {
+  const double usual = at_rest.sigma * at_rest.sigma + rounding * rounding;
+  const double more = std::sqrt(std::max(0.0, points.sigma * points.sigma - usual));
   return more / (points.gain[0] * model.print.contrast());
 }
 
-bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {
-  return missing_contrast(points, at_rest, model) < kWholeContrast;
+bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model, double rounding) {
+  return missing_contrast(points, at_rest, model, rounding) < kWholeContrast;
 }
 
-bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model) {
+bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model, double rounding) {
   if (!model.outline) return false;
   const double pitches = 2.0 * std::max(model.options.along_x ? model.window.half_x : 0.0,
                                         model.options.along_y ? model.window.half_y : 0.0);
-  const double missing = missing_contrast(points, at_rest, model);
+  const double missing = missing_contrast(points, at_rest, model, rounding);
   return missing * missing < kStripMisses / pitches;
 }
 

@@ -23,14 +23,17 @@ struct PrintMotion {
 // Of the pixels between the outer points.
 [[nodiscard]] double clipped_share(const GreyPicture& picture, const PatchFit& points);
 
-// By how much pixels miss the print's template beyond their noise in the reference frame, rms, of its contrast.
-[[nodiscard]] double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);
+// By how much pixels miss the print's template beyond their noise in the reference frame, and what a codec may round
+// away (GreyPicture), rms, of its contrast.
+[[nodiscard]] double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model,
+                                      double rounding);
 
 // More than a tenth, and something hides a part of it.
-[[nodiscard]] bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);
+[[nodiscard]] bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model, double rounding);
 
 // One pitch beside its print, a window that ends with the print holds a strip of something else (its outline was seen to
 // stand out): does so little miss the template that it cannot be?
-[[nodiscard]] bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model);
+[[nodiscard]] bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model,
+                                   double rounding);
 
 }  // namespace moiregauge

@@ -48,9 +48,9 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
   const PrintModel& print = *reference.prints[i];
   auto fit = read_points(picture.luma, view, *reference.site.markers[i].grating, moved, print, rows);
   if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) ||
-      !is_whole(*fit, *reference.seen.markers[i].points, print))
+      !is_whole(*fit, *reference.seen.markers[i].points, print, picture.rounding))
     return std::nullopt;
-  const CoveredBlocks covered = blocks_covered(picture.luma, print, *reference.seen.markers[i].points, *fit);
+  const CoveredBlocks covered = blocks_covered(picture, print, *reference.seen.markers[i].points, *fit);
   if (covered.any_now || covered.any_then) return std::nullopt;
   return *std::move(fit);
 }

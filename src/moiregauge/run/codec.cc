@@ -44,6 +44,22 @@ void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Came
   }
 }
 
+double rounding_of(const QuantiserMap& quantiser, const Site& site, const Camera& lens, const Observation& last) {
+  if (quantiser.whole.is_lossless()) return 0.0;
+  Observation there;
+  there.references_seen = last.references_seen;
+  there.stage2 = last.stage2;
+  there.markers = last.markers;
+  note_quantisers(quantiser, site, lens, there);
+  return rounding_of(there);
+}
+
+double rounding_of(const Observation& seen) {
+  double step = 0.0;
+  for (const MarkerObservation& marker : seen.markers) step = std::max(step, step_or_usual(marker.quantiser.step));
+  return rounding_of_step(step);
+}
+
 std::optional<std::string> codec_note(const Measurement& measurement) {
   if (!measurement.reference) return std::nullopt;
   std::vector<double> steps;

@@ -139,6 +139,7 @@ class Run {
 
  private:
   void put(const Frame& frame, Observation seen) {
+    rounding_ = std::max(rounding_, rounding_of(seen));
     out_.observations.push_back(std::move(seen));
     if (frames_ == nullptr) return;
     const bool is_before = !out_.reference || (!options_.reference_frame && frame.number < out_.reference->seen.frame);
@@ -148,8 +149,13 @@ class Run {
     const std::size_t markers = site_of(out_, options_).markers.size();
     if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
     if (!out_.reference && !refer_to(frame)) return unmeasured(frame, markers, out_.refusal);
-    Observation seen =
-        options_.method->observe({frame.luma, out_.input.bits}, *out_.reference, follower_->prediction(), work_);
+    const Observation& last = out_.observations.empty() ? out_.reference->seen : out_.observations.back();
+    const Observation& where = last.references_seen ? last : out_.reference->seen;
+    // Skipped blocks do not report what they were judged by: the coarsest so far counts.
+    const double now = rounding_of(frame.quantiser, out_.reference->site, out_.reference->lens, where);
+    const double rounding = std::max({now, rounding_, rounding_of(out_.reference->seen)});
+    Observation seen = options_.method->observe({frame.luma, out_.input.bits, rounding}, *out_.reference,
+                                                follower_->prediction(), work_);
     seen.frame = frame.number;
     seen.time_s = frame.time_s;
     note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
@@ -166,6 +172,7 @@ class Run {
   std::vector<std::string> reference_notes_;  // of its making
   std::optional<Follower> follower_;
   PatchWorkspace work_;
+  double rounding_ = 0.0;  // of the observations so far
   bool hopeless_ = false;
 };
 
