@@ -73,9 +73,9 @@ def texts(moiregauge, work):
         'knots = [[0, 0], [5, 0.8]]\n[[marker]]\nname = "beam"\nrole = "target"\ngrating_mm = [0, 0]\n'
         'grating_size_mm = [40, 40]\npitch_mm = 10\n[marker.dy]\nknots = [[0, 0], [2, 1]]\n[marker.cover]\nframes = [[2, 4]]\n'
         'share = 0.5\n[sensor]\nbits = 12\nreadout_s = 0.02\n[known_to]\nposition_mm = 1.0\n[truth]\ndraw_known_to = true\n')
-    put("scenario_file", "set-track", "marker.mid.dy.knots=[[0,0],[2,1]]\n")
-    put("scenario_file", "set-lens", "lens.k1=-0.0225\n")
-    put("scenario_file", "length", "10000 \u00b5m\n")
+    put("scenario_file", "set-track", "marker.mid.dy.knots=[[0,0],[2,1]]")
+    put("scenario_file", "set-lens", "lens.k1=-0.0225")
+    put("scenario_file", "length", "10000 \u00b5m")
     put("run_json", "measured", (work / "run/run.json").read_bytes()[:1500])
     put("run_json", "whole", '{"schema":1,"input":{"path":"a.mkv","sha256":"0a1b","frames":2,"fps":null},"warnings":["\\u00e9"]}')
     put("run_file", "two-stage", b"\0" + (work / "run/run.mgj").read_bytes()[16:])

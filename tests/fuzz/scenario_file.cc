@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any text as a scenario of the simulator; and its first line as what stands behind --set, and as a length.
+// Any text as a scenario of the simulator; a single line as what stands behind --set, and as a length.
 #include "moiregauge/io/scenario_file.h"
 
 #include "moiregauge/io/length_text.h"
@@ -9,13 +9,15 @@
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace moiregauge;
   const std::string text = fuzz::text_of({data, size});
-  if (const auto read = parse_scenario(text, "f"); !read) {
-    for (const std::string& line : read.error()) fuzz::demand(line.starts_with("f:") && line.find('\n') == line.npos);
+  if (text.find('\n') != text.npos) {
+    if (const auto read = parse_scenario(text, "f"); !read) {
+      for (const std::string& line : read.error()) fuzz::demand(line.starts_with("f:") && line.find('\n') == line.npos);
+    }
+    return 0;
   }
-  const std::string line = text.substr(0, text.find('\n'));
   auto scenario = simulator::built_in("small-1xyz");
   fuzz::demand(scenario.has_value());
-  static_cast<void>(apply_setting(*scenario, line));
-  if (const auto length = length_mm(line)) fuzz::demand(*length > 0.0 && *length < 1e300);
+  static_cast<void>(apply_setting(*scenario, text));
+  if (const auto length = length_mm(text)) fuzz::demand(*length > 0.0 && *length < 1e300);
   return 0;
 }

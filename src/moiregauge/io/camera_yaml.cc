@@ -105,7 +105,7 @@ class Calibration {
     const auto data = blocks_of(block.text, "data");  // absent when the list follows the key at once
     auto numbers = numbers_in(data.empty() ? block.text : data.front().text);
     if (numbers) return *std::move(numbers);
-    mistake(block, fmt::format("{}: \"{}\" is no finite number", key, printable(numbers.error())));
+    mistake(block, fmt::format("{}: \"{}\" is no finite number", key, numbers.error()));
     return std::nullopt;
   }
 
@@ -123,10 +123,6 @@ class Calibration {
   void mistake(const Block& place, const std::string& what) { wrong_.add(place.line, place.column, what); }
 
  private:
-  static std::string printable(std::string word) {
-    for (char& c : word) c = c >= ' ' && c <= '~' ? c : '?';
-    return word;
-  }
   const std::string& text_;
   TomlMistakes& wrong_;
 };

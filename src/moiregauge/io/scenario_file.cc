@@ -180,7 +180,7 @@ tl::expected<simulator::Scenario, std::vector<std::string>> parse_scenario(const
                    [](const Entry& a, const Entry& b) { return turn_of(a) < turn_of(b); });
   const simulator::Scenario unset = *scenario;
   apply(entries, *scenario, wrong);
-  note_senseless(unset, std::move(entries), wrong);
+  if (simulator::problem_with(*scenario)) note_senseless(unset, std::move(entries), wrong);
   if (!wrong.empty()) return tl::unexpected(wrong.lines());
   return *std::move(scenario);
 }

@@ -130,5 +130,13 @@ TEST(SiteFile, ANumberBeyondAllNumbersIsNotTakenForTheLargest) {
   }
 }
 
+TEST(SiteFile, AMistakeIsOneLineWhateverTheKeyHolds) {
+  const auto site = parse_site(
+      "\"a\\nb\\u001b\" = 1\n[[target]]\ngrating_mm = [0.0, 0.0]\ngrating_size_mm = [4.0, 4.0]\npitch_mm = 1.0\n",
+      "s.toml");
+  ASSERT_FALSE(site);
+  EXPECT_EQ(site.error(), std::vector<std::string>{"s.toml:1:16: unknown key \"a?b?\""});
+}
+
 }  // namespace
 }  // namespace moiregauge

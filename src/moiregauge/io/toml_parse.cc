@@ -72,9 +72,9 @@ tl::expected<toml::value, std::string> parse_toml(const std::string& text, const
     return toml::parse(stream, path);
   } catch (const toml::exception& error) {
     return tl::unexpected(fmt::format("{}:{}:{}: {}", path, error.location().line(), error.location().column(),
-                                      first_line_of(error.what())));
+                                      printable(first_line_of(error.what()))));
   } catch (const std::exception& error) {
-    return tl::unexpected(fmt::format("{}:1:1: {}", path, first_line_of(error.what())));
+    return tl::unexpected(fmt::format("{}:1:1: {}", path, printable(first_line_of(error.what()))));
   }
 }
 

@@ -12,8 +12,15 @@
 
 namespace moiregauge {
 
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == '\x7f') c = '?';
+  }
+  return text;
+}
+
 void TomlMistakes::add(std::size_t line, std::size_t column, const std::string& text) {
-  entries_.push_back({line, column, text});
+  entries_.push_back({line, column, printable(text)});
 }
 
 void TomlMistakes::add_at(const toml::value& value, const std::string& text) {

@@ -14,6 +14,9 @@
 
 namespace moiregauge {
 
+// What a file holds as it may stand in a message: one line, and nothing that a terminal obeys.
+[[nodiscard]] std::string printable(std::string text);
+
 // Collects "file:line:column: text" and gives them back in the order of the file.
 class TomlMistakes {
  public:
