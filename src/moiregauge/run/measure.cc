@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/follower.h"
+#include "moiregauge/run/repeated_frames.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
 
@@ -134,6 +135,12 @@ class Run {
     out_.observations.insert(out_.observations.end(), kept_.begin() + std::min(kept_.size(), out_.observations.size()),
                              kept_.end());
   }
+  [[nodiscard]] std::optional<std::string> note_on_repeats() const {
+    if (repeated_ == 0) return std::nullopt;
+    return fmt::format("{} of {} frames repeat{} the one before to the last bit (the first is frame {}): a dropped frame or "
+                       "an unchanging source; the time of a repeated frame is not that of what it shows",
+                       repeated_, out_.observations.size(), repeated_ == 1 ? "s" : "", first_repeated_);
+  }
   [[nodiscard]] bool hopeless() const { return hopeless_; }
   [[nodiscard]] bool can_go_on() const { return journal_ == nullptr || journal_->good(); }
 
@@ -141,6 +148,7 @@ class Run {
   void put(const Frame& frame, Observation seen) {
     rounding_ = std::max(rounding_, rounding_of(seen));
     out_.observations.push_back(std::move(seen));
+    if (repeats_.repeats(frame.luma) && !frame.damaged && ++repeated_ == 1) first_repeated_ = frame.number;
     if (frames_ == nullptr) return;
     const bool is_before = !out_.reference || (!options_.reference_frame && frame.number < out_.reference->seen.frame);
     frames_->add(frame, out_.input.bits, is_before ? nullptr : &*out_.reference, out_.observations.back());
@@ -173,6 +181,8 @@ class Run {
   std::optional<Follower> follower_;
   PatchWorkspace work_;
   double rounding_ = 0.0;  // of the observations so far
+  RepeatedFrames repeats_;
+  long repeated_ = 0, first_repeated_ = -1;
   bool hopeless_ = false;
 };
 
@@ -305,6 +315,7 @@ tl::expected<Measurement, InputError> watch(const OpenInput& open, const Measure
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
     out.input = (*source)->info();
   }
+  if (auto note = run.note_on_repeats()) out.notes.push_back(*std::move(note));
   out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
   if (std::isnan(out.input.fps)) out.notes.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");
   return out;
