@@ -7,6 +7,7 @@
 
 #include "moiregauge/calibration/free_parameters.h"
 #include "moiregauge/calibration/print_error.h"
+#include "moiregauge/calibration/wander.h"
 
 namespace moiregauge {
 namespace {
@@ -97,13 +98,28 @@ std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) 
   return fits;
 }
 
-// What is left when everything is free is the print's: a height or a depth left out must not pass for it.
-double print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
-                      const ScenePrior& prior) {
-  BundleSolution largest = solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Stands);
-  if (!largest.scene.solved) return 0.0;
+// Each estimate is made with weights of the last one; from the second on they hardly change.
+constexpr int kErrorRounds = 3;
+constexpr double kSameError = 0.01;  // of it: chi2 would change by 2 %, and what is solved by nothing
+
+// What is left when everything is free is the print's, or its place's in that frame: a height or a depth left out must
+// not pass for it.
+PrintError print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
+                          const ScenePrior& prior, const PrintError& last) {
+  const BundleSolution largest =
+      solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Stands);
+  if (!largest.scene.solved) return {};
   const auto fits = fits_of(site, largest);
-  return print_error_mm(site, largest.scene, noise_alone, fits, prior);
+  PrintError error;
+  error.wander_mm = wander_mm(site, largest.scene, largest.frames, fits, prior, last.wander_mm);
+  const auto wandering = with_print_error(site, noise_alone, {0.0, error.wander_mm});
+  error.points_mm = print_error_mm(site, largest.scene, wandering, fits, prior);
+  return error;
+}
+
+bool is_the_same(const PrintError& a, const PrintError& b) {
+  return std::abs(a.points_mm - b.points_mm) <= kSameError * a.points_mm &&
+         std::abs(a.wander_mm - b.wander_mm) <= kSameError * a.wander_mm;
 }
 
 constexpr double kNotChance = 3.0;  // standard deviations of chi2
@@ -134,10 +150,6 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   out.asks = turned > std::log(std::max(3.0, static_cast<double>(dof))) && turned > kWorthAsking * excess;
   return out;
 }
-
-// Each estimate is made with weights of the last one; from the second on they hardly change.
-constexpr int kErrorRounds = 3;
-constexpr double kSameError = 0.01;  // of it: chi2 would change by 2 %, and what is solved by nothing
 
 }  // namespace
 
@@ -173,15 +185,15 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   best.fits = fits_of(site, *solution);
   best.shutter = shutter_test(site, *solution, best.fits, prior.rows_run);
   for (int round = 0; round < kErrorRounds; ++round) {
-    const double u_mm = print_error_of(site, *solution, frames, prior);
-    if (u_mm == 0.0 || std::abs(u_mm - best.print_error_mm) < kSameError * u_mm) break;
-    auto again = ascended(site, with_print_error(site, frames, u_mm), prior);
+    const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
+    if (is_the_same(error, best.print_error)) break;
+    auto again = ascended(site, with_print_error(site, frames, error), prior);
     if (!again) break;
     solution = std::move(again);
-    best.print_error_mm = u_mm;
+    best.print_error = error;
   }
   best.bundle = *std::move(solution);
-  if (best.print_error_mm > 0.0) best.fits = fits_of(site, best.bundle);
+  if (best.print_error.points_mm > 0.0 || best.print_error.wander_mm > 0.0) best.fits = fits_of(site, best.bundle);
   best.bundle.scene.covariance = scene_covariance(site, best.fits, prior, best.bundle.scene.model);
   return best;
 }

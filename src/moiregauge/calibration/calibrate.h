@@ -4,6 +4,7 @@
 
 #include "moiregauge/calibration/bundle.h"
 #include "moiregauge/calibration/frame_fit.h"
+#include "moiregauge/calibration/print_error.h"
 
 namespace moiregauge {
 
@@ -19,7 +20,7 @@ struct ShutterTest {
 struct Calibration {
   BundleSolution bundle;        // of the model chosen, with its covariance
   std::vector<FrameFit> fits;   // of the bundle's frames against its scene
-  double print_error_mm = 0.0;  // added to the patches' noise; other frames need it too (with_print_error)
+  PrintError print_error;  // added to the patches' noise; other frames need it too (with_print_error)
   ShutterTest shutter;
 };
 

@@ -20,17 +20,17 @@ constexpr double kNotChance = 3.0;
 constexpr double kMostError_pitches = 0.05;  // beyond, the points are not those of this print
 constexpr int kHalvings = 40;
 
-// Of an error of 1 in each coordinate, and of 1 in common.
-Matrix18 unit_covariance() {
-  Matrix18 m = Matrix18::Identity();
-  m.topLeftCorner<kPatchPoints, kPatchPoints>().array() += 1.0;
-  m.bottomRightCorner<kPatchPoints, kPatchPoints>().array() += 1.0;
+// Of an error of `own` in each coordinate of each point, and of `common` in each of all together.
+Matrix18 covariance_of(double own, double common) {
+  Matrix18 m = own * own * Matrix18::Identity();
+  m.topLeftCorner<kPatchPoints, kPatchPoints>().array() += common * common;
+  m.bottomRightCorner<kPatchPoints, kPatchPoints>().array() += common * common;
   return m;
 }
 
-// (C + u^2 M)^-1 where C^-1 = information may be singular: an axis that the print does not show stays unknown.
-PatchInformation inflated(const PatchInformation& information, double u_pitches) {
-  const Matrix18 a = Matrix18::Identity() + u_pitches * u_pitches * information * unit_covariance();
+// (C + M)^-1 where C^-1 = information may be singular: an axis that the print does not show stays unknown.
+PatchInformation inflated(const PatchInformation& information, const Matrix18& covariance) {
+  const Matrix18 a = Matrix18::Identity() + information * covariance;
   const PatchInformation out = a.partialPivLu().solve(information);
   return 0.5 * (out + out.transpose());
 }
@@ -52,7 +52,7 @@ Whitened whitened(const BundleFrame& frame, std::size_t i, const Grating& gratin
                    .col(PatchColumn::kResidual);
   const Matrix18& root = residual.root();
   if (frame.rows) r += root * (frame.rows->by_marker[i].leftCols<kMotionParameters>() * fit.motion);
-  const Matrix18 error = root * unit_covariance() * root.transpose() / (grating.pitch_mm * grating.pitch_mm);
+  const Matrix18 error = root * covariance_of(1.0, 1.0) * root.transpose() / (grating.pitch_mm * grating.pitch_mm);
   const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(error);
   const Vector18 along = eigen.eigenvectors().transpose() * r;
   return {along.cwiseAbs2(), eigen.eigenvalues().cwiseMax(0.0)};
@@ -70,13 +70,17 @@ double determined(const Site& site, std::span<const FrameFit> fits, const SceneP
 
 }  // namespace
 
-std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames, double u_mm) {
+std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
+                                          const PrintError& error) {
   std::vector<BundleFrame> out(frames.begin(), frames.end());
-  if (!(u_mm > 0.0)) return out;
+  if (!(error.points_mm > 0.0 || error.wander_mm > 0.0)) return out;
   for (BundleFrame& frame : out) {
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
       if (!frame.points[i] || !site.markers[i].grating) continue;
-      frame.points[i]->information = inflated(frame.points[i]->information, u_mm / site.markers[i].grating->pitch_mm);
+      const double pitch = site.markers[i].grating->pitch_mm;
+      const Matrix18 covariance =
+          covariance_of(error.points_mm / pitch, std::hypot(error.points_mm, error.wander_mm) / pitch);
+      frame.points[i]->information = inflated(frame.points[i]->information, covariance);
     }
   }
   return out;

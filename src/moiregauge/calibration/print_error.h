@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What no noise explains: prints are rough, curl a little, and their templates are not perfect. On photographs of a
+// What no noise explains. Prints are rough, curl a little, and their templates are not perfect. On photographs of a
 // printed board the nine points of a patch miss the scene by 0.02 px where the pixels' noise says 0.003 px.
 #pragma once
 
@@ -11,16 +11,20 @@
 
 namespace moiregauge {
 
-// The patches of frames with an error of the print added to their covariance: u_mm (k = 1) in each coordinate of each
-// of the nine points, and once more in common to the nine, for what is wrong with a print is wrong in its neighbourhood
-// too.
-[[nodiscard]] std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
-                                                        double u_mm);
+struct PrintError {
+  double points_mm = 0.0;  // u (k = 1) in each coordinate of each of the nine points, and once more in common to the
+                           // nine: what is wrong with a print is wrong in its neighbourhood too
+  double wander_mm = 0.0;  // in common to the nine alone: where the print hangs in one frame (wander.h)
+};
 
-// The u_mm with which chi2 is what its degrees of freedom explain: 0 where noise alone does. Ask it of a scene with
+// The patches of frames with that added to their covariance.
+[[nodiscard]] std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
+                                                        const PrintError& error);
+
+// The points_mm with which chi2 is what its degrees of freedom explain: 0 where noise alone does. Ask it of a scene with
 // everything free, or a height that was left out passes for a bad print.
 //
-// frames   with the covariance of noise alone, poses and shifts as solved
+// frames   with the covariance of noise alone, and of their wander, poses and shifts as solved
 // fits     of these frames against the scene, whatever print error they were made with
 // prior    of the scene's parameters: those that the footage determines cost degrees of freedom
 [[nodiscard]] double print_error_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,

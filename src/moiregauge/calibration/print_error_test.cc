@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/calibration/patch_residual.h"
+#include "moiregauge/calibration/wander.h"
 
 namespace moiregauge {
 namespace {
@@ -35,20 +36,19 @@ Truth truth() {
   return t;
 }
 
-// Twelve views; every patch's nine points with noise of their own, and with an error of the print in each and in
-// common.
-std::vector<BundleFrame> views(const Truth& t, double error_mm) {
+// Every patch's nine points with noise of their own, and with an error in each and in common.
+std::vector<BundleFrame> views(const Truth& t, double error_mm, double common_mm, int count = 12) {
   std::mt19937_64 rng(kSeed);
   std::normal_distribution<double> normal;
   const Camera& c = t.scene.camera;
   const double camera[]{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
   std::vector<BundleFrame> frames;
-  for (int k = 0; k < 12; ++k) {
+  for (int k = 0; k < count; ++k) {
     BundleFrame frame;
     frame.pose = {{0.2 * normal(rng), 0.2 * normal(rng), 0.2 * normal(rng)}, {0, 0, 1200}};
     for (const Marker& m : t.site.markers) {
       PatchFit fit;
-      const double common[]{error_mm * normal(rng), error_mm * normal(rng)};
+      const double common[]{common_mm * normal(rng), common_mm * normal(rng)};
       for (std::size_t n = 0; n < kPatchPoints; ++n) {
         const double x = 20.0 * (static_cast<double>(n % 3) - 1.0), y = 20.0 * (static_cast<double>(n / 3) - 1.0);
         const double pose[]{frame.pose.turn[0],  frame.pose.turn[1],  frame.pose.turn[2],
@@ -67,19 +67,31 @@ std::vector<BundleFrame> views(const Truth& t, double error_mm) {
   return frames;
 }
 
-double estimate(const Truth& t, const std::vector<BundleFrame>& frames) {
+// The scene is the truth: nothing of it was solved from these frames.
+ScenePrior known(const Truth& t) {
+  ScenePrior prior = t.prior;
+  for (double& u : prior.u_camera) u = 1e-12;
+  for (MarkerShape& u : prior.u_markers) u.value = {};
+  return prior;
+}
+
+std::vector<FrameFit> fits_of(const Truth& t, const std::vector<BundleFrame>& frames) {
   std::vector<FrameFit> fits;
   for (const BundleFrame& frame : frames) fits.push_back(fit_frame(t.site, t.scene, frame));
-  // The scene is the truth: nothing of it was solved from these frames.
-  ScenePrior known = t.prior;
-  for (double& u : known.u_camera) u = 1e-12;
-  for (MarkerShape& u : known.u_markers) u.value = {};
-  return print_error_mm(t.site, t.scene, frames, fits, known);
+  return fits;
+}
+
+double estimate(const Truth& t, const std::vector<BundleFrame>& frames) {
+  return print_error_mm(t.site, t.scene, frames, fits_of(t, frames), known(t));
+}
+
+double wander(const Truth& t, const std::vector<BundleFrame>& frames, double already = 0.0) {
+  return wander_mm(t.site, t.scene, frames, fits_of(t, frames), known(t), already);
 }
 
 TEST(PrintError, OfAPerfectPrintIsNone) {
   const Truth t = truth();
-  EXPECT_EQ(estimate(t, views(t, 0.0)), 0.0) << "seed " << kSeed;
+  EXPECT_EQ(estimate(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kSeed;
 }
 
 // Five prints in twelve views: 960 degrees of freedom tell a scatter to 1 / sqrt(2 n) = 2.3 %; what the nine share are
@@ -87,14 +99,14 @@ TEST(PrintError, OfAPerfectPrintIsNone) {
 TEST(PrintError, IsToldFromTheNoiseByWhatNoiseDoesNotExplain) {
   const Truth t = truth();
   for (const double error_mm : {0.002, 0.01})
-    EXPECT_NEAR(estimate(t, views(t, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kSeed;
+    EXPECT_NEAR(estimate(t, views(t, error_mm, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kSeed;
 }
 
 TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
   const Truth t = truth();
-  const auto frames = views(t, 0.01);
+  const auto frames = views(t, 0.01, 0.01);
   double chi2 = 0.0, dof = 0.0;
-  for (const BundleFrame& frame : with_print_error(t.site, frames, 0.01)) {
+  for (const BundleFrame& frame : with_print_error(t.site, frames, {0.01, 0.0})) {
     const FrameFit fit = fit_frame(t.site, t.scene, frame);
     chi2 += fit.chi2_sum;
     dof += static_cast<double>(fit.dof);
@@ -102,13 +114,32 @@ TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
   EXPECT_NEAR(chi2 / dof, 1.0, 4.0 * std::sqrt(2.0 / dof)) << "seed " << kSeed;
 }
 
+TEST(Wander, OfMarkersThatStandStillIsNone) {
+  const Truth t = truth();
+  EXPECT_EQ(wander(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kSeed;
+}
+
+// Four references have eight coordinates as wholes; a pose takes up six of them, or less where a print's own turn and
+// scale hold it: 200 numbers at least in 100 views tell a scatter to 5 %. Four of these.
+TEST(Wander, IsToldThoughThePosesTakeUpMostOfIt) {
+  const Truth t = truth();
+  for (const double wander_um : {3.0, 30.0, 300.0})
+    EXPECT_NEAR(1e3 * wander(t, views(t, 0.0, 1e-3 * wander_um, 100)) / wander_um, 1.0, 0.2) << "seed " << kSeed;
+}
+
+TEST(Wander, StaysAsItIsOnceTheWeightsAllowForIt) {
+  const Truth t = truth();
+  const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {0.0, 0.03});
+  EXPECT_NEAR(wander(t, frames, 0.03) / 0.03, 1.0, 0.2) << "seed " << kSeed;
+}
+
 // A print of lines says nothing along them, and an error of the print does not change that.
 TEST(PrintError, LeavesUnknownWhatThePrintDoesNotShow) {
   const Truth t = truth();
-  auto frames = views(t, 0.0);
+  auto frames = views(t, 0.0, 0.0);
   auto& information = frames.front().points.front()->information;
   information.bottomRightCorner<kPatchPoints, kPatchPoints>().setZero();
-  const auto with = with_print_error(t.site, frames, 0.01);
+  const auto with = with_print_error(t.site, frames, {0.01, 0.0});
   const auto& kept = with.front().points.front()->information;
   EXPECT_LT((kept.bottomRows<kPatchPoints>().cwiseAbs().maxCoeff()), 1e-9);
   // One point of nine: its own 1 and 10 um, and 10 um in common.

@@ -183,7 +183,7 @@ class Precise {
                                 "the camera explains it, and no row is trusted"),
                        reference_);
     solution_.scene = calibration.bundle.scene;
-    print_error_mm_ = calibration.print_error_mm;
+    print_error_ = calibration.print_error;
     if (shutter_) count_taken_out(read);
     measure(frames, place, calibration);
     if (shutter_) tell_shutter();
@@ -272,7 +272,7 @@ class Precise {
       const Observation& seen = observations_[n];
       FrameFit now;
       if (place[n] > 0) {
-        BundleFrame frame = with_print_error(site, std::span(&frames[place[n]], 1), print_error_mm_).front();
+        BundleFrame frame = with_print_error(site, std::span(&frames[place[n]], 1), print_error_).front();
         // As the solved camera has it: with another focal length the pose starts elsewhere. And a target's rest is
         // measured like any other place.
         frame.pose = pose_of(site, *solution_.scene, frame).value_or(frame.pose);
@@ -298,7 +298,7 @@ class Precise {
 
   // A frame from where another fit of it ended.
   FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const {
-    BundleFrame frame = with_print_error(reference_.site, std::span(&by_noise_[place], 1), print_error_mm_).front();
+    BundleFrame frame = with_print_error(reference_.site, std::span(&by_noise_[place], 1), print_error_).front();
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
       if (!from.points[i]) frame.points[i].reset();
       if (frame.points[i]) frame.points[i]->image = from.points[i]->image;  // set back, if the shutter rolls
@@ -349,7 +349,7 @@ class Precise {
   ScenePrior prior_;
   bool lens_given_ = false;
   bool doubtful_ = false;
-  double print_error_mm_ = 0.0;
+  PrintError print_error_;
   CodecHistory codec_;
   std::vector<BundleFrame> by_noise_;  // of compressed footage: its frames without the codec's error
   std::optional<Shutter> shutter_;  // that rolls
