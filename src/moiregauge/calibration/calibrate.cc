@@ -63,8 +63,14 @@ BundleSolution with_shapes(const Bundle& bundle, BundleSolution best, int side, 
 // A model whose first step should gain no more than this part of its price is not solved.
 constexpr double kLeastPrediction = 0.25;
 
+// Whether prints are rough beyond noise. Their errors are the same in every view and alike in neighbours, so chi2 is no
+// likelihood any more: heights then bend to them (nine patches of a photographed board scattered by 10 um instead of
+// 2.6), and are solved only where they pay.
+enum class Prints { kPerfect, kRough };
+
 // The models in ascending order; empty when none can be solved.
-std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
+std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
+                                       Prints prints) {
   const Bundle bundle(site, frames, prior);
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
@@ -89,7 +95,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return with_shapes(bundle, std::move(best), side, price);
+  return prints == Prints::kRough ? std::move(best) : with_shapes(bundle, std::move(best), side, price);
 }
 
 std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {
@@ -174,7 +180,7 @@ std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::si
 
 Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
   Calibration best;
-  auto solution = ascended(site, frames, prior);
+  auto solution = ascended(site, frames, prior, Prints::kPerfect);
   if (!solution) {
     best.bundle.scene.solved = false;
     best.bundle.scene.problem = "no lens could be solved from these frames";
@@ -187,7 +193,8 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   for (int round = 0; round < kErrorRounds; ++round) {
     const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
     if (is_the_same(error, best.print_error)) break;
-    auto again = ascended(site, with_print_error(site, frames, error), prior);
+    auto again = ascended(site, with_print_error(site, frames, error), prior,
+                          error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect);
     if (!again) break;
     solution = std::move(again);
     best.print_error = error;

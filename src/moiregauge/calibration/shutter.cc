@@ -257,6 +257,9 @@ Shutter solve_shutter(const Site& site, std::span<const BundleFrame> frames, std
 
 bool pays(const Shutter& shutter, const Calibration& at_once) {
   if (!shutter.problem.empty()) return false;
+  // What is solved must also be a readout: a reference that slips lets chi2 fall with a path bent to it, and none.
+  constexpr double kReadout = 3.0;  // u
+  if (!(std::abs(shutter.readout_s) > kReadout * shutter.u_readout_s)) return false;
   constexpr double kGoodPart = 0.25;
   const ShutterTest &before = at_once.shutter, &after = shutter.calibration.shutter;
   const double gain = chi2_of(before) - cost_of(shutter);

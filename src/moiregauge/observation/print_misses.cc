@@ -11,7 +11,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kTwice = 2.0;
+constexpr double kThrice = 3.0;
 constexpr double kBeyondNoise = 6.0;      // standard deviations
 constexpr double kLeastFree = 0.4;        // of the window
 constexpr int kLeastPixels = 30;          // in a block, for its mean square to mean something
@@ -93,7 +93,7 @@ CoveredBlocks covered_blocks(const PrintMisses& then, const PrintMisses& now, do
     const double was = std::max(then.mean_square[b] / usual_then, 1.0);
     const double is = std::max(now.mean_square[b] / usual_now, 1.0);
     const double by_chance = std::exp(kBeyondNoise * std::sqrt(2.0 / then.pixels[b] + 2.0 / now.pixels[b]));
-    const double limit = std::max(kTwice, by_chance);
+    const double limit = std::max(kThrice, by_chance);
     out.now[b] = is > limit * was && (is - was) * usual_now > least;
     out.then[b] = was > limit * is && (was - is) * usual_then > least;
     out.any_now |= out.now[b];

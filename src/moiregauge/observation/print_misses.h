@@ -32,8 +32,9 @@ struct CoveredBlocks {
 };
 
 // The frames may differ in noise, light and blur: what counts is how a block stands to the window's median. Covered is a
-// block whose misses are twice what they are in the other frame, or more where it has so few pixels that noise could do
-// that (six standard deviations). Below that, if all of it pulled one way, the print would move by no more than 5 u.
+// block whose misses (squared) are three times what they are in the other frame, or more where it has so few pixels that
+// noise could do that (six standard deviations). Below that, if all of it pulled one way, a print of 13000 pixels would
+// move by 4.5 u: sqrt(2) / 36 of sigma over its slope, where u is a 114th.
 // `least`: grey levels squared that a block must miss by in excess.
 [[nodiscard]] CoveredBlocks covered_blocks(const PrintMisses& then, const PrintMisses& now, double least);
 
