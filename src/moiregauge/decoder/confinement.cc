@@ -122,7 +122,8 @@ void forbid_what_only_intruders_do(Filter& filter) {
 void limit_resources(std::int64_t max_pixels) {
   constexpr std::uint64_t kGibibyte = std::uint64_t{1} << 30;
   const auto pixels = static_cast<std::uint64_t>(max_pixels);
-  limit(RLIMIT_NOFILE, wire::kFirstUnusedFile);
+  constexpr int kPipe = kSanitized ? 2 : 0;  // files: see allow_sanitizers
+  limit(RLIMIT_NOFILE, wire::kFirstUnusedFile + kPipe);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, wire::memory_limit(max_pixels));  // of the shared memory: a file to the kernel
   // H.264 keeps up to 17 pictures of 1.5 bytes a pixel, and some tables; few streams need half of it.
