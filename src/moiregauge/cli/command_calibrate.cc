@@ -13,6 +13,7 @@
 
 #include "moiregauge/cli/calibrate_lines.h"
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/progress.h"
 #include "moiregauge/io/atomic_file.h"
 #include "moiregauge/io/length_text.h"
 #include "moiregauge/io/picture_file.h"
@@ -45,6 +46,10 @@ tl::expected<std::vector<std::string>, InputError> files_of(const std::vector<st
     if (!inside) return tl::unexpected(inside.error());
     files.insert(files.end(), inside->begin(), inside->end());
   }
+  if (files.empty())
+    return tl::unexpected(InputError{InputErrorKind::kUnreadable,
+                                     fmt::format("no pictures: {}: name photographs, or a folder that holds some",
+                                                 photos.empty() ? "calibrate" : photos.front())});
   return files;
 }
 
@@ -53,13 +58,15 @@ struct Photo {
   std::optional<SeenBoard> board;
 };
 
-tl::expected<std::vector<Photo>, InputError> look_at(const std::vector<std::string>& files) {
+tl::expected<std::vector<Photo>, InputError> look_at(const std::vector<std::string>& files, bool quiet) {
+  Progress progress("looking at photographs", quiet);
   std::vector<Photo> photos;
   for (const std::string& file : files) {
     const auto picture = read_picture(file);
     if (!picture) return tl::unexpected(picture.error());
     const LumaView luma = view_of(*picture);
     photos.push_back({width_of(luma), height_of(luma), find_board({luma, picture->bits})});
+    progress.show(static_cast<long>(photos.size()), static_cast<long>(files.size()));
   }
   return photos;
 }
@@ -80,7 +87,7 @@ int run(const CalibrateWords& words) {
   if (!pitch) return fail(Exit::kUsage, fmt::format("pitch: --pitch {}: {}", words.pitch, pitch.error()));
   const auto files = files_of(words.photos);
   if (!files) return fail(Exit::kInputUnreadable, files.error().message);
-  const auto photos = look_at(*files);
+  const auto photos = look_at(*files, words.quiet);
   if (!photos) return fail(Exit::kInputUnreadable, photos.error().message);
   const BoardPattern pattern = common_pattern(*photos);
   CalibrateReport report;
@@ -95,9 +102,9 @@ int run(const CalibrateWords& words) {
   }
   auto solved = calibrate_board(views, {.k3 = words.k3});
   if (!solved)
-    return fail(Exit::kRefused, fmt::format("cannot calibrate: {} of {} photographs: {}: photograph one flat board of "
+    return fail(Exit::kRefused, fmt::format("cannot calibrate: {} ({} in all): {}: photograph one flat board of "
                                             "dots, squares or a checkerboard, sharp and whole",
-                                            views.size(), words.photos.front(), solved.error()));
+                                            words.photos.front(), views.size(), solved.error()));
   report.solved = *std::move(solved);
   for (std::size_t i = 0; i < photos->size(); ++i) {
     const Photo& photo = (*photos)[i];
@@ -120,6 +127,7 @@ void add_calibrate(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("calibrate", "Solve a camera and its lens from photographs of a printed board");
   auto words = std::make_shared<CalibrateWords>();
   command->add_option("PHOTOS", words->photos, "pictures, or folders of pictures, of one flat printed board")
+      ->type_name("FILE")
       ->required();
   command
       ->add_option("--pitch", words->pitch, "pitch of the print with its unit, e.g. 10mm (checkerboard: two squares)")

@@ -15,6 +15,7 @@
 #include "moiregauge/cli/inspect_lines.h"
 #include "moiregauge/cli/measure_options.h"
 #include "moiregauge/cli/open_input.h"
+#include "moiregauge/cli/progress.h"
 #include "moiregauge/drawing/overlay_inspection.h"
 #include "moiregauge/io/atomic_file.h"
 
@@ -36,7 +37,8 @@ tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& wor
   auto understood_words = understood(known);
   if (!understood_words) return tl::unexpected(understood_words.error());
   if (words.frame < 0)
-    return tl::unexpected(UsageError{fmt::format("frame: --frame {}: frames count from 0", words.frame)});
+    return tl::unexpected(
+        UsageError{fmt::format("frame: --frame {}: give a frame of the input; the first is 0", words.frame)});
   InspectOptions options;
   if (!known.site.empty()) options.site = std::move(understood_words->site);
   if (has_scale) options.pitch_mm = understood_words->pitch_mm;
@@ -59,7 +61,8 @@ struct Failed {
 };
 
 // The frame with that number; valid until the source is asked again.
-tl::expected<Frame, Failed> frame_of(FrameSource& source, long number) {
+tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quiet) {
+  Progress progress("looking for the frame", quiet);
   long seen = 0;
   while (true) {
     auto frame = source.next();
@@ -79,6 +82,7 @@ tl::expected<Frame, Failed> frame_of(FrameSource& source, long number) {
                  fmt::format("damaged frame: {}, frame {}: choose another with --frame", path, number)});
     if ((*frame)->number == number) return **frame;
     seen = (*frame)->number + 1;
+    progress.show(seen, number + 1);
   }
 }
 
@@ -140,7 +144,7 @@ int run(const InspectWords& words) {
   const auto source = open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads, words.measure.max_pixels});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);
   if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
-  const auto frame = frame_of(**source, words.frame);
+  const auto frame = frame_of(**source, words.frame, words.measure.quiet);
   if (!frame) return fail(frame.error().exit, frame.error().message);
   const int bits = (*source)->info().bits;
   InspectReport report{
@@ -164,13 +168,14 @@ void add_inspect(CLI::App& app, int& exit_code) {
   auto words = std::make_shared<InspectWords>();
   MeasureWords& shared = words->measure;
   command->add_option("INPUT", shared.input, "video, picture, folder of pictures, multi-page TIFF, or printf pattern")
+      ->type_name("FILE")
       ->required();
   command->add_option("--frame", words->frame, "which frame to look at, the first is 0 [0]")->type_name("N");
   command->add_option("--site", shared.site, "site.toml: what is printed where")->type_name("FILE");
   command->add_option("--pitch", shared.pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
   command->add_option("--axes", shared.axes, "without a site file, x lies along: print or image [print]")
-      ->type_name("NAME");
+      ->type_name("print|image");
   command->add_option("--camera", shared.camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command->add_option("--fps", shared.fps, "frames per second of a folder of pictures")->type_name("N");
   command->add_option("-o,--out", shared.output, "output folder [<input>-inspect]")->type_name("DIR");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/command_measure.h"
 
-#include <csignal>
 #include <cstdio>
 #include <future>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/fingerprint.h"
 #include "moiregauge/cli/frame_times.h"
+#include "moiregauge/cli/interrupt.h"
 #include "moiregauge/cli/measure_options.h"
 #include "moiregauge/cli/open_input.h"
 #include "moiregauge/cli/progress.h"
@@ -28,34 +28,6 @@
 
 namespace moiregauge::cli {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-
-void on_interrupt(int signal) {
-  if (interrupted != 0) std::signal(signal, SIG_DFL), std::raise(signal);  // takes effect when we return
-  interrupted = 1;
-}
-
-// Ctrl-C, or a polite request to end, ends the run after the frame at hand; a second one kills as usual.
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    struct sigaction action {};
-    action.sa_handler = on_interrupt;
-    sigaction(SIGINT, &action, &old_interrupt_);
-    sigaction(SIGTERM, &action, &old_terminate_);
-  }
-  ~InterruptGuard() {
-    sigaction(SIGINT, &old_interrupt_, nullptr);
-    sigaction(SIGTERM, &old_terminate_, nullptr);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  struct sigaction old_interrupt_ {};
-  struct sigaction old_terminate_ {};
-};
 
 std::vector<std::uint8_t> overlay_of(const ImageView<std::uint8_t>& picture, const Reference& reference) {
   return draw_overlay({picture, &reference,
@@ -154,7 +126,7 @@ int run(const MeasureWords& words) {
     measured = watch(open, *options,
                      [&](long done, long expected) {
                        progress.show(done, expected, times.waiting_share());
-                       return interrupted == 0;
+                       return !interrupted();
                      },
                      {stabilised ? &*stabilised : nullptr, &journal, *std::move(so_far)});
     if (const auto closed = journal.close(); !closed) return fail_output(closed.error());
@@ -183,6 +155,7 @@ void add_measure(CLI::App& app, int& exit_code) {
   auto words = std::make_shared<MeasureWords>();
   command
       ->add_option("INPUT", words->input, "video, folder of pictures, multi-page TIFF, or printf pattern (--sequence)")
+      ->type_name("FILE")
       ->required();
   command->add_option("--site", words->site, "site.toml: what is printed where")->type_name("FILE");
   command->add_option("--pitch", words->pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
@@ -190,11 +163,11 @@ void add_measure(CLI::App& app, int& exit_code) {
   command
       ->add_option("--axes", words->axes,
                    "without a site file, x lies along: print (the references' gratings) or image [print]")
-      ->type_name("NAME");
+      ->type_name("print|image");
   std::string methods;
   for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
   command->add_option("--method", words->method, "how to measure [" + std::string(kDefaultMethod) + "]" + methods)
-      ->type_name("NAME");
+      ->type_name("conventional|two-stage|precise");
   command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command->add_option("--fps", words->fps, "frames per second of a folder of pictures")->type_name("N");
   command
@@ -204,10 +177,11 @@ void add_measure(CLI::App& app, int& exit_code) {
   command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")
       ->type_name("A:B:STEP");
   command
-      ->add_option("--template", words->template_use,
-                   "precise: use the print's harmonics, on, off (fundamentals alone; u is wide on binary prints) or auto "
-                   "[auto]")
-      ->type_name("WORD");
+      ->add_option(
+          "--template", words->template_use,
+          "precise: use the print's harmonics, on, off (fundamentals alone; u is wide on binary prints) or auto "
+          "[auto]")
+      ->type_name("on|off|auto");
   command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
   command
       ->add_option("--readout", words->readout,

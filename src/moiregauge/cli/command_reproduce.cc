@@ -101,11 +101,12 @@ void add_reproduce(CLI::App& app, int& exit_code) {
   const auto words = std::make_shared<ReproduceWords>();
   CLI::App* command =
       app.add_subcommand("reproduce", "Repeat the paper's section 3 on simulated recordings: table and figures");
-  command->add_option("-o,--out", words->output, "Folder to write")->capture_default_str();
-  command->add_flag("--quick", words->quick, "The small rig and a few frames: seconds instead of minutes");
-  command->add_option("--threads", words->threads, "Threads (default: all); never changes a number")
-      ->check(CLI::NonNegativeNumber);
-  command->add_flag("--quiet", words->quiet, "Say nothing but the table and errors");
+  command->add_option("-o,--out", words->output, "folder to write [reproduced]")->type_name("DIR");
+  command->add_flag("--quick", words->quick, "the small rig and a few frames: seconds instead of minutes");
+  command->add_option("--threads", words->threads, "threads [all]; never changes a number")
+      ->type_name("N")
+      ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+  command->add_flag("--quiet", words->quiet, "print nothing but the table and errors");
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 

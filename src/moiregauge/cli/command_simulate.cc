@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/interrupt.h"
 #include "moiregauge/cli/simulate_pictures.h"
 #include "moiregauge/io/scenario_file.h"
 #include "moiregauge/io/site_file.h"
@@ -97,7 +98,8 @@ Expected<std::optional<VideoFormat>> video_of(const SimulateWords& words, const 
     return std::nullopt;
   }
   const auto codec = codec_named(words.codec);
-  if (!codec) return tl::unexpected(fmt::format("no such codec: {}: ffv1, x264 or mjpeg", words.codec));
+  if (!codec)
+    return tl::unexpected(fmt::format("no such codec: --codec {}: choose one of ffv1, x264, mjpeg", words.codec));
   if (words.gop && *codec != VideoCodec::kX264) return tl::unexpected(std::string("--gop is for x264: leave it out"));
   VideoFormat format{*codec, words.quality};
   format.gop = words.gop.value_or(format.gop);
@@ -147,7 +149,11 @@ int run(const SimulateWords& words) {
       .threads = words.threads,
       .quiet = words.quiet,
   };
+  const InterruptGuard guard;
   if (const auto written = write_all(*scenario, plan, output); !written) {
+    if (interrupted())
+      return fail(Exit::kInterrupted, fmt::format("{}: {}: what is there is not whole: the same command begins anew",
+                                                  written.error(), output.string()));
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   }
@@ -160,21 +166,26 @@ int run(const SimulateWords& words) {
 void add_simulate(CLI::App& app, int& exit_code) {
   const auto words = std::make_shared<SimulateWords>();
   CLI::App* command = app.add_subcommand("simulate", "Draw a recording with known truth");
-  command->add_option("SCENARIO", words->scenario, "Built-in name (see --list) or TOML file");
-  command->add_option("-o,--out", words->output, "Folder to write (default: SCENARIO-simulated)");
-  command->add_option("--set", words->settings, "Override one value, as in lens.k1=-0.0225; may be given again")
+  command->add_option("SCENARIO", words->scenario, "built-in name (see --list) or TOML file")->type_name("FILE");
+  command->add_option("-o,--out", words->output, "folder to write [SCENARIO-simulated]")->type_name("DIR");
+  command->add_option("--set", words->settings, "override one value, as in lens.k1=-0.0225; may be given again")
+      ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1);
-  command->add_option("--seed", words->seed, "Another draw of the noise (default 1)");
-  command->add_option("--frames", words->frames, "Stop after so many frames");
-  command->add_option("--codec", words->codec, "Write a video, not pictures: ffv1 (lossless), x264 or mjpeg");
-  command->add_option("--quality", words->quality, "x264: rate factor, 0 to 51 (23); mjpeg: quantiser, 2 to 31 (3)");
-  command->add_option("--gop", words->gop, "x264: frames between key frames at most (250); 1: key frames only");
-  command->add_option("--threads", words->threads, "Threads (default: all); never changes a byte")
-      ->check(CLI::NonNegativeNumber);
-  command->add_flag("--markers-only", words->markers_only, "Draw the markers' windows, the rest one flat grey");
-  command->add_flag("--list", words->list, "List the built-in scenarios");
-  command->add_flag("--quiet", words->quiet, "Say nothing but errors");
+  command->add_option("--seed", words->seed, "another draw of the noise [1]")->type_name("N");
+  command->add_option("--frames", words->frames, "stop after so many frames")->type_name("N");
+  command->add_option("--codec", words->codec, "write a video, not pictures: ffv1 (lossless), x264 or mjpeg")
+      ->type_name("ffv1|x264|mjpeg");
+  command->add_option("--quality", words->quality, "x264: rate factor, 0 to 51 [23]; mjpeg: quantiser, 2 to 31 [3]")
+      ->type_name("N");
+  command->add_option("--gop", words->gop, "x264: frames between key frames at most [250]; 1: key frames only")
+      ->type_name("N");
+  command->add_option("--threads", words->threads, "threads [all]; never changes a byte")
+      ->type_name("N")
+      ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+  command->add_flag("--markers-only", words->markers_only, "draw the markers' windows, the rest one flat grey");
+  command->add_flag("--list", words->list, "list the built-in scenarios");
+  command->add_flag("--quiet", words->quiet, "print nothing but errors");
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 

@@ -136,7 +136,7 @@ int run(const SolveWords& words) {
 void add_solve(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("solve", "New numbers from a finished run, without its video");
   auto words = std::make_shared<SolveWords>();
-  command->add_option("DIR", words->run, "folder that `measure` wrote")->required();
+  command->add_option("DIR", words->run, "folder that `measure` wrote")->type_name("DIR")->required();
   command->add_option("--site", words->site, "site.toml with better places, turns, heights or known_to")
       ->type_name("FILE");
   command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
@@ -144,7 +144,7 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--readout", words->readout, "rolling shutter: first row's exposure to the last one's, e.g. 18ms")
       ->type_name("TIME");
   command->add_option("--method", words->method, "two-stage, of a run measured by precise [the run's own]")
-      ->type_name("NAME");
+      ->type_name("two-stage|precise|conventional");
   command->add_option("-o,--out", words->output, "output folder [DIR: its results are replaced]")->type_name("DIR");
   command->add_flag("--quiet", words->quiet, "print nothing but errors");
   command->add_flag("--json", words->json, "print run.json on stdout");

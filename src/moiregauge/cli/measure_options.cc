@@ -138,7 +138,8 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
   if (!words.camera.empty()) {
     if (const auto taken = take_camera(words.camera, options); !taken) return tl::unexpected(taken.error());
   }
-  if (words.fps && !(*words.fps > 0.0)) return usage(fmt::format("frame rate: --fps {}: must be above 0", *words.fps));
+  if (words.fps && !(*words.fps > 0.0))
+    return usage(fmt::format("frame rate: --fps {}: give a number above 0, e.g. --fps 25", *words.fps));
   auto range = frame_range(words.frames);
   if (!range) return tl::unexpected(range.error());
   options.frames = *range;
@@ -159,7 +160,8 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     options.observe.template_use = *use;
   }
   if (words.reference_frame && *words.reference_frame < 0)
-    return usage(fmt::format("reference frame: --reference-frame {}: frames count from 0", *words.reference_frame));
+    return usage(fmt::format("reference frame: --reference-frame {}: give a frame of the input; the first is 0",
+                             *words.reference_frame));
   options.reference_frame = words.reference_frame;
   return options;
 }

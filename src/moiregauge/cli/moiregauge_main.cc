@@ -9,15 +9,11 @@
 #include <fmt/ranges.h>
 #include <glog/logging.h>
 
-#include "moiregauge/cli/command_calibrate.h"
-#include "moiregauge/cli/command_inspect.h"
-#include "moiregauge/cli/command_measure.h"
-#include "moiregauge/cli/command_reproduce.h"
-#include "moiregauge/cli/command_simulate.h"
-#include "moiregauge/cli/command_solve.h"
+#include "moiregauge/cli/command_help.h"
+#include "moiregauge/cli/commands.h"
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/usage.h"
 #include "moiregauge/phase/simd_target.h"
-#include "moiregauge/version.h"
 
 namespace {
 
@@ -28,26 +24,27 @@ constexpr const char* kSimd = "MOIREGAUGE_SIMD";
 
 int run(int argc, char** argv) {
   if (const char* simd = std::getenv(kSimd); simd != nullptr && !moiregauge::use_simd_target(simd))
-    return moiregauge::cli::fail(Exit::kUsage, fmt::format("{}={}: this machine has {}", kSimd, simd,
+    return moiregauge::cli::fail(Exit::kUsage, fmt::format("unknown processor: {}={}: choose one of {}", kSimd, simd,
                                                            fmt::join(moiregauge::simd_targets(), ", ")));
-  CLI::App app{"moiregauge: displacement in millimetres from a video of printed gratings, whatever the camera did"};
-  app.set_version_flag("--version", moiregauge::kVersion);
-  app.require_subcommand(1);
   int exit_code = 0;
-  moiregauge::cli::add_measure(app, exit_code);
-  moiregauge::cli::add_solve(app, exit_code);
-  moiregauge::cli::add_inspect(app, exit_code);
-  moiregauge::cli::add_calibrate(app, exit_code);
-  moiregauge::cli::add_simulate(app, exit_code);
-  moiregauge::cli::add_reproduce(app, exit_code);
+  const auto tree = moiregauge::cli::command_tree(exit_code);
+  CLI::App& app = *tree;
+  if (argc < 2) {
+    fmt::print("{}", moiregauge::cli::first_words(app));
+    return static_cast<int>(Exit::kUsage);
+  }
   try {
     app.parse(argc, argv);
+  } catch (const CLI::CallForAllHelp&) {
+    const auto asked = app.get_subcommands();
+    moiregauge::cli::show_page(asked.empty() ? "moiregauge" : asked.front()->get_name());
+    return 0;
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
-    return moiregauge::cli::fail(Exit::kUsage, fmt::format("usage: {}: see moiregauge --help", error.what()));
+    return moiregauge::cli::fail(Exit::kUsage, moiregauge::cli::usage_mistake(app, error));
   }
   return exit_code;
 }

@@ -22,7 +22,7 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::str
 
 void add_max_pixels(CLI::App& command, std::int64_t& max_pixels) {
   command.add_option("--max-pixels", max_pixels, "refuse pictures of more pixels before they are decoded [64000000]")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 28))
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 28).description(""))
       ->type_name("N");
 }
 

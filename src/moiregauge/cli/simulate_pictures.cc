@@ -10,6 +10,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
+#include "moiregauge/cli/interrupt.h"
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/io/png_file.h"
 
@@ -40,6 +41,8 @@ class FirstProblem {
   std::atomic<bool> failed_{false};
 };
 
+Written stopped(long done, long all) { return tl::unexpected(fmt::format("stopped at frame {} of {}", done, all)); }
+
 // Frames side by side: packing a PNG takes longer than drawing it.
 Written write_frames(const Scenario& scenario, const PicturesPlan& plan, const std::string& folder) {
   Progress progress("simulating", plan.quiet);
@@ -47,13 +50,14 @@ Written write_frames(const Scenario& scenario, const PicturesPlan& plan, const s
   FirstProblem problem;
   long done = 0;
   tbb::parallel_for(0L, scenario.frames, [&](long frame) {
-    if (problem.failed()) return;
+    if (problem.failed() || interrupted()) return;
     const auto picture = simulator::render(scenario, frame, {.threads = 1, .area = plan.area});
     const auto path = fmt::format("{}/frames/{:06d}.png", folder, frame);
     problem.note(write_png(path, simulator::view_of(picture), scenario.sensor.bits));
     const std::scoped_lock lock(mutex);
     progress.show(++done, scenario.frames);
   });
+  if (interrupted()) return stopped(done, scenario.frames);
   return problem.outcome();
 }
 
@@ -70,7 +74,7 @@ Written write_video(const Scenario& scenario, const PicturesPlan& plan, const st
   FirstProblem problem;
   long next = 0;
   const auto number = [&](tbb::flow_control& flow) -> long {
-    if (next < scenario.frames && !problem.failed()) return next++;
+    if (next < scenario.frames && !problem.failed() && !interrupted()) return next++;
     flow.stop();
     return 0;
   };
@@ -88,6 +92,7 @@ Written write_video(const Scenario& scenario, const PicturesPlan& plan, const st
                              tbb::make_filter<long, std::shared_ptr<Shot>>(tbb::filter_mode::parallel, draw) &
                              tbb::make_filter<std::shared_ptr<Shot>, void>(tbb::filter_mode::serial_in_order, add));
   if (problem.failed()) return problem.outcome();
+  if (interrupted()) return stopped(next, scenario.frames);
   return (*writer)->finish();
 }
 

@@ -1,0 +1,13 @@
+# Writes a C++ source that holds the pages of a folder: cmake -DFOLDER=docs/cli -DOUTPUT=pages.cc -P EmbedPages.cmake
+# So the program tells what the documentation tells, word for word.
+file(GLOB files ${FOLDER}/*.md)
+list(SORT files)
+set(text "// Made by cmake/EmbedPages.cmake; edit the pages instead.\n#include <array>\n\n#include \"moiregauge/cli/page.h\"\n\n")
+string(APPEND text "namespace moiregauge::cli {\nnamespace {\n\nconst std::array kPages{\n")
+foreach(file IN LISTS files)
+  get_filename_component(name ${file} NAME_WE)
+  file(READ ${file} page)
+  string(APPEND text "    Page{\"${name}\", R\"page(${page})page\"},\n")
+endforeach()
+string(APPEND text "};\n\n}  // namespace\n\nstd::span<const Page> pages() { return kPages; }\n\n}  // namespace moiregauge::cli\n")
+file(WRITE ${OUTPUT} "${text}")

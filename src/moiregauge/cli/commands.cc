@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/commands.h"
+
+#include <fmt/format.h>
+
+#include "moiregauge/cli/command_calibrate.h"
+#include "moiregauge/cli/command_completion.h"
+#include "moiregauge/cli/command_help.h"
+#include "moiregauge/cli/command_inspect.h"
+#include "moiregauge/cli/command_measure.h"
+#include "moiregauge/cli/command_reproduce.h"
+#include "moiregauge/cli/command_simulate.h"
+#include "moiregauge/cli/command_solve.h"
+#include "moiregauge/version.h"
+
+namespace moiregauge::cli {
+
+std::unique_ptr<CLI::App> command_tree(int& exit_code) {
+  auto tree = std::make_unique<CLI::App>(
+      "moiregauge: displacement in millimetres from a video of printed gratings, whatever the camera did");
+  CLI::App& app = *tree;
+  app.name("moiregauge");
+  app.set_help_flag("-h", "the options at a glance");
+  app.set_help_all_flag("--help", "the whole page");
+  app.set_version_flag("--version", kVersion, "the version of the program");
+  app.require_subcommand(1);
+  app.footer("One command in full: moiregauge help COMMAND");
+  add_measure(app, exit_code);
+  add_solve(app, exit_code);
+  add_inspect(app, exit_code);
+  add_calibrate(app, exit_code);
+  add_simulate(app, exit_code);
+  add_reproduce(app, exit_code);
+  add_help(app, exit_code);
+  add_completion(app, exit_code);
+  for (CLI::App* command : app.get_subcommands({}))
+    command->footer(fmt::format("More about each: moiregauge help {}", command->get_name()));
+  return tree;
+}
+
+std::vector<const CLI::App*> visible_commands(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,158 @@
+#!/usr/bin/python3
+"""What each command says of words, files and folders it can do nothing with: a table of (words, exit code, what the line must name).
+
+    bad_input.py MOIREGAUGE COMMAND WORK
+Of every row: exactly one line that starts with `error: `, nothing on stdout, the exit code of the table, and a line of the form
+`error: what: where: what to do`: three parts at least, the last of them with a word to act on.
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+NO_SUCH = "nowhere.mp4"
+TABLE = {
+    "moiregauge": [
+        ("frobnicate", 2, "moiregauge -h"),
+        ("mesure clip.mp4", 2, "moiregauge measure"),
+        ("--quiet", 2, "behind its command"),
+        ("--pitch 10mm measure x", 2, "behind its command"),
+    ],
+    "help": [
+        ("help frobnicate", 2, "moiregauge help"),
+        ("help mesure", 2, "moiregauge help measure"),
+        ("help measure solve", 2, "solve"),
+        ("help --mann measure", 2, "--man"),
+    ],
+    "measure": [
+        ("measure", 2, "INPUT"),
+        ("measure clip.avi", 2, "--pitch 10mm"),
+        ("measure clip.avi --pich 10mm", 2, "did you mean --pitch"),
+        ("measure clip.avi --pitch", 2, "--pitch"),
+        ("measure clip.avi --pitch 10", 2, "10mm"),
+        ("measure clip.avi --pitch -10mm", 2, "greater than 0"),
+        ("measure clip.avi --pitch 10parsec", 2, "parsec"),
+        ("measure clip.avi --pitch 10mm --site site.toml", 2, "leave one"),
+        ("measure clip.avi --site nowhere.toml", 2, "nowhere.toml"),
+        ("measure clip.avi --pitch 10mm --camera nowhere.toml", 2, "nowhere.toml"),
+        ("measure clip.avi --pitch 10mm --method best", 2, "two-stage"),
+        ("measure clip.avi --pitch 10mm --axes up", 2, "print, image"),
+        ("measure clip.avi --pitch 10mm --fps fast", 2, "--fps"),
+        ("measure clip.avi --pitch 10mm --fps 0", 2, "--fps 25"),
+        ("measure clip.avi --pitch 10mm --frames 5", 2, "0:100:2"),
+        ("measure clip.avi --pitch 10mm --frames 9:3", 2, "0:100:2"),
+        ("measure clip.avi --pitch 10mm --reference-frame -1", 2, "first is 0"),
+        ("measure clip.avi --pitch 10mm --rest 3", 2, "0:20"),
+        ("measure clip.avi --pitch 10mm --readout 18", 2, "18ms"),
+        ("measure clip.avi --pitch 10mm --template some", 2, "auto, on, off"),
+        ("measure clip.avi --pitch 10mm --max-pixels 0", 2, "--max-pixels"),
+        ("measure clip.avi --pitch 10mm --resume --restart", 2, "leave one out"),
+        ("measure clip.avi another.avi --pitch 10mm", 2, "another.avi"),
+        (f"measure {NO_SUCH} --pitch 10mm", 3, NO_SUCH),
+        ("measure text.mp4 --pitch 10mm", 3, "text.mp4"),
+        ("measure empty --pitch 10mm", 3, "empty"),
+        ("measure shot%04d.png --sequence --pitch 10mm", 3, "shot%04d.png"),
+    ],
+    "solve": [
+        ("solve", 2, "DIR"),
+        ("solve nowhere", 3, "nowhere"),
+        ("solve text.mp4", 3, "text.mp4"),
+        ("solve empty", 3, "run.mgj"),
+        ("solve empty --sit x", 2, "did you mean --site"),
+        ("solve empty again", 2, "again"),
+    ],
+    "inspect": [
+        ("inspect", 2, "INPUT"),
+        (f"inspect {NO_SUCH}", 3, NO_SUCH),
+        ("inspect text.mp4", 3, "text.mp4"),
+        ("inspect empty", 3, "empty"),
+        ("inspect text.mp4 --frame -1", 2, "first is 0"),
+        ("inspect text.mp4 --frame one", 2, "--frame"),
+        ("inspect text.mp4 --pitch 10", 2, "10mm"),
+        ("inspect text.mp4 --jason", 2, "did you mean --json"),
+    ],
+    "calibrate": [
+        ("calibrate", 2, "PHOTOS"),
+        ("calibrate nowhere.png", 2, "--pitch"),
+        ("calibrate nowhere.png --pitch 10", 2, "10mm"),
+        ("calibrate nowhere.png --pitch 10mm", 3, "nowhere.png"),
+        ("calibrate text.mp4 --pitch 10mm", 3, "text.mp4"),
+        ("calibrate empty --pitch 10mm", 3, "empty"),
+        ("calibrate nowhere.png --pitch 10mm --k4", 2, "did you mean --k3"),
+    ],
+    "simulate": [
+        ("simulate", 2, "--list"),
+        ("simulate small-2xyz", 2, "small-2xyz"),
+        ("simulate site.toml", 2, "site.toml"),
+        ("simulate small-1x --set lens.k1", 2, "KEY=VALUE"),
+        ("simulate small-1x --set lens.k9=1", 2, "lens.k9"),
+        ("simulate small-1x --frames 0", 2, "frames"),
+        ("simulate small-1x --frames many", 2, "--frames"),
+        ("simulate small-1x --codec h265", 2, "x264"),
+        ("simulate small-1x --quality 3", 2, "--codec"),
+        ("simulate small-1x --frams 3", 2, "did you mean --frames"),
+        ("simulate small-1x --threads -1", 2, "--threads"),
+        ("simulate small-1x --frames 1 -o taken", 2, "taken"),
+        ("simulate small-1x --frames 1 -o text.mp4/out", 6, "text.mp4/out"),
+    ],
+    "reproduce": [
+        ("reproduce again", 2, "again"),
+        ("reproduce --quik", 2, "did you mean --quick"),
+        ("reproduce --threads many", 2, "--threads"),
+        ("reproduce -o taken", 2, "taken"),
+        ("reproduce --quick -o text.mp4/out", 6, "text.mp4/out"),
+    ],
+    "completion": [
+        ("completion", 2, "SHELL"),
+        ("completion fish", 2, "bash, zsh"),
+    ],
+}
+
+
+def prepare(work):
+    shutil.rmtree(work, ignore_errors=True)
+    (work / "empty").mkdir(parents=True)
+    (work / "taken").mkdir()
+    (work / "taken" / "notes.txt").write_text("precious\n")
+    (work / "text.mp4").write_text("not a video\n")
+    (work / "clip.avi").write_text("not a video either\n")
+    (work / "site.toml").write_text("[grating]\n")
+
+
+def mistakes_of(done, exit_code, named):
+    if done.returncode != exit_code:
+        yield f"exit code {done.returncode}, expected {exit_code}"
+    if done.stdout:
+        yield "something on stdout"
+    lines = done.stderr.splitlines()
+    errors = [line for line in lines if line.startswith("error: ")]
+    if len(errors) != 1 or lines[0] != errors[0]:
+        yield f"{len(errors)} lines start with 'error: ', expected the first and no other"
+        return
+    if len(errors[0].split(": ")) < 3:
+        yield "not of the form error: what: where: what to do"
+    if not re.search(re.escape(named), done.stderr):
+        yield f"does not name {named}"
+
+
+def main():
+    program, command, work = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
+    prepare(work)
+    files = sorted(work.rglob("*"))
+    failed = 0
+    for words, exit_code, named in TABLE[command]:
+        done = subprocess.run([program, *words.split()], cwd=work, capture_output=True, text=True, check=False, timeout=60)
+        wrong = list(mistakes_of(done, exit_code, named))
+        if sorted(work.rglob("*")) != files:
+            wrong.append("it left something behind")
+            prepare(work)
+        if wrong:
+            failed += 1
+            print("moiregauge", words, "", done.stderr.strip(), *wrong, "", sep="\n")
+    print(f"{len(TABLE[command]) - failed} of {len(TABLE[command])} rows as they should be")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
