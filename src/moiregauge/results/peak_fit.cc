@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/results/peak_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace moiregauge {
+namespace {
+
+constexpr double kTurnsPerHz = 2.0 * std::numbers::pi;
+constexpr double kBlockCycles = 2.0;      // of the blocks whose amplitudes tell where a decay begins and ends
+constexpr std::size_t kBlockSamples = 8;  // at least
+constexpr double kRises = 1.5;            // a block so much above the least before it: struck again
+constexpr double kFallsBy = 0.5;          // lambda times duration: by 40 % at least, or its end says little
+constexpr double kSignificant =
+    5.0;  // standard uncertainties of lambda; chosen at 3 the chosen would be too large by half of one
+constexpr double kMostLeft = 0.01;     // of the oscillation's power about its frequency
+constexpr double kStandsOut = 6.0;     // times the level around: chance makes 8 averaged ordinates so high in 1e-7
+constexpr double kMisfit = 3.0;        // so much more of it at the peak is not noise, and counts
+constexpr double kFurthestBack = 3.0;  // times the amplitude at its start: so far a decay is run backwards
+constexpr std::size_t kNear = 3;       // ordinates to each side that are the peak
+constexpr std::size_t kAround = 40;    // and beyond them, that tell the noise at its frequency
+
+struct Gathered {
+  std::vector<double> time_s, value;
+  [[nodiscard]] TimedValues view() const { return {time_s, value}; }
+};
+
+Gathered gathered(const Series& series, std::size_t first, std::size_t count) {
+  Gathered g;
+  for (std::size_t i = first; i < first + count; ++i) {
+    if (std::isnan(series.value[i])) continue;
+    g.time_s.push_back(series.time_s[i]);
+    g.value.push_back(series.value[i]);
+  }
+  return g;
+}
+
+struct Beside {
+  double near = 0.0, around = 0.0;  // mean density of what is left at the peak, and on both sides of it, mm^2/Hz
+};
+
+Beside beside(const std::vector<double>& left, double frequency_hz, double interval_s) {
+  const Spectrum s = periodogram(left.data(), left.size(), interval_s);
+  const auto middle = std::lround(frequency_hz / s.frequency_hz[1]);
+  double near = 0.0, around = 0.0;
+  long near_count = 0, around_count = 0;
+  for (long k = 1; k + 1 < static_cast<long>(s.psd.size()); ++k) {
+    const auto off = static_cast<std::size_t>(std::abs(k - middle));
+    if (off <= kNear) near += s.psd[static_cast<std::size_t>(k)], ++near_count;
+    if (off > kNear && off <= kNear + kAround) around += s.psd[static_cast<std::size_t>(k)], ++around_count;
+  }
+  return {near_count > 0 ? near / static_cast<double>(near_count) : 0.0,
+          around_count > 0 ? around / static_cast<double>(around_count) : 0.0};
+}
+
+// The longest gap-free part of a window.
+Stretch longest_in(const EvenTimes& times, std::size_t first, std::size_t count) {
+  Stretch best;
+  for (const Stretch& s : times.stretches) {
+    const std::size_t from = std::max(first, s.first), to = std::min(first + count, s.first + s.count);
+    if (to > from && to - from > best.count) best = {from, to - from};
+  }
+  return best;
+}
+
+std::string not_falling(const SineFit& fit, double u_lambda, double duration) {
+  return fmt::format(
+      "it is driven: from first to last it {} by {:.1f} % (u {:.1f} %), so nothing dies away that could be timed",
+      fit.lambda >= 0.0 ? "falls" : "grows", 100.0 * std::abs(std::expm1(-fit.lambda * duration)),
+      100.0 * u_lambda * duration);
+}
+
+}  // namespace
+
+PeakFits::PeakFits(const Series& series, const EvenTimes& times) : times_(times), left_(series) {
+  all_ = {times.stretches.front().first,
+          times.stretches.back().first + times.stretches.back().count - times.stretches.front().first};
+  all_.count = std::min(all_.count, kMostFitted);
+}
+
+// From the highest block on, until it is struck again or the samples end.
+PeakFits::Window PeakFits::falling_part(double omega) const {
+  const double per_cycle = kTurnsPerHz / (omega * times_.interval_s);
+  const std::size_t block = std::max(kBlockSamples, static_cast<std::size_t>(std::ceil(kBlockCycles * per_cycle)));
+  std::vector<double> amplitude;
+  for (std::size_t at = 0; at + block <= all_.count; at += block) {
+    const Gathered g = gathered(left_, all_.first + at, block);
+    double c = 0.0, s = 0.0, mean = 0.0;
+    for (const double v : g.value) mean += v / static_cast<double>(g.value.size());
+    for (std::size_t i = 0; i < g.value.size(); ++i) {
+      c += (g.value[i] - mean) * std::cos(omega * g.time_s[i]);
+      s += (g.value[i] - mean) * std::sin(omega * g.time_s[i]);
+    }
+    amplitude.push_back(g.value.empty() ? 0.0 : 2.0 * std::hypot(c, s) / static_cast<double>(g.value.size()));
+  }
+  if (amplitude.size() < 3) return all_;
+  const auto top = static_cast<std::size_t>(std::max_element(amplitude.begin(), amplitude.end()) - amplitude.begin());
+  const double floor = 0.05 * amplitude[top], over = 0.03 * amplitude[top];  // noise may rise below; nothing is left
+  double least = amplitude[top];
+  std::size_t end = top + 1;
+  for (; end < amplitude.size(); ++end) {
+    if (amplitude[end] > kRises * std::max(least, floor)) break;
+    least = std::min(least, amplitude[end]);
+    if (least < over) break;
+  }
+  const std::size_t begin = top == 0 ? 0 : top + 1;  // the blow may fall into the highest block itself
+  if (begin >= end) return all_;
+  const std::size_t to = end == amplitude.size() ? all_.count : end * block;
+  return {all_.first + begin * block, to - begin * block};
+}
+
+// The row before the window from which on the oscillation, run backwards, explains the most.
+PeakFits::Window PeakFits::from_the_blow(Window window, const SineFit& sine) const {
+  Window best = window;
+  double gain = 0.0, most = 0.0;
+  for (std::size_t i = window.first; i-- > all_.first;) {
+    const double model = sine(left_.time_s[i]), value = left_.value[i];
+    const double before = value - sine.linear[2];
+    if (std::isnan(value) || std::exp(sine.lambda * (left_.time_s[window.first] - left_.time_s[i])) > kFurthestBack)
+      break;
+    gain += before * before - (value - model) * (value - model);
+    if (gain <= most) continue;
+    most = gain;
+    best = {i, window.first + window.count - i};
+  }
+  return best;
+}
+
+bool PeakFits::try_fit(Window window, double omega, Falling falling) {
+  const Gathered g = gathered(left_, window.first, window.count);
+  const auto sine = fit_sine(g.view(), omega, falling);
+  if (!sine) return false;
+  const Stretch even = longest_in(times_, window.first, window.count);
+  if (even.count < kLeastSamples) return false;
+  std::vector<double> left, taken;
+  for (std::size_t i = even.first; i < even.first + even.count; ++i) {
+    left.push_back(left_.value[i] - (*sine)(left_.time_s[i]));
+    taken.push_back(sine->oscillation(left_.time_s[i]));
+  }
+  const double f = sine->omega / kTurnsPerHz;
+  const Beside rest = beside(left, f, times_.interval_s);
+  const double power = beside(taken, f, times_.interval_s).near;
+  if (rest.near > std::max(kMostLeft * power, kStandsOut * rest.around)) return false;
+  if (power < kStandsOut * rest.around) return false;
+  // Noise of one sample as if it were white with the density that it has at this frequency.
+  const double density = rest.near > kMisfit * rest.around ? rest.near : rest.around;
+  const double variance = density / (2.0 * times_.interval_s);
+  const double duration = g.time_s.back() - g.time_s.front();
+  Fit fit{*sine, {}, window, falling == Falling::kYes ? from_the_blow(window, *sine) : window};
+  Peak& peak = fit.peak;
+  peak.from_s = g.time_s.front();
+  peak.to_s = g.time_s.back();
+  peak.amplitude_mm = sine->amplitude();
+  const Eigen::Matrix2d spread = variance * sine->spread;
+  if (falling == Falling::kNo) {
+    peak.kind = PeakKind::kSteady;
+    peak.frequency_hz = f;
+    peak.u_frequency_hz = std::sqrt(spread(0, 0)) / kTurnsPerHz;
+    const auto slope = fit_sine(g.view(), sine->omega, Falling::kYes);
+    if (slope) peak.no_damping = not_falling(*slope, std::sqrt(variance * slope->spread(1, 1)), duration);
+  } else {
+    const double u_lambda = std::sqrt(spread(1, 1));
+    if (!(sine->lambda > kSignificant * u_lambda) || !(sine->lambda * duration > kFallsBy)) return false;
+    peak.kind = PeakKind::kDecay;
+    const double natural = std::hypot(sine->omega, sine->lambda);
+    const Eigen::Vector2d by_natural(sine->omega / natural, sine->lambda / natural);
+    const double zeta = sine->lambda / natural;
+    const Eigen::Vector2d by_zeta(-zeta * sine->omega / (natural * natural),
+                                  sine->omega * sine->omega / (natural * natural * natural));
+    peak.frequency_hz = natural / kTurnsPerHz;
+    peak.u_frequency_hz = std::sqrt(by_natural.dot(spread * by_natural)) / kTurnsPerHz;
+    peak.damping = zeta;
+    peak.u_damping = std::sqrt(by_zeta.dot(spread * by_zeta));
+  }
+  fits_.push_back(std::move(fit));
+  return true;
+}
+
+void PeakFits::add(const Fit& fit, double sign) {
+  for (std::size_t i = fit.taken.first; i < fit.taken.first + fit.taken.count; ++i)
+    left_.value[i] += sign * fit.sine.oscillation(left_.time_s[i]);  // a gap stays one
+}
+
+bool PeakFits::take(double near_hz, double resolution_hz) {
+  const double lowest = kTurnsPerHz * std::max(near_hz - resolution_hz, 0.3 * near_hz);
+  const double highest = kTurnsPerHz * (near_hz + resolution_hz);
+  const Window falling = falling_part(kTurnsPerHz * near_hz);
+  for (const Window& window : {falling, all_}) {
+    const Gathered g = gathered(left_, window.first, window.count);
+    if (g.value.size() < kLeastSamples) continue;
+    const double omega = best_omega(g.view(), lowest, highest);
+    const bool is_whole = window.first == all_.first && window.count == all_.count;
+    if (try_fit(window, omega, Falling::kYes) || (is_whole && try_fit(window, omega, Falling::kNo))) {
+      add(fits_.back(), -1.0);
+      return true;
+    }
+    if (is_whole) break;
+  }
+  return false;
+}
+
+void PeakFits::settle(std::vector<Peak>& found) {
+  if (fits_.size() < 2) return;
+  std::vector<Fit> first = std::move(fits_);
+  fits_.clear();
+  for (Fit& fit : first) {
+    add(fit, 1.0);
+    const auto was = std::find_if(found.begin(), found.end(),
+                                  [&](const Peak& p) { return p.frequency_hz == fit.peak.frequency_hz; });
+    const Falling falling = fit.peak.kind == PeakKind::kDecay ? Falling::kYes : Falling::kNo;
+    if (try_fit(fit.fitted, fit.sine.omega, falling)) {
+      add(fits_.back(), -1.0);
+      if (was != found.end()) *was = fits_.back().peak;
+    } else {
+      add(fit, -1.0);
+    }
+  }
+}
+
+}  // namespace moiregauge

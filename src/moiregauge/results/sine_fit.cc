@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/results/sine_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+namespace moiregauge {
+namespace {
+
+constexpr int kPasses = 10;
+constexpr int kLinear = 4;
+constexpr int kAll = 6;  // and omega, lambda
+
+using Row = std::array<double, kAll>;
+
+// Normal equations of `size` columns, added up sample by sample.
+struct Normal {
+  std::array<Row, kAll> square{};
+  Row right{};
+  double square_sum = 0.0;
+
+  void add(const Row& row, int size, double value) {
+    for (int i = 0; i < size; ++i) {
+      for (int j = 0; j <= i; ++j) square[i][j] += row[i] * row[j];
+      right[i] += row[i] * value;
+    }
+    square_sum += value * value;
+  }
+  // Columns are brought to length 1 first: c and d tau differ by the duration.
+  [[nodiscard]] std::optional<Eigen::VectorXd> solve(int size, Eigen::MatrixXd* inverse = nullptr) const {
+    Eigen::MatrixXd m(size, size);
+    Eigen::VectorXd r(size), scale(size);
+    for (int i = 0; i < size; ++i) {
+      if (!(square[i][i] > 0.0)) return std::nullopt;
+      scale[i] = 1.0 / std::sqrt(square[i][i]);
+    }
+    for (int i = 0; i < size; ++i) {
+      for (int j = 0; j <= i; ++j) m(i, j) = m(j, i) = square[i][j] * scale[i] * scale[j];
+      r[i] = right[i] * scale[i];
+    }
+    const Eigen::LLT<Eigen::MatrixXd> factor(m);
+    if (factor.info() != Eigen::Success) return std::nullopt;
+    if (inverse != nullptr)
+      *inverse = scale.asDiagonal() * Eigen::MatrixXd(factor.solve(Eigen::MatrixXd::Identity(size, size))) *
+                 scale.asDiagonal();
+    return Eigen::VectorXd(scale.cwiseProduct(factor.solve(r)));
+  }
+};
+
+struct Wave {
+  double cosine, sine;  // both falling
+};
+
+Wave wave(const SineFit& fit, double tau) {
+  const double e = fit.lambda == 0.0 ? 1.0 : std::exp(-fit.lambda * tau);
+  return {e * std::cos(fit.omega * tau), e * std::sin(fit.omega * tau)};
+}
+
+bool solve_linear(const TimedValues& samples, SineFit& fit) {
+  Normal normal;
+  for (std::size_t k = 0; k < samples.value.size(); ++k) {
+    const double tau = samples.time_s[k] - fit.origin_s;
+    const Wave w = wave(fit, tau);
+    normal.add({w.cosine, w.sine, 1.0, tau}, kLinear, samples.value[k]);
+  }
+  const auto solved = normal.solve(kLinear);
+  if (!solved) return false;
+  std::copy(solved->begin(), solved->end(), fit.linear.begin());
+  fit.square_sum = normal.square_sum;
+  for (int i = 0; i < kLinear; ++i) fit.square_sum -= (*solved)[i] * normal.right[i];
+  return true;
+}
+
+// All six (or five) at once, about where `fit` stands: the step of omega and lambda, and their spread.
+std::optional<Eigen::Vector2d> step_of(const TimedValues& samples, Falling falling, SineFit& fit) {
+  const int size = falling == Falling::kYes ? kAll : kAll - 1;
+  Normal normal;
+  for (std::size_t k = 0; k < samples.value.size(); ++k) {
+    const double tau = samples.time_s[k] - fit.origin_s;
+    const Wave w = wave(fit, tau);
+    const double oscillation = fit.linear[0] * w.cosine + fit.linear[1] * w.sine;
+    const double by_omega = tau * (fit.linear[1] * w.cosine - fit.linear[0] * w.sine);
+    normal.add({w.cosine, w.sine, 1.0, tau, by_omega, -tau * oscillation}, size,
+               samples.value[k] - oscillation - fit.linear[2] - fit.linear[3] * tau);
+  }
+  Eigen::MatrixXd inverse;
+  const auto solved = normal.solve(size, &inverse);
+  if (!solved) return std::nullopt;
+  fit.spread.setZero();
+  fit.spread.topLeftCorner(size - kLinear, size - kLinear) = inverse.bottomRightCorner(size - kLinear, size - kLinear);
+  return Eigen::Vector2d((*solved)[kLinear], falling == Falling::kYes ? (*solved)[kLinear + 1] : 0.0);
+}
+
+double duration(const TimedValues& samples) { return samples.time_s.back() - samples.time_s.front(); }
+
+}  // namespace
+
+double SineFit::amplitude() const { return std::hypot(linear[0], linear[1]); }
+
+double SineFit::oscillation(double t) const {
+  const Wave w = wave(*this, t - origin_s);
+  return linear[0] * w.cosine + linear[1] * w.sine;
+}
+
+double SineFit::operator()(double t) const { return oscillation(t) + linear[2] + linear[3] * (t - origin_s); }
+
+std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Falling falling) {
+  if (samples.value.size() < 2 * kAll) return std::nullopt;
+  SineFit fit;
+  fit.origin_s = samples.time_s.front();
+  fit.omega = omega;
+  if (!solve_linear(samples, fit)) return std::nullopt;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    auto step = step_of(samples, falling, fit);
+    if (!step) return std::nullopt;
+    SineFit next = fit;
+    for (int half = 0; half < 6; ++half, *step *= 0.5) {  // a step too far is halved
+      next.omega = fit.omega + (*step)[0];
+      next.lambda = fit.lambda + (*step)[1];
+      if (!(next.omega > 0.0) || next.lambda * duration(samples) < -3.0 || !solve_linear(samples, next)) continue;
+      if (next.square_sum <= fit.square_sum) break;
+    }
+    if (!(next.square_sum <= fit.square_sum)) break;  // no better any more
+    fit = next;
+  }
+  if (!step_of(samples, falling, fit)) return std::nullopt;
+  return fit;
+}
+
+double best_omega(const TimedValues& samples, double lowest, double highest) {
+  SineFit fit;
+  fit.origin_s = samples.time_s.front();
+  const double step = 2.0 * std::numbers::pi / (8.0 * duration(samples));
+  double best = 0.5 * (lowest + highest), least = INFINITY;
+  for (double omega = lowest; omega <= highest; omega += step) {
+    fit.omega = omega;
+    if (!solve_linear(samples, fit) || fit.square_sum >= least) continue;
+    least = fit.square_sum;
+    best = omega;
+  }
+  return best;
+}
+
+}  // namespace moiregauge
