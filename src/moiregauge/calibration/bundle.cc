@@ -22,7 +22,7 @@ constexpr double kFirstDamping = 1e-12, kLeastDamping = 1e-18, kMostDamping = 1e
 constexpr double kAsPromised = 0.9;
 constexpr double kMoreDamping = 10.0, kLessDamping = 0.1;
 
-Camera camera_of(const CameraNumbers& b, const Camera& like) {
+Camera camera_of(const CommonNumbers& b, const Camera& like) {
   Camera c = like;
   c.fx = c.fy = b[0];
   c.cx = b[1], c.cy = b[2], c.k1 = b[3], c.k2 = b[4], c.p1 = b[5], c.p2 = b[6], c.k3 = b[7];
@@ -60,10 +60,9 @@ struct Bundle::Footage {
   // With a prior, in the model, and of a marker that is seen.
   [[nodiscard]] std::vector<SceneParameter> free_parameters(const SceneModel& model, FocalLength f) const {
     std::vector<SceneParameter> out;
-    const auto mean = numbers_of(prior.camera);
-    for (std::size_t k = f == FocalLength::kHeld ? 1 : 0; k < kCameraParameters; ++k) {
-      if (free_camera(model)[k] && prior.u_camera[k] > 0.0)
-        out.push_back({static_cast<int>(k), mean[k], prior.u_camera[k]});
+    const auto mean = numbers_of(prior.camera, prior.stretch), u_common = uncertainties_of(prior);
+    for (std::size_t k = f == FocalLength::kHeld ? 1 : 0; k < kCommonParameters; ++k) {
+      if (free_common(model)[k] && u_common[k] > 0.0) out.push_back({static_cast<int>(k), mean[k], u_common[k]});
     }
     for (std::size_t i = 0; i < site.markers.size(); ++i) {
       if (std::none_of(patches.begin(), patches.end(), [i](const BundlePatch& p) { return p.marker == i; })) continue;
@@ -72,7 +71,7 @@ struct Bundle::Footage {
         const double u = prior.u_markers[i].value[k];
         if (is_free[k] && u > 0.0)
           out.push_back(
-              {static_cast<int>(kCameraParameters + i * MarkerShape::kParameters + k), prior.markers[i].value[k], u});
+              {static_cast<int>(kCommonParameters + i * MarkerShape::kParameters + k), prior.markers[i].value[k], u});
       }
     }
     return out;
@@ -131,7 +130,7 @@ Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter
 }
 
 BundleState begun(const Scene& scene, std::span<const BundleFrame> frames) {
-  BundleState start{numbers_of(scene.camera), scene.markers, {}, {}, {}};
+  BundleState start{numbers_of(scene), scene.markers, {}, {}, {}};
   for (const BundleFrame& frame : frames) {
     start.motions.push_back(frame.motion);
     start.poses.push_back(frame.pose);
@@ -149,6 +148,7 @@ Bundle::~Bundle() = default;
 BundleSolution Bundle::solve(const SceneModel& model) const {
   Scene scene;
   scene.camera = footage_->prior.camera;
+  scene.stretch = footage_->prior.stretch;
   scene.markers = footage_->prior.markers;
   return solve(model, scene, footage_->frames);
 }
@@ -159,11 +159,12 @@ BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::s
   const auto free = footage.free_parameters(model, f);
   const Minimum best = minimised(footage, free, begun(scene, frames), until);
   BundleSolution solution;
-  solution.scene.camera = camera_of(best.state.camera, footage.prior.camera);
+  solution.scene.camera = camera_of(best.state.common, footage.prior.camera);
+  solution.scene.stretch = best.state.common[kStretchParameter];
   solution.scene.markers = best.state.markers;
   solution.scene.model = model;
   solution.scene.penalised_cost = best.cost();
-  solution.scene.solved = std::isfinite(solution.scene.penalised_cost) && best.state.camera[0] > 0.0;
+  solution.scene.solved = std::isfinite(solution.scene.penalised_cost) && best.state.common[0] > 0.0;
   if (!solution.scene.solved) solution.scene.problem = "the bundle did not converge";
   solution.scene.chi2_dof = footage.rows > 0 ? best.data / static_cast<double>(footage.rows) : 0.0;
   solution.frames = footage.frames;

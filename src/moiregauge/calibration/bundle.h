@@ -46,10 +46,14 @@ enum class RowsRun { kDown, kUp, kRight, kLeft };
 struct ScenePrior {
   Camera camera;
   std::array<double, kCameraParameters> u_camera{};
+  double stretch = 0.0, u_stretch = 0.0;
   std::vector<MarkerShape> markers;
   std::vector<MarkerShape> u_markers;  // 0: held fixed
   RowsRun rows_run = RowsRun::kDown;
 };
+
+// Of what all markers share, in the scene's order.
+[[nodiscard]] std::array<double, kCommonParameters> uncertainties_of(const ScenePrior& prior);
 
 // Nothing known of the lens but the picture's size; of the markers what the site says. A calibrated camera narrows it.
 [[nodiscard]] ScenePrior scene_prior(const Site& site, int width, int height, const std::optional<Camera>& camera);

@@ -10,7 +10,7 @@ namespace moiregauge {
 namespace {
 
 constexpr int kShape = MarkerShape::kParameters;
-constexpr int kSceneColumns = kCameraParameters + kShape;      // of a patch's columns: those of the scene
+constexpr int kSceneColumns = kCommonParameters + kShape;      // of a patch's columns: those of the scene
 constexpr int kPlace = PatchColumn::kShape + MarkerShape::kX;  // a shift has these two columns
 
 using Matrix2 = Eigen::Matrix2d;
@@ -34,7 +34,7 @@ Eigen::Matrix<double, 2, kSize> shift_rows(const Eigen::Matrix<double, kSize, kS
 }
 
 // Where a patch's column of the scene lies among all parameters.
-int column(std::size_t marker, int k) { return k < kCameraParameters ? k : kShape * static_cast<int>(marker) + k; }
+int column(std::size_t marker, int k) { return k < kCommonParameters ? k : kShape * static_cast<int>(marker) + k; }
 
 // With another focal length the same picture comes from a camera that is as much farther away, tilts and heights as
 // much larger, and a lens that bends the same pixels as much as before. Steps are straight in what stays the same,
@@ -45,9 +45,9 @@ double scaled_step(double value, double step, double log_f, int power) {
 
 // Of a parameter of the scene.
 int power_of_f(int index) {
-  constexpr std::array<int, kCameraParameters> kOfCamera{1, 0, 0, 2, 4, 1, 1, 6};
-  if (index < kCameraParameters) return kOfCamera[static_cast<std::size_t>(index)];
-  return (index - kCameraParameters) % kShape == MarkerShape::kHeight ? 1 : 0;
+  constexpr std::array<int, kCommonParameters> kOfCamera{1, 0, 0, 2, 4, 1, 1, 6};
+  if (index < kCommonParameters) return kOfCamera[static_cast<std::size_t>(index)];
+  return (index - kCommonParameters) % kShape == MarkerShape::kHeight ? 1 : 0;
 }
 
 }  // namespace
@@ -57,15 +57,16 @@ double robust(double chi2) {
 }
 
 double& parameter(BundleState& state, int index) {
-  if (index < kCameraParameters) return state.camera[static_cast<std::size_t>(index)];
-  const auto k = static_cast<std::size_t>(index - kCameraParameters);
+  if (index < kCommonParameters) return state.common[static_cast<std::size_t>(index)];
+  const auto k = static_cast<std::size_t>(index - kCommonParameters);
   return state.markers[k / kShape].value[k % kShape];
 }
 
 double BundlePatch::chi2(const BundleState& at) const {
   const auto shift = shifts ? at.shifts[frame][marker] : Extent<frame::Board>{};
-  if (!rows) return residual.chi2(at.camera, at.markers[marker], at.poses[frame], shift);
-  return (residual.residual(at.camera, at.markers[marker], at.poses[frame], shift) + rows->by_motion * at.motions[frame])
+  if (!rows) return residual.chi2(at.common, at.markers[marker], at.poses[frame], shift);
+  return (residual.residual(at.common, at.markers[marker], at.poses[frame], shift) +
+          rows->by_motion * at.motions[frame])
       .squaredNorm();
 }
 
@@ -90,9 +91,8 @@ BundleNormal::BundleNormal(std::span<const BundlePatch> patches, std::span<const
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const BundlePatch& patch = patches[p];
     if (p == 0 || patch.frame != patches[p - 1].frame) pose.emplace(at.poses[patch.frame]);
-    auto design =
-        patch.residual.design(at.camera, at.markers[patch.marker], *pose,
-                              patch.shifts ? at.shifts[patch.frame][patch.marker] : Extent<frame::Board>{});
+    auto design = patch.residual.design(at.common, at.markers[patch.marker], *pose,
+                                        patch.shifts ? at.shifts[patch.frame][patch.marker] : Extent<frame::Board>{});
     if (patch.rows) design.col(PatchColumn::kResidual) += patch.rows->by_motion * at.motions[patch.frame];
     normal_[p].noalias() = design.transpose() * design;
     const double counts = weight(normal_[p](PatchColumn::kResidual, PatchColumn::kResidual));
@@ -179,7 +179,7 @@ template <int kMotion>
 double BundleNormal::substituted(std::size_t first, std::size_t end, const Frame<kMotion>& frame,
                                  const Eigen::VectorXd& moved, BundleState& to) const {
   const Eigen::Matrix<double, 6 + kMotion, 1> step = -frame.rows * moved;
-  const double log_f = moved(0) / at_.camera[0];
+  const double log_f = moved(0) / at_.common[0];
   const std::size_t number = patches_[first].frame;
   Pose& pose = to.poses[number];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -227,7 +227,7 @@ double BundleNormal::frame_substituted(std::size_t first, const Eliminated& fram
 }
 
 Eigen::Index BundleNormal::size() const {
-  return kCameraParameters + kShape * static_cast<Eigen::Index>(at_.markers.size()) + 1;
+  return kCommonParameters + kShape * static_cast<Eigen::Index>(at_.markers.size()) + 1;
 }
 
 std::optional<BundleState> BundleNormal::step_of_frames() const {
@@ -275,7 +275,7 @@ std::optional<BundleNormal::Step> BundleNormal::step(double damping) const {
     const int index = free_[static_cast<std::size_t>(a)].index;
     moved(index) = step(a);
   }
-  const double log_f = moved(0) / at_.camera[0];
+  const double log_f = moved(0) / at_.common[0];
   for (const SceneParameter& free : free_) {
     double& value = parameter(out.to, free.index);
     value = scaled_step(value, moved(free.index), log_f, power_of_f(free.index));

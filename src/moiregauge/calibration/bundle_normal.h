@@ -14,7 +14,7 @@ namespace moiregauge {
 
 // All unknowns at one place.
 struct BundleState {
-  CameraNumbers camera{};
+  CommonNumbers common{};
   std::vector<MarkerShape> markers;
   std::vector<Pose> poses;                                // one per frame
   std::vector<std::vector<Extent<frame::Board>>> shifts;  // by frame, then site marker
@@ -36,7 +36,7 @@ struct BundlePatch {
   [[nodiscard]] double chi2(const BundleState& at) const;
 };
 
-// Prior of the scene's parameters: the camera's, then five per marker.
+// Prior of the scene's parameters: those that all markers share, then five per marker.
 struct SceneParameter {
   int index;  // of all parameters; only those to be solved are listed
   double mean, u;

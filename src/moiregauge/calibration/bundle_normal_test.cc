@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kShape = MarkerShape::kParameters;
 constexpr std::size_t kFrames = 3, kMarkers = 4;  // the last one a target
-constexpr int kScene = kCameraParameters + kShape * static_cast<int>(kMarkers);
+constexpr int kScene = kCommonParameters + kShape * static_cast<int>(kMarkers);
 constexpr int kOfFrame = 8;  // pose, shift
 
 struct Footage {
@@ -25,7 +25,7 @@ Footage footage() {
   std::mt19937_64 rng(11);
   std::normal_distribution<double> normal;
   Footage f;
-  f.at.camera = {3400.0, 2000.0, 500.0, -0.03, 0.01, 1e-4, -2e-4, 0.0};
+  f.at.common = {3400.0, 2000.0, 500.0, -0.03, 0.01, 1e-4, -2e-4, 0.0};
   f.at.markers.resize(kMarkers);
   for (std::size_t k = 0; k < kFrames; ++k) {
     const auto d = static_cast<double>(k);
@@ -37,7 +37,7 @@ Footage footage() {
       for (std::size_t n = 0; n < kPatchPoints; ++n) {
         const double x = static_cast<double>(n % 3) - 1.0, y = static_cast<double>(n / 3) - 1.0;
         fit.print[n] = {x + 1e-3 * normal(rng), y + 1e-3 * normal(rng)};
-        const auto image = projected(f.at.camera.data(), f.at.poses[k].turn.data(),
+        const auto image = projected(f.at.common.data(), f.at.poses[k].turn.data(),
                                      std::array<double, 3>{centre.x + 10.0 * x, centre.y + 10.0 * y, 0.0});
         fit.image[n] = {image[0], image[1]};
       }
@@ -49,7 +49,7 @@ Footage footage() {
   for (int index = 0; index < kScene; ++index) {
     const bool place_of_target = index == kScene - kShape || index == kScene - kShape + 1;
     const bool is_free = index != 7 && !place_of_target;
-    const double unit = index == 0 ? 100.0 : index < 3 ? 10.0 : index < kCameraParameters ? 0.01 : 0.1;
+    const double unit = index == 0 ? 100.0 : index < 3 ? 10.0 : index < kCommonParameters ? 0.01 : 0.1;
     if (is_free) f.free.push_back({index, parameter(f.at, index) + 0.1 * unit, unit});
   }
   return f;
@@ -61,10 +61,10 @@ Eigen::VectorXd dense_step(const Footage& f) {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
   for (const BundlePatch& p : f.patches) {
-    const auto design = p.residual.design(f.at.camera, f.at.markers[p.marker], TurnedPose(f.at.poses[p.frame]), {});
+    const auto design = p.residual.design(f.at.common, f.at.markers[p.marker], TurnedPose(f.at.poses[p.frame]), {});
     Eigen::MatrixXd j = Eigen::MatrixXd::Zero(PatchResidual::kSize, size);
-    j.leftCols<kCameraParameters>() = design.leftCols<kCameraParameters>();
-    j.middleCols<kShape>(kCameraParameters + kShape * static_cast<int>(p.marker)) =
+    j.leftCols<kCommonParameters>() = design.leftCols<kCommonParameters>();
+    j.middleCols<kShape>(kCommonParameters + kShape * static_cast<int>(p.marker)) =
         design.middleCols<kShape>(PatchColumn::kShape);
     const Eigen::Index own = kScene + kOfFrame * static_cast<Eigen::Index>(p.frame);
     j.middleCols<6>(own) = design.middleCols<6>(PatchColumn::kPose);
@@ -97,7 +97,7 @@ TEST(BundleNormal, TheScenesStepIsThatOfAllUnknownsTogether) {
   auto step = BundleNormal(f.patches, f.free, f.at).step(0.0);
   ASSERT_TRUE(step);
   BundleState at = f.at;
-  const double log_f = dense(0) / f.at.camera[0];  // other parameters scale with f, to second order of the step
+  const double log_f = dense(0) / f.at.common[0];  // other parameters scale with f, to second order of the step
   for (const SceneParameter& p : f.free) {
     const double moved = parameter(step->to, p.index) - parameter(at, p.index);
     EXPECT_NEAR(
@@ -118,7 +118,7 @@ TEST(BundleNormal, AStepGainsWhatItPromises) {
   const auto cost = [&](BundleState& at) {
     double sum = 0.0;
     for (const BundlePatch& p : f.patches)
-      sum += p.residual.chi2(at.camera, at.markers[p.marker], at.poses[p.frame], at.shifts[p.frame][p.marker]);
+      sum += p.residual.chi2(at.common, at.markers[p.marker], at.poses[p.frame], at.shifts[p.frame][p.marker]);
     for (const SceneParameter& p : f.free) sum += std::pow((parameter(at, p.index) - p.mean) / p.u, 2);
     return sum;
   };

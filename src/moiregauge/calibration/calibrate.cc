@@ -20,7 +20,7 @@ int count(const std::array<bool, kSize>& is_free) {
 }
 
 int parameters(const Site& site, const SceneModel& model) {
-  int sum = count(free_camera(model));
+  int sum = count(free_common(model));
   for (const Marker& m : site.markers) sum += count(free_shape(model, m.role));
   return sum;
 }
@@ -51,7 +51,7 @@ BundleSolution with_shapes(const Bundle& bundle, BundleSolution best, int side, 
   SceneModel model = best.scene.model;
   model.heights = model.depth = true;
   BundleSolution same_lens = bundle.solve(model, all.scene, all.frames);
-  const double due = price * (count(free_camera(kEverything)) - count(free_camera(model)));
+  const double due = price * (count(free_common(kEverything)) - count(free_common(model)));
   const auto is_better = [&](const BundleSolution& s, double by) {
     return is_sane(s.scene, side) && best.scene.penalised_cost - s.scene.penalised_cost > by;
   };
@@ -157,6 +157,23 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   return out;
 }
 
+constexpr double kStretchBeyond = 3.0;  // u
+constexpr int kWiderPriors = 2;         // the first stretch found was held back by the prior that it breaks
+
+bool is_beyond(double stretch, const ScenePrior& prior) {
+  return std::abs(stretch - prior.stretch) > kStretchBeyond * prior.u_stretch;
+}
+
+ScenePrior for_stretched(ScenePrior prior, double stretch) {
+  const double beyond = std::abs(stretch - prior.stretch);
+  prior.u_stretch = std::hypot(prior.u_stretch, beyond);
+  for (MarkerShape& u : prior.u_markers) {
+    double& scale = u.value[MarkerShape::kScale];
+    if (scale > 0.0) scale = std::hypot(scale, 0.5 * beyond);
+  }
+  return prior;
+}
+
 }  // namespace
 
 std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
@@ -178,9 +195,15 @@ std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::si
   return {chosen.begin(), chosen.end()};
 }
 
-Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior) {
+Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given) {
   Calibration best;
+  ScenePrior& prior = best.prior;
+  prior = given;
   auto solution = ascended(site, frames, prior, Prints::kPerfect);
+  for (int wider = 0; wider < kWiderPriors && solution && is_beyond(solution->scene.stretch, prior); ++wider) {
+    prior = for_stretched(given, solution->scene.stretch);
+    solution = ascended(site, frames, prior, Prints::kPerfect);
+  }
   if (!solution) {
     best.bundle.scene.solved = false;
     best.bundle.scene.problem = "no lens could be solved from these frames";
@@ -201,7 +224,11 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   }
   best.bundle = *std::move(solution);
   if (best.print_error.points_mm > 0.0 || best.print_error.wander_mm > 0.0) best.fits = fits_of(site, best.bundle);
-  best.bundle.scene.covariance = scene_covariance(site, best.fits, prior, best.bundle.scene.model);
+  Scene& scene = best.bundle.scene;
+  scene.covariance = scene_covariance(site, best.fits, prior, scene.model);
+  const double u_stretch = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));
+  best.stretched =
+      is_beyond(scene.stretch, given) && std::abs(scene.stretch - given.stretch) > kStretchBeyond * u_stretch;
   return best;
 }
 

@@ -18,6 +18,8 @@ struct ShutterTest {
 };
 
 struct Calibration {
+  ScenePrior prior;             // as it was given, or wider where the prints are stretched more than it allows
+  bool stretched = false;       // that they are
   BundleSolution bundle;        // of the model chosen, with its covariance
   std::vector<FrameFit> fits;   // of the bundle's frames against its scene
   PrintError print_error;  // added to the patches' noise; other frames need it too (with_print_error)
@@ -28,6 +30,8 @@ struct Calibration {
 // and takes a larger one only when the full cost, data plus priors, falls by more than its parameters explain (Schwarz
 // 1978: ln(rows) each). chi2 of the data alone would pass a flat model that bends a print scale to fit. Heights of the
 // references and depths of the targets are always solved: their priors are the site's word, and all the price they pay.
+// Prints stretched along one axis by more than three of the prior's u: which of their axes has the pitch that the site
+// states cannot be seen, so the scales' priors are widened by half the stretch.
 [[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
 
 // `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.

@@ -134,6 +134,40 @@ TEST(Calibrate, TheLensIsSolvedFromTheFootageToTheNoiseOfItsPoints) {
   EXPECT_NEAR(bend(scene.camera) / bend(camera), 1.0, 0.1);
 }
 
+// Prints half a percent too long along x, of a site that knows them to 0.05 %. Their scale can only be told from their
+// places, so the moved target is wrong by half the stretch, and u says so.
+TEST(Calibrate, PrintsStretchedAlongOneAxisAreSeenAndWidenTheirScale) {
+  constexpr double kStretch = 0.005;
+  const Site site = rig();
+  const Camera camera = lens(-0.0225);
+  Footage run = footage_of(site, camera, 6.0, 24);
+  for (BundleFrame& frame : run.frames) {
+    for (auto& fit : frame.points) {
+      for (PrintPoint& p : fit->print) p.x /= 1.0 + kStretch;
+    }
+  }
+  const Calibration solved = calibrate(site, run.frames, scene_prior(site, camera.width, camera.height, std::nullopt));
+  const Scene& scene = solved.bundle.scene;
+  ASSERT_TRUE(scene.solved) << scene.problem << ", seed " << kSeed;
+  EXPECT_TRUE(solved.stretched);
+  const double u = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));
+  EXPECT_LT(u, 0.1 * kStretch);
+  EXPECT_NEAR(scene.stretch, kStretch, 4.0 * u) << "seed " << kSeed;
+  EXPECT_NEAR(scene.chi2_dof, 1.0, 0.15);
+  const std::size_t target = 4;
+  const double u_scale = solved.prior.u_markers[target].value[MarkerShape::kScale];
+  EXPECT_NEAR(u_scale, 0.5 * kStretch, 0.1 * kStretch);
+}
+
+TEST(Calibrate, PrintsThatAreAsTheSiteSaysKeepTheirScale) {
+  const Site site = rig();
+  const Camera camera = lens(-0.0225);
+  const ScenePrior prior = scene_prior(site, camera.width, camera.height, std::nullopt);
+  const Calibration solved = calibrate(site, footage_of(site, camera, 6.0, 24).frames, prior);
+  EXPECT_FALSE(solved.stretched);
+  EXPECT_LT(std::abs(solved.bundle.scene.stretch), 4.0 * prior.u_stretch);
+}
+
 TEST(Calibrate, ACameraThatStandsStillNeedsNoLens) {
   const Site site = rig();
   const Camera camera = lens(0.0);

@@ -49,13 +49,13 @@ void add_patch(Normal& n, const PatchResidual::Design& design, std::size_t i, in
     for (int b = 0; b < used; ++b) n.ff(row(a), row(b)) += ff(a, b);
   }
   if (!with_scene) return;
-  const auto column = [&](int k) { return k < kCameraParameters ? k : k + kShape * static_cast<int>(i); };
-  const Jacobian<kCameraParameters + kShape> scene = design.leftCols<kCameraParameters + kShape>();
-  const Eigen::Matrix<double, 8, kCameraParameters + kShape> fg = own.transpose() * scene;
-  const Eigen::Matrix<double, kCameraParameters + kShape, kCameraParameters + kShape> gg = scene.transpose() * scene;
-  for (int b = 0; b < kCameraParameters + kShape; ++b) {
+  const auto column = [&](int k) { return k < kCommonParameters ? k : k + kShape * static_cast<int>(i); };
+  const Jacobian<kCommonParameters + kShape> scene = design.leftCols<kCommonParameters + kShape>();
+  const Eigen::Matrix<double, 8, kCommonParameters + kShape> fg = own.transpose() * scene;
+  const Eigen::Matrix<double, kCommonParameters + kShape, kCommonParameters + kShape> gg = scene.transpose() * scene;
+  for (int b = 0; b < kCommonParameters + kShape; ++b) {
     for (int a = 0; a < used; ++a) n.fg(row(a), column(b)) += fg(a, b);
-    for (int a = 0; a < kCameraParameters + kShape; ++a) n.gg(column(a), column(b)) += gg(a, b);
+    for (int a = 0; a < kCommonParameters + kShape; ++a) n.gg(column(a), column(b)) += gg(a, b);
   }
 }
 
@@ -81,11 +81,10 @@ void add_rows(Normal& n, const RowDesign::Columns& rows, const PatchResidual::De
   n.bb += by_readout.squaredNorm();
   n.rb += by_readout.dot(residual);
   if (!with_scene) return;
-  const auto column = [&](int k) { return k < kCameraParameters ? k : k + kShape * static_cast<int>(i); };
-  const Eigen::Matrix<double, kMotionParameters, kCameraParameters + kShape> fg =
-      by_motion.transpose() * design.leftCols<kCameraParameters + kShape>();
-  for (int b = 0; b < kCameraParameters + kShape; ++b)
-    n.fg.block<kMotionParameters, 1>(first, column(b)) += fg.col(b);
+  const auto column = [&](int k) { return k < kCommonParameters ? k : k + kShape * static_cast<int>(i); };
+  const Eigen::Matrix<double, kMotionParameters, kCommonParameters + kShape> fg =
+      by_motion.transpose() * design.leftCols<kCommonParameters + kShape>();
+  for (int b = 0; b < kCommonParameters + kShape; ++b) n.fg.block<kMotionParameters, 1>(first, column(b)) += fg.col(b);
 }
 
 // Gauss and Newton's step; false when the patches do not determine it.
@@ -130,7 +129,7 @@ void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int fi
 
 }  // namespace
 
-int scene_parameters(std::size_t markers) { return kCameraParameters + kShape * static_cast<int>(markers); }
+int scene_parameters(std::size_t markers) { return kCommonParameters + kShape * static_cast<int>(markers); }
 
 FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame) {
   const std::size_t markers = site.markers.size();
@@ -158,7 +157,7 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
     fit.motion = frame.motion;
     rows += kMotionParameters;
   }
-  const CameraNumbers camera = numbers_of(scene.camera);
+  const CommonNumbers camera = numbers_of(scene);
   Normal n;
   for (int pass = 0; pass <= kPasses; ++pass) {
     const bool last = pass == kPasses;
@@ -222,13 +221,14 @@ Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> fra
     information(index, index) += 1.0 / (u * u);
     used.push_back(index);
   };
-  const auto camera = free_camera(model);
-  for (int k = 0; k < kCameraParameters; ++k)
-    take(k, camera[static_cast<std::size_t>(k)], prior.u_camera[static_cast<std::size_t>(k)]);
+  const auto common = free_common(model);
+  const auto u_common = uncertainties_of(prior);
+  for (int k = 0; k < kCommonParameters; ++k)
+    take(k, common[static_cast<std::size_t>(k)], u_common[static_cast<std::size_t>(k)]);
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const auto shape = free_shape(model, site.markers[i].role);
     for (int k = 0; k < kShape; ++k)
-      take(kCameraParameters + kShape * static_cast<int>(i) + k, shape[static_cast<std::size_t>(k)],
+      take(kCommonParameters + kShape * static_cast<int>(i) + k, shape[static_cast<std::size_t>(k)],
            prior.u_markers[i].value[static_cast<std::size_t>(k)]);
   }
   const auto n = static_cast<Eigen::Index>(used.size());

@@ -27,7 +27,7 @@ struct FrameFit {
   double readout_information = 0.0, readout_slope = 0.0;
 };
 
-[[nodiscard]] int scene_parameters(std::size_t markers);  // 8 + 5 per marker
+[[nodiscard]] int scene_parameters(std::size_t markers);  // 9 + 5 per marker
 
 // Of a frame with RowDesign the covariance has twelve rows more, behind the shifts: those of the motion.
 // A fixed number of Gauss-Newton passes from frame.pose and frame.shift. A target's shift along an axis that its print

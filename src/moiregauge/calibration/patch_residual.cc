@@ -56,8 +56,8 @@ struct Projection {
   Eigen::Matrix<double, 2, kCameraParameters> by_camera;
 };
 
-Projection projection(const CameraNumbers& c, const Vector3d& p) {
-  const auto [f, cx, cy, k1, k2, p1, p2, k3] = c;
+Projection projection(const CommonNumbers& c, const Vector3d& p) {
+  const auto [f, cx, cy, k1, k2, p1, p2, k3, stretch] = c;
   const double w = 1.0 / p.z(), x = p.x() * w, y = p.y() * w, r2 = x * x + y * y;
   const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3));
   const double xx = r2 + 2.0 * x * x, xy = 2.0 * x * y, yy = r2 + 2.0 * y * y;
@@ -77,7 +77,10 @@ Projection projection(const CameraNumbers& c, const Vector3d& p) {
 
 }  // namespace
 
-CameraNumbers numbers_of(const Camera& c) { return {c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3}; }
+CommonNumbers numbers_of(const Camera& c, double stretch) {
+  return {c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3, stretch};
+}
+CommonNumbers numbers_of(const Scene& scene) { return numbers_of(scene.camera, scene.stretch); }
 
 TurnedPose::TurnedPose(const Pose& pose)
     : rotation(Matrix3d::Identity()), left(Matrix3d::Identity()), shift(pose.shift.data()) {
@@ -110,25 +113,29 @@ PatchResidual::PatchResidual(const PatchFit& fit, const Grating& grating)
   root_.noalias() = upper * order;
 }
 
-PatchResidual::Design PatchResidual::design(const CameraNumbers& camera, const MarkerShape& shape,
+PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const MarkerShape& shape,
                                             const TurnedPose& pose, Extent<frame::Board> shift) const {
-  const double angle = angle_rad_ + shape.value[MarkerShape::kTurn], stretch = 1.0 + shape.value[MarkerShape::kScale];
+  const double angle = angle_rad_ + shape.value[MarkerShape::kTurn], scale = 1.0 + shape.value[MarkerShape::kScale];
+  const double half = 0.5 * common[kStretchParameter];
   const double c = pitch_mm_ * std::cos(angle), s = pitch_mm_ * std::sin(angle);
   const double x0 = x_mm_ + shape.value[MarkerShape::kX] + shift.x, y0 = y_mm_ + shape.value[MarkerShape::kY] + shift.y;
   Design off;
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
-    const double bx = c * print_[n].x - s * print_[n].y, by = s * print_[n].x + c * print_[n].y;
+    const double px = (1.0 + half) * print_[n].x, py = (1.0 - half) * print_[n].y;
+    const double bx = c * px - s * py, by = s * px + c * py;
     const Vector3d turned =
-        pose.rotation * Vector3d(x0 + stretch * bx, -(y0 + stretch * by), -shape.value[MarkerShape::kHeight]);
-    const Projection seen = projection(camera, turned + pose.shift);
+        pose.rotation * Vector3d(x0 + scale * bx, -(y0 + scale * by), -shape.value[MarkerShape::kHeight]);
+    const Projection seen = projection(common, turned + pose.shift);
     const Eigen::Matrix<double, 2, 3> by_point = pitches_per_px_[n].lazyProduct(seen.by_point);
     const Eigen::Matrix<double, 2, 3> by_board = by_point.lazyProduct(pose.rotation);  // of (X, -Y, -Z)
     Eigen::Matrix<double, 2, PatchColumn::kColumns> rows;
     rows.leftCols<kCameraParameters>() = pitches_per_px_[n].lazyProduct(seen.by_camera);
+    const double ex = 0.5 * scale * print_[n].x, ey = -0.5 * scale * print_[n].y;  // by half the stretch
+    rows.col(kStretchParameter) = (c * ex - s * ey) * by_board.col(0) - (s * ex + c * ey) * by_board.col(1);
     auto by_shape = rows.middleCols<MarkerShape::kParameters>(PatchColumn::kShape);
     by_shape.col(MarkerShape::kX) = by_board.col(0);
     by_shape.col(MarkerShape::kY) = -by_board.col(1);
-    by_shape.col(MarkerShape::kTurn) = stretch * (-by * by_board.col(0) - bx * by_board.col(1));
+    by_shape.col(MarkerShape::kTurn) = scale * (-by * by_board.col(0) - bx * by_board.col(1));
     by_shape.col(MarkerShape::kScale) = bx * by_board.col(0) - by * by_board.col(1);
     by_shape.col(MarkerShape::kHeight) = -by_board.col(2);
     const Eigen::Matrix<double, 2, 3> by_turn = by_point.lazyProduct(cross_with(turned));
@@ -143,28 +150,29 @@ PatchResidual::Design PatchResidual::design(const CameraNumbers& camera, const M
   return whitened;
 }
 
-PatchResidual::Vector PatchResidual::residual(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
+PatchResidual::Vector PatchResidual::residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
                                               Extent<frame::Board> shift) const {
   const std::array<double, 6> place{pose.turn[0],  pose.turn[1],  pose.turn[2],
                                     pose.shift[0], pose.shift[1], pose.shift[2]};
   const std::array<double, 2> moved{shift.x, shift.y};
   Vector r;
-  (*this)(camera.data(), shape.value.data(), place.data(), moved.data(), r.data());
+  (*this)(common.data(), shape.value.data(), place.data(), moved.data(), r.data());
   return r;
 }
 
-double PatchResidual::chi2(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
+double PatchResidual::chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
                            Extent<frame::Board> shift) const {
-  return residual(camera, shape, pose, shift).squaredNorm();
+  return residual(common, shape, pose, shift).squaredNorm();
 }
 
-std::array<double, 3> PatchResidual::board(const MarkerShape& shape, Extent<frame::Board> shift, std::size_t n) const {
+std::array<double, 3> PatchResidual::board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,
+                                           std::size_t n) const {
   const double angle = angle_rad_ + shape.value[MarkerShape::kTurn];
   const double pitch = pitch_mm_ * (1.0 + shape.value[MarkerShape::kScale]);
   const double c = pitch * std::cos(angle), s = pitch * std::sin(angle);
-  return {x_mm_ + shape.value[MarkerShape::kX] + shift.x + c * print_[n].x - s * print_[n].y,
-          y_mm_ + shape.value[MarkerShape::kY] + shift.y + s * print_[n].x + c * print_[n].y,
-          shape.value[MarkerShape::kHeight]};
+  const double px = (1.0 + 0.5 * stretch) * print_[n].x, py = (1.0 - 0.5 * stretch) * print_[n].y;
+  return {x_mm_ + shape.value[MarkerShape::kX] + shift.x + c * px - s * py,
+          y_mm_ + shape.value[MarkerShape::kY] + shift.y + s * px + c * py, shape.value[MarkerShape::kHeight]};
 }
 
 }  // namespace moiregauge

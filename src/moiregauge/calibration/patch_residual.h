@@ -29,7 +29,7 @@ std::array<T, 3> turned_by(const T* turn, const std::array<T, 3>& v) {
           v[2] * c + cross[2] * s + turn[2] * along};
 }
 
-// Image of a board point: pose, then OpenCV's lens model; camera = f cx cy k1 k2 p1 p2 k3.
+// Image of a board point: pose, then OpenCV's lens model; camera begins with f cx cy k1 k2 p1 p2 k3.
 template <typename T>
 std::array<T, 2> projected(const T* camera, const T* pose, const std::array<T, 3>& board) {
   auto p = turned_by(pose, {board[0], -board[1], -board[2]});
@@ -41,8 +41,9 @@ std::array<T, 2> projected(const T* camera, const T* pose, const std::array<T, 3
   return {camera[0] * xd + camera[1], camera[0] * yd + camera[2]};
 }
 
-using CameraNumbers = std::array<double, kCameraParameters>;  // f cx cy k1 k2 p1 p2 k3
-[[nodiscard]] CameraNumbers numbers_of(const Camera& camera);
+using CommonNumbers = std::array<double, kCommonParameters>;  // f cx cy k1 k2 p1 p2 k3, stretch
+[[nodiscard]] CommonNumbers numbers_of(const Camera& camera, double stretch);
+[[nodiscard]] CommonNumbers numbers_of(const Scene& scene);
 
 // A pose as what it does to points, and how that changes with its turn: d(R v) = (left d turn) x R v.
 struct TurnedPose {
@@ -53,8 +54,8 @@ struct TurnedPose {
 
 // The columns of a patch's design: whitened residual and its derivatives. A shift has those of the place.
 struct PatchColumn {
-  static constexpr int kCamera = 0;
-  static constexpr int kShape = kCamera + kCameraParameters;
+  static constexpr int kCommon = 0;
+  static constexpr int kShape = kCommon + kCommonParameters;
   static constexpr int kPose = kShape + MarkerShape::kParameters;
   static constexpr int kResidual = kPose + 6;
   static constexpr int kColumns = kResidual + 1;
@@ -69,17 +70,17 @@ class PatchResidual {
   PatchResidual(const PatchFit& fit, const Grating& grating);
 
   template <typename T>
-  bool operator()(const T* camera, const T* shape, const T* pose, const T* shift, T* residual) const {
+  bool operator()(const T* common, const T* shape, const T* pose, const T* shift, T* residual) const {
     using std::cos, std::sin;
     const T angle = T(angle_rad_) + shape[2];
     const T scale = T(pitch_mm_) * (T(1.0) + shape[3]);
-    const T c = scale * cos(angle), s = scale * sin(angle);
+    const T c = scale * cos(angle), s = scale * sin(angle), half = T(0.5) * common[kStretchParameter];
     std::array<T, kSize> off;  // pitches
     for (std::size_t n = 0; n < kPatchPoints; ++n) {
-      const double px = print_[n].x, py = print_[n].y;
+      const T px = (T(1.0) + half) * print_[n].x, py = (T(1.0) - half) * print_[n].y;
       const std::array<T, 3> board{T(x_mm_) + shape[0] + shift[0] + c * px - s * py,
                                    T(y_mm_) + shape[1] + shift[1] + s * px + c * py, shape[4]};
-      const auto image = projected(camera, pose, board);
+      const auto image = projected(common, pose, board);
       const T dx = image[0] - image_[n].x, dy = image[1] - image_[n].y;
       off[n] = pitches_per_px_[n](0, 0) * dx + pitches_per_px_[n](0, 1) * dy;
       off[kPatchPoints + n] = pitches_per_px_[n](1, 0) * dx + pitches_per_px_[n](1, 1) * dy;
@@ -92,21 +93,22 @@ class PatchResidual {
   }
   // With nothing displaced: a reference.
   template <typename T>
-  bool operator()(const T* camera, const T* shape, const T* pose, T* residual) const {
+  bool operator()(const T* common, const T* shape, const T* pose, T* residual) const {
     const T still[2]{T(0.0), T(0.0)};
-    return (*this)(camera, shape, pose, still, residual);
+    return (*this)(common, shape, pose, still, residual);
   }
 
-  [[nodiscard]] Design design(const CameraNumbers& camera, const MarkerShape& shape, const TurnedPose& pose,
+  [[nodiscard]] Design design(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
                               Extent<frame::Board> shift) const;
-  [[nodiscard]] double chi2(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
+  [[nodiscard]] double chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
                             Extent<frame::Board> shift) const;
 
   // Where print point n is, as `projected` takes it: (X, Y, Z) on the board, mm.
-  [[nodiscard]] std::array<double, 3> board(const MarkerShape& shape, Extent<frame::Board> shift, std::size_t n) const;
+  [[nodiscard]] std::array<double, 3> board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,
+                                            std::size_t n) const;
   // The residual in pitches per pixel by which point n is projected elsewhere.
   [[nodiscard]] const Eigen::Matrix2d& pitches_per_px(std::size_t n) const { return pitches_per_px_[n]; }
-  [[nodiscard]] Vector residual(const CameraNumbers& camera, const MarkerShape& shape, const Pose& pose,
+  [[nodiscard]] Vector residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
                                 Extent<frame::Board> shift) const;
 
   // Whitens: root^T root is the patch's information.

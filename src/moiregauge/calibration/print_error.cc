@@ -48,7 +48,7 @@ struct Whitened {
 Whitened whitened(const BundleFrame& frame, std::size_t i, const Grating& grating, const Scene& scene,
                   const FrameFit& fit) {
   const PatchResidual residual(*frame.points[i], grating);
-  Vector18 r = residual.design(numbers_of(scene.camera), scene.markers[i], TurnedPose(fit.pose), fit.shift[i])
+  Vector18 r = residual.design(numbers_of(scene), scene.markers[i], TurnedPose(fit.pose), fit.shift[i])
                    .col(PatchColumn::kResidual);
   const Matrix18& root = residual.root();
   if (frame.rows) r += root * (frame.rows->by_marker[i].leftCols<kMotionParameters>() * fit.motion);

@@ -148,7 +148,7 @@ BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& se
   RowDesign rows;
   rows.by_marker.resize(seen.points.size(), RowDesign::Columns::Zero());
   rows.information = information_of(motion);
-  const CameraNumbers camera = numbers_of(scene.camera);
+  const CommonNumbers camera = numbers_of(scene);
   const PathPlace place = path_place(seen.pose, reference);
   const Numbers middle = numbers(pose_at(place, reference));
   const Sides sides(place, reference);
@@ -157,7 +157,7 @@ BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& se
     const PatchResidual patch(*seen.points[i], *site.markers[i].grating);
     for (std::size_t n = 0; n < kPatchPoints; ++n) {
       const double share = share_of_row(seen.points[i]->image[n], scene.camera, run), delay = share * readout_s;
-      const auto board = patch.board(scene.markers[i], seen.shift[i], n);
+      const auto board = patch.board(scene.stretch, scene.markers[i], seen.shift[i], n);
       const auto seen_from = [&](const Numbers& pose) {
         const auto p = projected(camera.data(), pose.data(), board);
         return Vector2d(p[0], p[1]);
@@ -166,7 +166,7 @@ BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& se
       auto shift = seen.shift[i];
       if (!motion.targets.empty())
         shift = shift + delay * motion.targets[i].rate + 0.5 * delay * delay * motion.targets[i].acceleration;
-      const auto there = projected(camera.data(), then.data(), patch.board(scene.markers[i], shift, n));
+      const auto there = projected(camera.data(), then.data(), patch.board(scene.stretch, scene.markers[i], shift, n));
       const Vector2d went = Vector2d(there[0], there[1]) - seen_from(middle);
       out.points[i]->image[n].x -= went.x();
       out.points[i]->image[n].y -= went.y();

@@ -42,7 +42,7 @@ Scene scene_of(const Site& site) {
 BundleFrame rolling(const Site& site, const Scene& scene, const Pose& pose, const FrameMotion& motion) {
   BundleFrame frame;
   frame.pose = pose;
-  const CameraNumbers camera = numbers_of(scene.camera);
+  const CommonNumbers camera = numbers_of(scene);
   for (const Marker& m : site.markers) {
     PatchFit fit;
     for (std::size_t n = 0; n < kPatchPoints; ++n) {

@@ -21,6 +21,9 @@ struct MarkerShape {
 };
 
 inline constexpr int kCameraParameters = 8;  // f cx cy k1 k2 p1 p2 k3
+// What all markers share: the camera, and how much longer every print is along its x than along its y (relative; half
+// of it on either axis). Printers feed paper and move ink by different means, and stretch both ways differently.
+inline constexpr int kCommonParameters = kCameraParameters + 1, kStretchParameter = kCameraParameters;
 
 // How much of the lens and the markers is solved, in ascending order.
 struct SceneModel {
@@ -33,8 +36,9 @@ struct SceneModel {
 
 struct Scene {
   Camera camera;                     // fx = fy
+  double stretch = 0.0;              // of every print: longer along its x than along its y, relative
   std::vector<MarkerShape> markers;  // one per site marker
-  // Of the camera's eight, then of five per marker; zero for what the model holds fixed.
+  // Of the camera's eight and the stretch, then of five per marker; zero for what the model holds fixed.
   Eigen::MatrixXd covariance;
   // The same with all of them free within their priors, as the samples' u has it; empty where it was not made.
   Eigen::MatrixXd full_covariance;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "moiregauge/calibration/bundle.h"
 
@@ -38,6 +40,13 @@ void calibrated_lens(ScenePrior& prior, double side, double rho) {
 
 }  // namespace
 
+std::array<double, kCommonParameters> uncertainties_of(const ScenePrior& prior) {
+  std::array<double, kCommonParameters> u{};
+  std::copy(prior.u_camera.begin(), prior.u_camera.end(), u.begin());
+  u[kStretchParameter] = prior.u_stretch;
+  return u;
+}
+
 ScenePrior scene_prior(const Site& site, int width, int height, const std::optional<Camera>& camera) {
   ScenePrior prior;
   const double side = std::max(width, height);
@@ -53,6 +62,7 @@ ScenePrior scene_prior(const Site& site, int width, int height, const std::optio
   else
     unknown_lens(prior, side, rho);
   const KnownTo& known = site.known_to;
+  prior.u_stretch = std::numbers::sqrt2 * known.print_scale;  // of either axis that much
   for (const Marker& marker : site.markers) {
     MarkerShape value, u;
     const bool reference = marker.role == Role::kReference;

@@ -17,7 +17,7 @@ constexpr int kReadoutSteps = 3;
 // A telephone's, where nothing is known: s, and relative standard uncertainty. Where motion is quicker than the frames
 // show, nothing else tells it.
 constexpr double kUsual = 0.018, kUsualWithin = 0.5;
-constexpr double kShortest = 0.01;  // of the time between frames
+constexpr double kShortest = 0.01;  // of the time between frames, or of a tenth of a second if that is less
 // The readout is told with the scene held: what the two have in common shows in point-level runs as a thousandth.
 constexpr double kReadoutOfScene = 0.002;
 constexpr double kMostWidening = 1e6;
@@ -192,7 +192,9 @@ class Rounds {
         slope += weight * f.readout_slope;
       }
       const double next = side_ * (out_.readout_s - slope / information);
-      out_.readout_s = side_ * std::clamp(next, kShortest * out_.interval_s, out_.interval_s);
+      const double shortest = kShortest * std::min(out_.interval_s, 0.1);
+      out_.bounded = !(next > shortest && next < out_.interval_s);
+      out_.readout_s = side_ * std::clamp(next, shortest, out_.interval_s);
       out_.u_readout_s = std::hypot(1.0 / std::sqrt(information), kReadoutOfScene * out_.readout_s);
     }
   }
@@ -260,6 +262,7 @@ bool pays(const Shutter& shutter, const Calibration& at_once) {
   // What is solved must also be a readout: a reference that slips lets chi2 fall with a path bent to it, and none.
   constexpr double kReadout = 3.0;  // u
   if (!(std::abs(shutter.readout_s) > kReadout * shutter.u_readout_s)) return false;
+  if (shutter.bounded) return false;
   constexpr double kGoodPart = 0.25;
   const ShutterTest &before = at_once.shutter, &after = shutter.calibration.shutter;
   const double gain = chi2_of(before) - cost_of(shutter);

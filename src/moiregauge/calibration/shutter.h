@@ -22,6 +22,7 @@ struct Shutter {
   double u_readout_s = 0.0;
   double motion_cost = 0.0;  // of the key frames: chi2 of the motions' prior
   double interval_s = 0.0;  // between frames, median
+  bool bounded = false;     // no readout between the shortest and the time between frames fits best
   std::string problem;      // why nothing was solved; then nothing else holds
 };
 

@@ -38,7 +38,7 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
   Common c{Eigen::VectorXd::Zero(rows), Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(solved.size())),
            Eigen::MatrixXd::Zero(rows, scene_parameters(site.markers.size())), Eigen::MatrixXd::Zero(rows, rows),
            fit.covariance(solved, solved)};
-  const CameraNumbers camera = numbers_of(scene.camera);
+  const CommonNumbers camera = numbers_of(scene);
   const TurnedPose pose(fit.pose);
   for (std::size_t k = 0; k < seen.size(); ++k) {
     const std::size_t i = seen[k];
@@ -57,8 +57,8 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
     c.residual.segment<2>(row) = along.col(PatchColumn::kResidual);
     c.by_frame.block<2, kPose>(row, 0) = along.middleCols<kPose>(PatchColumn::kPose);
     c.by_shift.block<2, 2>(row, row) = along.middleCols<2>(PatchColumn::kShape);
-    c.by_scene.block<2, kCameraParameters>(row, 0) = along.leftCols<kCameraParameters>();
-    c.by_scene.block<2, kShape>(row, kCameraParameters + kShape * static_cast<Eigen::Index>(i)) =
+    c.by_scene.block<2, kCommonParameters>(row, 0) = along.leftCols<kCommonParameters>();
+    c.by_scene.block<2, kShape>(row, kCommonParameters + kShape * static_cast<Eigen::Index>(i)) =
         along.middleCols<kShape>(PatchColumn::kShape);
   }
   c.by_scene += c.by_frame * fit.sensitivity(solved, Eigen::all);

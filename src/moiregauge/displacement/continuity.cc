@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace moiregauge {
 namespace {
@@ -31,6 +32,23 @@ std::vector<bool> outruns_continuity(const Site& site, std::span<const BundleFra
     out.push_back(marker.role == Role::kTarget && marker.grating && outruns(marker, frames, i));
   }
   return out;
+}
+
+void doubt_after_leaps(const Site& site, std::span<Sample> samples) {
+  std::vector<std::optional<Extent<frame::Board>>> last(site.markers.size());
+  std::vector<bool> leapt(site.markers.size(), false);
+  for (Sample& sample : samples) {
+    if (!has_numbers(sample.status)) continue;
+    const double sure = kSure * site.markers[sample.marker].grating->pitch_mm;
+    if (const auto& before = last[sample.marker]) {
+      const auto went = sample.displacement - *before;
+      if (std::abs(went.x) > sure || std::abs(went.y) > sure) leapt[sample.marker] = true;
+    }
+    last[sample.marker] = sample.displacement;
+    if (!leapt[sample.marker]) continue;
+    sample.status = Status::kOrderUnproven;
+    sample.displacement = sample.u = {kNotMeasured, kNotMeasured};
+  }
 }
 
 }  // namespace moiregauge

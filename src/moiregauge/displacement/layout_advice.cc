@@ -59,6 +59,16 @@ std::optional<std::string> weak_axis_note(const Reference& reference) {
       reference.site.markers[*target].name, 1000.0 * u.x, 1000.0 * u.y, is_flat ? "up or down" : "to the side");
 }
 
+std::optional<std::string> stretched_prints_note(const Site& site, const Calibration& calibration) {
+  const double stretch = calibration.bundle.scene.stretch;
+  if (!calibration.stretched) return std::nullopt;
+  return fmt::format(
+      "the prints are {:.2f} % {} along x than along y, and the site knows them to {:.2g} %: which of the two has the "
+      "pitch stated cannot be seen, so u has {:.2g} % of the displacement; measure a print along both axes",
+      100.0 * std::abs(stretch), stretch > 0.0 ? "longer" : "shorter", 100.0 * site.known_to.print_scale,
+      50.0 * std::abs(stretch));
+}
+
 std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames) {
   std::array<double, 3> turns{}, goes{};
   const Pose& first = frames.front().pose;

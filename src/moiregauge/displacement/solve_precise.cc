@@ -259,9 +259,10 @@ class Precise {
 
   void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place, const Calibration& calibration) {
     const Site& site = reference_.site;
-    solution_.scene->full_covariance = scene_covariance(site, calibration.fits, prior_, kEverything);
+    solution_.scene->full_covariance = scene_covariance(site, calibration.fits, calibration.prior, kEverything);
     if (!lens_given_) note(still_camera_note(*solution_.scene, calibration.bundle.frames));
     note(weak_axis_note(reference_));
+    note(stretched_prints_note(site, calibration));
     const PreciseBudget budget(site, solution_.scene->full_covariance,
                                calibration.fits.front(),  // the reference frame leads the key frames
                                shutter_ ? shutter_->u_readout_s : 0.0);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "moiregauge/displacement/codec_error.h"
+#include "moiregauge/displacement/continuity.h"
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/layout.h"
 #include "moiregauge/displacement/lens_evidence.h"
@@ -138,6 +139,7 @@ Solution solve_two_stage(const Reference& reference, const std::vector<Observati
       solution.samples.push_back(sample);
     }
   }
+  doubt_after_leaps(reference.site, solution.samples);
   return solution;
 }
 

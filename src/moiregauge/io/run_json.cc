@@ -77,17 +77,16 @@ Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
 
 Json scene_json(const Measurement& measurement) {
   if (!measurement.scene || !measurement.scene->solved)
-    return {{"model", "homography"},
-            {"chi2_dof", nullptr},
-            {"key_frames", Json::array()},
-            {"readout_s", nullptr},
-            {"u_readout_s", nullptr}};
+    return {{"model", "homography"},  {"chi2_dof", nullptr},      {"key_frames", Json::array()}, {"readout_s", nullptr},
+            {"u_readout_s", nullptr}, {"print_stretch", nullptr}, {"u_print_stretch", nullptr}};
   const Scene& scene = *measurement.scene;
   return {{"model", scene.model.name()},
           {"chi2_dof", number(scene.chi2_dof)},
           {"key_frames", scene.key_frames},
           {"readout_s", number(scene.readout_s)},
-          {"u_readout_s", number(scene.u_readout_s)}};
+          {"u_readout_s", number(scene.u_readout_s)},
+          {"print_stretch", number(scene.stretch)},
+          {"u_print_stretch", number(std::sqrt(scene.covariance(kStretchParameter, kStretchParameter)))}};
 }
 
 BoardPoint place_of(const Marker& marker) { return marker.grating ? marker.grating->centre : marker.circle->centre; }
