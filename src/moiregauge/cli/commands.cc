@@ -9,6 +9,7 @@
 #include "moiregauge/cli/command_inspect.h"
 #include "moiregauge/cli/command_measure.h"
 #include "moiregauge/cli/command_reproduce.h"
+#include "moiregauge/cli/command_sheet.h"
 #include "moiregauge/cli/command_simulate.h"
 #include "moiregauge/cli/command_solve.h"
 #include "moiregauge/version.h"
@@ -29,6 +30,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   add_solve(app, exit_code);
   add_inspect(app, exit_code);
   add_calibrate(app, exit_code);
+  add_sheet(app, exit_code);
   add_simulate(app, exit_code);
   add_reproduce(app, exit_code);
   add_help(app, exit_code);

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/sheet/set_layout.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace moiregauge::sheet {
+namespace {
+
+SetRequest rig() {
+  SetRequest request;
+  request.span = {760.0, 56.0};
+  return request;
+}
+
+const Marker& named(const Site& site, const std::string& name) {
+  for (const Marker& marker : site.markers) {
+    if (marker.name == name) return marker;
+  }
+  ADD_FAILURE() << "no marker " << name;
+  return site.markers.front();
+}
+
+// The rig of docs/cli/simulate.md: circles of 20 mm at (+-380, +-28), gratings of 40 mm at (+-340, +-28), target of 60.
+TEST(SetLayout, TheRigsSpanGivesTheRig) {
+  const auto site = site_of_set(rig());
+  ASSERT_TRUE(site) << site.error();
+  ASSERT_EQ(site->markers.size(), 5u);
+  const Marker& nw = named(*site, "NW");
+  EXPECT_EQ(nw.circle->centre.x, -380.0);
+  EXPECT_EQ(nw.circle->centre.y, 28.0);
+  EXPECT_EQ(nw.circle->diameter_mm, 20.0);
+  EXPECT_EQ(nw.grating->centre.x, -340.0);
+  EXPECT_EQ(nw.grating->width_mm, 40.0);
+  EXPECT_EQ(named(*site, "SE").grating->centre.x, 340.0);
+  EXPECT_EQ(named(*site, "T1").grating->centre.x, 0.0);
+  EXPECT_EQ(named(*site, "T1").grating->height_mm, 60.0);
+}
+
+// So that each is found by its print, whatever the span: also where the two middle references have to stand aside.
+TEST(SetLayout, NoTwoPrintsAreNearerThanAPitch) {
+  for (const int references : {4, 6}) {
+    for (const double height : {56.0, 120.0, 300.0, 500.0}) {
+      SetRequest request = rig();
+      request.references = references;
+      request.span.y = height;
+      const auto site = site_of_set(request);
+      ASSERT_TRUE(site) << site.error();
+      for (std::size_t i = 0; i < site->markers.size(); ++i) {
+        for (std::size_t k = i + 1; k < site->markers.size(); ++k)
+          EXPECT_GE(gap_between(extent_of(site->markers[i]), extent_of(site->markers[k])), 10.0 - 1e-9)
+              << references << " references, " << height << " mm: " << i << " and " << k;
+      }
+    }
+  }
+}
+
+TEST(SetLayout, TargetsThatDoNotFitBetweenTheReferencesAreRefusedByName) {
+  SetRequest request = rig();
+  request.targets = 12;
+  const auto site = site_of_set(request);
+  ASSERT_FALSE(site);
+  EXPECT_NE(site.error().find("'NW' and 'T1'"), std::string::npos) << site.error();
+}
+
+TEST(SetLayout, LinesAreForTargetsBecauseReferencesMustShowBothAxes) {
+  SetRequest request = rig();
+  request.pattern = Pattern::kLinesY;
+  const auto site = site_of_set(request);
+  ASSERT_TRUE(site);
+  EXPECT_EQ(named(*site, "NE").grating->pattern, Pattern::kGrid);
+  EXPECT_EQ(named(*site, "T1").grating->pattern, Pattern::kLinesY);
+}
+
+TEST(SetLayout, TheWidestSpanFillsTheRoomAndNoMore) {
+  SetRequest request = rig();
+  const Extent<frame::Board> room{394.0, 258.0};
+  request.span = widest_span(request, room);
+  const auto site = site_of_set(request);
+  ASSERT_TRUE(site) << site.error();
+  const Box box = extent_of(site->markers);
+  EXPECT_LE(box.width() + 2.0 * 10.0, room.x);
+  EXPECT_LE(box.height() + 2.0 * 10.0, room.y);
+  EXPECT_GT(box.width() + 2.0 * 10.0, room.x - 10.0);  // spans are whole centimetres
+  EXPECT_GT(box.height() + 2.0 * 10.0, room.y - 10.0);
+}
+
+TEST(SetLayout, ATurnedPrintReachesFurther) {
+  Marker marker;
+  marker.grating =
+      Grating{.centre = {0.0, 0.0}, .width_mm = 30.0, .height_mm = 30.0, .pitch_mm = 5.0, .angle_rad = std::atan(1.0)};
+  EXPECT_NEAR(extent_of(marker).width(), 30.0 * std::sqrt(2.0), 1e-9);
+}
+
+}  // namespace
+}  // namespace moiregauge::sheet

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/sheet/sheet_files.h"
+
+#include <cctype>
+#include <functional>
+#include <map>
+#include <regex>
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <cairo.h>
+
+#include "moiregauge/drawing/surface.h"
+#include "moiregauge/sheet/draw_sheet.h"
+#include "moiregauge/sheet/mounting_plan.h"
+
+namespace moiregauge::sheet {
+namespace {
+
+constexpr double kPointsPerMm = 72.0 / 25.4;
+
+cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+// A file may not be called anything.
+std::string file_name(const std::string& name) {
+  std::string plain;
+  for (const char c : name) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80 ||
+                          c == '-' || c == '_';
+    plain += is_plain ? c : '_';
+  }
+  return plain.empty() ? "_" : plain;
+}
+
+struct Page {
+  Paper paper;
+  std::function<void(cairo_t*)> draw;
+};
+
+std::string pdf_of(const std::vector<Page>& pages, const std::string& title, const std::string& created) {
+  std::string bytes;
+  const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, 72.0, 72.0), cairo_surface_destroy);
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, title.c_str());
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE,
+                                 created.empty() ? nullptr : created.c_str());
+  for (const Page& page : pages) {
+    cairo_pdf_surface_set_size(surface.get(), kPointsPerMm * page.paper.width_mm, kPointsPerMm * page.paper.height_mm);
+    const Context context(cairo_create(surface.get()), cairo_destroy);
+    cairo_scale(context.get(), kPointsPerMm, kPointsPerMm);
+    page.draw(context.get());
+    cairo_show_page(context.get());
+  }
+  cairo_surface_finish(surface.get());
+  return cairo_surface_status(surface.get()) == CAIRO_STATUS_SUCCESS ? bytes : std::string{};
+}
+
+// cairo numbers its surfaces and pictures through the life of a process: here from 1 in every file.
+std::string renumbered(const std::string& svg) {
+  static const std::regex kName("(id=\"|#)(surface|image)([0-9]+)");
+  std::map<std::string, std::string> names;
+  std::string text;
+  auto from = svg.cbegin();
+  for (std::sregex_iterator it(svg.begin(), svg.end(), kName), end; it != end; ++it) {
+    const std::string& name =
+        names.try_emplace(it->str(2) + it->str(3), it->str(2) + std::to_string(names.size() + 1)).first->second;
+    text.append(from, (*it)[1].second).append(name);
+    from = (*it)[0].second;
+  }
+  return text.append(from, svg.cend());
+}
+
+// The page's unit is the millimetre, for whoever opens it in a drawing program or cuts it with a laser.
+std::string svg_of(const Page& page) {
+  std::string text;
+  const Surface surface(cairo_svg_surface_create_for_stream(append, &text, page.paper.width_mm, page.paper.height_mm),
+                        cairo_surface_destroy);
+  cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_MM);
+  {
+    const Context context(cairo_create(surface.get()), cairo_destroy);
+    page.draw(context.get());
+  }
+  cairo_surface_finish(surface.get());
+  return cairo_surface_status(surface.get()) == CAIRO_STATUS_SUCCESS ? renumbered(text) : std::string{};
+}
+
+}  // namespace
+
+SheetFiles files_of(const SheetSet& set, const Ink& ink, const std::string& created) {
+  SheetFiles files;
+  std::vector<Page> pages;
+  for (const Sheet& sheet : set.sheets)
+    pages.push_back({sheet.paper, [&sheet, &ink](cairo_t* cr) { draw_sheet(cr, sheet, ink); }});
+  files.pdf = pdf_of(pages, "moiregauge marker sheets", created);
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    std::string name = file_name(set.sheets[i].name);
+    const auto is_taken = [&] {
+      for (const auto& other : files.svg) {
+        if (other.first == name) return true;
+      }
+      return false;
+    };
+    while (is_taken()) name += "_";
+    files.svg.emplace_back(name, svg_of(pages[i]));
+  }
+  files.plan = pdf_of({{plan_paper(), [&set](cairo_t* cr) { draw_mounting_plan(cr, set); }}},
+                      "moiregauge mounting plan", created);
+  return files;
+}
+
+}  // namespace moiregauge::sheet

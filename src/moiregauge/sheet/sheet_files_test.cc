@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the files say; how large they print is measured by tests/cli/sheet.
+#include "moiregauge/sheet/sheet_files.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace moiregauge::sheet {
+namespace {
+
+PageRequest on(const char* paper) { return {*standard_paper(paper), Orientation::kAuto, Together::kWhereTheyFit}; }
+
+Site site_in(double width, double height) {
+  SetRequest request;
+  request.span = {width, height};
+  return *site_of_set(request);
+}
+
+TEST(SheetSet, MarkersStayTogetherWhereTheyFitAndEachHasItsSheetWhereNot) {
+  EXPECT_EQ(sheets_of(site_in(340.0, 180.0), on("A3"))->sheets.size(), 1u);
+  EXPECT_EQ(sheets_of(site_in(340.0, 180.0), on("A4"))->sheets.size(), 5u);
+}
+
+// Up is up: what is higher on the board is nearer to the page's upper edge, millimetre for millimetre.
+TEST(SheetSet, APageKeepsDistancesAndTurnsTheBoardsYUpwards) {
+  const auto set = sheets_of(site_in(340.0, 180.0), on("A3"));
+  const Sheet& sheet = set->sheets.front();
+  const PagePoint low = on_page(sheet, {-170.0, -90.0}), high = on_page(sheet, {170.0, 90.0});
+  EXPECT_NEAR(high.x_mm - low.x_mm, 340.0, 1e-9);
+  EXPECT_NEAR(low.y_mm - high.y_mm, 180.0, 1e-9);
+}
+
+TEST(SheetSet, APrintLargerThanThePaperIsRefusedWithBothSizes) {
+  SetRequest request;
+  request.span = {2000.0, 1500.0};
+  request.pitch_mm = 60.0;
+  const auto set = sheets_of(*site_of_set(request), on("A4"));
+  ASSERT_FALSE(set);
+  EXPECT_NE(set.error().find("A4"), std::string::npos) << set.error();
+}
+
+TEST(SheetSet, PaperTurnsToWhatIsPrintedUnlessToldOtherwise) {
+  PageRequest page = on("A4");
+  EXPECT_GT(sheets_of(site_in(760.0, 300.0), page)->sheets.front().paper.width_mm,
+            250.0);  // circle beside grating: wide
+  page.orientation = Orientation::kPortrait;
+  EXPECT_LT(oriented(page, true).width_mm, 250.0);
+}
+
+TEST(SheetFiles, TheSameSetGivesTheSameBytesAndNoDateOfToday) {
+  const auto set = sheets_of(site_in(340.0, 180.0), on("A3"));
+  const SheetFiles one = files_of(*set, {}, ""), two = files_of(*set, {}, "");
+  EXPECT_TRUE(one.pdf == two.pdf);  // too long to print
+  EXPECT_TRUE(one.plan == two.plan);
+  EXPECT_TRUE(one.svg == two.svg);
+  EXPECT_EQ(one.pdf.find("CreationDate"), std::string::npos);
+}
+
+TEST(SheetFiles, SvgCountsInMillimetres) {
+  const auto set = sheets_of(site_in(340.0, 180.0), on("A3"));
+  const std::string svg = files_of(*set, {}, "").svg.front().second;
+  EXPECT_NE(svg.find("width=\"420mm\" height=\"297mm\" viewBox=\"0 0 420 297\""), std::string::npos);
+}
+
+TEST(SheetFiles, NamesThatAreNoFileNamesAreMadeSo) {
+  Site site = site_in(760.0, 300.0);
+  site.markers[0].name = "a/b";
+  site.markers[1].name = "a b";
+  const auto files = files_of(*sheets_of(site, on("A4")), {}, "");
+  EXPECT_EQ(files.svg[0].first, "a_b");
+  EXPECT_EQ(files.svg[1].first, "a_b_");
+}
+
+// At its symmetry point the print is lightest; printed dark to light it spans the whole range of greys.
+TEST(CosinePrint, ACrestIsWhiteATroughIsBlack) {
+  EXPECT_NEAR(cosine_grey(0.0, 0.0, {}), 1.0, 1e-12);
+  EXPECT_NEAR(cosine_grey(0.5, 0.5, {}), 0.0, 1e-12);
+  EXPECT_NEAR(cosine_grey(0.0, 0.5, {}), 0.5, 1e-12);
+  EXPECT_NEAR(std::pow(cosine_grey(0.0, 0.5, {1.0, false, 2.2}), 2.2), 0.5, 1e-12);  // a wave in light
+}
+
+}  // namespace
+}  // namespace moiregauge::sheet
