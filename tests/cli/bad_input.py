@@ -46,6 +46,7 @@ TABLE = {
         ("measure clip.avi --pitch 10mm --rest 3", 2, "0:20"),
         ("measure clip.avi --pitch 10mm --readout 18", 2, "18ms"),
         ("measure clip.avi --pitch 10mm --template some", 2, "auto, on, off"),
+        ("measure clip.avi --pitch 10mm --figures gif", 2, "pdf, svg, png"),
         ("measure clip.avi --pitch 10mm --max-pixels 0", 2, "--max-pixels"),
         ("measure clip.avi --pitch 10mm --resume --restart", 2, "leave one out"),
         ("measure clip.avi another.avi --pitch 10mm", 2, "another.avi"),
@@ -79,6 +80,7 @@ TABLE = {
         ("solve text.mp4", 3, "text.mp4"),
         ("solve empty", 3, "run.mgj"),
         ("solve empty --sit x", 2, "did you mean --site"),
+        ("solve empty --figures pdf,", 2, "pdf, svg, png"),
         ("solve empty again", 2, "again"),
     ],
     "inspect": [

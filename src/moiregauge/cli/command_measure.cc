@@ -17,6 +17,7 @@
 #include "moiregauge/cli/open_input.h"
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/cli/report_lines.h"
+#include "moiregauge/cli/run_figures.h"
 #include "moiregauge/drawing/overlay.h"
 #include "moiregauge/drawing/overlay_inspection.h"
 #include "moiregauge/io/file_hash.h"
@@ -90,6 +91,8 @@ int ended(const Measurement& measured, const MeasureOptions& options, const Repo
 int run(const MeasureWords& words) {
   const auto options = understood(words);
   if (!options) return fail(Exit::kUsage, options.error().message);
+  const auto figures = figure_formats(words.figures);
+  if (!figures) return fail(Exit::kUsage, figures.error().message);
   const std::string output = words.output.empty() ? default_output(words.input) : words.output;
   if (const auto problem = stabilised_problem(words, output)) return fail(Exit::kUsage, *problem);
   const InputOptions input_options{words.fps, words.sequence, words.threads, words.max_pixels};
@@ -102,6 +105,7 @@ int run(const MeasureWords& words) {
   Overlay overlay;  // of `measured`, so it must not outlive it
   const RunPlace place = place_of_run(output);
   RunDirectory directory(place, [&](const Measurement&) { return overlay.get(); });
+  directory.also(put_figures(*figures, words.quiet));
   // A taken folder is found before, not after, hours of measuring.
   if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
     return fail(Exit::kUsage, free.error().message);
@@ -192,6 +196,7 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->add_option("--stabilised", words->stabilised,
                    "also write every marker as a still camera would see it, frame by frame")
       ->type_name("DIR");
+  add_figures(*command, words->figures);
   command->add_option("--threads", words->threads, "threads to use; never changes a result")->type_name("N");
   add_max_pixels(*command, words->max_pixels);
   command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");

@@ -11,6 +11,7 @@
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/measure_options.h"
 #include "moiregauge/cli/report_lines.h"
+#include "moiregauge/cli/run_figures.h"
 #include "moiregauge/io/run_directory.h"
 #include "moiregauge/io/run_file.h"
 #include "moiregauge/observation/restated.h"
@@ -26,6 +27,7 @@ struct SolveWords {
   std::string rest;
   std::string readout;
   std::string output;
+  std::string figures;
   bool quiet = false;
   bool json = false;
 };
@@ -113,6 +115,8 @@ Done choose_readout(const SolveWords& words, MeasureOptions& options) {
 }
 
 int run(const SolveWords& words) {
+  const auto figures = figure_formats(words.figures);
+  if (!figures) return fail(Exit::kUsage, figures.error().message);
   auto stored = run_in(words.run);
   if (!stored) return fail(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
@@ -123,6 +127,7 @@ int run(const SolveWords& words) {
   }
   const std::string output = words.output.empty() ? words.run : words.output;
   RunDirectory directory = RunDirectory::solved_from(place_of_run(output), words.run);
+  directory.also(put_figures(*figures, words.quiet));
   if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free) return fail_output(free.error());
   Measurement solved;
   static_cast<Seen&>(solved) = std::move(stored->seen);
@@ -146,6 +151,7 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--method", words->method, "two-stage, of a run measured by precise [the run's own]")
       ->type_name("two-stage|precise|conventional");
   command->add_option("-o,--out", words->output, "output folder [DIR: its results are replaced]")->type_name("DIR");
+  add_figures(*command, words->figures);
   command->add_flag("--quiet", words->quiet, "print nothing but errors");
   command->add_flag("--json", words->json, "print run.json on stdout");
   command->callback([words, &exit_code] { exit_code = run(*words); });

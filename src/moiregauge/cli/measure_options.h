@@ -28,6 +28,7 @@ struct MeasureWords {
   std::string template_use;
   std::string output;
   std::string stabilised;
+  std::string figures;
   bool sequence = false;
   bool resume = false;
   bool restart = false;

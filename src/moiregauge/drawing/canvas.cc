@@ -39,6 +39,22 @@ void Canvas::line(const std::vector<Spot>& points, Stroke stroke) {
   pen(stroke);
 }
 
+void Canvas::band(const std::vector<Spot>& above, const std::vector<Spot>& below, Colour colour, double opacity) {
+  cairo_set_source_rgba(cr_, colour.r, colour.g, colour.b, opacity);
+  const auto is_number = [&](std::size_t i) {
+    return std::isfinite(above[i].x) && std::isfinite(above[i].y) && std::isfinite(below[i].y);
+  };
+  for (std::size_t first = 0; first < above.size(); ++first) {
+    if (!is_number(first)) continue;
+    std::size_t end = first;
+    for (; end < above.size() && is_number(end); ++end) cairo_line_to(cr_, above[end].x, above[end].y);
+    for (std::size_t i = end; i-- > first;) cairo_line_to(cr_, below[i].x, below[i].y);
+    cairo_close_path(cr_);
+    cairo_fill(cr_);
+    first = end;
+  }
+}
+
 void Canvas::dot(Spot at, double radius, Colour colour) {
   if (!std::isfinite(at.x) || !std::isfinite(at.y)) return;
   cairo_new_sub_path(cr_);

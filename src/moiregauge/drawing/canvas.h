@@ -51,6 +51,8 @@ class Canvas {
  public:
   explicit Canvas(_cairo* cr) : cr_(cr) {}
   void line(const std::vector<Spot>& points, Stroke stroke);
+  // Between two lines that run side by side; where either is not a number nothing is filled.
+  void band(const std::vector<Spot>& above, const std::vector<Spot>& below, Colour colour, double opacity);
   void dot(Spot at, double radius, Colour colour);
   void frame(Box box, Stroke stroke);
   void fill(Box box, Colour colour);
@@ -71,6 +73,7 @@ struct Figure {
   double width = kOneColumn;
   double height = 0.0;
   std::function<void(Canvas&)> draw;
+  double zoom = 1.0;  // of everything drawn: letters of kTextSize become zoom kTextSize points
 };
 struct FigureFiles {
   std::string png, svg, pdf;  // bytes; empty when cairo could not make them (out of memory)

@@ -24,6 +24,7 @@ void draw_on(cairo_surface_t* surface, const Figure& figure, double scale) {
   cairo_scale(context.get(), scale, scale);
   cairo_set_source_rgb(context.get(), 1, 1, 1);
   cairo_paint(context.get());
+  cairo_scale(context.get(), figure.zoom, figure.zoom);
   cairo_set_line_join(context.get(), CAIRO_LINE_JOIN_ROUND);
   Canvas canvas(context.get());
   figure.draw(canvas);

@@ -2,7 +2,9 @@
 #include "moiregauge/drawing/plot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "moiregauge/units/units.h"
 
@@ -16,7 +18,8 @@ constexpr Colour kGridColour{0.87, 0.87, 0.87}, kZeroColour{0.8, 0.8, 0.8};
 std::vector<double> y_of(const std::vector<Series>& series, bool right) {
   std::vector<double> all;
   for (const Series& s : series) {
-    if (s.on_right_axis == right) all.insert(all.end(), s.y.begin(), s.y.end());
+    if (s.on_right_axis != right) continue;
+    for (const auto* values : {&s.y, &s.low, &s.high}) all.insert(all.end(), values->begin(), values->end());
   }
   return all;
 }
@@ -54,10 +57,24 @@ Axes axes_of(Box box, const Panel& panel, std::size_t named) {
   return axes;
 }
 
+// 10⁻⁶ and not 0.000001 where decades are many.
+std::string power_of_ten(double value) {
+  constexpr std::array kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const int power = static_cast<int>(std::lround(std::log10(value)));
+  std::string text = power < 0 ? "10⁻" : "10";
+  for (const char digit : std::to_string(std::abs(power))) text += kDigits[static_cast<std::size_t>(digit - '0')];
+  return text;
+}
+
+constexpr double kManyDecades = 1e4;
+
 void draw_side(Canvas& canvas, const Axes& axes, const std::string& label, bool right) {
   const double edge = right ? axes.box.x + axes.box.width : axes.box.x, out = right ? 1.0 : -1.0;
   double widest = 0.0;
-  for (const Tick& tick : ticks_of(right ? axes.right : axes.y, most_ticks(axes.box.height, kTickSpacing))) {
+  const PlotAxis& axis = right ? axes.right : axes.y;
+  const bool by_powers = axis.scale == Scale::kLog && axis.range.high > kManyDecades * axis.range.low;
+  for (Tick& tick : ticks_of(axis, most_ticks(axes.box.height, kTickSpacing))) {
+    if (by_powers && !tick.label.empty()) tick.label = power_of_ten(tick.value);
     const double y = axes.at_y(tick.value, right);
     canvas.line({{edge, y}, {edge - out * (tick.label.empty() ? kSmallTickLength : kTickLength), y}}, {});
     widest = std::max(widest, canvas.text_width(tick.label));
@@ -92,7 +109,19 @@ void draw_guides(Canvas& canvas, const Axes& axes) {
   }
 }
 
+void draw_band(Canvas& canvas, const Axes& axes, const Series& series) {
+  constexpr double kOpacity = 0.28;
+  std::vector<Spot> above, below;
+  for (std::size_t i = 0; i < series.low.size(); ++i) {
+    const double x = axes.at_x(series.x[i]);
+    above.push_back({x, axes.at_y(series.high[i], series.on_right_axis)});
+    below.push_back({x, axes.at_y(series.low[i], series.on_right_axis)});
+  }
+  canvas.band(above, below, series.colour, kOpacity);
+}
+
 void draw_series(Canvas& canvas, const Axes& axes, const Series& series) {
+  draw_band(canvas, axes, series);
   std::vector<Spot> points;
   for (std::size_t i = 0; i < series.x.size(); ++i)
     points.push_back({axes.at_x(series.x[i]), axes.at_y(series.y[i], series.on_right_axis)});
@@ -127,6 +156,8 @@ void draw_panel(Canvas& canvas, Box box, const Panel& panel) {
   canvas.clip(axes.box);
   draw_guides(canvas, axes);
   for (const Series& s : panel.series) draw_series(canvas, axes, s);
+  for (const Note& note : panel.notes)
+    canvas.text({axes.at_x(note.x), axes.at_y(note.y, false) - 3.0}, note.words, {.align = Align::kCentre});
   canvas.unclip();
   canvas.frame(axes.box, {});
   draw_side(canvas, axes, panel.y_label, false);

@@ -15,10 +15,16 @@ namespace moiregauge::figure {
 struct Series {
   std::string name{};  // in the legend; empty: not there
   std::vector<double> x{}, y{};
+  std::vector<double> low{}, high{};  // of the band round y, one per y; empty: none
   Colour colour = kBlack;
   Mark mark = Mark::kLine;
   double width = 0.9;  // of the line, or the radius of a mark
   bool on_right_axis = false;
+};
+
+struct Note {
+  double x = 0.0, y = 0.0;  // on the axes; the words stand above
+  std::string words{};
 };
 
 struct Panel {
@@ -28,6 +34,7 @@ struct Panel {
   std::string y_label{};
   std::string right_label{};  // empty: no right axis
   std::vector<Series> series{};
+  std::vector<Note> notes{};
   std::optional<Range> x_range{}, y_range{};                 // else what the series need
   Scale x_scale = Scale::kLinear, y_scale = Scale::kLinear;  // the right axis is always linear
 };

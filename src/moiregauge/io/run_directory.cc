@@ -35,7 +35,7 @@ std::string sha256_of_run(const fs::path& dir) {
 // For a folder that takes the place of `from` the same files under another name, else, or where the file system has no
 // such thing, copies.
 Done keep_seen(const fs::path& dir, const fs::path& from, bool in_place) {
-  for (const char* name : {"overlay.png", kRunFileName.data()}) {
+  for (const char* name : {"overlay.png", "stabilised.mp4", kRunFileName.data()}) {
     std::error_code error;
     if (!fs::exists(from / name, error)) continue;
     if (in_place) fs::create_hard_link(from / name, dir / name, error);
@@ -102,7 +102,10 @@ tl::expected<void, std::string> RunDirectory::put_files(const fs::path& dir, con
   } else if (auto done = keep_seen(dir, solved_from_, place_.results == place_of_run(solved_from_).results); !done) {
     return done;
   }
-  return put_results(dir, measurement, options);
+  auto done = put_results(dir, measurement, options);
+  for (const PutMore& more : more_)
+    if (done) done = more(dir, measurement);
+  return done;
 }
 
 tl::expected<void, OutputError> RunDirectory::write(const Measurement& measurement, const MeasureOptions& options) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ namespace moiregauge {
 // Draws overlay.png; handed in, because drawing stands beside io.
 using DrawOverlay = std::function<std::vector<std::uint8_t>(const Measurement&)>;
 
+// Puts more files into the folder of the results, before it takes its place; errors read "path: why".
+using PutMore = std::function<tl::expected<void, std::string>(const std::filesystem::path& folder, const Measurement&)>;
+
 class RunDirectory : public ResultSink {
  public:
   // For what was just measured: its run.mgj, whole, lies in DIR.unfinished (unfinished_run.h).
@@ -27,6 +31,9 @@ class RunDirectory : public ResultSink {
     directory.solved_from_ = std::move(measured);
     return directory;
   }
+
+  // One more of them; called after the results are written, in the order given.
+  void also(PutMore more) { more_.push_back(std::move(more)); }
 
   // May this place be written? An existing run is replaced only if it came from the same input; anything else that is not
   // an empty folder is left alone. Asked before measuring, so that hours are not lost.
@@ -44,6 +51,7 @@ class RunDirectory : public ResultSink {
   [[nodiscard]] OutputError unwritable(const std::string& why, const Measurement& measurement) const;
   RunPlace place_;
   DrawOverlay draw_overlay_;
+  std::vector<PutMore> more_;
   std::string solved_from_;  // empty: just measured
   bool is_unfinished_ = false;
 };
