@@ -191,6 +191,7 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->add_option("--readout", words->readout,
                    "rolling shutter: first row's exposure to the last one's, e.g. 18ms; 0ms: none [told by the footage]")
       ->type_name("TIME");
+  add_print_scale(*command, words->print_scale);
   command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");
   command
       ->add_option("--stabilised", words->stabilised,

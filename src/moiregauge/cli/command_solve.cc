@@ -26,6 +26,7 @@ struct SolveWords {
   std::string method;
   std::string rest;
   std::string readout;
+  PrintScaleWords print_scale;
   std::string output;
   std::string figures;
   bool quiet = false;
@@ -54,7 +55,26 @@ Done choose_method(const SolveWords& words, MeasureOptions& options) {
   return {};
 }
 
-// Another site or lens: the observations are carried over to it.
+// What the rulers showed counts from the nominal prints: of the run's own site they are no longer nominal.
+Done rescale(const PrintScaleWords& words, bool has_new_site, MeasureOptions& options, Site& site) {
+  const auto scale = print_scale_of(words);
+  if (!scale) return tl::unexpected(scale.error());
+  if (!*scale) {
+    if (has_new_site) options.print_scale = {};
+    return {};
+  }
+  PrintScale more = **scale;
+  if (!has_new_site) more.factor /= options.print_scale.factor;
+  site = with_prints_scaled(std::move(site), more);
+  if (options.pitch_mm) {  // no site file: places were counted in pitches
+    site = with_places_scaled(std::move(site), more.factor);
+    *options.pitch_mm *= more.factor;
+  }
+  options.print_scale = **scale;
+  return {};
+}
+
+// Another site, print scale or lens: the observations are carried over to it.
 Done restate(const SolveWords& words, StoredRun& run) {
   if (!words.site.empty()) {
     auto site = site_of_file(words.site);
@@ -66,9 +86,12 @@ Done restate(const SolveWords& words, StoredRun& run) {
     if (const auto taken = take_camera(words.camera, run.options); !taken) return taken;
     if (const auto problem = camera_problem(*run.options.camera, run.seen.input)) return usage(*problem);
   }
-  if (!run.seen.reference || (words.site.empty() && words.camera.empty())) return {};
+  const bool is_other_site = !words.site.empty() || !words.print_scale.factor.empty();
+  Site site = words.site.empty() && run.seen.reference ? run.seen.reference->site : run.options.site;
+  if (const auto scaled = rescale(words.print_scale, !words.site.empty(), run.options, site); !scaled) return scaled;
+  if (is_other_site) run.options.site = site;
+  if (!run.seen.reference || (!is_other_site && words.camera.empty())) return {};
   Reference& reference = *run.seen.reference;
-  const Site site = words.site.empty() ? reference.site : run.options.site;
   auto again = restated(reference, run.seen.observations, site, run.options.camera.value_or(Camera{}));
   if (!again)
     return usage(fmt::format("{}: {}: {}: measure the input again with it",
@@ -76,7 +99,7 @@ Done restate(const SolveWords& words, StoredRun& run) {
                              words.site.empty() ? words.camera : words.site, again.error()));
   reference = std::move(again->reference);
   run.seen.observations = std::move(again->observations);
-  if (!words.site.empty()) run.options.site = reference.site;
+  if (is_other_site) run.options.site = reference.site;
   return {};
 }
 
@@ -148,6 +171,7 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
   command->add_option("--readout", words->readout, "rolling shutter: first row's exposure to the last one's, e.g. 18ms")
       ->type_name("TIME");
+  add_print_scale(*command, words->print_scale);
   command->add_option("--method", words->method, "two-stage, of a run measured by precise [the run's own]")
       ->type_name("two-stage|precise|conventional");
   command->add_option("-o,--out", words->output, "output folder [DIR: its results are replaced]")->type_name("DIR");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <vector>
 
@@ -67,13 +68,66 @@ tl::expected<double, UsageError> readout_time(const std::string& text) {
   return *seconds;
 }
 
+namespace {
+
+// Beyond, it is no printer's stretch but another pitch.
+constexpr double kMostStretch = 0.05;
+
+std::optional<double> parse_factor(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value - 1.0) <= kMostStretch))
+    return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleWords& words) {
+  if (words.factor.empty()) {
+    if (words.u)
+      return usage("--u-print-scale without --print-scale: give what the rulers showed, e.g. --print-scale 1.0012");
+    return std::nullopt;
+  }
+  const std::string_view text = words.factor;
+  const auto comma = text.find(',');
+  const auto x = parse_factor(text.substr(0, comma));
+  const auto y = comma == std::string_view::npos ? x : parse_factor(text.substr(comma + 1));
+  if (!x || !y)
+    return usage(
+        fmt::format("print scale: --print-scale {}: write measured over nominal length of the rulers, e.g. 1.0012, "
+                    "or along x and y 1.0012,0.9990",
+                    words.factor));
+  PrintScale scale = mean_of_rulers(*x, *y);
+  if (!words.u) return scale;
+  if (!(*words.u > 0.0 && *words.u <= kMostStretch))
+    return usage(
+        fmt::format("print scale: --u-print-scale {}: write a relative standard uncertainty, e.g. 0.0002 (0.02 mm "
+                    "of 100 mm)",
+                    *words.u));
+  scale.u = *words.u;
+  return scale;
+}
+
+void add_print_scale(CLI::App& command, PrintScaleWords& words) {
+  command
+      .add_option(
+          "--print-scale", words.factor,
+          "what the sheet's rulers showed: measured over nominal length, e.g. 1.0012; or along x and y: 1.0012,0.9990")
+      ->type_name("FACTOR");
+  command.add_option("--u-print-scale", words.u, "its relative standard uncertainty, e.g. 0.0002 [the site's word]")
+      ->type_name("U");
+}
+
 tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
   FrameRange range;
   if (text.empty()) return range;
   std::vector<std::string> parts(1);
   for (const char c : text) {
-    if (c == ':') parts.emplace_back();
-    else parts.back() += c;
+    if (c == ':')
+      parts.emplace_back();
+    else
+      parts.back() += c;
   }
   const auto wrong = [&] {
     return usage(fmt::format("frame selection: --frames {}: write A:B or A:B:STEP, half open, e.g. 0:100:2", text));
@@ -128,12 +182,20 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     options.pitch_mm = *pitch;
   }
   if (words.site.empty() && words.pitch.empty())
-    return usage("no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or a site file "
-                 "(docs/file-formats.md)");
+    return usage(
+        "no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or a site file "
+        "(docs/file-formats.md)");
   if (!words.site.empty()) {
     auto site = site_of_file(words.site);
     if (!site) return tl::unexpected(site.error());
     options.site = std::move(*site);
+  }
+  const auto print_scale = print_scale_of(words.print_scale);
+  if (!print_scale) return tl::unexpected(print_scale.error());
+  if (*print_scale) {
+    options.print_scale = **print_scale;
+    options.site = with_prints_scaled(std::move(options.site), **print_scale);
+    if (options.pitch_mm) *options.pitch_mm *= options.print_scale.factor;
   }
   if (!words.camera.empty()) {
     if (const auto taken = take_camera(words.camera, options); !taken) return tl::unexpected(taken.error());
@@ -155,8 +217,7 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
   }
   if (!words.template_use.empty()) {
     const auto use = template_use_named(words.template_use);
-    if (!use)
-      return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", words.template_use));
+    if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", words.template_use));
     options.observe.template_use = *use;
   }
   if (words.reference_frame && *words.reference_frame < 0)

@@ -5,11 +5,17 @@
 #include <optional>
 #include <string>
 
+#include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
 #include "moiregauge/run/measure.h"
 
 namespace moiregauge::cli {
+
+struct PrintScaleWords {
+  std::string factor;       // "1.0012", or "1.0012,0.9990" along x and y
+  std::optional<double> u;  // relative
+};
 
 // As typed.
 struct MeasureWords {
@@ -25,6 +31,7 @@ struct MeasureWords {
   std::string frames;
   std::string rest;
   std::string readout;
+  PrintScaleWords print_scale;
   std::string template_use;
   std::string output;
   std::string stabilised;
@@ -51,6 +58,10 @@ struct UsageError {
 [[nodiscard]] tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options);
 [[nodiscard]] tl::expected<FrameRange, UsageError> rest_frames(const std::string& text);  // A:B
 [[nodiscard]] tl::expected<double, UsageError> readout_time(const std::string& text);     // s, from "18ms"
+
+// Nothing when none is given.
+[[nodiscard]] tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleWords& words);
+void add_print_scale(CLI::App& command, PrintScaleWords& words);
 
 // <input name without extension, or before %> + suffix, in the current directory.
 [[nodiscard]] std::string default_output(const std::string& input, const std::string& suffix = "-moiregauge");

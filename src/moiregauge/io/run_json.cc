@@ -49,6 +49,8 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
                 {"height_mm", known_to.height_mm},
                 {"print_scale", known_to.print_scale}}}};
   config["pitch_mm"] = options.pitch_mm ? Json(*options.pitch_mm) : Json(nullptr);
+  config["print_scale"] = {{"factor", options.print_scale.factor},
+                           {"u", options.print_scale.u > 0.0 ? Json(options.print_scale.u) : Json(nullptr)}};
   config["axes"] = options.axes == BoardAxes::kPrint ? "print" : "image";
   config["template"] = std::string(word_for(options.observe.template_use));
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;

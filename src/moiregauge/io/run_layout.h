@@ -47,7 +47,8 @@ template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 // The run.
 template <> inline constexpr std::size_t kFields<InputInfo> = 11;
 template <> inline constexpr std::size_t kFields<FrameRange> = 3;
-template <> inline constexpr std::size_t kFields<MeasureOptions> = 9;
+template <> inline constexpr std::size_t kFields<MeasureOptions> = 10;
+template <> inline constexpr std::size_t kFields<PrintScale> = 3;
 template <> inline constexpr std::size_t kFields<SolveOptions> = 4;
 template <> inline constexpr std::size_t kFields<ObserveOptions> = 3;
 template <> inline constexpr std::size_t kFields<RasterOptions> = 3;

@@ -48,6 +48,7 @@ tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& pictur
   const bool needs_circles = options.method->needs_circles;
   auto found = look_for_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});
   if (!found) return tl::unexpected(std::move(found.error()));
+  found->site = with_prints_scaled(std::move(found->site), {1.0, options.print_scale.u, options.print_scale.spread});
   auto made = needs_circles ? make_reference(picture, found->site, lens, options.observe)
                             : make_reference_in_view(picture, found->site, {found->view, lens}, std::move(found->search),
                                                      options.observe);

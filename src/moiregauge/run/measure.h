@@ -15,6 +15,7 @@
 #include "moiregauge/run/frame_sink.h"
 #include "moiregauge/run/frame_source.h"
 #include "moiregauge/run/journal_sink.h"
+#include "moiregauge/site/print_scale.h"
 #include "moiregauge/units/frame_range.h"
 
 namespace moiregauge {
@@ -23,6 +24,7 @@ struct MeasureOptions {
   const Method* method = nullptr;
   Site site;                       // not used when pitch_mm is given
   std::optional<double> pitch_mm;  // no site file: the site is made from the reference frame
+  PrintScale print_scale;          // of the rulers; site and pitch_mm have it in them already
   BoardAxes axes = BoardAxes::kPrint;
   std::optional<Camera> camera;
   FrameRange frames;
