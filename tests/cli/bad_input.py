@@ -47,6 +47,8 @@ TABLE = {
         ("measure clip.avi --pitch 10mm --readout 18", 2, "18ms"),
         ("measure clip.avi --pitch 10mm --template some", 2, "auto, on, off"),
         ("measure clip.avi --pitch 10mm --figures gif", 2, "pdf, svg, png"),
+        ("measure clip.avi --pitch 10mm --exaggerate 5", 2, "--video"),
+        ("measure clip.avi --pitch 10mm --video --exaggerate 0", 2, "from 1 to"),
         ("measure clip.avi --pitch 10mm --max-pixels 0", 2, "--max-pixels"),
         ("measure clip.avi --pitch 10mm --resume --restart", 2, "leave one out"),
         ("measure clip.avi --pitch 10mm --print-scale 100.12mm", 2, "1.0012"),

@@ -18,6 +18,7 @@
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/cli/report_lines.h"
 #include "moiregauge/cli/run_figures.h"
+#include "moiregauge/cli/stabilised_video.h"
 #include "moiregauge/drawing/overlay.h"
 #include "moiregauge/drawing/overlay_inspection.h"
 #include "moiregauge/io/file_hash.h"
@@ -124,6 +125,8 @@ int run(const MeasureWords& words) {
     if (!source) return source;
     return timed(std::move(*source), times);
   };
+  const OpenInput again = [&] { return open_input(words.input, input_options); };
+  if (words.video) directory.also(put_video({words.exaggeration, words.quiet}, again, *options));
   {
     const InterruptGuard guard;
     Progress progress("measuring", words.quiet);
@@ -198,6 +201,12 @@ void add_measure(CLI::App& app, int& exit_code) {
                    "also write every marker as a still camera would see it, frame by frame")
       ->type_name("DIR");
   add_figures(*command, words->figures);
+  command->add_flag("--video", words->video,
+                    "also draw stabilised.mp4: as filmed, and beside it the camera's motion taken out");
+  command
+      ->add_option("--exaggerate", words->exaggeration,
+                   "with --video: targets move so many times as far [what shows the motion best]")
+      ->type_name("N");
   command->add_option("--threads", words->threads, "threads to use; never changes a result")->type_name("N");
   add_max_pixels(*command, words->max_pixels);
   command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");

@@ -220,6 +220,10 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", words.template_use));
     options.observe.template_use = *use;
   }
+  if (words.exaggeration && !words.video)
+    return usage("--exaggerate without --video: it belongs to the video: add --video, or leave it out");
+  if (words.exaggeration && !(*words.exaggeration >= 1.0 && *words.exaggeration <= 1e5))
+    return usage(fmt::format("factor: --exaggerate {}: give a number from 1 to 100000", *words.exaggeration));
   if (words.reference_frame && *words.reference_frame < 0)
     return usage(fmt::format("reference frame: --reference-frame {}: give a frame of the input; the first is 0",
                              *words.reference_frame));

@@ -36,6 +36,8 @@ struct MeasureWords {
   std::string output;
   std::string stabilised;
   std::string figures;
+  bool video = false;
+  std::optional<double> exaggeration;
   bool sequence = false;
   bool resume = false;
   bool restart = false;

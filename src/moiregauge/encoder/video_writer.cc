@@ -53,6 +53,7 @@ class LibavWriter : public VideoWriter {
   LibavWriter(std::string path, const VideoFormat& format) : path_(std::move(path)), format_(format) {}
 
   tl::expected<void, std::string> open() {
+    av_log_set_level(AV_LOG_ERROR);  // what goes well is not for the terminal
     AVFormatContext* file = nullptr;
     if (const int e = avformat_alloc_output_context2(&file, nullptr, nullptr, path_.c_str()); e < 0) return failed(e);
     file_.reset(file);
@@ -66,7 +67,11 @@ class LibavWriter : public VideoWriter {
     stream_->avg_frame_rate = encoder_->framerate;
     if (const int e = avcodec_parameters_from_context(stream_->codecpar, encoder_.get()); e < 0) return failed(e);
     if (const int e = avio_open(&file_->pb, path_.c_str(), AVIO_FLAG_WRITE); e < 0) return failed(e);
-    if (const int e = avformat_write_header(file_.get(), nullptr); e < 0) return failed(e);
+    AVDictionary* words = nullptr;
+    if (format_.faststart) av_dict_set(&words, "movflags", "faststart", 0);
+    const int begun = avformat_write_header(file_.get(), &words);
+    av_dict_free(&words);
+    if (begun < 0) return failed(begun);
     return {};
   }
 

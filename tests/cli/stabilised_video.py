@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+"""What stabilised.mp4 shows, measured in its own pixels: stabilised_video.py MOIREGAUGE WORK.
+
+The small rig turns by 1 degree about three axes in 20 frames while its target moves up. In the still half the references' gratings must stand
+still to 0.03 px, though in the half as filmed they move by many; the target must move N times as far as it did, to 1 %. Shifts are
+phases of the gratings' fundamentals, in windows of two pitches that are weighted to nothing at their rims. What a codec leaves out of a
+picture that hardly changes goes one way: two grey levels, at edges of some 80 grey levels per pixel, are 0.025 px.
+"""
+import csv
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import numpy
+
+TIMES = 4.0
+FRAMES = 20
+GAP = 4
+MM_PER_PX = 1200.0 / 3478.26  # of the small rig
+
+
+def run(*words):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{words}: exit {done.returncode}: {done.stderr}"
+    return done
+
+
+def pictures_of(film):
+    probe = run("ffprobe", "-v", "error", "-show_entries", "stream=width,height,pix_fmt", "-of", "csv=p=0", film).stdout
+    width, height, kind = probe.strip().split(",")
+    assert kind == "yuv420p", kind
+    raw = subprocess.run(["ffmpeg", "-loglevel", "error", "-i", str(film), "-f", "rawvideo", "-pix_fmt", "gray", "-color_range", "tv", "-"],
+                         capture_output=True, check=True).stdout
+    return numpy.frombuffer(raw, numpy.uint8).reshape(-1, int(height), int(width)).astype(float)
+
+
+def phase(picture, x, y, pitch):
+    """Of the fundamental along y, radians, at (x, y) px."""
+    half = int(round(pitch))
+    rows = numpy.arange(int(round(y)) - half, int(round(y)) + half + 1)
+    columns = numpy.arange(int(round(x)) - half, int(round(x)) + half + 1)
+    weight = numpy.hanning(len(rows) + 2)[1:-1]
+    part = picture[rows[0]:rows[-1] + 1, columns[0]:columns[-1] + 1]
+    part = part - part.mean()
+    return numpy.angle(numpy.sum(weight[:, None] * weight[None, :] * part * numpy.exp(-2j * numpy.pi * rows / pitch)[:, None]))
+
+
+def shifts(film, x, y, pitch):
+    """Downwards since the first picture, px, followed from picture to picture."""
+    phases = numpy.unwrap([phase(picture, x, y, pitch) for picture in film])
+    return -(phases - phases[0]) * pitch / (2.0 * numpy.pi)
+
+
+def main():
+    program, work = sys.argv[1], pathlib.Path(sys.argv[2])
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    run(program, "simulate", "small-1xyz", "--quiet", "--frames", FRAMES, "--set", "rotation.x.scale=8", "--set", "rotation.y.scale=8",
+        "--set", "rotation.z.scale=8", "-o", work / "run")
+    out = run(program, "measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", 10, "--video", "--exaggerate", TIMES,
+              "-o", work / "out")
+    assert not out.stderr, out.stderr
+    film = pictures_of(work / "out/stabilised.mp4")
+    assert len(film) == FRAMES, len(film)
+    part = (film.shape[2] - GAP) // 2
+    scale = part / 1024.0
+    strip = film.shape[1] - round(512 * scale)
+    pitch = 10.0 / MM_PER_PX * scale
+    filmed, still = film[:, strip:, :part], film[:, strip:, part + GAP:]
+
+    def place(x_mm, y_mm):
+        return (511.5 + x_mm / MM_PER_PX + 0.5) * scale - 0.5, (255.5 - y_mm / MM_PER_PX + 0.5) * scale - 0.5
+
+    wandered = 0.0
+    for x_mm, y_mm in [(-100, 40), (100, 40), (-100, -40), (100, -40)]:
+        stands = shifts(still, *place(x_mm, y_mm), pitch)
+        moves = shifts(filmed, *place(x_mm, y_mm), pitch)
+        wandered = max(wandered, numpy.abs(moves).max())
+        print(f"reference at {x_mm:4d}, {y_mm:3d} mm: moves {numpy.abs(moves).max():.2f} px as filmed, {numpy.abs(stands).max():.4f} px stabilised")
+        assert numpy.abs(stands).max() < 0.03, stands
+    assert wandered > 5.0, "the recording does not shake: nothing is shown"
+    with open(work / "run/truth.csv", encoding="ascii") as file:
+        truth = numpy.array([float(row["dy_mm"]) for row in csv.DictReader(file) if row["marker"] == "mid"])
+    target = -shifts(still, *place(0, 0), pitch) * MM_PER_PX / scale
+    print(f"target: moved {truth[-1]:.3f} mm, drawn {target[-1]:.3f} mm: {target[-1] / truth[-1]:.4f} times")
+    assert truth[-1] > 0.5
+    assert numpy.abs(target - TIMES * truth).max() < 0.01 * TIMES * truth.max(), target - TIMES * truth
+    # The index stands before the pictures.
+    head = (work / "out/stabilised.mp4").read_bytes()
+    assert head.index(b"moov") < head.index(b"mdat")
+
+
+if __name__ == "__main__":
+    main()
