@@ -36,6 +36,8 @@ pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
 add_library(moiregauge_png INTERFACE)
 target_link_libraries(moiregauge_png INTERFACE PkgConfig::PNG)
 
+find_package(ZLIB REQUIRED)
+
 pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET libcrypto)
 add_library(moiregauge_crypto INTERFACE)
 target_link_libraries(moiregauge_crypto INTERFACE PkgConfig::CRYPTO)

@@ -281,6 +281,7 @@ class Precise {
         now = fit_frame(site, *solution_.scene, frame);
         if (codec_.is_lossy()) by_noise.now = fit_by_noise(place[n], frame);
       }
+      solution_.chi2_dof.push_back(now.ok && now.dof > 0 ? now.chi2_sum / static_cast<double>(now.dof) : kNotMeasured);
       for (std::size_t i = 0; i < site.markers.size(); ++i) {
         if (!is_target(reference_, i)) continue;
         Sample sample = begun_sample(reference_, seen, i);

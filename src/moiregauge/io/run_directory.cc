@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -46,7 +47,13 @@ Done keep_seen(const fs::path& dir, const fs::path& from, bool in_place) {
   return {};
 }
 
-Done put_results(const fs::path& dir, const Measurement& measurement, const MeasureOptions& options) {
+std::vector<std::uint8_t> bytes_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+Done put_results(const fs::path& dir, const Measurement& measurement, const MeasureOptions& options,
+                 const WriteReport& write_report) {
   if (measurement.reference) {
     const std::string csv = displacement_csv(site_of(measurement, options), measurement.samples);
     if (auto done = put(dir / "displacement.csv", csv); !done) return done;
@@ -65,7 +72,9 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
   // What other people called their files is not always UTF-8; the JSON is.
   const std::string json =
       run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  return put(dir / "run.json", json);
+  if (auto done = put(dir / "run.json", json); !done) return done;
+  if (!write_report) return {};
+  return put(dir / "report.html", write_report(measurement, options, json, bytes_of(dir / "overlay.png")));
 }
 
 }  // namespace
@@ -102,10 +111,14 @@ tl::expected<void, std::string> RunDirectory::put_files(const fs::path& dir, con
   } else if (auto done = keep_seen(dir, solved_from_, place_.results == place_of_run(solved_from_).results); !done) {
     return done;
   }
+<<<<<<< HEAD
   auto done = put_results(dir, measurement, options);
   for (const PutMore& more : more_)
     if (done) done = more(dir, measurement);
   return done;
+=======
+  return put_results(dir, measurement, options, write_report_);
+>>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
 }
 
 tl::expected<void, OutputError> RunDirectory::write(const Measurement& measurement, const MeasureOptions& options) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// DIR of a run: displacement.csv, displacement.h5, run.json, run.mgj, overlay.png, of a solved scene camera.toml and
+// DIR of a run: displacement.csv, displacement.h5, run.json, run.mgj, overlay.png, report.html, of a solved scene camera.toml and
 // site.toml; written beside it under another name and put in its place as a whole.
 #pragma once
 
@@ -17,17 +17,23 @@ namespace moiregauge {
 // Draws overlay.png; handed in, because drawing stands beside io.
 using DrawOverlay = std::function<std::vector<std::uint8_t>(const Measurement&)>;
 
+<<<<<<< HEAD
 // Puts more files into the folder of the results, before it takes its place; errors read "path: why".
 using PutMore = std::function<tl::expected<void, std::string>(const std::filesystem::path& folder, const Measurement&)>;
+=======
+// Writes report.html, given run.json and overlay.png as they are written beside it; handed in for the same reason.
+using WriteReport = std::function<std::string(const Measurement&, const MeasureOptions&, const std::string& run_json,
+                                              const std::vector<std::uint8_t>& overlay)>;
+>>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
 
 class RunDirectory : public ResultSink {
  public:
   // For what was just measured: its run.mgj, whole, lies in DIR.unfinished (unfinished_run.h).
-  RunDirectory(RunPlace place, DrawOverlay draw_overlay)
-      : place_(std::move(place)), draw_overlay_(std::move(draw_overlay)) {}
+  RunDirectory(RunPlace place, DrawOverlay draw_overlay, WriteReport write_report)
+      : place_(std::move(place)), draw_overlay_(std::move(draw_overlay)), write_report_(std::move(write_report)) {}
   // For new results of what was measured into another folder, or the same: its run.mgj and overlay.png are kept.
-  [[nodiscard]] static RunDirectory solved_from(RunPlace place, std::string measured) {
-    RunDirectory directory(std::move(place), {});
+  [[nodiscard]] static RunDirectory solved_from(RunPlace place, std::string measured, WriteReport write_report) {
+    RunDirectory directory(std::move(place), {}, std::move(write_report));
     directory.solved_from_ = std::move(measured);
     return directory;
   }
@@ -51,7 +57,11 @@ class RunDirectory : public ResultSink {
   [[nodiscard]] OutputError unwritable(const std::string& why, const Measurement& measurement) const;
   RunPlace place_;
   DrawOverlay draw_overlay_;
+<<<<<<< HEAD
   std::vector<PutMore> more_;
+=======
+  WriteReport write_report_;
+>>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
   std::string solved_from_;  // empty: just measured
   bool is_unfinished_ = false;
 };

@@ -16,6 +16,8 @@ constexpr double kBlockCycles = 2.0;      // of the blocks whose amplitudes tell
 constexpr std::size_t kBlockSamples = 8;  // at least
 constexpr double kRises = 1.5;            // a block so much above the least before it: struck again
 constexpr double kFallsBy = 0.5;          // lambda times duration: by 40 % at least, or its end says little
+constexpr double kSlowCycles = 4.0;       // between the knots of what moves slowly
+constexpr int kSlowPasses = 3;            // a sine leaves 1 / (2 pi 4)^2 of itself in it, then that of that
 constexpr double kSignificant =
     5.0;  // standard uncertainties of lambda; chosen at 3 the chosen would be too large by half of one
 constexpr double kMostLeft = 0.01;     // of the oscillation's power about its frequency
@@ -27,6 +29,7 @@ constexpr std::size_t kAround = 40;    // and beyond them, that tell the noise a
 
 struct Gathered {
   std::vector<double> time_s, value;
+  std::vector<std::size_t> row;  // in the series
   [[nodiscard]] TimedValues view() const { return {time_s, value}; }
 };
 
@@ -36,8 +39,34 @@ Gathered gathered(const Series& series, std::size_t first, std::size_t count) {
     if (std::isnan(series.value[i])) continue;
     g.time_s.push_back(series.time_s[i]);
     g.value.push_back(series.value[i]);
+    g.row.push_back(i);
   }
   return g;
+}
+
+// A sine, and what moves slowly beside it, in turn: each with the other taken out.
+struct OnSlow {
+  std::optional<SineFit> sine;
+  std::vector<double> slow;  // per sample
+};
+
+Gathered without(const Gathered& g, const std::vector<double>& taken) {
+  Gathered left = g;
+  for (std::size_t i = 0; i < taken.size(); ++i) left.value[i] -= taken[i];
+  return left;
+}
+
+OnSlow fit_on_slow(const Gathered& g, double omega, Falling falling) {
+  const double spacing = kSlowCycles * kTurnsPerHz / omega;
+  OnSlow fit{std::nullopt, slow_part(g.view(), spacing)};
+  for (int pass = 0; pass < kSlowPasses; ++pass) {
+    fit.sine = fit_sine(without(g, fit.slow).view(), fit.sine ? fit.sine->omega : omega, falling);
+    if (!fit.sine) return fit;
+    std::vector<double> swing;
+    for (const double t : g.time_s) swing.push_back(fit.sine->oscillation(t));
+    fit.slow = slow_part(without(g, swing).view(), spacing);
+  }
+  return fit;
 }
 
 struct Beside {
@@ -115,15 +144,15 @@ PeakFits::Window PeakFits::falling_part(double omega) const {
 }
 
 // The row before the window from which on the oscillation, run backwards, explains the most.
-PeakFits::Window PeakFits::from_the_blow(Window window, const SineFit& sine) const {
+PeakFits::Window PeakFits::from_the_blow(Window window, const SineFit& sine, double level) const {
   Window best = window;
   double gain = 0.0, most = 0.0;
   for (std::size_t i = window.first; i-- > all_.first;) {
-    const double model = sine(left_.time_s[i]), value = left_.value[i];
-    const double before = value - sine.linear[2];
+    const double model = sine.oscillation(left_.time_s[i]), value = left_.value[i];
+    const double before = value - level;
     if (std::isnan(value) || std::exp(sine.lambda * (left_.time_s[window.first] - left_.time_s[i])) > kFurthestBack)
       break;
-    gain += before * before - (value - model) * (value - model);
+    gain += before * before - (before - model) * (before - model);
     if (gain <= most) continue;
     most = gain;
     best = {i, window.first + window.count - i};
@@ -133,14 +162,15 @@ PeakFits::Window PeakFits::from_the_blow(Window window, const SineFit& sine) con
 
 bool PeakFits::try_fit(Window window, double omega, Falling falling) {
   const Gathered g = gathered(left_, window.first, window.count);
-  const auto sine = fit_sine(g.view(), omega, falling);
+  const auto [sine, slow] = fit_on_slow(g, omega, falling);
   if (!sine) return false;
   const Stretch even = longest_in(times_, window.first, window.count);
   if (even.count < kLeastSamples) return false;
   std::vector<double> left, taken;
-  for (std::size_t i = even.first; i < even.first + even.count; ++i) {
-    left.push_back(left_.value[i] - (*sine)(left_.time_s[i]));
-    taken.push_back(sine->oscillation(left_.time_s[i]));
+  for (std::size_t i = 0; i < g.value.size(); ++i) {
+    if (g.row[i] < even.first || g.row[i] >= even.first + even.count) continue;
+    taken.push_back(sine->oscillation(g.time_s[i]));
+    left.push_back(g.value[i] - slow[i] - taken.back());
   }
   const double f = sine->omega / kTurnsPerHz;
   const Beside rest = beside(left, f, times_.interval_s);
@@ -151,7 +181,7 @@ bool PeakFits::try_fit(Window window, double omega, Falling falling) {
   const double density = rest.near > kMisfit * rest.around ? rest.near : rest.around;
   const double variance = density / (2.0 * times_.interval_s);
   const double duration = g.time_s.back() - g.time_s.front();
-  Fit fit{*sine, {}, window, falling == Falling::kYes ? from_the_blow(window, *sine) : window};
+  Fit fit{*sine, {}, window, falling == Falling::kYes ? from_the_blow(window, *sine, slow.front()) : window};
   Peak& peak = fit.peak;
   peak.from_s = g.time_s.front();
   peak.to_s = g.time_s.back();
@@ -161,7 +191,7 @@ bool PeakFits::try_fit(Window window, double omega, Falling falling) {
     peak.kind = PeakKind::kSteady;
     peak.frequency_hz = f;
     peak.u_frequency_hz = std::sqrt(spread(0, 0)) / kTurnsPerHz;
-    const auto slope = fit_sine(g.view(), sine->omega, Falling::kYes);
+    const auto slope = fit_sine(without(g, slow).view(), sine->omega, Falling::kYes);
     if (slope) peak.no_damping = not_falling(*slope, std::sqrt(variance * slope->spread(1, 1)), duration);
   } else {
     const double u_lambda = std::sqrt(spread(1, 1));
@@ -193,7 +223,8 @@ bool PeakFits::take(double near_hz, double resolution_hz) {
   for (const Window& window : {falling, all_}) {
     const Gathered g = gathered(left_, window.first, window.count);
     if (g.value.size() < kLeastSamples) continue;
-    const double omega = best_omega(g.view(), lowest, highest);
+    const auto slow = slow_part(g.view(), kSlowCycles / near_hz);
+    const double omega = best_omega(without(g, slow).view(), lowest, highest);
     const bool is_whole = window.first == all_.first && window.count == all_.count;
     if (try_fit(window, omega, Falling::kYes) || (is_whole && try_fit(window, omega, Falling::kNo))) {
       add(fits_.back(), -1.0);

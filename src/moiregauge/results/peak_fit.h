@@ -30,7 +30,7 @@ class PeakFits {
     Window fitted, taken;  // a decay is taken out from the blow on, which its fit leaves to others
   };
   [[nodiscard]] Window falling_part(double omega) const;
-  [[nodiscard]] Window from_the_blow(Window window, const SineFit& sine) const;
+  [[nodiscard]] Window from_the_blow(Window window, const SineFit& sine, double level) const;
   [[nodiscard]] bool try_fit(Window window, double omega, Falling falling);
   void add(const Fit& fit, double sign);
 

@@ -21,7 +21,7 @@ constexpr double kLeastRatio = 3.0;     // and a hill that is no higher than thi
 constexpr double kLeastCycles = 3.0;    // in the record; slower is drift
 constexpr std::size_t kAround = 25;     // ordinates to each side that tell the level about one
 constexpr double kResolvedWidth = 4.0;  // half-power width in units of 1 / duration, below which it is the window's own
-constexpr double kUsefulDamping = 0.5;  // u / value
+constexpr double kUsefulDamping = 1.0 / 3.0;  // u / value
 
 // chi^2 with 2 K degrees of freedom, per degree: the value that a normal deviate z reaches (Wilson and Hilferty, 1931).
 double chi_square(double averages, double z) {

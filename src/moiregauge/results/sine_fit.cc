@@ -11,6 +11,7 @@ namespace moiregauge {
 namespace {
 
 constexpr int kPasses = 10;
+constexpr double kFurthest = 2.0;  // 1 / duration, from where the passes begin
 constexpr int kLinear = 4;
 constexpr int kAll = 6;  // and omega, lambda
 
@@ -127,6 +128,7 @@ std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Fallin
     fit = next;
   }
   if (!step_of(samples, falling, fit)) return std::nullopt;
+  if (std::abs(fit.omega - omega) * duration(samples) > kFurthest * 2.0 * std::numbers::pi) return std::nullopt;
   return fit;
 }
 
@@ -142,6 +144,45 @@ double best_omega(const TimedValues& samples, double lowest, double highest) {
     best = omega;
   }
   return best;
+}
+
+std::vector<double> slow_part(const TimedValues& samples, double spacing_s) {
+  const auto spans = static_cast<std::size_t>(std::max(1.0, std::floor(duration(samples) / spacing_s)));
+  const double spacing = duration(samples) / static_cast<double>(spans);
+  struct At {
+    std::size_t knot;
+    double share;  // of the next knot
+  };
+  const auto at = [&](double t) -> At {
+    const double place = std::max(0.0, (t - samples.time_s.front()) / spacing);
+    const std::size_t knot = std::min(spans - 1, static_cast<std::size_t>(place));
+    return {knot, place - static_cast<double>(knot)};
+  };
+  // Normal equations have three diagonals. A trace of weight on straightness decides where a gap leaves a knot alone.
+  constexpr double kTrace = 1e-6;
+  std::vector<double> middle(spans + 1, 2.0 * kTrace), above(spans + 1, -kTrace), right(spans + 1, 0.0);
+  for (std::size_t k = 0; k < samples.value.size(); ++k) {
+    const auto [knot, share] = at(samples.time_s[k]);
+    middle[knot] += (1.0 - share) * (1.0 - share);
+    middle[knot + 1] += share * share;
+    above[knot] += share * (1.0 - share);
+    right[knot] += (1.0 - share) * samples.value[k];
+    right[knot + 1] += share * samples.value[k];
+  }
+  for (std::size_t k = 1; k <= spans; ++k) {
+    const double factor = above[k - 1] / middle[k - 1];
+    middle[k] -= factor * above[k - 1];
+    right[k] -= factor * right[k - 1];
+  }
+  std::vector<double> knots(spans + 1);
+  knots[spans] = right[spans] / middle[spans];
+  for (std::size_t k = spans; k-- > 0;) knots[k] = (right[k] - above[k] * knots[k + 1]) / middle[k];
+  std::vector<double> slow;
+  for (const double t : samples.time_s) {
+    const auto [knot, share] = at(t);
+    slow.push_back((1.0 - share) * knots[knot] + share * knots[knot + 1]);
+  }
+  return slow;
 }
 
 }  // namespace moiregauge

@@ -10,6 +10,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -36,10 +37,13 @@ struct SineFit {
 };
 
 // A fixed number of Gauss-Newton passes from `omega`, which must be within a quarter of 1 / duration of the truth.
-// Nothing when the samples do not determine it.
+// Nothing when the samples do not determine it, or when the passes lead elsewhere.
 [[nodiscard]] std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Falling falling);
 
 // Of the frequencies lowest..highest (rad/s), in steps of an eighth of 1 / duration, that of the best steady sine.
 [[nodiscard]] double best_omega(const TimedValues& samples, double lowest, double highest);
+
+// What moves slowly: straight lines between knots, `spacing_s` apart, by least squares. One value per sample.
+[[nodiscard]] std::vector<double> slow_part(const TimedValues& samples, double spacing_s);
 
 }  // namespace moiregauge

@@ -284,6 +284,7 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   how.rotation_deg = out.input.rotation_deg;
   Solution solution = options.method->solve(*out.reference, out.observations, how);
   out.samples = std::move(solution.samples);
+  out.chi2_dof = std::move(solution.chi2_dof);
   out.scene = std::move(solution.scene);
   out.references_verified = solution.references_verified;
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());

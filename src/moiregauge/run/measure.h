@@ -52,6 +52,7 @@ struct Seen {
 
 struct Measurement : Seen {
   Samples samples;
+  std::vector<double> chi2_dof;  // as Solution has it
   std::optional<Scene> scene;  // of a method that solves one
   bool references_verified = false;
   std::vector<TargetSummary> targets;

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/report/report_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/report/packed_columns.h"
+#include "moiregauge/report/report_words.h"
+#include "moiregauge/version.h"
+
+namespace moiregauge {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What is put into the page in place of its marks.
+constexpr std::string_view kDataMark = "<!--moiregauge:data-->", kTitleMark = "<!--moiregauge:title-->";
+
+// Quanta of what is plotted: a twentieth of u rounds off 1.4 % of it at most.
+constexpr double kPartOfU = 0.05;
+constexpr double kLeastQuantum = 1e-7;    // mm
+constexpr double kUnknownQuantum = 1e-5;  // mm, where there is no u
+constexpr double kTimeQuantum = 1e-6;     // s
+constexpr double kPixelQuantum = 1e-3;
+constexpr double kDegreeQuantum = 1e-5;
+constexpr double kShareQuantum = 1e-4;   // of modulation and chi2
+constexpr double kDecadeQuantum = 1e-3;  // of a spectrum, in powers of ten
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+constexpr std::array kStatuses{Status::kOk,          Status::kUntrusted,     Status::kCameraMoved,
+                               Status::kBlurred,     Status::kSaturated,     Status::kPartlyCovered,
+                               Status::kLost,        Status::kReferenceLost, Status::kOrderUnproven,
+                               Status::kDecodeError, Status::kTooCoarse};
+
+// No text of a run may end the script it stands in, or begin a comment there.
+std::string for_script(std::string json) {
+  std::string safe;
+  safe.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+std::string for_html(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '&')
+      safe += "&amp;";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+Json spectrum_json(const AxisSpectrum& s, PackedColumns& columns) {
+  if (!s.refusal.empty()) return {{"refusal", s.refusal}};
+  std::vector<double> decades;
+  for (const double psd : s.spectrum.psd) decades.push_back(psd > 0.0 ? std::log10(psd) : kNotMeasured);
+  Json peaks = Json::array();
+  for (const Peak& p : s.peaks) {
+    peaks.push_back({{"kind", word_for(p.kind)},
+                     {"frequency_hz", p.frequency_hz},
+                     {"u_frequency_hz", p.u_frequency_hz},
+                     {"amplitude_mm", p.amplitude_mm},
+                     {"damping", number(p.damping)},
+                     {"u_damping", number(p.u_damping)},
+                     {"no_damping", p.no_damping},
+                     {"from_s", p.from_s},
+                     {"to_s", p.to_s}});
+  }
+  return {{"step_hz", s.spectrum.frequency_hz[1]},
+          {"log10_psd", columns.add(decades, kDecadeQuantum)},
+          {"resolution_hz", s.spectrum.resolution_hz},
+          {"segments", s.spectrum.segments},
+          {"segment_s", static_cast<double>(s.spectrum.segment_samples) * s.interval_s},
+          {"samples", s.spectrum.samples},
+          {"gaps", s.gaps},
+          {"longest_s", s.longest_s},
+          {"interval_s", s.interval_s},
+          {"peaks", std::move(peaks)}};
+}
+
+// One target's rows as columns, one value per observation.
+Json rows_json(const Measurement& m, const TargetSummary& target, PackedColumns& columns) {
+  std::vector<double> dx, dy, ux, uy, status;
+  for (const Sample& s : m.samples) {
+    if (s.marker != target.marker) continue;
+    dx.push_back(s.displacement.x);
+    dy.push_back(s.displacement.y);
+    ux.push_back(s.u.x);
+    uy.push_back(s.u.y);
+    status.push_back(static_cast<double>(std::find(kStatuses.begin(), kStatuses.end(), s.status) - kStatuses.begin()));
+  }
+  const double least_u = std::fmin(target.u.x, target.u.y);
+  const double quantum = std::isnan(least_u) ? kUnknownQuantum : decade_below(kPartOfU * least_u, kLeastQuantum);
+  return {{"dx", columns.add(dx, quantum)},
+          {"dy", columns.add(dy, quantum)},
+          {"ux", columns.add(ux, quantum)},
+          {"uy", columns.add(uy, quantum)},
+          {"status", columns.add(status, 1.0)}};
+}
+
+// The camera's own turn is the board's, the other way round.
+std::vector<double> other_way(std::vector<double> values) {
+  for (double& value : values) value = -value;
+  return values;
+}
+
+Json camera_json(const CameraMotion& camera, PackedColumns& columns) {
+  Json json{{"right", columns.add(camera.shift_x_px, kPixelQuantum)},
+            {"down", columns.add(camera.shift_y_px, kPixelQuantum)}};
+  const bool knows_turn = !camera.turn_x_deg.empty();
+  const auto turn = [&](const std::vector<double>& of_board) {
+    return knows_turn ? Json(columns.add(other_way(of_board), kDegreeQuantum)) : Json(nullptr);
+  };
+  json["pan"] = turn(camera.turn_y_deg);
+  json["tilt"] = turn(camera.turn_x_deg);
+  json["roll"] = turn(camera.turn_z_deg);
+  return json;
+}
+
+// Modulation of a print in one frame, both axes together; NaN where it was not read.
+double modulation_of(const PatchReading& patch) {
+  if (!patch.valid) return kNotMeasured;
+  double sum = 0.0, count = 0.0;
+  for (const double m : patch.modulation) {
+    if (!std::isfinite(m)) continue;
+    sum += m;
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : kNotMeasured;
+}
+
+Json quality_json(const Measurement& m, PackedColumns& columns) {
+  Json modulation = Json::array();
+  const Reference& reference = *m.reference;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const double then = modulation_of(reference.seen.markers[i].patch);
+    if (!(then > 0.0)) continue;
+    std::vector<double> relative;
+    for (const Observation& seen : m.observations)
+      relative.push_back(seen.markers[i].loss == Loss::kNone ? modulation_of(seen.markers[i].patch) / then
+                                                             : kNotMeasured);
+    modulation.push_back({{"name", reference.site.markers[i].name},
+                          {"role", reference.site.markers[i].role == Role::kTarget ? "target" : "reference"},
+                          {"then", then},
+                          {"relative", columns.add(relative, kShareQuantum)}});
+  }
+  return {{"modulation", std::move(modulation)},
+          {"chi2", !m.chi2_dof.empty() ? Json(columns.add(m.chi2_dof, kShareQuantum)) : Json(nullptr)}};
+}
+
+Json statuses_json() {
+  Json list = Json::array();
+  for (const Status status : kStatuses)
+    list.push_back({{"word", word_for(status)}, {"meaning", words_of(status).meaning}});
+  return list;
+}
+
+std::vector<TargetSpectra> spectra_of(const Measurement& m) {
+  std::vector<TargetSpectra> spectra;
+  for (const TargetSummary& target : m.targets) {
+    spectra.push_back({spectrum_of(series_of(m.samples, target.marker, &Extent<frame::Board>::x)),
+                       spectrum_of(series_of(m.samples, target.marker, &Extent<frame::Board>::y))});
+  }
+  return spectra;
+}
+
+// Adds what only a run with a reference frame has.
+void add_series(const Measurement& m, const CameraMotion& camera, const std::vector<TargetSpectra>& spectra, Json& json,
+                PackedColumns& columns) {
+  std::vector<double> frame, time;
+  for (const Observation& seen : m.observations) {
+    frame.push_back(static_cast<double>(seen.frame));
+    time.push_back(seen.time_s);
+  }
+  json["frame"] = columns.add(frame, 1.0);
+  const bool has_time = std::all_of(time.begin(), time.end(), [](double t) { return std::isfinite(t); });
+  json["time"] = has_time ? Json(columns.add(time, kTimeQuantum)) : Json(nullptr);
+  for (std::size_t k = 0; k < m.targets.size(); ++k) {
+    json["targets"].push_back(
+        {{"name", m.reference->site.markers[m.targets[k].marker].name},
+         {"rows", rows_json(m, m.targets[k], columns)},
+         {"spectrum", {{"x", spectrum_json(spectra[k].x, columns)}, {"y", spectrum_json(spectra[k].y, columns)}}}});
+  }
+  json["camera"] = camera_json(camera, columns);
+  json["quality"] = quality_json(m, columns);
+}
+
+}  // namespace
+
+std::string report_page(const Measurement& m, const MeasureOptions& options, const std::string& run_json,
+                        const std::vector<std::uint8_t>& overlay) {
+  CameraMotion camera;
+  if (m.reference) camera = camera_motion(*m.reference, m.observations, known_camera(*m.reference, m.scene));
+  const std::vector<TargetSpectra> spectra = spectra_of(m);
+  const Words words = words_of(WordedRun{m, options, camera, spectra});
+  const std::string name = std::filesystem::path(m.input.path).filename().string();
+  PackedColumns columns;
+  Json json{{"version", kVersion},
+            {"input", name.empty() ? m.input.path : name},
+            {"outcome", words.outcome},
+            {"exit_code", static_cast<int>(m.exit)},
+            {"method", {{"name", options.method->name}, {"summary", options.method->summary}}},
+            {"summary", words.summary},
+            {"advice", words.advice},
+            {"warnings", m.warnings},
+            {"statuses", statuses_json()},
+            {"targets", Json::array()},
+            {"frame", nullptr}};
+  if (m.reference) add_series(m, camera, spectra, json, columns);
+  json["columns"] = columns.index();
+  const std::string_view page = report_template();
+  const std::size_t title = page.find(kTitleMark), data = page.find(kDataMark);
+  if (title == std::string_view::npos || data == std::string_view::npos || data < title) return {};  // not our page
+  std::string out(page.substr(0, title));
+  out += for_html(json["input"].get<std::string>());
+  out += page.substr(title + kTitleMark.size(), data - title - kTitleMark.size());
+  out += "<script type=\"application/json\" id=\"report\">" +
+         for_script(json.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
+  out += "<script type=\"application/json\" id=\"run\">" + for_script(run_json) + "</script>\n";
+  out += "<script type=\"text/plain\" id=\"samples\">" + columns.base64() + "</script>\n";
+  out += "<script type=\"text/plain\" id=\"overlay\">" + base64_of(overlay) + "</script>";
+  out += page.substr(data + kDataMark.size());
+  return out;
+}
+
+}  // namespace moiregauge

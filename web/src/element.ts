@@ -1,0 +1,44 @@
+// Elements without ceremony. Text goes in as text: nothing of a run is ever read as HTML.
+
+type Child = Node | string | undefined | false;
+
+export function el<Name extends keyof HTMLElementTagNameMap>(
+  name: Name,
+  attributes: Record<string, string> = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[Name] {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  for (const child of children) if (child) element.append(child);
+  return element;
+}
+
+export function section(id: string, title: string, ...children: Child[]): HTMLElement {
+  return el('section', { id, 'aria-labelledby': `${id}-title` }, el('h2', { id: `${id}-title` }, title), ...children);
+}
+
+export interface Cell {
+  text: string;
+  isNumber?: boolean;
+  bar?: number; // 0 to 1
+}
+
+export function table(caption: string, head: string[], rows: (string | Cell)[][]): HTMLElement {
+  const line = (cells: (string | Cell)[]): HTMLTableRowElement => {
+    const row = el('tr');
+    cells.forEach((cell, k) => {
+      const { text, isNumber = false, bar } = typeof cell === 'string' ? { text: cell } : cell;
+      const box = k === 0 ? el('th', { scope: 'row' }, text) : el('td', isNumber ? { class: 'number' } : {}, text);
+      if (bar !== undefined) {
+        box.classList.add('bar');
+        box.style.setProperty('--share', `${(100 * bar).toFixed(1)}%`);
+      }
+      row.append(box);
+    });
+    return row;
+  };
+  const top = el('tr');
+  head.forEach((text) => top.append(el('th', { scope: 'col' }, text)));
+  return el('div', { class: 'wide', tabindex: '0', role: 'region', 'aria-label': caption },
+    el('table', {}, el('caption', {}, caption), el('thead', {}, top), el('tbody', {}, ...rows.map(line))));
+}
