@@ -106,12 +106,8 @@ int run(const MeasureWords& words) {
   tl::expected<Measurement, InputError> measured;
   Overlay overlay;  // of `measured`, so it must not outlive it
   const RunPlace place = place_of_run(output);
-<<<<<<< HEAD
-  RunDirectory directory(place, [&](const Measurement&) { return overlay.get(); });
-  directory.also(put_figures(*figures, words.quiet));
-=======
   RunDirectory directory(place, [&](const Measurement&) { return overlay.get(); }, report_page);
->>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
+  directory.also(put_figures(*figures, words.quiet));
   // A taken folder is found before, not after, hours of measuring.
   if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
     return fail(Exit::kUsage, free.error().message);

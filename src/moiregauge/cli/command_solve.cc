@@ -150,12 +150,8 @@ int run(const SolveWords& words) {
     if (!done) return fail(Exit::kUsage, done.error().message);
   }
   const std::string output = words.output.empty() ? words.run : words.output;
-<<<<<<< HEAD
-  RunDirectory directory = RunDirectory::solved_from(place_of_run(output), words.run);
-  directory.also(put_figures(*figures, words.quiet));
-=======
   RunDirectory directory = RunDirectory::solved_from(place_of_run(output), words.run, report_page);
->>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
+  directory.also(put_figures(*figures, words.quiet));
   if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free) return fail_output(free.error());
   Measurement solved;
   static_cast<Seen&>(solved) = std::move(stored->seen);

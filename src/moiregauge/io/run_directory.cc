@@ -111,14 +111,10 @@ tl::expected<void, std::string> RunDirectory::put_files(const fs::path& dir, con
   } else if (auto done = keep_seen(dir, solved_from_, place_.results == place_of_run(solved_from_).results); !done) {
     return done;
   }
-<<<<<<< HEAD
-  auto done = put_results(dir, measurement, options);
+  auto done = put_results(dir, measurement, options, write_report_);
   for (const PutMore& more : more_)
     if (done) done = more(dir, measurement);
   return done;
-=======
-  return put_results(dir, measurement, options, write_report_);
->>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
 }
 
 tl::expected<void, OutputError> RunDirectory::write(const Measurement& measurement, const MeasureOptions& options) {

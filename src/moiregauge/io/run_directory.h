@@ -17,14 +17,12 @@ namespace moiregauge {
 // Draws overlay.png; handed in, because drawing stands beside io.
 using DrawOverlay = std::function<std::vector<std::uint8_t>(const Measurement&)>;
 
-<<<<<<< HEAD
 // Puts more files into the folder of the results, before it takes its place; errors read "path: why".
 using PutMore = std::function<tl::expected<void, std::string>(const std::filesystem::path& folder, const Measurement&)>;
-=======
+
 // Writes report.html, given run.json and overlay.png as they are written beside it; handed in for the same reason.
 using WriteReport = std::function<std::string(const Measurement&, const MeasureOptions&, const std::string& run_json,
                                               const std::vector<std::uint8_t>& overlay)>;
->>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
 
 class RunDirectory : public ResultSink {
  public:
@@ -57,11 +55,8 @@ class RunDirectory : public ResultSink {
   [[nodiscard]] OutputError unwritable(const std::string& why, const Measurement& measurement) const;
   RunPlace place_;
   DrawOverlay draw_overlay_;
-<<<<<<< HEAD
   std::vector<PutMore> more_;
-=======
   WriteReport write_report_;
->>>>>>> 897cc61 (report.html in every run directory: words, linked plots with 95 % bands, spectra, camera, quality, budget, picture, origin)
   std::string solved_from_;  // empty: just measured
   bool is_unfinished_ = false;
 };
