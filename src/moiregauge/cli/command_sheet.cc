@@ -68,22 +68,7 @@ int run(const SheetWords& words) {
 void add_sheet(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("sheet", "Print-ready marker sheets (PDF, SVG) with their site.toml");
   auto words = std::make_shared<SheetWords>();
-  command->add_option("--pitch", words->pitch, "pitch of the gratings with its unit [10mm]")->type_name("LENGTH");
-  command
-      ->add_option("--pattern", words->pattern, "grid, squares, dots, lines-x, lines-y, checkerboard or cosine [grid]")
-      ->type_name("NAME");
-  command->add_option("--references", words->references, "4, or 6, which can check each other [4]")->type_name("N");
-  command->add_option("--targets", words->targets, "targets, in a row at half height [1]")->type_name("N");
-  command
-      ->add_option("--span", words->span,
-                   "between the outermost circles, e.g. 760x300mm [as far as one sheet has room]")
-      ->type_name("WxH");
-  command->add_option("--reference-size", words->reference_size, "side of a reference's grating [4 pitches]")
-      ->type_name("LENGTH");
-  command->add_option("--target-size", words->target_size, "side of a target's grating [6 pitches]")
-      ->type_name("LENGTH");
-  command->add_option("--circle", words->circle, "diameter of the circles [2 pitches]")->type_name("LENGTH");
-  command->add_option("--site", words->site, "print the markers of this site.toml instead")->type_name("FILE");
+  add_layout_options(*command, words->layout);
   command->add_option("--paper", words->paper, "A0 to A5, letter, legal, tabloid, or a size such as 300x400mm [A4]")
       ->type_name("SIZE");
   command->add_option("--orientation", words->orientation, "auto, portrait or landscape [auto]")->type_name("WORD");

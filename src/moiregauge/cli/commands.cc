@@ -8,6 +8,7 @@
 #include "moiregauge/cli/command_help.h"
 #include "moiregauge/cli/command_inspect.h"
 #include "moiregauge/cli/command_measure.h"
+#include "moiregauge/cli/command_plan.h"
 #include "moiregauge/cli/command_reproduce.h"
 #include "moiregauge/cli/command_sheet.h"
 #include "moiregauge/cli/command_simulate.h"
@@ -30,6 +31,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   add_solve(app, exit_code);
   add_inspect(app, exit_code);
   add_calibrate(app, exit_code);
+  add_plan(app, exit_code);
   add_sheet(app, exit_code);
   add_simulate(app, exit_code);
   add_reproduce(app, exit_code);

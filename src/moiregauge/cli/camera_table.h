@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras by name, for planning. What makers state; a recording is measured with a calibrated one.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace moiregauge::cli {
+
+struct NamedCamera {
+  std::string_view name;
+  std::string_view what;
+  int width = 0, height = 0;  // px
+  double pixel_um = 0.0;      // 0: told by hfov_deg
+  double hfov_deg = 0.0;      // 0: its lens is chosen (--focal)
+  bool rolls = false;         // rolling shutter
+  std::string_view source;
+};
+
+[[nodiscard]] std::optional<NamedCamera> camera_named(const std::string& name);
+[[nodiscard]] std::string camera_names();  // "imx250, ..."
+
+}  // namespace moiregauge::cli
