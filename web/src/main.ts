@@ -126,7 +126,8 @@ function displacement(of: Report, columns: Float64Array[], abscissa: Abscissa): 
     plots.push(...two);
     return el('div', { class: 'target' }, el('h3', {}, target.name), ...two.map(({ element }) => element));
   });
-  return section('displacement', 'Displacement', toolbar(abscissa), ...parts);
+  const refused = of.exit_code === 4 && el('p', { class: 'note' }, 'What was read, for looking at only: no row of this run is to be relied on.');
+  return section('displacement', 'Displacement', refused, toolbar(abscissa), ...parts);
 }
 
 function spectra(of: Report, columns: Float64Array[]): HTMLElement {

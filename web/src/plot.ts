@@ -33,6 +33,7 @@ export interface PlotPlan {
 
 const kPrintWidth = 680; // CSS pixels on paper
 const kPrintScale = 3; // and how much finer paper is than a screen
+const kWhole = [0, 1, 2, 3, 4, 5, 6, 7, 8].flatMap((decade) => [1, 2, 5].map((n) => n * 10 ** decade));
 let plots = 0;
 
 // A tenth more to each side; a flat line lies in the middle.
@@ -171,7 +172,7 @@ export class Plot {
         y: { range: (_u, low, high) => room(low, high) },
       },
       axes: [
-        { ...axis, label: abscissa, size: 28 * scale, space: 70 * scale },
+        { ...axis, label: abscissa, size: 28 * scale, space: 70 * scale, ...(abscissa === 'Frame' && { incrs: kWhole }) },
         { ...axis, label: ordinate, size: 62 * scale, space: 34 * scale,
           values: tick ? (_u, splits) => splits.map((v) => tick(v)) : (_u, splits) => splits.map((v) => String(Number(v.toPrecision(9))).replace('-', '\u2212')) },
       ],

@@ -27,7 +27,7 @@ export class Strip {
 
   draw(): void {
     const ratio = isPrinting() ? 3 : devicePixelRatio;
-    const width = Math.round((isPrinting() ? 680 : this.canvas.clientWidth) * ratio);
+    const width = Math.round((isPrinting() ? 586 : this.canvas.clientWidth) * ratio);
     if (width === 0) return;
     const { x, status, zoom, canvas } = this;
     canvas.width = width;

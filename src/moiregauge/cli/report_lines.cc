@@ -62,7 +62,7 @@ std::string next_line(const Measurement& m, const std::string& output) {
     return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE with the "
            "lens's calibration";
   if (m.exit == Exit::kIncomplete) return fmt::format("next: look for the rows that are not ok in {}/displacement.csv", output);
-  return fmt::format("next: {0}/displacement.csv holds every sample, {0}/overlay.png what was measured where", output);
+  return fmt::format("next: open {0}/report.html in a browser; {0}/displacement.csv holds every sample", output);
 }
 
 }  // namespace

@@ -119,7 +119,8 @@ std::string sentence_of_lens(const WordedRun& run) {
     const double percent = 100.0 * at_corner(camera, m.input.width, m.input.height);
     if (std::abs(percent) < 0.005)
       return fmt::format("The lens was {}: it distorts the picture's corner by less than 0.01 %.", how);
-    return fmt::format("The lens was {}: it distorts the picture's corner by {:+.2f} %.", how, percent);
+    return fmt::format("The lens was {}: it distorts the picture's corner by {}{:.2f} %.", how,
+                       percent < 0.0 ? "−" : "+", std::abs(percent));
   };
   const bool is_solved = m.scene && m.scene->solved;
   if (is_solved && m.scene->model.radial) return told("solved from the footage", m.scene->camera);
@@ -151,6 +152,12 @@ std::string sentence_of_references(const Measurement& m) {
   return m.reference->circles.size() <= 4 ? "The references could not be checked against each other: four fit any "
                                             "movement of one of them, six do not."
                                           : "The references could not be checked against each other.";
+}
+
+std::string begun_large(std::string sentence) {
+  if (sentence.front() >= 'a' && sentence.front() <= 'z')
+    sentence.front() = static_cast<char>(sentence.front() - 'a' + 'A');
+  return sentence;
 }
 
 std::string outcome_of(const Measurement& m) {
@@ -225,7 +232,7 @@ Words words_of(const WordedRun& run) {
   Words words;
   words.outcome = outcome_of(m);
   words.advice = advice_of(m);
-  if (!m.refusal.empty()) words.summary.push_back(m.refusal + ".");
+  if (!m.refusal.empty()) words.summary.push_back(begun_large(m.refusal) + ".");
   if (!m.reference) return words;
   const Site& site = site_of(m, run.options);
   for (std::size_t k = 0; k < m.targets.size(); ++k) {

@@ -21,6 +21,7 @@ constexpr double kLeastRatio = 3.0;     // and a hill that is no higher than thi
 constexpr double kLeastCycles = 3.0;    // in the record; slower is drift
 constexpr std::size_t kAround = 25;     // ordinates to each side that tell the level about one
 constexpr double kResolvedWidth = 4.0;  // half-power width in units of 1 / duration, below which it is the window's own
+constexpr double kCrumb = 0.05;         // of the strongest peak's amplitude
 constexpr double kUsefulDamping = 1.0 / 3.0;  // u / value
 
 // chi^2 with 2 K degrees of freedom, per degree: the value that a normal deviate z reaches (Wilson and Hilferty, 1931).
@@ -119,6 +120,15 @@ Taken own_band(double f, double lowest_hz, const std::vector<Taken>& taken, cons
   return own;
 }
 
+// What a step or a ramp leaves beside a strong vibration has no shape of its own, and little of its amplitude.
+void leave_out_crumbs(std::vector<Peak>& found) {
+  double most = 0.0;
+  for (const Peak& peak : found) most = std::max(most, peak.amplitude_mm);
+  std::erase_if(found, [&](const Peak& p) {
+    return p.kind == PeakKind::kRandom && std::isnan(p.damping) && p.amplitude_mm < kCrumb * most;
+  });
+}
+
 }  // namespace
 
 const char* word_for(PeakKind kind) {
@@ -146,6 +156,7 @@ std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const S
     taken.push_back({*near - spectrum.resolution_hz, *near + spectrum.resolution_hz});  // never twice the same
   }
   fits.settle(found);
+  leave_out_crumbs(found);
   std::sort(found.begin(), found.end(), [](const Peak& a, const Peak& b) { return a.frequency_hz < b.frequency_hz; });
   return found;
 }

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/report/report_words.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/report/report_page.h"
+
+namespace moiregauge {
+namespace {
+
+// Two targets over four frames, the first the reference frame: `mid` goes up by 2 mm, `end` stands.
+struct BridgeRun {
+  Measurement measurement;
+  MeasureOptions options;
+  CameraMotion camera;
+  std::vector<TargetSpectra> spectra{2};
+
+  BridgeRun() {
+    options.method = method_named("precise");
+    Reference reference;
+    for (const char* name : {"mid", "end"})
+      reference.site.markers.push_back({name, Role::kTarget, std::nullopt, Grating{}, std::nullopt});
+    reference.seen.markers.resize(2);
+    measurement.reference = reference;
+    measurement.input.path = "clips/bridge <b>.mp4";
+    measurement.input.width = 1000;
+    measurement.input.height = 500;
+    measurement.exit = Exit::kMeasured;
+    for (long frame = 0; frame < 4; ++frame) {
+      Observation seen;
+      seen.frame = frame;
+      seen.time_s = 0.1 * static_cast<double>(frame);
+      seen.markers.resize(2);
+      measurement.observations.push_back(seen);
+      for (const std::size_t marker : {0U, 1U}) {
+        Sample sample{frame, seen.time_s, marker, {0.0, 0.0}, {0.002, 0.001}, {}, Status::kOk};
+        if (marker == 0) sample.displacement.y = 2.0 * static_cast<double>(frame) / 3.0;
+        if (frame == 0) sample.u = {0.0, 0.0};
+        measurement.samples.push_back(sample);
+      }
+    }
+    camera.shift_x_px = {0.0, 30.0, 60.0, 61.0};
+    camera.shift_y_px = {0.0, 0.0, 0.0, 0.0};
+    camera.turn_x_deg = {0.0, 0.3, 0.6, 1.0};
+    camera.turn_y_deg = camera.turn_z_deg = {0.0, 0.0, 0.0, 0.0};
+  }
+  Words words() {
+    measurement.targets = summarise(*measurement.reference, measurement.samples);
+    return words_of(WordedRun{measurement, options, camera, spectra});
+  }
+};
+
+bool says(const std::vector<std::string>& sentences, const std::string& what) {
+  return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& s) { return s.find(what) != s.npos; });
+}
+
+TEST(ReportWords, WhatMovedIsToldWithItsInterval) {
+  const Words words = BridgeRun().words();
+  EXPECT_EQ(words.outcome, "Measured");
+  EXPECT_TRUE(says(words.summary, "mid moved 2.0000 mm up (± 0.0020 mm) at 0.30 s")) << words.summary.front();
+  EXPECT_TRUE(says(words.summary, "end did not move"));
+  EXPECT_TRUE(says(words.summary, "turned by up to 1.00°, and its picture moved by up to 61.0 px"));
+  EXPECT_TRUE(says(words.summary, "every row is ok"));
+  EXPECT_TRUE(words.advice.empty());
+}
+
+TEST(ReportWords, DownAndLeftHaveTheirWords) {
+  EXPECT_EQ(with_interval(-0.5, 0.01, "up", "down"), "0.500 mm down (± 0.020 mm)");
+  EXPECT_EQ(with_interval(12.0, 0.5, "up", "down"), "12.00 mm up (± 0.98 mm)");
+}
+
+TEST(ReportWords, WhatIsNotOkIsCountedAndHelped) {
+  BridgeRun run;
+  run.measurement.samples.back().status = Status::kBlurred;
+  run.measurement.exit = Exit::kIncomplete;
+  const Words words = run.words();
+  EXPECT_EQ(words.outcome, "Measured with gaps");
+  EXPECT_TRUE(says(words.summary, "7 of 8 rows are ok; 1 blurred"));
+  EXPECT_TRUE(says(words.advice, "Expose for a shorter time"));
+}
+
+TEST(ReportWords, ARowThatIsNotOkIsNotWhatMovedMost) {
+  BridgeRun run;
+  run.measurement.samples[6].status = Status::kUntrusted;  // mid in the last frame
+  EXPECT_TRUE(says(run.words().summary, "mid moved 1.3333 mm up"));
+}
+
+TEST(ReportWords, VibrationIsToldByFrequencyAndDamping) {
+  BridgeRun run;
+  Peak peak;
+  peak.kind = PeakKind::kDecay;
+  peak.frequency_hz = 1.7;
+  peak.u_frequency_hz = 0.001;
+  peak.amplitude_mm = 0.5;
+  peak.damping = 0.01;
+  peak.u_damping = 0.0005;
+  run.spectra[0].y.peaks = {peak};
+  EXPECT_TRUE(
+      says(run.words().summary, "mid swings up and down at 1.7000 Hz (± 0.0020 Hz; damping 1.000 % ± 0.098 %)"));
+}
+
+TEST(ReportPage, NoTextOfARunEndsItsScript) {
+  BridgeRun run;
+  run.measurement.warnings = {"</script><script>alert(1)</script>"};
+  (void)run.words();
+  const std::string page = report_page(run.measurement, run.options, R"({"input": {"path": "</script>"}})", {});
+  ASSERT_FALSE(page.empty());
+  std::size_t ends = 0;
+  for (std::size_t at = page.find("</script>"); at != page.npos; at = page.find("</script>", at + 1)) ++ends;
+  EXPECT_EQ(ends, 5U);  // report, run, samples, overlay, and the page's own
+  EXPECT_NE(page.find("<title>bridge &lt;b&gt;.mp4"), page.npos);
+}
+
+}  // namespace
+}  // namespace moiregauge
