@@ -64,5 +64,18 @@ TEST(CameraMotion, TellsTheShiftInPixelsWithoutACamera) {
   EXPECT_TRUE(motion.turn_x_deg.empty());
 }
 
+// Of compressed footage `precise` may solve the places and no lens: the focal length is then the one it began with.
+TEST(KnownCamera, IsNotOneThatTheFootageDidNotTell) {
+  Reference reference;
+  Scene scene;
+  scene.solved = true;
+  scene.camera = camera_of_the_rig();
+  EXPECT_FALSE(known_camera(reference, scene));
+  scene.model.radial = true;
+  EXPECT_EQ(known_camera(reference, scene).value().fx, 3478.0);
+  reference.lens = camera_of_the_rig();
+  EXPECT_EQ(known_camera(reference, std::nullopt).value().fx, 3478.0);
+}
+
 }  // namespace
 }  // namespace moiregauge
