@@ -21,8 +21,8 @@ struct Step {
 };
 
 constexpr std::array kSteps{
+    Step{"plan", "--distance 5m --camera phone-4k", "what to expect of a camera, a distance and a layout"},
     Step{"sheet", "", "print markers: a circle and a grating each"},
-    Step{"plan", "", "what to expect of a camera, a distance and a layout"},
     Step{"inspect", "clip.mp4 --pitch 10mm", "what is seen in your clip, before anything is measured"},
     Step{"measure", "clip.mp4 --pitch 10mm", "displacement in millimetres, into the folder clip-moiregauge"},
     Step{"simulate", "small-1xyz", "no clip at hand: draw one whose truth is known"},
@@ -97,7 +97,7 @@ std::string first_words(const CLI::App& app) {
                                       [&](const CLI::App* command) { return command->get_name() == step.command; });
     if (!is_there) continue;
     const std::string line = fmt::format("moiregauge {} {}", step.command, step.words);
-    text += fmt::format("  {:<43} {}\n", line, step.what);
+    text += fmt::format("  {:<48} {}\n", line, step.what);
   }
   return text + "\nAll commands: moiregauge -h. One in full: moiregauge help measure\n";
 }
