@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Writes docs/performance.md to stdout, from what chain_bench, bench/files.py and bench/instructions.py measured.
+"""Writes docs/performance.md to stdout, from what chain_bench, bench/files.py, bench/instructions.py and bench/report_page.py measured.
 
-  bench/report.py CHAIN_JSON [MORE_CHAIN_JSON ...] --files FILES_JSON --instructions INSTRUCTIONS_JSON --cpu MODEL --compiler NAME --command "tools/bench ..."
+  bench/report.py CHAIN_JSON [MORE_CHAIN_JSON ...] --files FILES_JSON --instructions INSTRUCTIONS_JSON --page PAGE_JSON --cpu MODEL --compiler NAME --command "tools/bench ..."
 
 Ends 1 when a gate fails (bench/ratios.py); the document is written all the same.
 """
@@ -10,6 +10,7 @@ import json
 import sys
 
 import ratios
+import report_page
 
 # Cases and memories in the order of the table; what a reader calls them.
 CASES = (("floor", "one pass over the frame's bytes"), ("textbook", "textbook chain (OpenCV)"),
@@ -104,13 +105,15 @@ def chains_with(chain):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("chain", nargs="+")
-    for word in ("--files", "--instructions", "--cpu", "--compiler", "--command"):
+    for word in ("--files", "--instructions", "--page", "--cpu", "--compiler", "--command"):
         parser.add_argument(word)
     words = parser.parse_args()
     chains = [ratios.Chain(path) for path in words.chain]
     chain = chains[0]
     with open(words.files, encoding="utf-8") as file:
         measured = json.load(file)
+    with open(words.page, encoding="utf-8") as file:
+        page = json.load(file)
     rows = ratios.rows_of(chains, words.files)
     cores, cache = chain.context["num_cpus"], int(chain.context["last_level_cache_bytes"]) / ratios.MIB
     print(f"""# Performance
@@ -144,6 +147,7 @@ Instructions, counted by callgrind with AVX2 at {ratios.SMALL}:
 
 {file_table(measured)}
 
+{report_page.section(page)}
 {NEXT}""")
     return 1 if any(row.verdict().startswith("**fails") for row in rows) else 0
 

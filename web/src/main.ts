@@ -36,7 +36,7 @@ function header(of: Report, run: Run, abscissa: Abscissa | undefined): HTMLEleme
 
 function words(of: Report): HTMLElement {
   const isRefused = of.exit_code === 4;
-  const summary = section('summary', isRefused ? 'Why there is no result' : 'In words', el('ul', { class: 'summary' }, ...of.summary.map((text) => el('li', {}, text))));
+  const summary = section('summary', isRefused ? 'Why there is no result' : 'In words', el('ul', { class: 'summary' }, ...of.summary.map((text) => el('li', {}, text.replaceAll('\u00b1 ', '\u00b1\u00a0')))));
   if (of.advice.length > 0) summary.append(el('h3', {}, 'What to do'), el('ul', { class: 'advice' }, ...of.advice.map((text) => el('li', {}, text))));
   return summary;
 }

@@ -11,7 +11,8 @@ namespace moiregauge {
 namespace {
 
 constexpr int kPasses = 10;
-constexpr double kFurthest = 2.0;  // 1 / duration, from where the passes begin
+constexpr double kConverged = 1e-7;  // rad, over the whole duration
+constexpr double kFurthest = 2.0;    // 1 / duration, from where the passes begin
 constexpr int kLinear = 4;
 constexpr int kAll = 6;  // and omega, lambda
 
@@ -125,7 +126,9 @@ std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Fallin
       if (next.square_sum <= fit.square_sum) break;
     }
     if (!(next.square_sum <= fit.square_sum)) break;  // no better any more
+    const double went = std::hypot(next.omega - fit.omega, next.lambda - fit.lambda);
     fit = next;
+    if (went * duration(samples) < kConverged) break;
   }
   if (!step_of(samples, falling, fit)) return std::nullopt;
   if (std::abs(fit.omega - omega) * duration(samples) > kFurthest * 2.0 * std::numbers::pi) return std::nullopt;
@@ -135,7 +138,7 @@ std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Fallin
 double best_omega(const TimedValues& samples, double lowest, double highest) {
   SineFit fit;
   fit.origin_s = samples.time_s.front();
-  const double step = 2.0 * std::numbers::pi / (8.0 * duration(samples));
+  const double step = 2.0 * std::numbers::pi / (4.0 * duration(samples));
   double best = 0.5 * (lowest + highest), least = INFINITY;
   for (double omega = lowest; omega <= highest; omega += step) {
     fit.omega = omega;

@@ -36,11 +36,11 @@ struct SineFit {
   [[nodiscard]] double operator()(double t) const;
 };
 
-// A fixed number of Gauss-Newton passes from `omega`, which must be within a quarter of 1 / duration of the truth.
+// At most ten Gauss-Newton passes from `omega`, which must be within a quarter of 1 / duration of the truth.
 // Nothing when the samples do not determine it, or when the passes lead elsewhere.
 [[nodiscard]] std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Falling falling);
 
-// Of the frequencies lowest..highest (rad/s), in steps of an eighth of 1 / duration, that of the best steady sine.
+// Of the frequencies lowest..highest (rad/s), in steps of a quarter of 1 / duration, that of the best steady sine.
 [[nodiscard]] double best_omega(const TimedValues& samples, double lowest, double highest);
 
 // What moves slowly: straight lines between knots, `spacing_s` apart, by least squares. One value per sample.
