@@ -108,6 +108,17 @@ TABLE = {
         ("solve empty --figures pdf,", 2, "pdf, svg, png"),
         ("solve empty again", 2, "again"),
     ],
+    "export": [
+        ("export", 2, "DIR"),
+        ("export nowhere", 3, "nowhere"),
+        ("export text.mp4", 3, "not a folder"),
+        ("export empty", 3, "run.json"),
+        ("export empty --format parquet", 2, "wide, long, hdf5, uff58"),
+        ("export empty --gaps fill", 2, "refuse, split"),
+        ("export empty --time 5", 2, "2:8.5"),
+        ("export empty --time 5:2", 2, "2:8.5"),
+        ("export empty -o text.mp4", 2, "--replace"),
+    ],
     "inspect": [
         ("inspect", 2, "INPUT"),
         (f"inspect {NO_SUCH}", 3, NO_SUCH),

@@ -77,6 +77,8 @@ def texts(moiregauge, work):
     put("scenario_file", "set-lens", "lens.k1=-0.0225")
     put("scenario_file", "length", "10000 \u00b5m")
     put("run_json", "measured", (work / "run/run.json").read_bytes()[:1500])
+    put("displacement_csv", "measured", (work / "run/displacement.csv").read_bytes()[:1500])
+    put("displacement_csv", "quoted", 'frame,time_s,marker,dx_mm,dy_mm,u_dx_mm,u_dy_mm,status,more\n0,0.0,"a ""b"", c",0,0,0,0,ok,1\n2,NaN,b,NaN,1,NaN,1,lost,\n')
     put("run_json", "whole", '{"schema":1,"input":{"path":"a.mkv","sha256":"0a1b","frames":2,"fps":null},"warnings":["\\u00e9"]}')
     put("run_file", "two-stage", b"\0" + (work / "run/run.mgj").read_bytes()[16:])
 

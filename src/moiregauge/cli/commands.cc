@@ -5,6 +5,7 @@
 
 #include "moiregauge/cli/command_calibrate.h"
 #include "moiregauge/cli/command_completion.h"
+#include "moiregauge/cli/command_export.h"
 #include "moiregauge/cli/command_help.h"
 #include "moiregauge/cli/command_inspect.h"
 #include "moiregauge/cli/command_measure.h"
@@ -29,6 +30,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   app.footer("One command in full: moiregauge help COMMAND");
   add_measure(app, exit_code);
   add_solve(app, exit_code);
+  add_export(app, exit_code);
   add_inspect(app, exit_code);
   add_calibrate(app, exit_code);
   add_plan(app, exit_code);

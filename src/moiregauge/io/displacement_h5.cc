@@ -128,28 +128,44 @@ std::string bytes_of(hid_t file) {
 
 }  // namespace
 
-std::string displacement_h5(const Measurement& measurement, const MeasureOptions& options) {
+std::string displacement_h5(const RunTable& table) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // what goes wrong is told by us
   const Handle access(in_memory(), H5Pclose);
   const Handle file(H5Fcreate("displacement.h5", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
-  say(file, "moiregauge", kVersion);
-  say(file, "method", std::string(options.method->name));
-  say(file, "input", measurement.input.path);
-  say(file, "input_sha256", measurement.input.sha256);
-  say(file, "reference_frame", measurement.reference->seen.frame);
-  say(file, "complete", static_cast<long>(!measurement.interrupted && !measurement.input_damaged));
-  const Site& site = site_of(measurement, options);
+  say(file, "moiregauge", table.version);
+  say(file, "method", table.method);
+  say(file, "input", table.input);
+  say(file, "input_sha256", table.input_sha256);
+  say(file, "reference_frame", table.reference_frame);
+  say(file, "complete", static_cast<long>(table.complete));
   std::vector<std::string> taken;
-  for (const TargetSummary& target : measurement.targets) {
+  for (std::size_t i = 0; i < table.markers.size(); ++i) {
     std::vector<const Sample*> rows;
-    for (const Sample& sample : measurement.samples) {
-      if (sample.marker == target.marker) rows.push_back(&sample);
+    for (const Sample& sample : table.samples) {
+      if (sample.marker == i) rows.push_back(&sample);
     }
-    const std::string& marker = site.markers[target.marker].name;
-    taken.push_back(group_name(marker, taken));
-    put_target(file, taken.back(), marker, rows);
+    taken.push_back(group_name(table.markers[i].name, taken));
+    put_target(file, taken.back(), table.markers[i].name, rows);
   }
   return bytes_of(file);
+}
+
+std::string displacement_h5(const Measurement& measurement, const MeasureOptions& options) {
+  RunTable table;
+  table.version = kVersion;
+  table.method = options.method->name;
+  table.input = measurement.input.path;
+  table.input_sha256 = measurement.input.sha256;
+  table.reference_frame = measurement.reference->seen.frame;
+  table.complete = !measurement.interrupted && !measurement.input_damaged;
+  std::vector<std::size_t> place(site_of(measurement, options).markers.size());
+  for (const TargetSummary& target : measurement.targets) {
+    place[target.marker] = table.markers.size();
+    table.markers.push_back({site_of(measurement, options).markers[target.marker].name, {}, 0.0});
+  }
+  table.samples = measurement.samples;
+  for (Sample& sample : table.samples) sample.marker = place[sample.marker];
+  return displacement_h5(table);
 }
 
 }  // namespace moiregauge

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "moiregauge/io/run_table.h"
 #include "moiregauge/run/measure.h"
 
 namespace moiregauge {
@@ -11,5 +12,8 @@ namespace moiregauge {
 // same measurement gives the same bytes. Needs a reference frame; empty when the library fails, which takes a lack of
 // memory.
 [[nodiscard]] std::string displacement_h5(const Measurement& measurement, const MeasureOptions& options);
+
+// The same of what was read back.
+[[nodiscard]] std::string displacement_h5(const RunTable& table);
 
 }  // namespace moiregauge

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace moiregauge::cli {
+
+// `moiregauge export`: docs/cli/export.md.
+void add_export(CLI::App& app, int& exit_code);
+
+}  // namespace moiregauge::cli

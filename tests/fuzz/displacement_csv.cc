@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes as the displacement.csv of a run that is exported.
+#include <sstream>
+
+#include "moiregauge/io/table_csv.h"
+#include "moiregauge/io/uff58.h"
+#include "tests/fuzz/input_file.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  std::istringstream file(moiregauge::fuzz::text_of({data, size}));
+  moiregauge::RunTable table;
+  if (!moiregauge::parse_displacement_csv(file, table)) return 0;
+  const auto part = moiregauge::selected(table, {{}, {}, 2.0, true});
+  if (!part) return 0;
+  static_cast<void>(moiregauge::long_csv(*part));
+  static_cast<void>(moiregauge::wide_csv(*part));
+  static_cast<void>(moiregauge::uff58(*part, moiregauge::Gaps::kSplit));
+  return 0;
+}
