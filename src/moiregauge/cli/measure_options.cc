@@ -31,6 +31,13 @@ std::string method_names() {
   return names;
 }
 
+// "no site file: nowhere.toml: check the name": of a file that is not there nothing is to be corrected.
+tl::expected<void, UsageError> is_there(const std::string& kind, const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error)) return {};
+  return usage(fmt::format("no {}: {}: check the name", kind, path));
+}
+
 }  // namespace
 
 tl::expected<const Method*, UsageError> method_of(const std::string& word) {
@@ -41,12 +48,14 @@ tl::expected<const Method*, UsageError> method_of(const std::string& word) {
 }
 
 tl::expected<Site, UsageError> site_of_file(const std::string& path) {
+  if (const auto found = is_there("site file", path); !found) return tl::unexpected(found.error());
   auto site = read_site(path);
   if (!site) return usage(mistakes_in("site file", path, fmt::format("{}", fmt::join(site.error(), "\n"))));
   return *std::move(site);
 }
 
 tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options) {
+  if (const auto found = is_there("camera file", path); !found) return found;
   const auto known = read_known_camera(path);
   if (!known) return usage(mistakes_in("camera file", path, known.error()));
   options.camera = known->camera;
