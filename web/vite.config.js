@@ -1,6 +1,16 @@
 // One page out of all: script and style go into page.html in place of its marks; the program puts the data in later.
 import { defineConfig } from 'vite';
-import { readFileSync } from 'node:fs';
+import { createHash } from 'node:crypto';
+import { readFileSync, readdirSync } from 'node:fs';
+
+// What the bundle was made of, so that a test without Node can tell whether it is that of these sources
+// (tests/rules/web_bundle_test.py).
+function fingerprint() {
+  const files = ['package-lock.json', 'tsconfig.json', 'vite.config.js', ...readdirSync('src').map((name) => `src/${name}`)];
+  const hash = createHash('sha256');
+  for (const file of files.sort()) hash.update(`${file}\n`).update(readFileSync(file)).update('\n');
+  return hash.digest('hex');
+}
 
 const onePage = {
   name: 'one-page',
@@ -17,7 +27,7 @@ const onePage = {
     const page = readFileSync('src/page.html', 'utf8')
       .replace('/*style*/', () => style.trim())
       .replace('/*script*/', () => script.trim().replaceAll('</script', '<\\/script'))
-      .replace('/*licences*/', () => licences);
+      .replace('/*licences*/', () => `${licences}\nBundled from web/ as of ${fingerprint()}`);
     this.emitFile({ type: 'asset', fileName: 'report.html', source: page });
   },
 };
