@@ -101,7 +101,8 @@ void draw_words(cairo_t* cr, const Sheet& sheet) {
               "Print at 100 %, not \"fit to page\", on matt paper. Measure both rulers:",
               {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
   canvas.text({kEdges.left, paper.height_mm - 5.2},
-              fmt::format("100.12 mm instead of 100 is  --print-scale 1.0012.  This page: {}, moiregauge.", paper.name),
+              fmt::format("{0:.2f} mm instead of {1:.0f} is  --print-scale 1.0012.  This page: {2}, moiregauge.",
+                          1.0012 * ruler_mm(paper.width_mm), ruler_mm(paper.width_mm), paper.name),
               {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
 }
 

@@ -8,6 +8,7 @@
 
 #include "moiregauge/drawing/canvas.h"
 #include "moiregauge/sheet/draw_sheet.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge::sheet {
 namespace {
@@ -137,18 +138,20 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
 
 std::vector<std::string> advice(const SheetSet& set) {
   const bool is_one = set.sheets.size() == 1 && set.site.markers.size() > 1;
+  const KnownTo& known = set.site.known_to;
   std::vector<std::string> lines{
-      "1  Print sheets.pdf at 100 % on matt paper; measure the 100 mm rulers.",
-      "   More or less than 100 mm goes into  measure --print-scale.",
+      "1  Print sheets.pdf at 100 % on matt paper; measure both rulers.",
+      "   What they are too long or short goes into  measure --print-scale.",
       "2  Glue the paper flat on stiff plates (aluminium, dibond), no waves.",
       is_one ? "3  Cut out the targets: they go on what moves. The references may stay"
              : "3  Hang every sheet at its place in the table, \"up\" upwards.",
       is_one ? "   on their sheet: their places to one another are exact then."
-             : "   A level and a tape do: site.toml says places are known to 1 mm",
+             : fmt::format("   A level and a tape do: site.toml says places are known to {:g} mm", known.position_mm),
       is_one ? "   Markers that are cut apart hang at the places of the table."
-             : "   (position_mm) and turns to 0.3 deg; write there what you reached.",
+             : fmt::format("   (position_mm) and turns to {:.2g} deg; write there what you reached.",
+                           degrees_from_radians(known.rotation_rad)),
       "4  References (blue) stand still, on the ground or an abutment; targets",
-      "   (red) move. All in one plane, facing the camera.",
+      "   (orange) move. All in one plane, facing the camera.",
       "5  A target that stands before or behind that plane: write its z_mm",
       "   into site.toml (towards the camera is positive).",
       "6  measure CLIP --site site.toml",

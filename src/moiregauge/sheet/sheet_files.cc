@@ -4,7 +4,7 @@
 #include <cctype>
 #include <functional>
 #include <map>
-#include <regex>
+#include <string_view>
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -57,19 +57,26 @@ std::string pdf_of(const std::vector<Page>& pages, const std::string& title, con
   return cairo_surface_status(surface.get()) == CAIRO_STATUS_SUCCESS ? bytes : std::string{};
 }
 
-// cairo numbers its surfaces and pictures through the life of a process: here from 1 in every file.
+// cairo numbers its surfaces and pictures through the life of a process: here from 1 in every file. Names stand behind
+// id=" and #, digits at their end.
 std::string renumbered(const std::string& svg) {
-  static const std::regex kName("(id=\"|#)(surface|image)([0-9]+)");
-  std::map<std::string, std::string> names;
+  std::map<std::string, std::string, std::less<>> names;
   std::string text;
-  auto from = svg.cbegin();
-  for (std::sregex_iterator it(svg.begin(), svg.end(), kName), end; it != end; ++it) {
-    const std::string& name =
-        names.try_emplace(it->str(2) + it->str(3), it->str(2) + std::to_string(names.size() + 1)).first->second;
-    text.append(from, (*it)[1].second).append(name);
-    from = (*it)[0].second;
+  std::size_t done = 0;
+  for (std::size_t at = 0; (at = svg.find_first_of("#\"", at)) != std::string::npos; ++at) {
+    const std::string_view rest = std::string_view(svg).substr(at + 1);
+    for (const std::string_view kind : {"surface", "image"}) {
+      if (rest.substr(0, kind.size()) != kind) continue;
+      const std::size_t end = rest.find_first_not_of("0123456789", kind.size());
+      const std::string_view name = rest.substr(0, end);
+      if (name.size() == kind.size()) continue;
+      const auto found =
+          names.try_emplace(std::string(name), std::string(kind) + std::to_string(names.size() + 1)).first;
+      text.append(svg, done, at + 1 - done).append(found->second);
+      done = at + 1 + name.size();
+    }
   }
-  return text.append(from, svg.cend());
+  return text.append(svg, done);
 }
 
 // The page's unit is the millimetre, for whoever opens it in a drawing program or cuts it with a laser.
