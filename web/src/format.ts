@@ -3,6 +3,10 @@
 const kCover95 = 1.96;
 export const expanded = (u: number): number => kCover95 * u;
 
+// Of a frequency: clocks of cameras are no better than this part of it.
+const kClock = 1e-5;
+export const expandedFrequency = (u: number, frequency: number): number => Math.max(expanded(u), kClock * frequency);
+
 export const digitsFor = (u: number): number =>
   u > 0 && Number.isFinite(u) ? Math.min(7, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 3;
 

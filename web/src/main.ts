@@ -138,7 +138,7 @@ function spectra(of: Report, columns: Float64Array[]): HTMLElement {
   const parts = of.targets.map((target) => spectraOf(target, columns, zoom));
   parts.forEach((part) => plots.push(...part.plots));
   return section('spectra', 'How it vibrates', ...parts.map(({ element }) => element),
-    el('p', { class: 'small' }, 'Frequencies are those of the record\u2019s own time stamps; what swings faster than half the frame rate shows up folded back below it. ' +
+    el('p', { class: 'small' }, 'Frequencies are those of the record\u2019s own time stamps, and no interval is narrower than 10\u207b\u2075 of them, for no camera\u2019s clock is better; what swings faster than half the frame rate shows up folded back below it. ' +
       'A free decay and a steady vibration are fitted in time, random vibration by the shape of its peak.'));
 }
 

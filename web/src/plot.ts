@@ -86,7 +86,7 @@ export class Plot {
   }
 
   private height(): number {
-    return this.plan.height ?? 200;
+    return isPrinting() ? 0.85 * (this.plan.height ?? 200) : (this.plan.height ?? 200); // on paper three to a page
   }
 
   private watchSize(): void {
@@ -173,7 +173,7 @@ export class Plot {
       },
       axes: [
         { ...axis, label: abscissa, size: 28 * scale, space: 70 * scale, ...(abscissa === 'Frame' && { incrs: kWhole }) },
-        { ...axis, label: ordinate, size: 62 * scale, space: 34 * scale,
+        { ...axis, label: ordinate, size: 62 * scale, space: 24 * scale,
           values: tick ? (_u, splits) => splits.map((v) => tick(v)) : (_u, splits) => splits.map((v) => String(Number(v.toPrecision(9))).replace('-', '\u2212')) },
       ],
       cursor: {
@@ -205,6 +205,7 @@ export class Plot {
         }],
       },
     }, this.data(width / scale), this.box);
+    this.box.style.setProperty('--height', `${this.height()}px`);
     this.box.classList.toggle('fine', scale > 1);
   }
 

@@ -3,7 +3,7 @@ import type uPlot from 'uplot';
 import type { Peak, Spectrum, Target } from './data';
 import { Curve } from './decimate';
 import { el, table, type Cell } from './element';
-import { brief, digitsFor, duration, expanded, plain } from './format';
+import { brief, digitsFor, duration, expanded, expandedFrequency, plain } from './format';
 import { Plot } from './plot';
 import { theme } from './theme';
 import type { Zoom } from './zoom';
@@ -20,7 +20,7 @@ const axes = [
 ] as const;
 
 function peakRow(axis: string, peak: Peak): (string | Cell)[] {
-  const u = expanded(peak.u_frequency_hz);
+  const u = expandedFrequency(peak.u_frequency_hz, peak.frequency_hz);
   const f = `${plain(peak.frequency_hz, digitsFor(u))} \u00b1 ${plain(u, digitsFor(u))}`;
   let damping = 'not given';
   if (peak.damping !== null && peak.u_damping !== null) {

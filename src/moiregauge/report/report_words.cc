@@ -10,6 +10,7 @@ namespace moiregauge {
 namespace {
 
 constexpr std::size_t kMostWorded = 3;  // peaks of a target that are put into words
+constexpr double kClock = 1e-5;         // of a frequency: no camera's clock is better
 constexpr double kWorthAWord = 0.1;     // of the strongest's amplitude
 
 int digits_for(double u) { return std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(u, 1e-9)))), 0, 6); }
@@ -63,7 +64,7 @@ std::string sentence_of_target(const WordedRun& run, const TargetSummary& t) {
 }
 
 std::string peak_in_words(const Peak& peak) {
-  const double expanded = kCover95 * peak.u_frequency_hz;
+  const double expanded = std::max(kCover95 * peak.u_frequency_hz, kClock * peak.frequency_hz);
   std::string text =
       fmt::format("{:.{}f} Hz (± {:.{}f} Hz", peak.frequency_hz, digits_for(expanded), expanded, digits_for(expanded));
   if (!std::isnan(peak.damping)) {
@@ -73,16 +74,22 @@ std::string peak_in_words(const Peak& peak) {
   return text + ")";
 }
 
-// The strongest peaks along either axis.
-void add_vibration(const std::string& name, const AxisSpectrum& s, const char* along, std::vector<std::string>& to) {
+// The strongest peaks along one axis: "up and down at 1.70 Hz (...), ..."; empty without one.
+std::string vibration(const AxisSpectrum& s, const char* along) {
   std::vector<Peak> peaks = s.peaks;
   std::sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) { return a.amplitude_mm > b.amplitude_mm; });
-  if (peaks.empty()) return;
+  if (peaks.empty()) return "";
   if (peaks.size() > kMostWorded) peaks.resize(kMostWorded);
   while (peaks.back().amplitude_mm < kWorthAWord * peaks.front().amplitude_mm) peaks.pop_back();
   std::string list;
   for (const Peak& peak : peaks) list += fmt::format("{}{}", list.empty() ? "" : ", ", peak_in_words(peak));
-  to.push_back(fmt::format("{} swings {} at {}.", name, along, list));
+  return fmt::format("{} at {}", along, list);
+}
+
+void add_vibration(const std::string& name, const TargetSpectra& spectra, std::vector<std::string>& to) {
+  const std::string up = vibration(spectra.y, "up and down"), side = vibration(spectra.x, "sideways");
+  if (up.empty() && side.empty()) return;
+  to.push_back(fmt::format("{} swings {}{}{}.", name, up, up.empty() || side.empty() ? "" : "; ", side));
 }
 
 std::string sentence_of_camera(const WordedRun& run) {
@@ -238,8 +245,7 @@ Words words_of(const WordedRun& run) {
   for (std::size_t k = 0; k < m.targets.size(); ++k) {
     const std::string& name = site.markers[m.targets[k].marker].name;
     words.summary.push_back(sentence_of_target(run, m.targets[k]));
-    add_vibration(name, run.spectra[k].y, "up and down", words.summary);
-    add_vibration(name, run.spectra[k].x, "sideways", words.summary);
+    add_vibration(name, run.spectra[k], words.summary);
   }
   words.summary.push_back(sentence_of_camera(run));
   words.summary.push_back(sentence_of_lens(run));
