@@ -34,6 +34,7 @@ install(TARGETS moiregauge RUNTIME)
 install(FILES ${word_files} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${words_dir}/bash/moiregauge DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES ${words_dir}/zsh/_moiregauge DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/moiregauge)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/moiregauge)
 
 # The library: one archive per module, as moiregauge::<module>; moiregauge::moiregauge is all of them.
