@@ -110,7 +110,7 @@ std::vector<Stretch> stretches_of(const RunTable& table, const Place& place, lon
     if (sample.marker != place.marker) continue;
     const double value = place.axis == 0 ? sample.displacement.x : sample.displacement.y;
     if (std::isnan(value)) continue;
-    if (last >= 0 && sample.frame != last + frame_step) found.emplace_back();
+    if (last >= 0 && sample.frame - last != frame_step) found.emplace_back();
     found.back().push_back({sample.time_s, value});
     last = sample.frame;
   }
