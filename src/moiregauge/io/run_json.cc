@@ -150,7 +150,20 @@ Json bound_json(const Measurement& measurement, std::size_t target) {
   return {{"x", number(bound.x)}, {"y", number(bound.y)}};
 }
 
-Json target_json(const Measurement& measurement, const Site& site, const TargetSummary& target) {
+// Frequency and damping of what swings along one axis; none without a spectrum, or without a peak in it.
+Json peaks_json(const AxisSpectrum& spectrum) {
+  Json peaks = Json::array();
+  for (const Peak& peak : spectrum.peaks)
+    peaks.push_back({{"kind", word_for(peak.kind)},
+                     {"frequency_hz", peak.frequency_hz},
+                     {"amplitude_mm", peak.amplitude_mm},
+                     {"damping", number(peak.damping)},
+                     {"u", {{"frequency_hz", peak.u_frequency_hz}, {"damping", number(peak.u_damping)}}}});
+  return peaks;
+}
+
+Json target_json(const Measurement& measurement, const Site& site, std::size_t k) {
+  const TargetSummary& target = measurement.targets[k];
   return {{"name", site.markers[target.marker].name},
           {"frames", target.frames},
           {"ok", target.ok},
@@ -158,7 +171,8 @@ Json target_json(const Measurement& measurement, const Site& site, const TargetS
           {"u_dx_mm", number(target.u.x)},
           {"u_dy_mm", number(target.u.y)},
           {"bound_mm", bound_json(measurement, target.marker)},
-          {"budget", budget_json(target.budget)}};
+          {"budget", budget_json(target.budget)},
+          {"peaks", {{"x", peaks_json(measurement.spectra[k].x)}, {"y", peaks_json(measurement.spectra[k].y)}}}};
 }
 
 }  // namespace
@@ -176,7 +190,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
     json["markers"].push_back(marker_json(measurement, site, i));
   json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
-  for (const TargetSummary& target : measurement.targets) json["targets"].push_back(target_json(measurement, site, target));
+  for (std::size_t k = 0; k < measurement.targets.size(); ++k) json["targets"].push_back(target_json(measurement, site, k));
   json["references_verified"] = measurement.references_verified;
   json["warnings"] = measurement.warnings;
   json["exit_code"] = static_cast<int>(measurement.exit);

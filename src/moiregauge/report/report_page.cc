@@ -170,18 +170,8 @@ Json statuses_json() {
   return list;
 }
 
-std::vector<TargetSpectra> spectra_of(const Measurement& m) {
-  std::vector<TargetSpectra> spectra;
-  for (const TargetSummary& target : m.targets) {
-    spectra.push_back({spectrum_of(series_of(m.samples, target.marker, &Extent<frame::Board>::x)),
-                       spectrum_of(series_of(m.samples, target.marker, &Extent<frame::Board>::y))});
-  }
-  return spectra;
-}
-
 // Adds what only a run with a reference frame has.
-void add_series(const Measurement& m, const CameraMotion& camera, const std::vector<TargetSpectra>& spectra, Json& json,
-                PackedColumns& columns) {
+void add_series(const Measurement& m, const CameraMotion& camera, Json& json, PackedColumns& columns) {
   std::vector<double> frame, time;
   for (const Observation& seen : m.observations) {
     frame.push_back(static_cast<double>(seen.frame));
@@ -194,7 +184,7 @@ void add_series(const Measurement& m, const CameraMotion& camera, const std::vec
     json["targets"].push_back(
         {{"name", m.reference->site.markers[m.targets[k].marker].name},
          {"rows", rows_json(m, m.targets[k], columns)},
-         {"spectrum", {{"x", spectrum_json(spectra[k].x, columns)}, {"y", spectrum_json(spectra[k].y, columns)}}}});
+         {"spectrum", {{"x", spectrum_json(m.spectra[k].x, columns)}, {"y", spectrum_json(m.spectra[k].y, columns)}}}});
   }
   json["camera"] = camera_json(camera, columns);
   json["quality"] = quality_json(m, columns);
@@ -206,8 +196,7 @@ std::string report_page(const Measurement& m, const MeasureOptions& options, con
                         const std::vector<std::uint8_t>& overlay) {
   CameraMotion camera;
   if (m.reference) camera = camera_motion(*m.reference, m.observations, known_camera(*m.reference, m.scene));
-  const std::vector<TargetSpectra> spectra = spectra_of(m);
-  const Words words = words_of(WordedRun{m, options, camera, spectra});
+  const Words words = words_of(WordedRun{m, options, camera});
   const std::string name = std::filesystem::path(m.input.path).filename().string();
   PackedColumns columns;
   Json json{{"version", kVersion},
@@ -221,7 +210,7 @@ std::string report_page(const Measurement& m, const MeasureOptions& options, con
             {"statuses", statuses_json()},
             {"targets", Json::array()},
             {"frame", nullptr}};
-  if (m.reference) add_series(m, camera, spectra, json, columns);
+  if (m.reference) add_series(m, camera, json, columns);
   json["columns"] = columns.index();
   const std::string_view page = report_template();
   const std::size_t title = page.find(kTitleMark), data = page.find(kDataMark);

@@ -245,7 +245,7 @@ Words words_of(const WordedRun& run) {
   for (std::size_t k = 0; k < m.targets.size(); ++k) {
     const std::string& name = site.markers[m.targets[k].marker].name;
     words.summary.push_back(sentence_of_target(run, m.targets[k]));
-    add_vibration(name, run.spectra[k], words.summary);
+    add_vibration(name, m.spectra[k], words.summary);
   }
   words.summary.push_back(sentence_of_camera(run));
   words.summary.push_back(sentence_of_lens(run));

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "moiregauge/results/camera_motion.h"
-#include "moiregauge/results/peaks.h"
 #include "moiregauge/run/measure.h"
 
 namespace moiregauge {
@@ -14,15 +13,10 @@ namespace moiregauge {
 // 95 % of a normal distribution.
 inline constexpr double kCover95 = 1.96;
 
-struct TargetSpectra {
-  AxisSpectrum x, y;
-};
-
 struct WordedRun {
   const Measurement& measurement;
   const MeasureOptions& options;
   const CameraMotion& camera;
-  const std::vector<TargetSpectra>& spectra;  // in the order of measurement.targets
 };
 
 // One or two sentences for each: the targets, how they vibrate, the camera, the lens, the rows.

@@ -15,7 +15,6 @@ struct BridgeRun {
   Measurement measurement;
   MeasureOptions options;
   CameraMotion camera;
-  std::vector<TargetSpectra> spectra{2};
 
   BridgeRun() {
     options.method = method_named("precise");
@@ -24,6 +23,7 @@ struct BridgeRun {
       reference.site.markers.push_back({name, Role::kTarget, std::nullopt, Grating{}, std::nullopt});
     reference.seen.markers.resize(2);
     measurement.reference = reference;
+    measurement.spectra.resize(2);
     measurement.input.path = "clips/bridge <b>.mp4";
     measurement.input.width = 1000;
     measurement.input.height = 500;
@@ -48,7 +48,7 @@ struct BridgeRun {
   }
   Words words() {
     measurement.targets = summarise(*measurement.reference, measurement.samples);
-    return words_of(WordedRun{measurement, options, camera, spectra});
+    return words_of(WordedRun{measurement, options, camera});
   }
 };
 
@@ -96,7 +96,7 @@ TEST(ReportWords, VibrationIsToldByFrequencyAndDamping) {
   peak.amplitude_mm = 0.5;
   peak.damping = 0.01;
   peak.u_damping = 0.0005;
-  run.spectra[0].y.peaks = {peak};
+  run.measurement.spectra[0].y.peaks = {peak};
   EXPECT_TRUE(
       says(run.words().summary, "mid swings up and down at 1.7000 Hz (± 0.0020 Hz; damping 1.000 % ± 0.098 %)"));
 }
@@ -105,6 +105,7 @@ TEST(ReportPage, NoTextOfARunEndsItsScript) {
   BridgeRun run;
   run.measurement.warnings = {"</script><script>alert(1)</script>"};
   (void)run.words();
+  run.measurement.spectra = spectra_of(run.measurement.samples, run.measurement.targets);
   const std::string page = report_page(run.measurement, run.options, R"({"input": {"path": "</script>"}})", {});
   ASSERT_FALSE(page.empty());
   std::size_t ends = 0;

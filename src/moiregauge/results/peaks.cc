@@ -181,4 +181,13 @@ AxisSpectrum spectrum_of(const Series& series) {
   return result;
 }
 
+std::vector<TargetSpectra> spectra_of(const Samples& samples, const std::vector<TargetSummary>& targets) {
+  std::vector<TargetSpectra> spectra;
+  for (const TargetSummary& target : targets) {
+    spectra.push_back({spectrum_of(series_of(samples, target.marker, &Extent<frame::Board>::x)),
+                       spectrum_of(series_of(samples, target.marker, &Extent<frame::Board>::y))});
+  }
+  return spectra;
+}
+
 }  // namespace moiregauge

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "moiregauge/results/spectrum.h"
+#include "moiregauge/results/summary.h"
 
 namespace moiregauge {
 
@@ -42,5 +43,10 @@ struct AxisSpectrum {
   std::vector<Peak> peaks;
 };
 [[nodiscard]] AxisSpectrum spectrum_of(const Series& series);
+
+struct TargetSpectra {
+  AxisSpectrum x, y;
+};
+[[nodiscard]] std::vector<TargetSpectra> spectra_of(const Samples& samples, const std::vector<TargetSummary>& targets);
 
 }  // namespace moiregauge

@@ -71,7 +71,7 @@ tl::expected<EvenTimes, std::string> even_times(const Series& series) {
     else
       times.stretches.push_back({i, 1});
   }
-  if (times.stretches.empty()) return tl::unexpected(std::string("no row is ok"));
+  if (times.stretches.empty()) return tl::unexpected(std::string("no row that is ok has a number along this axis"));
   for (const Stretch& stretch : times.stretches)
     times.off_grid = std::max(times.off_grid, off_grid(t, stretch, times.interval_s));
   if (times.off_grid > kOffGridAllowed)

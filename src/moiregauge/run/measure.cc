@@ -290,6 +290,7 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
   out.targets = summarise(*out.reference, out.samples);
+  out.spectra = spectra_of(out.samples, out.targets);
   if (auto note = codec_note(out)) out.warnings.push_back(*std::move(note));
   out.exit = out.interrupted ? Exit::kInterrupted : exit_of(out.samples, out.reference->seen.frame, out.input_damaged);
   if (out.exit != Exit::kRefused) return;

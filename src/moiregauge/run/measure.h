@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/observation/site_from_picture.h"
+#include "moiregauge/results/peaks.h"
 #include "moiregauge/results/summary.h"
 #include "moiregauge/run/frame_sink.h"
 #include "moiregauge/run/frame_source.h"
@@ -56,6 +57,7 @@ struct Measurement : Seen {
   std::optional<Scene> scene;  // of a method that solves one
   bool references_verified = false;
   std::vector<TargetSummary> targets;
+  std::vector<TargetSpectra> spectra;  // in the order of targets
   KeptPicture picture;
   std::vector<std::string> warnings;  // the notes, and those of the solution
   Exit exit = Exit::kInternalError;
