@@ -13,6 +13,7 @@ namespace {
 tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
 
 constexpr int kMostTargets = 100;
+constexpr double kUnmeasuredPrintScale = 0.001;  // relative, k = 1
 
 tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutWords& words, const Room& room) {
   sheet::SetRequest request;
@@ -115,6 +116,8 @@ tl::expected<Site, UsageError> site_of_layout(const LayoutWords& words, const Ro
   if (!request) return tl::unexpected(request.error());
   auto site = sheet::site_of_set(*request);
   if (!site) return usage("layout: " + site.error());
+  // A printer's scale is not known before its rulers are measured.
+  site->known_to.print_scale = kUnmeasuredPrintScale;
   return *std::move(site);
 }
 

@@ -2,6 +2,7 @@
 #include "moiregauge/cli/plan_lines.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -104,6 +105,21 @@ std::string turn_words(const RecordingSetup& s) {
                      degrees_from_radians(room.pan), degrees_from_radians(room.tilt), degrees_from_radians(room.roll));
 }
 
+std::string uncertainty_table(const RecordingSetup& s) {
+  const auto row = [](const std::string& label, const std::string& name, const std::array<std::string, 6>& cells) {
+    return fmt::format("{:<{}}{:<12} {:>9} {:>9}   {:>9} {:>9}   {:>9} {:>9}\n", label, kLabel, name, cells[0],
+                       cells[1], cells[2], cells[3], cells[4], cells[5]);
+  };
+  std::string text = row("u (k = 1)", "of", {"dx", "dy", "bound dx", "dy", "phase dx", "dy"});
+  for (const PlannedTarget& t : planned_targets(s))
+    text += row("", s.site.markers[t.marker].name,
+                {length_words(t.u.x), length_words(t.u.y), length_words(t.full_bound.x), length_words(t.full_bound.y),
+                 length_words(t.phase_bound.x), length_words(t.phase_bound.y)});
+  return text + line("",
+                     "dx, dy: noise alone, one frame against another, as measure will state it; bound: of one frame, "
+                     "every edge counted; phase: of one frame, fundamentals alone");
+}
+
 using Json = nlohmann::ordered_json;
 
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
@@ -115,15 +131,12 @@ std::string plan_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
   std::string text =
       line("camera", camera_words(order)) + line("scale", scale_words(s)) + line("prints", print_words(s));
-  for (const PlannedTarget& t : planned_targets(s)) {
-    text +=
-        line("u of " + s.site.markers[t.marker].name,
-             fmt::format(
-                 "{} along x, {} along y (k = 1, noise alone, one frame against another; bound of one frame {} and {}, "
-                 "by fundamentals alone {} and {})",
-                 length_words(t.u.x), length_words(t.u.y), length_words(t.full_bound.x), length_words(t.full_bound.y),
-                 length_words(t.phase_bound.x), length_words(t.phase_bound.y)));
-  }
+  text += uncertainty_table(s);
+  text +=
+      line("on top",
+           fmt::format("{:.2g} % of the displacement, until the prints' rulers are told (--print-scale of measure); "
+                       "what lens and places add shows when the camera moves",
+                       100.0 * s.site.known_to.print_scale));
   text += line("blur", blur_words(s)) + line("motion", motion_words(s)) + line("shutter", shutter_words(order)) +
           line("turns", turn_words(s));
   const auto advice = advice_for(s, order.rolls_untold);
@@ -171,6 +184,7 @@ std::string plan_json(const PlanOrder& order) {
       {"readout_s", order.rolls_untold ? Json(nullptr) : Json(s.readout_s)},
       {"markers", markers},
       {"targets", targets},
+      {"u_print_scale", s.site.known_to.print_scale},
       {"blur_px", {{"target", blur.target_px}, {"camera", blur.camera_px}}},
       {"shutter", {{"lag_s", shutter.lag_s}, {"camera_mm", shutter.camera_mm}, {"target_mm", shutter.target_mm}}},
       {"turns_deg",

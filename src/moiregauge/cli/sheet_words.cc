@@ -57,8 +57,6 @@ tl::expected<SheetOrder, UsageError> understood(const SheetWords& words) {
     return usage("--separate without --span: where the sheets are to hang is not known: give --span, e.g. 760x300mm");
   auto site = site_of_layout(words.layout, {page->paper.name, sheet::room_on(sheet::oriented(*page, true))});
   if (!site) return tl::unexpected(site.error());
-  // A printer's scale is not known before its rulers are measured: two in three are within 0.1 %.
-  if (words.layout.site.empty()) site->known_to.print_scale = 0.001;
   return SheetOrder{*std::move(site), *page, *ink};
 }
 
