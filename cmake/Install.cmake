@@ -28,7 +28,12 @@ add_custom_command(
   DEPENDS moiregauge
   COMMENT "Man pages and completion"
   VERBATIM)
-add_custom_target(words DEPENDS ${word_files} ${words_dir}/bash/moiregauge ${words_dir}/zsh/_moiregauge)
+# Part of every build that may be installed; an instrumented program need not write them.
+set(with_all ALL)
+if(MOIREGAUGE_SANITIZE OR MOIREGAUGE_FUZZ OR MOIREGAUGE_TSAN)
+  set(with_all)
+endif()
+add_custom_target(words ${with_all} DEPENDS ${word_files} ${words_dir}/bash/moiregauge ${words_dir}/zsh/_moiregauge)
 
 install(TARGETS moiregauge RUNTIME)
 install(FILES ${word_files} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
