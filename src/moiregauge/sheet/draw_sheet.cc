@@ -91,7 +91,8 @@ std::string role_of(const Sheet& sheet) {
 void draw_words(cairo_t* cr, const Sheet& sheet) {
   Canvas canvas(cr);
   const Paper& paper = sheet.paper;
-  const Letters name{Align::kLeft, kBlack, true, 0.0, kNameSize_mm};
+  const Letters name =
+      fitted(canvas, sheet.name, {Align::kLeft, kBlack, true, 0.0, kNameSize_mm}, 0.4 * paper.width_mm);
   canvas.text({kEdges.left, 11.0}, sheet.name, name);
   const double behind = kEdges.left + canvas.text_width(sheet.name, name) + 4.0;
   canvas.text({behind, 7.8}, role_of(sheet), {Align::kLeft, kBlack, false, 0.0, kTextSize_mm});
@@ -132,11 +133,17 @@ void draw_name(cairo_t* cr, const Sheet& sheet, const Marker& marker) {
   const Box box = extent_of(marker);
   const double size = std::clamp(0.28 * sheet.cut_mm, 1.0, kTextSize_mm);
   const PagePoint at = on_page(sheet, {box.high.x, box.low.y});
-  Canvas(cr).text({at.x_mm, at.y_mm + 0.5 * sheet.cut_mm + size}, marker.name,
-                  {Align::kRight, kQuietGrey, false, 0.0, size});
+  Canvas canvas(cr);
+  const Letters letters = fitted(canvas, marker.name, {Align::kRight, kQuietGrey, false, 0.0, size}, 0.4 * box.width());
+  canvas.text({at.x_mm, at.y_mm + 0.5 * sheet.cut_mm + size}, marker.name, letters);
 }
 
 }  // namespace
+
+figure::Letters fitted(Canvas& canvas, const std::string& words, Letters letters, double width) {
+  letters.size *= std::min(1.0, width / std::max(1e-9, canvas.text_width(words, letters)));
+  return letters;
+}
 
 double ruler_mm(double room_mm) { return std::clamp(10.0 * std::floor((room_mm - 40.0) / 10.0), 10.0, 100.0); }
 

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "moiregauge/drawing/canvas.h"
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
 
@@ -12,6 +13,10 @@ namespace moiregauge::sheet {
 
 // On cairo in millimetres, y downwards, the page's upper left corner at (0, 0).
 void draw_sheet(_cairo* cr, const Sheet& sheet, const Ink& ink);
+
+// The letters, smaller where the words are longer than `width`.
+[[nodiscard]] figure::Letters fitted(figure::Canvas& canvas, const std::string& words, figure::Letters letters,
+                                     double width);
 
 // 100 mm; on paper with less room as many whole centimetres as there are.
 [[nodiscard]] double ruler_mm(double room_mm);

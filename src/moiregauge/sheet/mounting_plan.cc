@@ -24,7 +24,7 @@ using figure::Letters;
 
 constexpr double kLeft = 15.0, kRight = 282.0, kTextSize_mm = 3.2, kSmall_mm = 2.7, kLine_mm = 4.6;
 constexpr double kDrawingTop = 24.0, kDrawingHigh = 82.0;
-constexpr std::size_t kMostRows = 14;  // of the table; more markers are in site.toml alone
+constexpr std::size_t kMostRows = 16;  // of the table; more markers are in site.toml alone
 
 Colour colour_of(const Marker& marker) { return marker.role == Role::kReference ? kBlue : kVermilion; }
 
@@ -115,10 +115,12 @@ void draw_dimensions(Canvas& canvas, const Scale& scale, const SheetSet& set) {
 std::string place(const std::optional<BoardPoint>& p) { return p ? fmt::format("{:+.1f}, {:+.1f}", p->x, p->y) : "-"; }
 
 void draw_table(Canvas& canvas, const SheetSet& set, double top) {
-  const double columns[] = {kLeft, kLeft + 17.0, kLeft + 39.0, kLeft + 72.0, kLeft + 105.0};
+  const double columns[] = {kLeft, kLeft + 17.0, kLeft + 39.0, kLeft + 72.0, kLeft + 105.0, kLeft + 125.0};
   const auto row = [&](double y, const std::vector<std::string>& cells, bool bold) {
     for (std::size_t i = 0; i < cells.size(); ++i)
-      canvas.text({columns[i], y}, cells[i], {Align::kLeft, kBlack, bold, 0.0, kSmall_mm});
+      canvas.text(
+          {columns[i], y}, cells[i],
+          fitted(canvas, cells[i], {Align::kLeft, kBlack, bold, 0.0, kSmall_mm}, columns[i + 1] - columns[i] - 1.0));
   };
   row(top, {"name", "role", "circle at x, y mm", "grating at x, y mm", "size mm"}, true);
   canvas.line({{kLeft, top + 1.3}, {kLeft + 122.0, top + 1.3}}, {kGrey, 0.2});
@@ -132,8 +134,9 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
         false);
   }
   if (set.site.markers.size() > kMostRows)
-    row(top + 1.0 + kLine_mm * (kMostRows + 1.0),
-        {fmt::format("and {} more: see site.toml", set.site.markers.size() - kMostRows)}, false);
+    canvas.text({kLeft, top + 1.0 + kLine_mm * (kMostRows + 1.0)},
+                fmt::format("and {} more: see site.toml", set.site.markers.size() - kMostRows),
+                {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
 }
 
 std::vector<std::string> advice(const SheetSet& set) {
