@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "moiregauge/calibration/chance.h"
 #include "moiregauge/calibration/free_parameters.h"
 #include "moiregauge/calibration/print_error.h"
 #include "moiregauge/calibration/wander.h"
@@ -43,30 +44,34 @@ long rows_of(std::span<const BundleFrame> frames) {
 
 constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
 
+// Whether prints are rough beyond noise. Their errors are the same in every view and alike in neighbours, so chi2 is no
+// likelihood any more: heights then bend to them (nine patches of a photographed board scattered by 10 um instead of
+// 2.6), and are solved only where they pay.
+enum class Prints { kPerfect, kRough };
+
 // Heights and depths cost nothing beyond what their priors ask, which is in the cost: left out where they are true they
 // bend the lens, and u, which is stated with them, would be about another scene. Solved from all there is, a scene
-// also leaves a valley into which too small a model has led it.
-BundleSolution with_shapes(const Bundle& bundle, BundleSolution best, int side, double price) {
+// also leaves a valley into which too small a model has led it; of rough prints too, where every parameter has its
+// price.
+BundleSolution with_shapes(const Bundle& bundle, const Site& site, BundleSolution best, int side, double price,
+                           Prints prints) {
   BundleSolution all = bundle.solve(kEverything, best.scene, best.frames);
   SceneModel model = best.scene.model;
   model.heights = model.depth = true;
   BundleSolution same_lens = bundle.solve(model, all.scene, all.frames);
-  const double due = price * (count(free_common(kEverything)) - count(free_common(model)));
-  const auto is_better = [&](const BundleSolution& s, double by) {
-    return is_sane(s.scene, side) && best.scene.penalised_cost - s.scene.penalised_cost > by;
+  const auto due = [&](const SceneModel& m) {
+    return price * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
+                                             : count(free_common(m)) - count(free_common(best.scene.model)));
   };
-  if (is_better(same_lens, 0.0)) best = std::move(same_lens);
-  if (is_better(all, due)) best = std::move(all);
+  for (BundleSolution* larger : {&same_lens, &all}) {
+    const double gain = best.scene.penalised_cost - larger->scene.penalised_cost;
+    if (is_sane(larger->scene, side) && gain > due(larger->scene.model)) best = std::move(*larger);
+  }
   return best;
 }
 
 // A model whose first step should gain no more than this part of its price is not solved.
 constexpr double kLeastPrediction = 0.25;
-
-// Whether prints are rough beyond noise. Their errors are the same in every view and alike in neighbours, so chi2 is no
-// likelihood any more: heights then bend to them (nine patches of a photographed board scattered by 10 um instead of
-// 2.6), and are solved only where they pay.
-enum class Prints { kPerfect, kRough };
 
 // The models in ascending order; empty when none can be solved.
 std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
@@ -95,7 +100,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return prints == Prints::kRough ? std::move(best) : with_shapes(bundle, std::move(best), side, price);
+  return with_shapes(bundle, site, std::move(best), side, price, prints);
 }
 
 std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {
@@ -128,7 +133,6 @@ bool is_the_same(const PrintError& a, const PrintError& b) {
          std::abs(a.wander_mm - b.wander_mm) <= kSameError * a.wander_mm;
 }
 
-constexpr double kNotChance = 3.0;  // standard deviations of chi2
 // Of chi2 beyond its degrees of freedom: six parameters of some eighty take a twelfth of anything.
 constexpr double kWorthAsking = 0.25;
 
@@ -148,7 +152,7 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   out.chi2_dof = chi2 / static_cast<double>(dof);
   out.dof = dof;
   const auto excess = chi2 - static_cast<double>(dof);
-  if (!(excess > kNotChance * std::sqrt(2.0 * static_cast<double>(dof))) || solution.frames.front().rows) return out;
+  if (!(chi2 > most_by_chance(static_cast<double>(dof))) || solution.frames.front().rows) return out;
   for (std::size_t k = 0; k < fits.size(); ++k)
     gone += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
   out.share = gone / chi2;

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "moiregauge/calibration/chance.h"
 #include "moiregauge/calibration/patch_residual.h"
 
 namespace moiregauge {
@@ -15,8 +16,6 @@ constexpr int kSize = PatchResidual::kSize;
 using Matrix18 = Eigen::Matrix<double, kSize, kSize>;
 using Vector18 = Eigen::Matrix<double, kSize, 1>;
 
-// chi2 this many of its own standard deviations above its degrees of freedom is not chance.
-constexpr double kNotChance = 3.0;
 constexpr double kMostError_pitches = 0.05;  // beyond, the points are not those of this print
 constexpr int kHalvings = 40;
 
@@ -104,7 +103,7 @@ double print_error_mm(const Site& site, const Scene& scene, std::span<const Bund
     for (const Whitened& patch : patches) sum += patch.chi2(u_mm);
     return sum;
   };
-  if (!(dof > 0.0) || chi2(0.0) <= dof + kNotChance * std::sqrt(2.0 * dof)) return 0.0;
+  if (!(dof > 0.0) || chi2(0.0) <= most_by_chance(dof)) return 0.0;
   double low = 0.0, high = kMostError_pitches * pitch;
   for (int k = 0; k < kHalvings; ++k) {
     const double middle = 0.5 * (low + high);

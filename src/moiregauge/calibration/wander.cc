@@ -6,12 +6,12 @@
 
 #include <Eigen/QR>
 
+#include "moiregauge/calibration/chance.h"
 #include "moiregauge/calibration/patch_residual.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr double kNotChance = 3.0;  // standard deviations of chi2
 constexpr int kPose = 6;
 constexpr int kShape = MarkerShape::kParameters;
 using Shift18 = Eigen::Matrix<double, PatchResidual::kSize, 2>;
@@ -91,7 +91,7 @@ double wander_mm(const Site& site, const Scene& scene, std::span<const BundleFra
     per_wander += (left * c.by_shift).squaredNorm() + (by_scene * of_others * by_scene.transpose()).trace();
   }
   if (!(dof > 0.0 && per_wander > 0.0)) return already;
-  if (already == 0.0 && chi2 <= dof + kNotChance * std::sqrt(2.0 * dof)) return 0.0;
+  if (already == 0.0 && chi2 <= most_by_chance(dof)) return 0.0;
   return std::sqrt(std::max(0.0, already * already + (chi2 - dof) / per_wander));
 }
 

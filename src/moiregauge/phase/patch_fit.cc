@@ -199,6 +199,18 @@ PatchFit Passes::fit(const PatchSystem* known) const {
   return fit;
 }
 
+// Few pixels in few pitches: the normal equations of the reference frame are so unlike this frame's that a corner does
+// not come to rest with them. A patch that is still on its way is neither where it says nor as sure as it says: its
+// residuals are told from the step, and come out at anything down to nothing.
+tl::expected<PatchFit, Failure> stand_by_own_equations(Passes& passes) {
+  for (int k = 0; k < kMostPasses; ++k) {
+    if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());
+    if (passes.last_step() < kStands) break;
+  }
+  if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
+  return passes.fit(nullptr);
+}
+
 }  // namespace
 
 tl::expected<FirstFit, Failure> fit_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
@@ -226,6 +238,7 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
     if (const auto done = passes.pass(&at_rest.system); !done) return tl::unexpected(done.error());
     if (passes.last_step() < kStands) break;
   }
+  if (rows == Rows::kAll && !(passes.last_step() < kStands)) return stand_by_own_equations(passes);
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   return passes.fit(&at_rest.system);
 }
