@@ -65,7 +65,7 @@ TEST(Trust, ATargetOffThePlaneIsWithinItsUWhenTheCameraTravels) {
   const auto& all = trust_scenarios();
   const auto kind = std::find_if(all.begin(), all.end(), [](const TrustScenario& s) { return s.name == "off-plane"; });
   ASSERT_NE(kind, all.end());
-  for (const int number : {12, 17, 20}) {
+  for (const int number : {12, 17, 20, 149}) {
     const DrawnRun drawn = drawn_run(*kind, number);
     const auto run = test::measured(drawn.scenario, drawn.plan);
     ASSERT_EQ(run.problem, "");
@@ -74,6 +74,26 @@ TEST(Trust, ATargetOffThePlaneIsWithinItsUWhenTheCameraTravels) {
       EXPECT_LT(std::abs(run.error_x_um[k]), 4.0 * run.u_x_um[k]) << "draw " << number;
       EXPECT_LT(std::abs(run.error_y_um[k]), 4.0 * run.u_y_um[k]) << "draw " << number;
     }
+  }
+}
+
+// Far from where it began too, where u is that of the scale: lines do not show how far they go along themselves.
+TEST(Trust, LinesTellOneAxisHoweverFarTheyGo) {
+  simulator::Scenario scenario = *simulator::built_in("small-1xyz");
+  scenario.frames = 6;
+  for (auto& marker : scenario.markers) {
+    if (marker.print.role != Role::kTarget) continue;
+    marker.print.grating->pattern = Pattern::kLinesX;
+    marker.dx.knots = {{0.0, 0.0}, {10.0 / scenario.sensor.fps, 1.6 * marker.print.grating->pitch_mm}};
+  }
+  const auto run = test::measured(scenario, {.method = "precise", .first = 1, .frames = 6});
+  ASSERT_EQ(run.problem, "");
+  ASSERT_FALSE(run.samples.empty());
+  for (const Sample& sample : run.samples) {
+    EXPECT_EQ(sample.status, Status::kOk) << "frame " << sample.frame;
+    EXPECT_TRUE(std::isnan(sample.displacement.y)) << "frame " << sample.frame << ": " << sample.displacement.y;
+    EXPECT_TRUE(std::isnan(sample.u.y)) << "frame " << sample.frame;
+    EXPECT_FALSE(std::isnan(sample.displacement.x)) << "frame " << sample.frame;
   }
 }
 

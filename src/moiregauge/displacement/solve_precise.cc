@@ -122,13 +122,13 @@ void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, c
   sample.budget = by_noise.now.ok ? budget.budget(now, by_noise.now, by_noise.then, i, sample.displacement)
                                   : budget.budget(now, i, sample.displacement);
   sample.u = total(sample.budget);
-  const auto only_if_shown = [&](double& d, double& u) {
-    if (!(u < kShownWithin * grating.pitch_mm)) d = u = kNotMeasured;
-  };
-  const bool far = length(sample.displacement) > grating.pitch_mm;  // then u is the scale's and the axis'
-  if (far) return;
-  only_if_shown(sample.displacement.x, sample.u.x);
-  only_if_shown(sample.displacement.y, sample.u.y);
+  // Judged by noise alone: far away u is the scale's and the axis' too.
+  const auto& b = sample.budget;
+  const auto by_noise_alone = hypot3(b.noise, b.references, b.reference_frame);
+  for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
+    if (!(by_noise_alone.*axis < kShownWithin * grating.pitch_mm))
+      sample.displacement.*axis = sample.u.*axis = kNotMeasured;
+  }
 }
 
 // A template learned from one picture reads the scale of its print no better than this at the print's edge: what it
