@@ -1,5 +1,6 @@
 """Does a document still tell what the program says? Words and whole numbers must be the same; numbers with a decimal point may differ by a
 tenth, or by 0.002 (mm), so that not every change of a method's last digits makes a document wrong."""
+import difflib
 import itertools
 import re
 
@@ -19,6 +20,12 @@ def is_alike(old, new):
 
 
 def differences(old, new):
-    """Pairs of lines that tell something else."""
-    lines = itertools.zip_longest(old.splitlines(), new.splitlines(), fillvalue="")
-    return [(a, b) for a, b in lines if not is_alike(a, b)]
+    """Pairs of lines that tell something else; of what is there in one of the two only, with nothing."""
+    old, new, pairs = old.splitlines(), new.splitlines(), []
+    masked = [[NUMBER.sub("#", line) for line in text] for text in (old, new)]
+    for kind, a, b, c, d in difflib.SequenceMatcher(None, *masked, autojunk=False).get_opcodes():
+        if kind == "equal":
+            pairs += zip(old[a:b], new[c:d])
+        else:
+            pairs += itertools.zip_longest(old[a:b], new[c:d], fillvalue="")
+    return [(one, other) for one, other in pairs if not is_alike(one, other)]
