@@ -120,12 +120,17 @@ Taken own_band(double f, double lowest_hz, const std::vector<Taken>& taken, cons
   return own;
 }
 
-// What a step or a ramp leaves beside a strong vibration has no shape of its own, and little of its amplitude.
+// A frequency known no better than this is none: so much is left of a slow step or of a ramp.
+constexpr double kKnownWithin = 0.1;  // relative standard uncertainty
+
+// What a step or a ramp leaves: beside a strong vibration it has no shape of its own, and little of its amplitude.
 void leave_out_crumbs(std::vector<Peak>& found) {
   double most = 0.0;
   for (const Peak& peak : found) most = std::max(most, peak.amplitude_mm);
   std::erase_if(found, [&](const Peak& p) {
-    return p.kind == PeakKind::kRandom && std::isnan(p.damping) && p.amplitude_mm < kCrumb * most;
+    if (p.kind != PeakKind::kRandom) return false;
+    return !(p.u_frequency_hz < kKnownWithin * p.frequency_hz) ||
+           (std::isnan(p.damping) && p.amplitude_mm < kCrumb * most);
   });
 }
 

@@ -4,8 +4,7 @@
 // A peak stands out of the spectrum around it by more than chance allows. What it is decides how it is measured:
 //   steady   a sine of one amplitude from end to end: driven, so it says nothing of damping
 //   decay    an oscillation that dies away by itself, after a blow or a release: frequency and damping from its shape
-//   in time random   kept going by wind, traffic, anything without a tune: both from the shape of the peak, where the
-//   record is
+//   random   kept going by wind, traffic, anything without a tune: both from the shape of the peak, where the record is
 //            long enough to resolve it
 // Each frequency and each damping ratio has its standard uncertainty or is not given, with the reason.
 #pragma once

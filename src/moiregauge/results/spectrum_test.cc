@@ -197,6 +197,19 @@ TEST(Spectrum, AVibrationOnATargetThatTravelsIsTheSame) {
   EXPECT_NEAR(nearest->amplitude_mm, 0.5, 0.01);
 }
 
+// The paper's programme: up by 1 mm, a rest, up again, and down the same way, in 16 s.
+TEST(Spectrum, StepsAndRampsAreNoVibration) {
+  std::mt19937_64 rng(15);
+  const auto stairs = [](double t) {
+    const auto ramp = [](double since) { return std::clamp(since / 2.0, 0.0, 1.0); };
+    return ramp(t) + ramp(t - 4.0) - ramp(t - 8.0) - ramp(t - 12.0);
+  };
+  const AxisSpectrum found = spectrum_of(sampled(stairs, 161, 10.0, 0.0005, rng));
+  EXPECT_EQ(found.refusal, "");
+  for (const Peak& peak : found.peaks)
+    ADD_FAILURE() << peak.frequency_hz << " Hz, u " << peak.u_frequency_hz << " Hz, " << peak.amplitude_mm << " mm";
+}
+
 TEST(Spectrum, TwoVibrationsDoNotDisturbEachOther) {
   std::mt19937_64 rng(9);
   const auto both = [](double t) { return vibration(t) + 0.1 * std::sin(kTwoPi * 2.3 * t); };
