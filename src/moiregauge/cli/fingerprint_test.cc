@@ -18,7 +18,7 @@ InputOptions with_threads(int threads) {
 
 TEST(Fingerprint, BesideTheMeasuringItIsTheSameAsBeforeIt) {
   const TestFolder folder;
-  write_text(folder / "video.avi", std::string(kBytes, 'x'));
+  put_text(folder / "video.avi", std::string(kBytes, 'x'));
   Fingerprint beside(folder / "video.avi", with_threads(4));
   Fingerprint before(folder / "video.avi", with_threads(1));
   EXPECT_EQ(beside.hex(), before.hex());
@@ -27,7 +27,7 @@ TEST(Fingerprint, BesideTheMeasuringItIsTheSameAsBeforeIt) {
 
 TEST(Fingerprint, WhoGivesUpDoesNotWaitForIt) {
   const TestFolder folder;
-  write_text(folder / "video.avi", std::string(kBytes, 'x'));
+  put_text(folder / "video.avi", std::string(kBytes, 'x'));
   for (int k = 0; k < 20; ++k) Fingerprint(folder / "video.avi", with_threads(4));
 }
 

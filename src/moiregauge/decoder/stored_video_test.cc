@@ -132,12 +132,12 @@ std::string matroska_of_words(unsigned bits, bool even) {
 TEST(StoredVideo, PicturesOfMoreThanEightBitsAreWordsAtEvenPlaces) {
   const TestFolder folder;
   for (const unsigned bits : {10U, 12U, 16U}) {
-    write_text(folder / "a.mkv", matroska_of_words(bits, true));
+    put_text(folder / "a.mkv", matroska_of_words(bits, true));
     const auto mapped = map_video(folder / "a.mkv");
     ASSERT_TRUE(mapped) << bits;
     EXPECT_EQ(mapped->video.bits, static_cast<int>(bits));
     expect_same_frames(folder / "a.mkv");
-    write_text(folder / "odd.mkv", matroska_of_words(bits, false));
+    put_text(folder / "odd.mkv", matroska_of_words(bits, false));
     EXPECT_FALSE(map_video(folder / "odd.mkv"));
     expect_same_frames(folder / "odd.mkv");
   }
@@ -202,7 +202,7 @@ TEST(StoredVideo, AFileCutShortKeepsTheFramesBeforeTheCut) {
   for (const char* name : {"a.avi", "a.mkv"}) {
     const std::string whole = text_of(video(folder, name, "gray"));
     for (const std::size_t part : {3U, 5U, 8U, 9U}) {
-      write_text(folder / name, whole.substr(0, whole.size() * part / 10));
+      put_text(folder / name, whole.substr(0, whole.size() * part / 10));
       EXPECT_FALSE(map_video(folder / name));
       expect_same_frames(folder / name);
     }

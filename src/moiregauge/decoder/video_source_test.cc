@@ -210,7 +210,7 @@ TEST(VideoSource, AFileCutShortGivesItsGoodFramesAndThenSaysSo) {
     ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=2 -pix_fmt yuv420p -c:v libx264 -movflags faststart {}",
                        folder / name));
     const std::string whole = text_of(folder / name);
-    write_text(folder / name, whole.substr(0, whole.size() * 6 / 10));
+    put_text(folder / name, whole.substr(0, whole.size() * 6 / 10));
     auto source = opened(folder / name);
     ASSERT_NE(source, nullptr);
     const Seen seen = all_of(*source);
@@ -229,7 +229,7 @@ TEST(VideoSource, DamageIsMarkedUntilTheNextKeyFrame) {
                      folder / "whole.mkv"));
   std::string bytes = text_of(folder / "whole.mkv");
   for (std::size_t i = 0; i < 400; ++i) bytes[bytes.size() / 2 + i] = static_cast<char>(i * 37);
-  write_text(folder / "hit.mkv", bytes);
+  put_text(folder / "hit.mkv", bytes);
   auto whole = opened(folder / "whole.mkv");
   auto hit = opened(folder / "hit.mkv");
   ASSERT_TRUE(whole && hit);
@@ -264,7 +264,7 @@ TEST(VideoSource, OneFlippedBitInH264IsSeen) {
   for (std::size_t i = 0; i < kFlips; ++i) {
     std::string hit = whole;
     hit[hit.size() / 10 + i * hit.size() / 30] ^= static_cast<char>(1U << i % 8);  // well within the pictures
-    write_text(folder / "hit.mp4", hit);
+    put_text(folder / "hit.mp4", hit);
     auto source = opened(folder / "hit.mp4");
     ASSERT_NE(source, nullptr);
     const Seen found = all_of(*source);
@@ -281,7 +281,7 @@ TEST(VideoSource, AWrongCheckSumOfTheContainerIsSaidAtTheEnd) {
   for (std::size_t i = 1; i < 8; ++i) {
     std::string hit = whole;
     hit[whole.size() * i / 9] ^= 1;
-    write_text(folder / "a.mkv", hit);
+    put_text(folder / "a.mkv", hit);
     auto source = opened(folder / "a.mkv");
     ASSERT_NE(source, nullptr);
     const Seen seen = all_of(*source);
@@ -299,7 +299,7 @@ TEST(VideoSource, AnAviKeepsTimeBehindAHoleOrEnds) {
   std::string hole = whole;
   const std::size_t at = whole.find("00dc", whole.size() / 2);  // the head of a chunk, and of the next
   hole.replace(at - 50, 100, std::string(100, '\0'));
-  write_text(folder / "hole.avi", hole);
+  put_text(folder / "hole.avi", hole);
   auto source = opened(folder / "hole.avi");
   ASSERT_NE(source, nullptr);
   Seen seen = all_of(*source);
@@ -308,7 +308,7 @@ TEST(VideoSource, AnAviKeepsTimeBehindAHoleOrEnds) {
   EXPECT_GT(seen.damaged, 3);
   std::string cut = whole;
   cut.erase(at - 50, 100);
-  write_text(folder / "cut.avi", cut);
+  put_text(folder / "cut.avi", cut);
   source = opened(folder / "cut.avi");
   ASSERT_NE(source, nullptr);
   seen = all_of(*source);
@@ -334,7 +334,7 @@ TEST(VideoSource, APictureThatChangesItsSizeEndsTheInputThere) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v libx264 -pix_fmt yuv420p {}", folder / "a.ts"));
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=160x120:d=1 -c:v libx264 -pix_fmt yuv420p {}", folder / "b.ts"));
-  write_text(folder / "c.ts", text_of(folder / "a.ts") + text_of(folder / "b.ts"));
+  put_text(folder / "c.ts", text_of(folder / "a.ts") + text_of(folder / "b.ts"));
   auto source = opened(folder / "c.ts");
   ASSERT_NE(source, nullptr);
   const Seen seen = all_of(*source);
@@ -345,8 +345,8 @@ TEST(VideoSource, APictureThatChangesItsSizeEndsTheInputThere) {
 
 TEST(VideoSource, WhatIsNoVideoIsRefusedInOneSentence) {
   const TestFolder folder;
-  write_text(folder / "text.mp4", "This is a letter, not a film.\n");
-  write_text(folder / "empty.mp4", "");
+  put_text(folder / "text.mp4", "This is a letter, not a film.\n");
+  put_text(folder / "empty.mp4", "");
   EXPECT_EQ(refusal(folder / "text.mp4").kind, InputErrorKind::kUnsupported);
   EXPECT_NE(refusal(folder / "text.mp4").message.find("no video (found: text): " + folder / "text.mp4"),
             std::string::npos);
@@ -359,9 +359,9 @@ TEST(VideoSource, WhatIsNoVideoIsRefusedInOneSentence) {
 TEST(VideoSource, AVideoThatNamesOtherFilesOpensNoneOfThem) {
   const TestFolder folder;
   make_video(folder, "real.ts", 8, "-c:v libx264 -pix_fmt yuv420p");
-  write_text(folder / "list.mp4",
+  put_text(folder / "list.mp4",
              "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:1,\n" + folder / "real.ts" + "\n#EXT-X-ENDLIST\n");
-  write_text(folder / "concat.mp4", "ffconcat version 1.0\nfile '" + folder / "real.ts" + "'\n");
+  put_text(folder / "concat.mp4", "ffconcat version 1.0\nfile '" + folder / "real.ts" + "'\n");
   EXPECT_EQ(refusal(folder / "list.mp4").kind, InputErrorKind::kUnsupported);
   EXPECT_NE(refusal(folder / "list.mp4").message.find("input type 'hls' is not allowed"), std::string::npos);
   EXPECT_EQ(refusal(folder / "concat.mp4").kind, InputErrorKind::kUnsupported);
@@ -373,7 +373,7 @@ TEST(VideoSource, AVideoThatNamesOtherFilesOpensNoneOfThem) {
 TEST(VideoSource, AVideoWithoutItsIndexIsCalledThat) {
   const TestFolder folder;
   const std::string video = make_video(folder, "a.mp4", 8, "-pix_fmt yuv420p -c:v libx264");
-  write_text(video, text_of(video).substr(0, text_of(video).size() / 2));
+  put_text(video, text_of(video).substr(0, text_of(video).size() / 2));
   EXPECT_NE(refusal(video).message.find("no index (the recording was cut off)"), std::string::npos);
 }
 
@@ -381,7 +381,7 @@ TEST(VideoSource, AVideoWithoutItsIndexIsCalledThat) {
 TEST(VideoSource, TimeThatRunsBackwardsEndsTheInputThere) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v libx264 -bf 0 -pix_fmt yuv420p {}", folder / "a.ts"));
-  write_text(folder / "b.ts", text_of(folder / "a.ts") + text_of(folder / "a.ts"));
+  put_text(folder / "b.ts", text_of(folder / "a.ts") + text_of(folder / "a.ts"));
   auto source = opened(folder / "b.ts");
   ASSERT_NE(source, nullptr);
   const Seen seen = all_of(*source);
@@ -448,7 +448,7 @@ TEST(VideoSource, ADecoderThatDiesHalfwayLeavesTheFramesBeforeIt) {
 TEST(VideoSource, ADecoderThatHangsIsKilledByTheWatchdog) {
   const TestFolder folder;
   make_video(folder, "a.mkv", 8, "-c:v ffv1");
-  write_text(folder / "hang", "#!/bin/sh\nexec sleep 100\n");
+  put_text(folder / "hang", "#!/bin/sh\nexec sleep 100\n");
   std::filesystem::permissions(folder / "hang", std::filesystem::perms::owner_all);
   const auto hung = open_video(folder / "a.mkv", {}, {folder / "hang", std::chrono::milliseconds(200)});
   ASSERT_FALSE(hung);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "moiregauge/calibration/pose.h"
 #include "moiregauge/displacement/reference_slip.h"
 
 namespace moiregauge {
@@ -94,7 +95,9 @@ Movement movement_of(Site site, const Scene& scene, std::span<const BundleFrame>
   const auto covariance = [marker](const FrameFit& fit) -> Eigen::Matrix2d {
     return fit.covariance.block<2, 2>(fit.shift_row[marker], fit.shift_row[marker]);
   };
-  for (const BundleFrame& frame : frames) {
+  for (BundleFrame frame : frames) {
+    // Where the prior's camera takes the frame for standing is too far from the solved one's for the fit's few passes.
+    frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
     FrameFit fit = fit_frame(site, scene, frame);
     if (!fit.ok || fit.shift_row[marker] < 0) continue;
     if (!first) {

@@ -22,7 +22,7 @@ TEST(AtomicFile, AFileThatCannotBeWrittenSaysWhyAndLeavesNothing) {
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().find("absent/a.csv: cannot be written: No such file"), std::string::npos);
   std::filesystem::create_directory(folder / "taken");
-  write_text(folder / "taken/by", "a folder that is not empty");
+  put_text(folder / "taken/by", "a folder that is not empty");
   EXPECT_FALSE(write_file_atomically(folder / "taken", "text"));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }

@@ -193,7 +193,7 @@ TEST(TiffStack, APlainFileCutAnywhereIsDamagedNotDeadly) {
   write_plain_tiff(folder / "a.tif", "w", 3, 8, 7);
   const std::string whole = text_of(folder / "a.tif");
   for (std::size_t size = 8; size < whole.size(); size += 13) {
-    write_text(folder / "cut.tif", whole.substr(0, size));
+    put_text(folder / "cut.tif", whole.substr(0, size));
     auto source = open_pictures(folder / "cut.tif", {});
     for (int i = 0; source && i < 4; ++i) {
       const auto frame = (*source)->next();
@@ -209,7 +209,7 @@ TEST(TiffStack, AFileCutShortIsDamagedNotDeadly) {
   write_tiff(folder / "a.tif", 5, 8, 1, 1);
   const std::string whole = text_of(folder / "a.tif");
   for (std::size_t size = 8; size < whole.size(); size += 7) {
-    write_text(folder / "cut.tif", whole.substr(0, size));
+    put_text(folder / "cut.tif", whole.substr(0, size));
     auto source = open_pictures(folder / "cut.tif", {});
     for (int i = 0; source && i < 6; ++i) static_cast<void>((*source)->next());
   }
@@ -236,7 +236,7 @@ TEST(JpegReader, APictureCutShortIsDamagedNotInventedGrey) {
   const TestFolder folder;
   write_jpeg(folder / "a.jpg", "");
   const std::string whole = text_of(folder / "a.jpg");
-  write_text(folder / "a.jpg", whole.substr(0, whole.size() - 12));
+  put_text(folder / "a.jpg", whole.substr(0, whole.size() - 12));
   EXPECT_EQ(read_picture(folder / "a.jpg").error().kind, InputErrorKind::kDamaged);
 }
 
@@ -251,7 +251,7 @@ TEST(ExifOrientation, ABlockThatLiesAboutItsLengthIsUpright) {
 
 TEST(PictureFile, AMissingFileAndATextAreToldApart) {
   const TestFolder folder;
-  write_text(folder / "t.png", "text");
+  put_text(folder / "t.png", "text");
   EXPECT_EQ(read_picture(folder / "t.png").error().kind, InputErrorKind::kUnsupported);
   EXPECT_EQ(read_picture(folder / "absent.png").error().kind, InputErrorKind::kUnreadable);
 }

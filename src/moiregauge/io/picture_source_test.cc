@@ -25,8 +25,8 @@ TEST(PictureSource, PicturesComeInTheOrderPeopleCountThem) {
   const TestFolder folder;
   for (const int i : {10, 9, 1, 2})
     write_grey(folder / ("frame" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
-  write_text(folder / "notes.txt", "no picture");
-  write_text(folder / ".hidden.png", "no picture");
+  put_text(folder / "notes.txt", "no picture");
+  put_text(folder / ".hidden.png", "no picture");
   auto source = open_pictures(folder.path(), {}).value();
   EXPECT_EQ(source->info().frames, 4);
   EXPECT_EQ(source->info().time_source, "none");
@@ -42,7 +42,7 @@ TEST(PictureSource, AFolderWithoutPicturesGivesThoseOfItsFrames) {
   const TestFolder folder;
   std::filesystem::create_directory(folder / "frames");
   write_grey(folder / "frames/000000.png", 7);
-  write_text(folder / "truth.csv", "frame\n");
+  put_text(folder / "truth.csv", "frame\n");
   EXPECT_EQ(open_pictures(folder.path(), {}).value()->info().frames, 1);
 }
 
@@ -59,7 +59,7 @@ TEST(PictureSource, FramesPerSecondGiveThePicturesATime) {
 TEST(PictureSource, APictureThatCannotBeReadCostsItsFrameOnly) {
   const TestFolder folder;
   for (const int i : {1, 2, 3}) write_grey(folder / (std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
-  write_text(folder / "2.png", text_of(folder / "2.png").substr(0, 45));
+  put_text(folder / "2.png", text_of(folder / "2.png").substr(0, 45));
   auto source = open_pictures(folder.path(), {}).value();
   EXPECT_FALSE(source->next().value()->damaged);
   const auto lost = source->next().value();
@@ -99,7 +99,7 @@ TEST(PictureSource, AMissingNumberKeepsTheOthersTheirPlaceInTime) {
 
 TEST(PictureSource, WhatIsNoInputSaysSo) {
   const TestFolder folder;
-  write_text(folder / "1.png", "this is text");
+  put_text(folder / "1.png", "this is text");
   const auto text = open_pictures(folder.path(), {});
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().kind, InputErrorKind::kUnsupported);
@@ -162,7 +162,7 @@ TEST(PngReader, AHeaderThatPromisesTooManyPixelsIsRefusedUnread) {
   // width and height 32000, with the checksum that belongs to them
   bytes.replace(16, 8, std::string("\0\0\x7d\0\0\0\x7d\0", 8));
   bytes.replace(29, 4, "\xa6\xe9\x8d\xd1");
-  write_text(folder / "bomb.png", bytes);
+  put_text(folder / "bomb.png", bytes);
   const auto picture = read_png(folder / "bomb.png");
   ASSERT_FALSE(picture);
   EXPECT_EQ(picture.error().kind, InputErrorKind::kUnsupported) << picture.error().message;

@@ -135,7 +135,7 @@ TEST(StabilisedFolder, AFailureOnTheWayLeavesNothingAndEndsNoMeasuring) {
     ASSERT_TRUE(folder.open());
     for (const auto& entry : fs::directory_iterator(place.path())) {  // what a full disk does, root or not
       fs::remove(entry);
-      write_text(entry.path().string(), "no folder");
+      put_text(entry.path().string(), "no folder");
     }
     EXPECT_EQ(measured_into(folder).observations.size(), 3U);
     const auto put = folder.finish();
@@ -148,7 +148,7 @@ TEST(StabilisedFolder, AFailureOnTheWayLeavesNothingAndEndsNoMeasuring) {
 TEST(StabilisedFolder, WhatIsThereIsNotTouched) {
   const TestFolder place;
   fs::create_directory(place / "taken");
-  write_text(place / "taken/notes.txt", "precious");
+  put_text(place / "taken/notes.txt", "precious");
   const auto taken = StabilisedFolder(place / "taken").open();
   ASSERT_FALSE(taken);
   EXPECT_TRUE(taken.error().usage);

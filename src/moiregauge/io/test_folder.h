@@ -30,7 +30,7 @@ class TestFolder {
   std::filesystem::path path_;
 };
 
-inline void write_text(const std::string& path, const std::string& text) {
+inline void put_text(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 

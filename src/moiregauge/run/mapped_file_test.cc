@@ -13,7 +13,7 @@ namespace {
 
 TEST(MappedFile, TheBytesOfTheFileAreThere) {
   const TestFolder folder;
-  write_text(folder / "a", "abc");
+  put_text(folder / "a", "abc");
   const auto mapped = MappedFile::open(folder / "a");
   ASSERT_NE(mapped, nullptr);
   ASSERT_EQ(mapped->bytes().size(), 3U);
@@ -23,7 +23,7 @@ TEST(MappedFile, TheBytesOfTheFileAreThere) {
 
 TEST(MappedFile, WhatWasLetGoComesBackWhenItIsLookedAt) {
   const TestFolder folder;
-  write_text(folder / "a", std::string(100'000, 'x'));
+  put_text(folder / "a", std::string(100'000, 'x'));
   const auto mapped = MappedFile::open(folder / "a");
   ASSERT_NE(mapped, nullptr);
   mapped->let_go(mapped->bytes().subspan(5'000, 90'000));
@@ -34,7 +34,7 @@ TEST(MappedFile, WhatWasLetGoComesBackWhenItIsLookedAt) {
 
 TEST(MappedFile, AFileCutShortWhileItIsReadTurnsToZerosAndSaysSo) {
   const TestFolder folder;
-  write_text(folder / "a", std::string(100'000, 'x'));
+  put_text(folder / "a", std::string(100'000, 'x'));
   const auto mapped = MappedFile::open(folder / "a");
   ASSERT_NE(mapped, nullptr);
   std::filesystem::resize_file(folder / "a", 5'000);
@@ -47,11 +47,11 @@ TEST(MappedFile, AFileCutShortWhileItIsReadTurnsToZerosAndSaysSo) {
 
 TEST(MappedFile, WhatCannotBeMappedIsNull) {
   const TestFolder folder;
-  write_text(folder / "empty", "");
+  put_text(folder / "empty", "");
   EXPECT_EQ(MappedFile::open(folder / "empty"), nullptr);
   EXPECT_EQ(MappedFile::open(folder / "absent"), nullptr);
   EXPECT_EQ(MappedFile::open(folder.path()), nullptr);
-  write_text(folder / "a", "abc");
+  put_text(folder / "a", "abc");
   std::vector<std::shared_ptr<const MappedFile>> many;
   for (int i = 0; i < 100; ++i) many.push_back(MappedFile::open(folder / "a"));
   EXPECT_NE(many.front(), nullptr);
