@@ -2,7 +2,7 @@
 """What stabilised.mp4 shows, measured in its own pixels: stabilised_video.py MOIREGAUGE WORK.
 
 The small rig turns by 1 degree about three axes in 20 frames while its target moves up. In the still half the references' gratings must stand
-still to 0.03 px, though in the half as filmed they move by many; the target must move N times as far as it did, to 1 %. Shifts are
+still to 0.05 px, though in the half as filmed they move by many; the target must move N times as far as it did, to 1 %. Shifts are
 phases of the gratings' fundamentals, in windows of two pitches that are weighted to nothing at their rims. What a codec leaves out of a
 picture that hardly changes goes one way: two grey levels, at edges of some 80 grey levels per pixel, are 0.025 px.
 """
