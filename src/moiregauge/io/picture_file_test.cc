@@ -106,6 +106,16 @@ TEST(TiffStack, ColourAndOrientationAreUnderstood) {
   EXPECT_EQ(read_picture(folder / "m.tif").error().kind, InputErrorKind::kUnsupported) << "mirrored";
 }
 
+TEST(TiffStack, MoreSamplesThanColourAndTransparencyAreNoPicture) {
+  const TestFolder folder;
+  write_tiff(folder / "four.tif", 1, 8, 4, 7);
+  EXPECT_TRUE(read_picture(folder / "four.tif"));
+  write_tiff(folder / "five.tif", 1, 8, 5, 7);
+  const auto five = read_picture(folder / "five.tif");
+  ASSERT_FALSE(five);
+  EXPECT_EQ(five.error().kind, InputErrorKind::kUnsupported);
+}
+
 // Pages of 40 x 30 pixels, uncompressed; every sample tells page and place.
 void write_plain_tiff(const std::string& path, const char* mode, int pages, int bits, int rows_per_strip) {
   TIFF* tiff = TIFFOpen(path.c_str(), mode);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "moiregauge/units/units.h"
@@ -106,6 +107,14 @@ TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPlace) {
     ASSERT_FALSE(site) << text;
     EXPECT_EQ(site.error()[0].rfind("site.toml:", 0), 0U) << site.error()[0];
     EXPECT_EQ(site.error()[0].find('\n'), std::string::npos) << site.error()[0];
+  }
+}
+
+// toml11's own explanation of such a string read beyond the text.
+TEST(SiteFile, LettersThatAreNotUtf8AreNamedWithTheirLine) {
+  for (const char* line : {"name = 'Br\xfc" "cke'", "name = \"\xc3\"", "# \xff", "t =' \xf0\x9f own'"}) {
+    EXPECT_EQ(all(parse_site(fmt::format("# Brücke\n{}\n", line), "s")),
+              "s:2:1: a letter is not UTF-8: save the file as UTF-8\n");
   }
 }
 
