@@ -22,9 +22,8 @@ constexpr double kRobustFrom = 4.0;
 
 // Of any lens: distortion at the picture's corner, relative. Six times what a measurement takes for granted
 // (scene_prior.cc): photographs of a board say it themselves.
-constexpr double kRadial = 0.3, kRadial2 = 0.2, kRadial3 = 0.2, kTangential = 0.02;
-constexpr double kFocal = 1.0;       // relative
-constexpr double kPrincipal = 0.05;  // of the picture's larger side
+constexpr double kBoardRadial = 0.3, kBoardRadial2 = 0.2, kBoardRadial3 = 0.2, kBoardTangential = 0.02;
+constexpr double kBoardPrincipal = 0.05;  // of the picture's larger side
 
 class PointResidual {
  public:
@@ -69,8 +68,9 @@ std::array<bool, kCameraParameters> free_of(const BoardModel& m) {
 BoardPrior board_prior(int width, int height, double f) {
   const double side = std::max(width, height), rho = 0.5 * std::hypot(width, height) / f, rho2 = rho * rho;
   return {{f, 0.5 * (width - 1), 0.5 * (height - 1), 0, 0, 0, 0, 0},
-          {kFocal * f, kPrincipal * side, kPrincipal * side, kRadial / rho2, kRadial2 / (rho2 * rho2),
-           kTangential / rho, kTangential / rho, kRadial3 / (rho2 * rho2 * rho2)}};
+          {kUnknownFocal * f, kBoardPrincipal * side, kBoardPrincipal * side, kBoardRadial / rho2,
+           kBoardRadial2 / (rho2 * rho2), kBoardTangential / rho, kBoardTangential / rho,
+           kBoardRadial3 / (rho2 * rho2 * rho2)}};
 }
 
 BoardState solve_board(const BoardData& data, const BoardPrior& prior, const BoardModel& model,

@@ -13,7 +13,7 @@ namespace moiregauge {
 namespace {
 
 constexpr std::size_t kLeastPoints = 9;
-constexpr int kRounds = 4;  // of weights, ellipses and outliers; from the second on little changes
+constexpr int kWeightRounds = 4;  // of weights, ellipses and outliers; from the second on little changes
 // A view that much worse than the others' median was indexed wrongly or shows another board.
 constexpr double kOddView = 5.0, kOddView_px = 0.5;
 
@@ -33,7 +33,7 @@ double rms_of(const BoardWork& work, std::size_t v) {
 // Solves with everything free, the weights of the points found on the way.
 bool settle(BoardWork& work, const BoardModel& everything) {
   work.state = solve_board(work.data = data_of(work), work.prior, {}, work.state);
-  for (int round = 0; round < kRounds && work.state.solved; ++round) {
+  for (int round = 0; round < kWeightRounds && work.state.solved; ++round) {
     work.state = solve_board(work.data, work.prior, everything, work.state);
     find_outliers(work);
     work.data = data_of(work);

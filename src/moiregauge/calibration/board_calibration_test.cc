@@ -17,7 +17,7 @@ namespace {
 constexpr double kStep = 14.0;  // mm
 constexpr double kNoise_px = 0.05;
 constexpr int kColumns = 8, kRows = 6;
-constexpr std::uint64_t kSeed = 5;
+constexpr std::uint64_t kBoardSeed = 5;
 
 const Camera kCamera{1600, 1200, 1800.0, 1800.0, 815.0, 590.0, -0.2, 0.05, 0.0006, -0.0004, 0.0};
 
@@ -27,7 +27,7 @@ struct Look {
 // Towards four sides, and one that faces the board.
 const std::vector<Look> kLooks{{30, 0, 3}, {-28, 10, -5}, {4, 35, 2}, {-6, -32, 8}, {25, 25, -3}, {1, -2, 1}};
 
-IdealFromBoard seen_from(const Look& look) {
+IdealFromBoard seen_by(const Look& look) {
   using Eigen::AngleAxisd, Eigen::Vector3d;
   const double deg = kPi / 180.0;
   const Eigen::Matrix3d r =
@@ -45,7 +45,7 @@ using Errors = std::vector<Extent<frame::Board>>;  // of the print, row by row; 
 // A view counts its columns and rows from where its own left and top are: `quarters` of a turn away from the board's.
 BoardView view_of(const Look& look, const Errors& print, int quarters, std::mt19937_64& rng) {
   std::normal_distribution<double> noise(0.0, kNoise_px);
-  const View view{seen_from(look), kCamera};
+  const View view{seen_by(look), kCamera};
   BoardView out{kCamera.width, kCamera.height, {}};
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
@@ -66,7 +66,7 @@ BoardView view_of(const Look& look, const Errors& print, int quarters, std::mt19
 }
 
 std::vector<BoardView> views_of(const std::vector<Look>& looks, const Errors& print) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kBoardSeed);
   std::vector<BoardView> views;
   for (std::size_t v = 0; v < looks.size(); ++v)
     views.push_back(view_of(looks[v], print, static_cast<int>(v % 4), rng));
@@ -91,7 +91,7 @@ ImagePoint outline_centre(const View& view, BoardPoint centre, double radius) {
 }
 
 Errors bad_print(double u_mm) {
-  std::mt19937_64 rng(kSeed + 1);
+  std::mt19937_64 rng(kBoardSeed + 1);
   std::normal_distribution<double> error(0.0, u_mm);
   Errors out;
   for (int i = 0; i < kColumns * kRows; ++i) {
@@ -106,7 +106,7 @@ void expect_the_camera(const BoardCalibration& s) {
   const double off[]{c.fx - kCamera.fx, c.cx - kCamera.cx, c.cy - kCamera.cy, c.k1 - kCamera.k1,
                      c.k2 - kCamera.k2, c.p1 - kCamera.p1, c.p2 - kCamera.p2};
   for (std::size_t k = 0; k < 7; ++k)
-    EXPECT_LE(std::abs(off[k]), 3.0 * s.u[k]) << "parameter " << k << ", seed " << kSeed;
+    EXPECT_LE(std::abs(off[k]), 3.0 * s.u[k]) << "parameter " << k << ", seed " << kBoardSeed;
 }
 
 TEST(CalibrateBoard, FindsTheCameraWithinWhatItStates) {
@@ -115,7 +115,7 @@ TEST(CalibrateBoard, FindsTheCameraWithinWhatItStates) {
   expect_the_camera(*solved);
   EXPECT_LT(solved->u[0], 2.0) << "of 1800 px";
   // 6 views of 48 points less 6 poses and 7 parameters: 533 degrees of freedom.
-  EXPECT_NEAR(solved->chi2_dof, 1.0, 4.0 * std::sqrt(2.0 / 533.0)) << "seed " << kSeed;
+  EXPECT_NEAR(solved->chi2_dof, 1.0, 4.0 * std::sqrt(2.0 / 533.0)) << "seed " << kBoardSeed;
   EXPECT_LE(solved->print_mm, 1e-3);
   // Without the lens a homography is all that is left: of one point of noise, sqrt 2 in length, eight of 96 numbers.
   for (const CalibratedView& v : solved->views) {
@@ -140,7 +140,7 @@ TEST(CalibrateBoard, SaysThatNearlyParallelViewsLeaveTheFocalLengthOpen) {
   ASSERT_TRUE(open) << open.error();
   ASSERT_TRUE(told) << told.error();
   EXPECT_GT(open->u[0], 20.0 * told->u[0]);
-  EXPECT_LE(std::abs(open->camera.fx - kCamera.fx), 3.0 * open->u[0]) << "seed " << kSeed;
+  EXPECT_LE(std::abs(open->camera.fx - kCamera.fx), 3.0 * open->u[0]) << "seed " << kBoardSeed;
 }
 
 TEST(CalibrateBoard, LeavesOutWhatIsNotTheSameCameraOrBoard) {
@@ -162,10 +162,10 @@ TEST(CalibrateBoard, RefusesWhenNothingShowsABoard) {
 // Dots of 7 mm are 72 px wide: seen at 30 deg the middles of their outlines lie up to 0.2 px from their centres'
 // images.
 TEST(CalibrateBoard, TakesDotsForCirclesNotForPoints) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kBoardSeed);
   std::vector<BoardView> views;
   for (const Look& look : {kLooks[0], kLooks[1], kLooks[2], kLooks[3]}) {
-    const View view{seen_from(look), kCamera};
+    const View view{seen_by(look), kCamera};
     views.push_back(view_of(look, {}, 0, rng));
     for (BoardPointSeen& p : views.back().points) {
       p.at = outline_centre(view, p.board, 3.5);
@@ -185,7 +185,7 @@ TEST(CalibrateBoard, TakesDotsForCirclesNotForPoints) {
 }
 
 TEST(MatchPlaces, KnowsAPrintAgainThatWasTurnedAndCutOff) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kBoardSeed);
   std::normal_distribution<double> normal;
   std::vector<PlacedPoint> whole, part;
   for (int y = 0; y < 12; ++y) {
@@ -206,7 +206,7 @@ TEST(MatchPlaces, KnowsAPrintAgainThatWasTurnedAndCutOff) {
 }
 
 TEST(MatchPlaces, TakesNoNoiseForAPrint) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kBoardSeed);
   std::normal_distribution<double> normal;
   std::vector<std::vector<PlacedPoint>> views(5);
   for (auto& view : views) {

@@ -10,7 +10,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kRounds = 3;  // scatter and print from the residuals of the last solution
+constexpr int kPrintRounds = 3;  // scatter and print from the residuals of the last solution
 
 // How far every point of a view was seen from its place, mm on the board.
 std::vector<PlacedPoint> placed(const BoardWork& work, std::size_t v) {
@@ -106,7 +106,7 @@ void solve_with_places(BoardWork& work, const BoardModel& model) {
   for (std::size_t v = 0; v < work.views.size(); ++v) views.push_back(placed(work, v));
   const BoardWork alone = work;
   number_places(work, match_places(views));
-  for (int round = 0; round < kRounds && work.places > 0; ++round) {
+  for (int round = 0; round < kPrintRounds && work.places > 0; ++round) {
     work.data = data_of(work);
     tell_print_from_points(work);
     if (!(work.print_mm > 0.0)) break;

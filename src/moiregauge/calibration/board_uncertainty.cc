@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 
 #include "moiregauge/calibration/board_bundle.h"
+#include "moiregauge/calibration/normal_inverse.h"
 #include "moiregauge/calibration/patch_residual.h"
 
 namespace moiregauge {
@@ -46,12 +47,6 @@ struct PlaceSum {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::MatrixXd by_offset;
 };
-
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& m) {
-  const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(m.rows(), m.cols())) * scale.asDiagonal();
-}
 
 constexpr int kFirstPose = kCameraParameters + kPatchColumns;
 

@@ -9,8 +9,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kShape = MarkerShape::kParameters;
-constexpr int kSceneColumns = kCommonParameters + kShape;      // of a patch's columns: those of the scene
+constexpr int kSceneColumns = kCommonParameters + kShapeParameters;  // of a patch's columns: those of the scene
 constexpr int kPlace = PatchColumn::kShape + MarkerShape::kX;  // a shift has these two columns
 
 using Matrix2 = Eigen::Matrix2d;
@@ -34,7 +33,9 @@ Eigen::Matrix<double, 2, kSize> shift_rows(const Eigen::Matrix<double, kSize, kS
 }
 
 // Where a patch's column of the scene lies among all parameters.
-int column(std::size_t marker, int k) { return k < kCommonParameters ? k : kShape * static_cast<int>(marker) + k; }
+int column(std::size_t marker, int k) {
+  return k < kCommonParameters ? k : kShapeParameters * static_cast<int>(marker) + k;
+}
 
 // With another focal length the same picture comes from a camera that is as much farther away, tilts and heights as
 // much larger, and a lens that bends the same pixels as much as before. Steps are straight in what stays the same,
@@ -47,7 +48,7 @@ double scaled_step(double value, double step, double log_f, int power) {
 int power_of_f(int index) {
   constexpr std::array<int, kCommonParameters> kOfCamera{1, 0, 0, 2, 4, 1, 1, 6};
   if (index < kCommonParameters) return kOfCamera[static_cast<std::size_t>(index)];
-  return (index - kCommonParameters) % kShape == MarkerShape::kHeight ? 1 : 0;
+  return (index - kCommonParameters) % kShapeParameters == MarkerShape::kHeight ? 1 : 0;
 }
 
 }  // namespace
@@ -59,7 +60,7 @@ double robust(double chi2) {
 double& parameter(BundleState& state, int index) {
   if (index < kCommonParameters) return state.common[static_cast<std::size_t>(index)];
   const auto k = static_cast<std::size_t>(index - kCommonParameters);
-  return state.markers[k / kShape].value[k % kShape];
+  return state.markers[k / kShapeParameters].value[k % kShapeParameters];
 }
 
 double BundlePatch::chi2(const BundleState& at) const {
@@ -227,7 +228,7 @@ double BundleNormal::frame_substituted(std::size_t first, const Eliminated& fram
 }
 
 Eigen::Index BundleNormal::size() const {
-  return kCommonParameters + kShape * static_cast<Eigen::Index>(at_.markers.size()) + 1;
+  return kCommonParameters + kShapeParameters * static_cast<Eigen::Index>(at_.markers.size()) + 1;
 }
 
 std::optional<BundleState> BundleNormal::step_of_frames() const {

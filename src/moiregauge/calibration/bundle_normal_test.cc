@@ -9,22 +9,21 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kShape = MarkerShape::kParameters;
 constexpr std::size_t kFrames = 3, kMarkers = 4;  // the last one a target
-constexpr int kScene = kCommonParameters + kShape * static_cast<int>(kMarkers);
+constexpr int kScene = kCommonParameters + kShapeParameters * static_cast<int>(kMarkers);
 constexpr int kOfFrame = 8;  // pose, shift
 
-struct Footage {
+struct NormalCase {
   std::vector<BundlePatch> patches;
   std::vector<SceneParameter> free;
   BundleState at;
 };
 
 // Prints seen from three poses, read with errors of a thousandth of a pitch.
-Footage footage() {
+NormalCase footage() {
   std::mt19937_64 rng(11);
   std::normal_distribution<double> normal;
-  Footage f;
+  NormalCase f;
   f.at.common = {3400.0, 2000.0, 500.0, -0.03, 0.01, 1e-4, -2e-4, 0.0};
   f.at.markers.resize(kMarkers);
   for (std::size_t k = 0; k < kFrames; ++k) {
@@ -47,7 +46,7 @@ Footage footage() {
     }
   }
   for (int index = 0; index < kScene; ++index) {
-    const bool place_of_target = index == kScene - kShape || index == kScene - kShape + 1;
+    const bool place_of_target = index == kScene - kShapeParameters || index == kScene - kShapeParameters + 1;
     const bool is_free = index != 7 && !place_of_target;
     const double unit = index == 0 ? 100.0 : index < 3 ? 10.0 : index < kCommonParameters ? 0.01 : 0.1;
     if (is_free) f.free.push_back({index, parameter(f.at, index) + 0.1 * unit, unit});
@@ -56,7 +55,7 @@ Footage footage() {
 }
 
 // Gauss and Newton's step of all unknowns together: the scene's, then pose and shift of every frame.
-Eigen::VectorXd dense_step(const Footage& f) {
+Eigen::VectorXd dense_step(const NormalCase& f) {
   const Eigen::Index size = kScene + kOfFrame * static_cast<Eigen::Index>(kFrames);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
@@ -64,8 +63,8 @@ Eigen::VectorXd dense_step(const Footage& f) {
     const auto design = p.residual.design(f.at.common, f.at.markers[p.marker], TurnedPose(f.at.poses[p.frame]), {});
     Eigen::MatrixXd j = Eigen::MatrixXd::Zero(PatchResidual::kSize, size);
     j.leftCols<kCommonParameters>() = design.leftCols<kCommonParameters>();
-    j.middleCols<kShape>(kCommonParameters + kShape * static_cast<int>(p.marker)) =
-        design.middleCols<kShape>(PatchColumn::kShape);
+    j.middleCols<kShapeParameters>(kCommonParameters + kShapeParameters * static_cast<int>(p.marker)) =
+        design.middleCols<kShapeParameters>(PatchColumn::kShape);
     const Eigen::Index own = kScene + kOfFrame * static_cast<Eigen::Index>(p.frame);
     j.middleCols<6>(own) = design.middleCols<6>(PatchColumn::kPose);
     if (p.shifts) j.middleCols<2>(own + 6) = design.middleCols<2>(PatchColumn::kShape);
@@ -92,7 +91,7 @@ Eigen::VectorXd dense_step(const Footage& f) {
 }
 
 TEST(BundleNormal, TheScenesStepIsThatOfAllUnknownsTogether) {
-  const Footage f = footage();
+  const NormalCase f = footage();
   const Eigen::VectorXd dense = dense_step(f);
   auto step = BundleNormal(f.patches, f.free, f.at).step(0.0);
   ASSERT_TRUE(step);
@@ -114,7 +113,7 @@ TEST(BundleNormal, TheScenesStepIsThatOfAllUnknownsTogether) {
 }
 
 TEST(BundleNormal, AStepGainsWhatItPromises) {
-  const Footage f = footage();
+  const NormalCase f = footage();
   const auto cost = [&](BundleState& at) {
     double sum = 0.0;
     for (const BundlePatch& p : f.patches)

@@ -42,8 +42,6 @@ long rows_of(std::span<const BundleFrame> frames) {
   return 2 * kPatchPoints * patches;
 }
 
-constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
-
 // Whether prints are rough beyond noise. Their errors are the same in every view and alike in neighbours, so chi2 is no
 // likelihood any more: heights then bend to them (nine patches of a photographed board scattered by 10 um instead of
 // 2.6), and are solved only where they pay.

@@ -8,32 +8,16 @@
 #include <Eigen/Geometry>
 
 #include "moiregauge/calibration/pose.h"
+#include "moiregauge/calibration/rig_for_tests.h"
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr double kPitch = 10.0;     // mm
-constexpr double kNoise = 2e-4;     // pitches, of each coordinate of a point: 2 um, 0.006 px
-constexpr std::uint64_t kSeed = 7;  // printed with every failure
+using test::kNoise, test::kPitch, test::rig;
 
-// Four references and a target as on the paper's rig.
-Site rig() {
-  Site site;
-  const auto add = [&](Role role, double x, double y, double size) {
-    Marker m;
-    m.role = role;
-    m.name = std::to_string(site.markers.size());
-    m.grating = Grating{{x, y}, size, size, kPitch, 0.0, Pattern::kGrid};
-    site.markers.push_back(m);
-  };
-  for (const double y : {28.0, -28.0}) {
-    for (const double x : {-340.0, 340.0}) add(Role::kReference, x, y, 40.0);
-  }
-  add(Role::kTarget, 0.0, 0.0, 60.0);
-  return site;
-}
+constexpr std::uint64_t kCalibrateSeed = 7;  // printed with every failure
 
 Camera lens(double k1) { return {4104, 1012, 3478.26, 3478.26, 2059.3, 494.3, k1, 0, 0, 0, 0}; }
 
@@ -83,7 +67,7 @@ struct Footage {
 
 // A camera that swings by `swing` deg about three axes while the target moves by 2 mm.
 Footage footage_of(const Site& site, const Camera& camera, double swing, int frames) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCalibrateSeed);
   Footage run;
   for (int i = 0; i < frames; ++i) {
     const double s = double(i) / (frames - 1);
@@ -117,7 +101,7 @@ TEST(Calibrate, TheLensIsSolvedFromTheFootageToTheNoiseOfItsPoints) {
   const Footage run = footage_of(site, camera, 6.0, 24);
   const Calibration solved = calibrate(site, run.frames, scene_prior(site, camera.width, camera.height, std::nullopt));
   const Scene& scene = solved.bundle.scene;
-  ASSERT_TRUE(scene.solved) << scene.problem << ", seed " << kSeed;
+  ASSERT_TRUE(scene.solved) << scene.problem << ", seed " << kCalibrateSeed;
   EXPECT_TRUE(scene.model.radial);
   EXPECT_FALSE(scene.model.tangential) << "the lens has none";
   EXPECT_NEAR(scene.chi2_dof, 1.0, 0.15);
@@ -126,7 +110,7 @@ TEST(Calibrate, TheLensIsSolvedFromTheFootageToTheNoiseOfItsPoints) {
     const FrameFit now = fit_frame(site, scene, solved.bundle.frames[k]);
     ASSERT_TRUE(now.ok);
     const auto moved = now.shift[4] - then.shift[4], truth = run.shift[k] - run.shift[0];
-    EXPECT_NEAR(moved.y, truth.y, 4.2e-3) << "frame " << k << ", seed " << kSeed;
+    EXPECT_NEAR(moved.y, truth.y, 4.2e-3) << "frame " << k << ", seed " << kCalibrateSeed;
   }
   // Distortion at the circle of the references, where it matters: k1 r^2 f r of 6 px is known to 1 %.
   const double r = 340.0 / 1200.0;
@@ -148,11 +132,11 @@ TEST(Calibrate, PrintsStretchedAlongOneAxisAreSeenAndWidenTheirScale) {
   }
   const Calibration solved = calibrate(site, run.frames, scene_prior(site, camera.width, camera.height, std::nullopt));
   const Scene& scene = solved.bundle.scene;
-  ASSERT_TRUE(scene.solved) << scene.problem << ", seed " << kSeed;
+  ASSERT_TRUE(scene.solved) << scene.problem << ", seed " << kCalibrateSeed;
   EXPECT_TRUE(solved.stretched);
   const double u = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));
   EXPECT_LT(u, 0.1 * kStretch);
-  EXPECT_NEAR(scene.stretch, kStretch, 4.0 * u) << "seed " << kSeed;
+  EXPECT_NEAR(scene.stretch, kStretch, 4.0 * u) << "seed " << kCalibrateSeed;
   EXPECT_NEAR(scene.chi2_dof, 1.0, 0.15);
   const std::size_t target = 4;
   const double u_scale = solved.prior.u_markers[target].value[MarkerShape::kScale];
@@ -177,7 +161,7 @@ TEST(Calibrate, ACameraThatStandsStillNeedsNoLens) {
   const FrameFit then = fit_frame(site, solved.bundle.scene, solved.bundle.frames.front());
   for (std::size_t k = 1; k < run.frames.size(); ++k) {
     const FrameFit now = fit_frame(site, solved.bundle.scene, solved.bundle.frames[k]);
-    EXPECT_NEAR((now.shift[4] - then.shift[4]).y, (run.shift[k] - run.shift[0]).y, 4.2e-3) << "seed " << kSeed;
+    EXPECT_NEAR((now.shift[4] - then.shift[4]).y, (run.shift[k] - run.shift[0]).y, 4.2e-3) << "seed " << kCalibrateSeed;
   }
 }
 

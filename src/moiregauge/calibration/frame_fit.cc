@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "moiregauge/calibration/free_parameters.h"
+#include "moiregauge/calibration/normal_inverse.h"
 #include "moiregauge/calibration/patch_residual.h"
 #include "moiregauge/calibration/row_motion.h"
 
@@ -14,7 +15,6 @@ namespace moiregauge {
 namespace {
 
 constexpr int kRows = PatchResidual::kSize;
-constexpr int kShape = MarkerShape::kParameters;
 constexpr int kPasses = 4;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -49,13 +49,14 @@ void add_patch(Normal& n, const PatchResidual::Design& design, std::size_t i, in
     for (int b = 0; b < used; ++b) n.ff(row(a), row(b)) += ff(a, b);
   }
   if (!with_scene) return;
-  const auto column = [&](int k) { return k < kCommonParameters ? k : k + kShape * static_cast<int>(i); };
-  const Jacobian<kCommonParameters + kShape> scene = design.leftCols<kCommonParameters + kShape>();
-  const Eigen::Matrix<double, 8, kCommonParameters + kShape> fg = own.transpose() * scene;
-  const Eigen::Matrix<double, kCommonParameters + kShape, kCommonParameters + kShape> gg = scene.transpose() * scene;
-  for (int b = 0; b < kCommonParameters + kShape; ++b) {
+  const auto column = [&](int k) { return k < kCommonParameters ? k : k + kShapeParameters * static_cast<int>(i); };
+  const Jacobian<kCommonParameters + kShapeParameters> scene = design.leftCols<kCommonParameters + kShapeParameters>();
+  const Eigen::Matrix<double, 8, kCommonParameters + kShapeParameters> fg = own.transpose() * scene;
+  const Eigen::Matrix<double, kCommonParameters + kShapeParameters, kCommonParameters + kShapeParameters> gg =
+      scene.transpose() * scene;
+  for (int b = 0; b < kCommonParameters + kShapeParameters; ++b) {
     for (int a = 0; a < used; ++a) n.fg(row(a), column(b)) += fg(a, b);
-    for (int a = 0; a < kCommonParameters + kShape; ++a) n.gg(column(a), column(b)) += gg(a, b);
+    for (int a = 0; a < kCommonParameters + kShapeParameters; ++a) n.gg(column(a), column(b)) += gg(a, b);
   }
 }
 
@@ -81,10 +82,11 @@ void add_rows(Normal& n, const RowDesign::Columns& rows, const PatchResidual::De
   n.bb += by_readout.squaredNorm();
   n.rb += by_readout.dot(residual);
   if (!with_scene) return;
-  const auto column = [&](int k) { return k < kCommonParameters ? k : k + kShape * static_cast<int>(i); };
-  const Eigen::Matrix<double, kMotionParameters, kCommonParameters + kShape> fg =
-      by_motion.transpose() * design.leftCols<kCommonParameters + kShape>();
-  for (int b = 0; b < kCommonParameters + kShape; ++b) n.fg.block<kMotionParameters, 1>(first, column(b)) += fg.col(b);
+  const auto column = [&](int k) { return k < kCommonParameters ? k : k + kShapeParameters * static_cast<int>(i); };
+  const Eigen::Matrix<double, kMotionParameters, kCommonParameters + kShapeParameters> fg =
+      by_motion.transpose() * design.leftCols<kCommonParameters + kShapeParameters>();
+  for (int b = 0; b < kCommonParameters + kShapeParameters; ++b)
+    n.fg.block<kMotionParameters, 1>(first, column(b)) += fg.col(b);
 }
 
 // Gauss and Newton's step; false when the patches do not determine it.
@@ -106,14 +108,6 @@ bool take_step(FrameFit& fit, const Normal& n, int first_motion) {
   return true;
 }
 
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal) {
-  const auto rows = normal.rows();
-  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd inverse =
-      (scale.asDiagonal() * normal * scale.asDiagonal()).ldlt().solve(Eigen::MatrixXd::Identity(rows, rows));
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
-}
-
 // What the fit of a frame with rows knows of them.
 void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int first) {
   fit.of_motion = Eigen::VectorXd::Zero(n.ff.rows());
@@ -129,7 +123,7 @@ void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int fi
 
 }  // namespace
 
-int scene_parameters(std::size_t markers) { return kCommonParameters + kShape * static_cast<int>(markers); }
+int scene_parameters(std::size_t markers) { return kCommonParameters + kShapeParameters * static_cast<int>(markers); }
 
 FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame) {
   const std::size_t markers = site.markers.size();
@@ -227,8 +221,8 @@ Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> fra
     take(k, common[static_cast<std::size_t>(k)], u_common[static_cast<std::size_t>(k)]);
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const auto shape = free_shape(model, site.markers[i].role);
-    for (int k = 0; k < kShape; ++k)
-      take(kCommonParameters + kShape * static_cast<int>(i) + k, shape[static_cast<std::size_t>(k)],
+    for (int k = 0; k < kShapeParameters; ++k)
+      take(kCommonParameters + kShapeParameters * static_cast<int>(i) + k, shape[static_cast<std::size_t>(k)],
            prior.u_markers[i].value[static_cast<std::size_t>(k)]);
   }
   const auto n = static_cast<Eigen::Index>(used.size());

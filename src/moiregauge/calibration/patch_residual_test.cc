@@ -16,7 +16,7 @@ using RowMajor = Eigen::Matrix<double, kSize, kColumns, Eigen::RowMajor>;
 
 const Grating kGrating{{120.0, -35.0}, 40.0, 40.0, 10.0, 0.05, Pattern::kGrid};
 const CommonNumbers kCommon{3478.0, 2059.0, 494.0, -0.04, 0.01, 4e-4, -3e-4, 2e-3, 0.01};
-const MarkerShape kShape{{0.3, -0.2, 0.004, 6e-4, 2.0}};
+const MarkerShape kSomeShape{{0.3, -0.2, 0.004, 6e-4, 2.0}};
 const Extent<frame::Board> kShift{0.7, -1.1};
 
 // Nine points about where the camera sees the print, with information of all ranks up to `rank`.
@@ -39,10 +39,10 @@ TEST(PatchResidual, HasTheDerivativesThatCeresFinds) {
   for (const double angle : {0.0, 1e-9, 0.02, 0.099, 0.101, 0.8}) {
     const Pose pose{{0.6 * angle, -0.75 * angle, 0.28 * angle}, {4.0, -7.0, 1200.0}};
     const PatchResidual residual(patch(kSize), kGrating);
-    const auto design = residual.design(kCommon, kShape, TurnedPose(pose), kShift);
+    const auto design = residual.design(kCommon, kSomeShape, TurnedPose(pose), kShift);
     const std::array<double, 6> place{pose.turn[0], pose.turn[1], pose.turn[2], 4.0, -7.0, 1200.0};
     const std::array<double, 2> moved{kShift.x, kShift.y};
-    const double* blocks[]{kCommon.data(), kShape.value.data(), place.data(), moved.data()};
+    const double* blocks[]{kCommon.data(), kSomeShape.value.data(), place.data(), moved.data()};
     PatchResidual::Vector value;
     RowMajor<kCommonParameters> by_common;
     RowMajor<MarkerShape::kParameters> by_shape;
@@ -61,7 +61,7 @@ TEST(PatchResidual, HasTheDerivativesThatCeresFinds) {
     expect_equal(by_shape, PatchColumn::kShape);
     expect_equal(by_shift, PatchColumn::kShape);
     expect_equal(by_pose, PatchColumn::kPose);
-    EXPECT_NEAR(residual.chi2(kCommon, kShape, pose, kShift), value.squaredNorm(), 1e-9 * value.squaredNorm());
+    EXPECT_NEAR(residual.chi2(kCommon, kSomeShape, pose, kShift), value.squaredNorm(), 1e-9 * value.squaredNorm());
   }
 }
 

@@ -6,14 +6,16 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/calibration/patch_residual.h"
+#include "moiregauge/calibration/rig_for_tests.h"
 #include "moiregauge/calibration/wander.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr double kPitch = 10.0;  // mm
+using test::kPitch;
+
 constexpr double kNoise_mm = 1e-3;
-constexpr std::uint64_t kSeed = 11;  // printed with every failure
+constexpr std::uint64_t kPrintSeed = 11;  // printed with every failure
 
 struct Truth {
   Site site;
@@ -38,7 +40,7 @@ Truth truth() {
 
 // Every patch's nine points with noise of their own, and with an error in each and in common.
 std::vector<BundleFrame> views(const Truth& t, double error_mm, double common_mm, int count = 12) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kPrintSeed);
   std::normal_distribution<double> normal;
   const Camera& c = t.scene.camera;
   const double camera[]{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
@@ -91,7 +93,7 @@ double wander(const Truth& t, const std::vector<BundleFrame>& frames, double alr
 
 TEST(PrintError, OfAPerfectPrintIsNone) {
   const Truth t = truth();
-  EXPECT_EQ(estimate(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kSeed;
+  EXPECT_EQ(estimate(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kPrintSeed;
 }
 
 // Five prints in twelve views: 960 degrees of freedom tell a scatter to 1 / sqrt(2 n) = 2.3 %; what the nine share are
@@ -99,7 +101,7 @@ TEST(PrintError, OfAPerfectPrintIsNone) {
 TEST(PrintError, IsToldFromTheNoiseByWhatNoiseDoesNotExplain) {
   const Truth t = truth();
   for (const double error_mm : {0.002, 0.01})
-    EXPECT_NEAR(estimate(t, views(t, error_mm, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kSeed;
+    EXPECT_NEAR(estimate(t, views(t, error_mm, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kPrintSeed;
 }
 
 TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
@@ -111,12 +113,12 @@ TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
     chi2 += fit.chi2_sum;
     dof += static_cast<double>(fit.dof);
   }
-  EXPECT_NEAR(chi2 / dof, 1.0, 4.0 * std::sqrt(2.0 / dof)) << "seed " << kSeed;
+  EXPECT_NEAR(chi2 / dof, 1.0, 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
 }
 
 TEST(Wander, OfMarkersThatStandStillIsNone) {
   const Truth t = truth();
-  EXPECT_EQ(wander(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kSeed;
+  EXPECT_EQ(wander(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kPrintSeed;
 }
 
 // Four references have eight coordinates as wholes; a pose takes up six of them, or less where a print's own turn and
@@ -124,13 +126,13 @@ TEST(Wander, OfMarkersThatStandStillIsNone) {
 TEST(Wander, IsToldThoughThePosesTakeUpMostOfIt) {
   const Truth t = truth();
   for (const double wander_um : {3.0, 30.0, 300.0})
-    EXPECT_NEAR(1e3 * wander(t, views(t, 0.0, 1e-3 * wander_um, 100)) / wander_um, 1.0, 0.2) << "seed " << kSeed;
+    EXPECT_NEAR(1e3 * wander(t, views(t, 0.0, 1e-3 * wander_um, 100)) / wander_um, 1.0, 0.2) << "seed " << kPrintSeed;
 }
 
 TEST(Wander, StaysAsItIsOnceTheWeightsAllowForIt) {
   const Truth t = truth();
   const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {0.0, 0.03});
-  EXPECT_NEAR(wander(t, frames, 0.03) / 0.03, 1.0, 0.2) << "seed " << kSeed;
+  EXPECT_NEAR(wander(t, frames, 0.03) / 0.03, 1.0, 0.2) << "seed " << kPrintSeed;
 }
 
 // A print of lines says nothing along them, and an error of the print does not change that.

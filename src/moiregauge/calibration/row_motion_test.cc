@@ -7,29 +7,15 @@
 
 #include "moiregauge/calibration/frame_fit.h"
 #include "moiregauge/calibration/patch_residual.h"
+#include "moiregauge/calibration/rig_for_tests.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr double kPitch = 10.0, kReadout = 0.02, kZ = 1200.0;
-constexpr double kNoise = 2e-4;  // pitches
+using test::kNoise, test::kPitch, test::rig;
 
-Site rig() {
-  Site site;
-  const auto add = [&](Role role, double x, double y, double size) {
-    Marker m;
-    m.role = role;
-    m.name = std::to_string(site.markers.size());
-    m.grating = Grating{{x, y}, size, size, kPitch, 0.0, Pattern::kGrid};
-    site.markers.push_back(m);
-  };
-  for (const double y : {28.0, -28.0}) {
-    for (const double x : {-340.0, 340.0}) add(Role::kReference, x, y, 40.0);
-  }
-  add(Role::kTarget, 0.0, 0.0, 60.0);
-  return site;
-}
+constexpr double kReadout = 0.02, kZ = 1200.0;
 
 Scene scene_of(const Site& site) {
   Scene scene;

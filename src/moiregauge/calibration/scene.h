@@ -19,8 +19,10 @@ struct MarkerShape {
   enum Parameter { kX, kY, kTurn, kScale, kHeight, kParameters };
   std::array<double, kParameters> value{};  // mm, mm, rad counter-clockwise, relative, mm above the reference plane
 };
+inline constexpr int kShapeParameters = MarkerShape::kParameters;
 
 inline constexpr int kCameraParameters = 8;  // f cx cy k1 k2 p1 p2 k3
+inline constexpr double kUnknownFocal = 1.0;  // relative: u of a focal length of which nothing is known
 // What all markers share: the camera, and how much longer every print is along its x than along its y (relative; half
 // of it on either axis). Printers feed paper and move ink by different means, and stretch both ways differently.
 inline constexpr int kCommonParameters = kCameraParameters + 1, kStretchParameter = kCameraParameters;
@@ -33,6 +35,7 @@ struct SceneModel {
   bool depth = false;       // of the targets
   [[nodiscard]] std::string name() const;
 };
+inline constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
 
 struct Scene {
   Camera camera;                     // fx = fy

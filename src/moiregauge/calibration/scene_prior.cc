@@ -12,7 +12,6 @@ namespace {
 constexpr double kRadial = 0.05, kRadial2 = 0.02, kTangential = 0.005;
 // From a telephone's wide lens (0.7 sides) to a long one (6 sides) all are within two u.
 constexpr double kUsualFocal = 2.0;  // of the picture's larger side
-constexpr double kFocal = 1.0;       // relative
 constexpr double kPrincipal = 0.02;  // of the picture's larger side
 // Of a calibrated one: focus and temperature have moved since. It is a prior, not the truth.
 constexpr double kCalibratedFocal = 0.005, kCalibratedPrincipal = 0.002, kCalibratedDistortion = 0.05;
@@ -20,8 +19,8 @@ constexpr double kTargetDepth = 100.0;  // mm, where the site does not state it
 
 void unknown_lens(ScenePrior& prior, double side, double rho) {
   const double rho2 = rho * rho;
-  prior.u_camera = {kFocal * prior.camera.fx, kPrincipal * side, kPrincipal * side, kRadial / rho2,
-                    kRadial2 / (rho2 * rho2), kTangential / rho, kTangential / rho, 0.0};
+  prior.u_camera = {kUnknownFocal * prior.camera.fx, kPrincipal * side, kPrincipal * side, kRadial / rho2,
+                    kRadial2 / (rho2 * rho2),        kTangential / rho, kTangential / rho, 0.0};
 }
 
 void calibrated_lens(ScenePrior& prior, double side, double rho) {

@@ -11,7 +11,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kRounds = 6;
+constexpr int kReadoutRounds = 6;
 constexpr double kStands = 0.1;  // of its own u: a readout that moves by less
 constexpr int kReadoutSteps = 3;
 // A telephone's, where nothing is known: s, and relative standard uncertainty. Where motion is quicker than the frames
@@ -54,7 +54,7 @@ class Rounds {
     if (!(out_.interval_s > 0.0)) return without("there are not enough frames to tell the camera's motion");
     fits_ = fits_of(read_);
     take_poses();
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kReadoutRounds; ++round) {
       follow_path();
       const double before = out_.readout_s;
       // Paths of the first round are those of rows read at once: they would tell any readout.

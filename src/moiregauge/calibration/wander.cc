@@ -13,7 +13,6 @@ namespace moiregauge {
 namespace {
 
 constexpr int kPose = 6;
-constexpr int kShape = MarkerShape::kParameters;
 using Shift18 = Eigen::Matrix<double, PatchResidual::kSize, 2>;
 
 // A frame's references, each by the two coordinates in which its shift shows: Q' of residuals, of the columns of what
@@ -58,8 +57,8 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
     c.by_frame.block<2, kPose>(row, 0) = along.middleCols<kPose>(PatchColumn::kPose);
     c.by_shift.block<2, 2>(row, row) = along.middleCols<2>(PatchColumn::kShape);
     c.by_scene.block<2, kCommonParameters>(row, 0) = along.leftCols<kCommonParameters>();
-    c.by_scene.block<2, kShape>(row, kCommonParameters + kShape * static_cast<Eigen::Index>(i)) =
-        along.middleCols<kShape>(PatchColumn::kShape);
+    c.by_scene.block<2, kShapeParameters>(row, kCommonParameters + kShapeParameters * static_cast<Eigen::Index>(i)) =
+        along.middleCols<kShapeParameters>(PatchColumn::kShape);
   }
   c.by_scene += c.by_frame * fit.sensitivity(solved, Eigen::all);
   return c;

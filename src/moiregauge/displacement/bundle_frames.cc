@@ -10,8 +10,6 @@
 namespace moiregauge {
 namespace {
 
-double or_zero(double d) { return std::isnan(d) ? 0.0 : d; }
-
 BundleFrame bundle_frame(const Reference& reference, const Observation& seen, const Camera& camera,
                          const std::vector<BoardExtent>& travel) {
   BundleFrame frame;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kA = 380.0, kB = 28.0;  // mm, the rig's circles
 constexpr double kPitch_mm = 10.0, kPhase_rad = 0.002, kMmPerPx = 0.5;
 
-Marker marker(Role role, BoardPoint at, Pattern pattern) {
+Marker marker_with(Role role, BoardPoint at, Pattern pattern) {
   Marker m;
   m.role = role;
   if (role == Role::kReference) m.circle = Circle{at, 20.0};
@@ -23,11 +23,11 @@ Marker marker(Role role, BoardPoint at, Pattern pattern) {
 }
 
 // Four references at (+-a, +-b) and a target in their middle, every grating read to the same phase noise.
-Reference rig(Pattern of_target) {
+Reference five_markers(Pattern of_target) {
   Reference reference;
   for (const BoardPoint at : {BoardPoint{-kA, kB}, {kA, kB}, {-kA, -kB}, {kA, -kB}})
-    reference.site.markers.push_back(marker(Role::kReference, at, Pattern::kGrid));
-  reference.site.markers.push_back(marker(Role::kTarget, {0.0, 0.0}, of_target));
+    reference.site.markers.push_back(marker_with(Role::kReference, at, Pattern::kGrid));
+  reference.site.markers.push_back(marker_with(Role::kTarget, {0.0, 0.0}, of_target));
   reference.view.ideal_from_board = IdealFromBoard(Eigen::Vector3d(1.0 / kMmPerPx, -1.0 / kMmPerPx, 1.0).asDiagonal());
   for (std::size_t i = 0; i < 5; ++i) {
     const Marker& m = reference.site.markers[i];
@@ -44,7 +44,7 @@ Reference rig(Pattern of_target) {
 }
 
 TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
-  const auto expected = expected_uncertainties(rig(Pattern::kGrid));
+  const auto expected = expected_uncertainties(five_markers(Pattern::kGrid));
   ASSERT_EQ(expected.size(), 1U);
   EXPECT_EQ(expected[0].marker, 4U);
   // Target and references read to s; u_x = (s/2) sqrt(1 + (a/b)^2) through the references (layout.h); both frames
@@ -63,14 +63,14 @@ TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
 }
 
 TEST(ExpectedUncertainty, LinesShowNothingAlongThemselves) {
-  const auto expected = expected_uncertainties(rig(Pattern::kLinesY));
+  const auto expected = expected_uncertainties(five_markers(Pattern::kLinesY));
   ASSERT_EQ(expected.size(), 1U);
   EXPECT_TRUE(std::isnan(expected[0].u.x));
   EXPECT_GT(expected[0].u.y, 0.0);
 }
 
 TEST(ExpectedUncertainty, ATargetThatIsNotSeenPromisesNothing) {
-  Reference reference = rig(Pattern::kGrid);
+  Reference reference = five_markers(Pattern::kGrid);
   reference.seen.markers[4].loss = Loss::kNoModulation;
   const auto expected = expected_uncertainties(reference);
   ASSERT_EQ(expected.size(), 1U);

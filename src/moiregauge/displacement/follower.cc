@@ -6,8 +6,6 @@
 namespace moiregauge {
 namespace {
 
-double or_zero(double d) { return std::isnan(d) ? 0.0 : d; }
-
 }  // namespace
 
 Follower::Follower(const Reference& reference) {

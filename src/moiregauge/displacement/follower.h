@@ -2,6 +2,8 @@
 // The one object with a memory: where everything was last, and in which whole turn.
 #pragma once
 
+#include <cmath>
+
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/observe.h"
 
@@ -22,5 +24,8 @@ class Follower {
   void expect(const std::vector<Extent<frame::Board>>& last_travel, const std::optional<IdealFromBoard>& last_view);
   Prediction prediction_;
 };
+
+// A number of such a travel, to start or to predict from.
+[[nodiscard]] inline double or_zero(double travel_mm) { return std::isnan(travel_mm) ? 0.0 : travel_mm; }
 
 }  // namespace moiregauge

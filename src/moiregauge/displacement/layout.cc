@@ -8,11 +8,11 @@
 namespace moiregauge {
 namespace {
 
-using Rows = Eigen::Matrix<double, 2, 8>;
+using FieldRows = Eigen::Matrix<double, 2, 8>;
 
 // Displacement field of a homography near the identity: eight parameters, linear.
-Rows field(double x, double y) {
-  Rows a;
+FieldRows field(double x, double y) {
+  FieldRows a;
   a << x, y, 1, 0, 0, 0, -x * x, -x * y,  //
       0, 0, 0, x, y, 1, -x * y, -y * y;
   return a;
@@ -26,7 +26,7 @@ std::vector<Matrix2> reference_weights(std::span<const BoardPoint> references, B
   const auto at = [&](BoardPoint p) { return field((p.x - target.x) / reach, (p.y - target.y) / reach); };
   Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();
   for (const BoardPoint& p : references) normal += at(p).transpose() * at(p);
-  const Rows here = field(0.0, 0.0);
+  const FieldRows here = field(0.0, 0.0);
   const Eigen::Matrix<double, 8, 2> response = normal.ldlt().solve(here.transpose());
   std::vector<Matrix2> weights;
   for (const BoardPoint& p : references) weights.emplace_back((at(p) * response).transpose());

@@ -14,7 +14,6 @@ namespace moiregauge {
 namespace {
 
 constexpr double kNoInformation = 1e-6;  // relative to the other axis, or to the best determined parameter
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 bool is_fundamental(int m, int n, Pattern pattern) {
   return pattern == Pattern::kCheckerboard ? std::abs(m) == 1 && std::abs(n) == 1 : std::abs(m) + std::abs(n) == 1;
@@ -48,7 +47,7 @@ double reach_of(std::span<const ReadPlace> references, BoardPoint target) {
 Eigen::Vector2d own_variance(const Matrix2& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix2> eigen(information);
   const auto& strength = eigen.eigenvalues();
-  if (!(strength(1) > 0.0)) return {kNone, kNone};
+  if (!(strength(1) > 0.0)) return {kNotBound, kNotBound};
   const bool has_both = strength(0) > kNoInformation * strength(1);
   Eigen::Vector2d variance = eigen.eigenvectors().col(1).cwiseAbs2() / strength(1);
   for (int axis = 0; axis < 2; ++axis) {
@@ -56,7 +55,7 @@ Eigen::Vector2d own_variance(const Matrix2& information) {
     if (has_both)
       variance(axis) += along / strength(0);
     else if (along > kNoInformation)
-      variance(axis) = kNone;
+      variance(axis) = kNotBound;
   }
   return variance;
 }
@@ -69,7 +68,7 @@ double noise_of(const MarkerObservation& seen, const PrintModel& model) {
   return seen.patch.noise_sigma > 0.0 ? std::min(left, seen.patch.noise_sigma) : left;
 }
 
-std::optional<Matrix2> information_of(const Reference& reference, std::size_t i, Bound bound) {
+std::optional<Matrix2> information_seen(const Reference& reference, std::size_t i, Bound bound) {
   const MarkerObservation& seen = reference.seen.markers[i];
   if (i >= reference.prints.size() || !reference.prints[i] || !seen.points) return std::nullopt;
   const Grating& print = *reference.site.markers[i].grating;
@@ -130,13 +129,13 @@ Extent<frame::Board> layout_bound(const Reference& reference, std::size_t target
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     const Marker& marker = reference.site.markers[i];
     if (marker.role != Role::kReference || !marker.grating) continue;
-    if (const auto information = information_of(reference, i, bound))
+    if (const auto information = information_seen(reference, i, bound))
       references.push_back({marker.grating->centre, *information});
   }
-  const auto own = information_of(reference, target, bound);
-  if (!own) return {kNone, kNone};
+  const auto own = information_seen(reference, target, bound);
+  if (!own) return {kNotBound, kNotBound};
   const auto through = through_homography(references, reference.site.markers[target].grating->centre);
-  if (!through) return {kNone, kNone};
+  if (!through) return {kNotBound, kNotBound};
   const Eigen::Vector2d variance = own_variance(*own) + through->diagonal();
   return {std::sqrt(variance.x()), std::sqrt(variance.y())};
 }

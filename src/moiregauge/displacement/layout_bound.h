@@ -2,6 +2,7 @@
 // The least uncertainty that a layout of prints allows a displacement to have in one frame.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -28,6 +29,9 @@ struct ReadPlace {
 [[nodiscard]] std::optional<Matrix2> through_homography(std::span<const ReadPlace> references, BoardPoint target);
 [[nodiscard]] std::optional<Matrix2> through_pose(std::span<const ReadPlace> references, BoardPoint target,
                                                   const Eigen::Vector3d& camera_centre);
+
+// Of a shift that nothing determines.
+inline constexpr double kNotBound = std::numeric_limits<double>::quiet_NaN();
 
 // Standard uncertainties (mm, k = 1) along the board's axes of a target's displacement in one frame like the reference
 // frame, from the shifts of whole prints over every pixel of their size, lens and places known, through a homography.

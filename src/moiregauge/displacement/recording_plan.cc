@@ -14,7 +14,6 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRounding = 1.0 / 12.0;  // variance of a whole grey level
 
 struct Box {
@@ -45,7 +44,7 @@ Grating within(const RecordingSetup& setup, const Marker& marker, double clear_p
   return print;
 }
 
-Matrix2 information_of(const RecordingSetup& setup, const Marker& marker, const Grating& print, Bound bound) {
+Matrix2 information_planned(const RecordingSetup& setup, const Marker& marker, const Grating& print, Bound bound) {
   const double scale = px_per_mm(setup, marker.z_mm.value_or(0.0));
   const PlannedBlur blur = planned_blur(setup);
   PlannedOptics optics = setup.optics;
@@ -75,20 +74,20 @@ Extent<frame::Board> bound_of(const RecordingSetup& setup, std::size_t target, B
   for (const Marker& marker : setup.site.markers) {
     if (marker.role != Role::kReference || !marker.grating) continue;
     const Grating part = within(setup, marker, clear_px);
-    add_parts(references, part, information_of(setup, marker, part, bound));
+    add_parts(references, part, information_planned(setup, marker, part, bound));
   }
   const Marker& marker = setup.site.markers[target];
   const auto through = through_homography(references, marker.grating->centre);
-  if (!through) return {kNone, kNone};
-  const Matrix2 own = information_of(setup, marker, within(setup, marker, clear_px), bound);
+  if (!through) return {kNotBound, kNotBound};
+  const Matrix2 own = information_planned(setup, marker, within(setup, marker, clear_px), bound);
   const bool shows_x = marker.grating->pattern != Pattern::kLinesY,
              shows_y = marker.grating->pattern != Pattern::kLinesX;
   if (shows_x && shows_y) {
     const Matrix2 variance = own.inverse() + *through;
     return {std::sqrt(variance(0, 0)), std::sqrt(variance(1, 1))};
   }
-  return {shows_x ? std::sqrt(1.0 / own(0, 0) + (*through)(0, 0)) : kNone,
-          shows_y ? std::sqrt(1.0 / own(1, 1) + (*through)(1, 1)) : kNone};
+  return {shows_x ? std::sqrt(1.0 / own(0, 0) + (*through)(0, 0)) : kNotBound,
+          shows_y ? std::sqrt(1.0 / own(1, 1) + (*through)(1, 1)) : kNotBound};
 }
 
 // Largest angle to either side up to which every corner stays in the picture.

@@ -9,8 +9,6 @@
 namespace moiregauge {
 namespace {
 
-constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
-
 // Where the reference stands in each frame that shows it, against the scene of the others, mm.
 struct Way {
   std::vector<long> frame;

@@ -27,8 +27,8 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
   return false;
 }
 
-void measure(const Reference& reference, const Observation& seen, const CodecHistory& codec, std::size_t n, bool moved,
-             Sample& sample) {
+void measure_phase(const Reference& reference, const Observation& seen, const CodecHistory& codec, std::size_t n,
+                   bool moved, Sample& sample) {
   const RasterPlan& plan = reference.plans[sample.marker];
   const PatchReading& then = reference.seen.markers[sample.marker].patch;
   const PatchReading& now = seen.markers[sample.marker].patch;
@@ -63,7 +63,7 @@ Solution solve_conventional(const Reference& reference, const std::vector<Observ
         else if (seen.markers[i].loss != Loss::kNone)
           sample.status = status_of_loss(seen.markers[i].loss);
         else
-          measure(reference, seen, codec, n, moved, sample);
+          measure_phase(reference, seen, codec, n, moved, sample);
       }
       solution.samples.push_back(sample);
     }

@@ -36,7 +36,6 @@ constexpr double kRestPlace = 100.0;   // mm: where a target rests is not known 
 
 // u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does not
 // demand may yet be true.
-constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
 
 // A print of which pixels miss its template by more than this part of its contrast, rms, is not all there: a sixteenth
 // of it is hidden. Blur by half a pitch, contrast taken out, comes to 0.17.

@@ -80,7 +80,8 @@ BoardExtent codec_part(const RunEvidence& run, std::size_t n, const Observation&
                          run.codec.lag_in_reference_frame(target)));
 }
 
-void measure(const RunEvidence& run, const Observation& seen, std::size_t n, BoardExtent travel, Sample& sample) {
+void measure_against_references(const RunEvidence& run, const Observation& seen, std::size_t n, BoardExtent travel,
+                                Sample& sample) {
   const Reference& reference = run.reference;
   const std::size_t i = sample.marker;
   const RasterPlan& plan = reference.plans[i];
@@ -134,7 +135,7 @@ Solution solve_two_stage(const Reference& reference, const std::vector<Observati
         else if (doubtful)
           sample.status = Status::kOrderUnproven;
         else
-          measure(run, seen, n, travel[i], sample);
+          measure_against_references(run, seen, n, travel[i], sample);
       }
       solution.samples.push_back(sample);
     }

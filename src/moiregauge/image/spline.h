@@ -8,6 +8,9 @@
 
 namespace moiregauge {
 
+// px left round what is read, so that the spline does not feel where its part ends (0.27^12 = 1e-7).
+inline constexpr int kSplineRim = 12;
+
 // The cubic spline through the pixels of a part of a picture (M. Unser, IEEE Signal Processing Magazine 16(6), 1999,
 // doi:10.1109/79.799930). Read where every point falls at the same place between two pixels, an interpolator folds the
 // image of a fringe of pitch P at 2 - 1/P cycles per px back onto the fringe. For P = 7 px cubic convolution leaves

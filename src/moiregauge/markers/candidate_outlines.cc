@@ -13,8 +13,9 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr int kLevels = 4;              // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
-constexpr int kMinContrast = 14;        // of 255: below it a neighbourhood is flat; > the range of 5 DN noise, smoothed
+constexpr int kOutlineLevels = 4;  // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
+constexpr int kMinOutlineContrast =
+    14;                                 // of 255: below it a neighbourhood is flat; > the range of 5 DN noise, smoothed
 constexpr double kFilledShare = 0.5;    // of full scale: a picture of more range is not stretched
 constexpr double kMinRangeShare = 0.1;  // of full scale: a picture of less range is not stretched further (noise)
 constexpr double kMinLevelDiameter = 5;  // px of a level: fewer do not make an outline
@@ -169,13 +170,14 @@ std::vector<CandidateOutline> candidate_outlines(const LumaView& luma, DiameterR
   const cv::Mat finest = eight_bit(luma);
   GreyView level = view_of(finest);
   Image<std::uint8_t> here, half;
-  for (int i = 0; i < kLevels; ++i) {
+  for (int i = 0; i < kOutlineLevels; ++i) {
     const double scale = std::pow(2.0, i);
     if (std::min(level.width, level.height) < 8 || diameters.max_px / scale < kMinLevelDiameter) break;
     if (diameters.min_px / scale > kMaxLevelDiameter / 2.0) {  // the next scale sees all of them
       half = halved(level);
     } else {
-      const TileThresholds thresholds = tile_thresholds(level, kMinContrast, i + 1 < kLevels ? &half : nullptr);
+      const TileThresholds thresholds =
+          tile_thresholds(level, kMinOutlineContrast, i + 1 < kOutlineLevels ? &half : nullptr);
       // A quarter of slack: the outline is only thresholded, the size is judged on the sub-pixel one.
       const DiameterRange sizes{std::max(0.75 * diameters.min_px / scale, kMinLevelDiameter),
                                 std::min(1.25 * diameters.max_px / scale, kMaxLevelDiameter)};

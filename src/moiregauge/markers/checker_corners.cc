@@ -14,9 +14,9 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr int kLevels = 4;                         // scales 1, 1/2, 1/4, 1/8: edges blurred over up to 20 px
+constexpr int kCornerLevels = 4;                   // scales 1, 1/2, 1/4, 1/8: edges blurred over up to 20 px
 constexpr double kSmoothing = 1.0;                 // px of a level, sigma
-constexpr double kMinContrast = 10.0;              // of 255, light minus dark
+constexpr double kMinCornerContrast = 10.0;        // of 255, light minus dark
 constexpr std::array<double, 2> kRings{5.0, 3.0};  // px of a level, radius: the wider where the squares allow
 constexpr int kOnRing = 32;
 constexpr double kMinEven = 0.8;    // of the ring's variance: alike on opposite sides
@@ -73,7 +73,7 @@ std::optional<Sectors> sectors_round(const cv::Mat& level, const Eigen::Vector2d
     second += here * std::polar(2.0 / kOnRing, -2.0 * kTurn * static_cast<double>(i) / kOnRing);
   }
   const double contrast = 2.0 * std::sqrt(variance);
-  if (contrast < kMinContrast || even < kMinEven * variance || 0.5 * std::norm(second) < kMinSecond * variance)
+  if (contrast < kMinCornerContrast || even < kMinEven * variance || 0.5 * std::norm(second) < kMinSecond * variance)
     return std::nullopt;
   return Sectors{-std::arg(second), contrast};
 }
@@ -106,7 +106,7 @@ void add_corners(const cv::Mat& level, double scale, std::vector<CheckerCorner>&
   cv::Mat highest;
   cv::dilate(response, highest, cv::Mat::ones(5, 5, CV_8U));
   // Of a saddle between sharp squares the response is (contrast / (pi sigma^2))^2 or so; blurred ones have less.
-  const double threshold = std::pow(0.1 * kMinContrast, 2.0);
+  const double threshold = std::pow(0.1 * kMinCornerContrast, 2.0);
   const std::size_t finer = out.size();
   for (int y = 4; y + 4 < level.rows; ++y) {
     const float* here = response.ptr<float>(y);
@@ -135,7 +135,7 @@ std::vector<CheckerCorner> find_checker_corners(const LumaView& luma, int bits) 
   std::vector<CheckerCorner> out;
   const double to_eight_bits = 255.0 / (std::pow(2.0, bits) - 1.0);
   cv::Mat level = as_float(luma, to_eight_bits), smooth;
-  for (int i = 0; i < kLevels; ++i) {
+  for (int i = 0; i < kCornerLevels; ++i) {
     if (i > 0) {
       cv::Mat half;
       const cv::Rect even(0, 0, level.cols / 2 * 2, level.rows / 2 * 2);  // the scale stays exactly 1/2

@@ -23,9 +23,9 @@ constexpr double kMinExplained = 0.85;      // of the grey levels' variance in t
 constexpr double kMinSymmetric = 0.85;      // 0.98 and more of corners, 0.8 and less of what lies round a pattern
 constexpr double kMinWeakest = 0.5;         // of the contrast
 constexpr double kMaxUncertainty = 0.05;    // of the spacing
-constexpr double kMinContrastShare = 0.3;   // of its neighbour's
+constexpr double kMinCornerContrastShare = 0.3;  // of its neighbour's
 constexpr std::size_t kTooManyFailed = 20;  // and half of those tried
-constexpr double kPlaceReach = 0.15;        // of the spacing
+constexpr double kCornerReach = 0.15;       // of the spacing
 
 // Is it light between one column on and one row on?
 bool light_between(const Eigen::Matrix2d& step, double light_rad) {
@@ -38,7 +38,7 @@ struct Corners {
   std::vector<double> u_px, contrast;
 };
 
-Corners candidates(const LumaView& luma, int bits) {
+Corners corner_candidates(const LumaView& luma, int bits) {
   Corners out;
   for (const auto& corner : markers_detail::find_checker_corners(luma, bits)) {
     out.nodes.push_back({corner.at, 0.0, corner.light_rad});
@@ -53,7 +53,7 @@ std::optional<FittedSaddle> corner_at(const LumaView& luma, const Eigen::Vector2
   const auto saddle = markers_detail::fit_saddle(luma, {at, there.step, light_between(there.step, there.sign_rad)});
   if (!saddle || saddle->explained < kMinExplained) return std::nullopt;
   if (saddle->symmetric < kMinSymmetric || saddle->weakest < kMinWeakest) return std::nullopt;
-  if (saddle->contrast < kMinContrastShare * neighbour_contrast) return std::nullopt;
+  if (saddle->contrast < kMinCornerContrastShare * neighbour_contrast) return std::nullopt;
   if (saddle->u_px > kMaxUncertainty * there.spacing_px) return std::nullopt;
   return saddle;
 }
@@ -87,9 +87,9 @@ bool refine(const LumaView& luma, GrownLattice& lattice, Corners& corners) {
   return 2 * lattice.node_at.size() > fits.size();
 }
 
-std::optional<LatticeNode> look_again(const LumaView& luma, const CellPrediction& there, Corners& corners) {
+std::optional<LatticeNode> corner_again(const LumaView& luma, const CellPrediction& there, Corners& corners) {
   const auto saddle = corner_at(luma, there.at, there, corners.contrast[there.nearest]);
-  if (!saddle || (saddle->at - there.at).norm() > kPlaceReach * there.spacing_px) return std::nullopt;
+  if (!saddle || (saddle->at - there.at).norm() > kCornerReach * there.spacing_px) return std::nullopt;
   corners.u_px.push_back(saddle->u_px);
   corners.contrast.push_back(saddle->contrast);
   return LatticeNode{saddle->at, side_of(there), there.sign_rad};
@@ -99,10 +99,10 @@ std::optional<LatticeNode> look_again(const LumaView& luma, const CellPrediction
 
 std::vector<IndexedLattice> find_checker_lattices(const LumaView& luma, int bits) {
   std::vector<IndexedLattice> out;
-  Corners corners = candidates(luma, bits);
+  Corners corners = corner_candidates(luma, bits);
   for (GrownLattice& lattice : grow_lattices(corners.nodes, markers_detail::SignRule::kAlternating)) {
     if (!refine(luma, lattice, corners)) continue;
-    fill_in(lattice, corners.nodes, [&](const CellPrediction& there) { return look_again(luma, there, corners); });
+    fill_in(lattice, corners.nodes, [&](const CellPrediction& there) { return corner_again(luma, there, corners); });
     if (!prune(lattice, corners.nodes)) continue;
     auto indexing = index_upright(lattice, corners.nodes, corners.u_px);
     const LatticePoint& first = indexing.lattice.points.front();

@@ -11,8 +11,8 @@
 namespace moiregauge {
 namespace {
 
-constexpr std::uint64_t kSeed = 20240613;
-constexpr int kWidth = 320, kHeight = 260;
+constexpr std::uint64_t kCheckerSeed = 20240613;
+constexpr int kBoardWidth = 320, kBoardHeight = 260;
 constexpr int kColumns = 9, kRows = 6;  // squares
 
 using PictureFromBoard = Homography<frame::Image, frame::Board>;  // the board's unit: one square, y down
@@ -36,9 +36,9 @@ double stripe(double x, double sigma) {
 Image<std::uint8_t> checkerboard(const PictureFromBoard& picture_from_board, double noise_sigma, std::mt19937_64& rng) {
   std::normal_distribution<double> normal;
   const auto board_from_picture = picture_from_board.inverse();
-  Image<std::uint8_t> out(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  Image<std::uint8_t> out(kBoardWidth, kBoardHeight);
+  for (int y = 0; y < kBoardHeight; ++y) {
+    for (int x = 0; x < kBoardWidth; ++x) {
       const BoardPoint p = board_from_picture(ImagePoint{static_cast<double>(x), static_cast<double>(y)});
       const bool on_board = p.x > 0.0 && p.y > 0.0 && p.x < kColumns && p.y < kRows;
       const double light = on_board ? 0.5 - 0.5 * stripe(p.x, 0.035) * stripe(p.y, 0.035) : 1.0;
@@ -52,7 +52,7 @@ Image<std::uint8_t> checkerboard(const PictureFromBoard& picture_from_board, dou
 TEST(CheckerLattice, InnerCornersOfATiltedBoardAreFoundToAFiftiethOfAPixel) {
   for (const double tilt : {0.0, 20.0, 40.0}) {
     for (const double roll : {0.0, 0.35}) {
-      std::mt19937_64 rng(kSeed);
+      std::mt19937_64 rng(kCheckerSeed);
       const auto view = view_of_board(tilt, roll);
       const auto image = checkerboard(view, 0.0, rng);
       const auto lattices = find_checker_lattices(LumaView(image.view()), 8);
@@ -69,7 +69,7 @@ TEST(CheckerLattice, InnerCornersOfATiltedBoardAreFoundToAFiftiethOfAPixel) {
 }
 
 TEST(CheckerLattice, TurnedUpsideDownABoardOfOddAndEvenSidesShowsTheOtherColourFirst) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCheckerSeed);
   const auto image = checkerboard(view_of_board(20.0, kPi), 0.0, rng);
   const auto lattices = find_checker_lattices(LumaView(image.view()), 8);
   ASSERT_EQ(lattices.size(), 1U);
@@ -78,14 +78,14 @@ TEST(CheckerLattice, TurnedUpsideDownABoardOfOddAndEvenSidesShowsTheOtherColourF
 
 TEST(CheckerLattice, CornersScatterAsMuchAsTheirStandardUncertaintySays) {
   constexpr int kTrials = 4;
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCheckerSeed);
   const auto view = view_of_board(25.0, 0.2);
   double squares = 0.0, stated = 0.0;
   int corners = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto image = checkerboard(view, 4.0, rng);
     const auto lattices = find_checker_lattices(LumaView(image.view()), 8);
-    ASSERT_EQ(lattices.size(), 1U) << "seed " << kSeed;
+    ASSERT_EQ(lattices.size(), 1U) << "seed " << kCheckerSeed;
     for (const LatticePoint& p : lattices[0].points) {
       const auto off = p.at - view(BoardPoint{p.column + 1.0, p.row + 1.0});
       squares += off.x * off.x + off.y * off.y;
@@ -95,13 +95,13 @@ TEST(CheckerLattice, CornersScatterAsMuchAsTheirStandardUncertaintySays) {
   }
   ASSERT_EQ(corners, kTrials * (kColumns - 1) * (kRows - 1));
   // Two coordinates a corner: the ratio's standard error is 1 / sqrt(4 n); allow 4, and 5 % for the fit's model.
-  EXPECT_NEAR(std::sqrt(squares / stated), 1.0, 0.05 + 4.0 / std::sqrt(4.0 * corners)) << "seed " << kSeed;
+  EXPECT_NEAR(std::sqrt(squares / stated), 1.0, 0.05 + 4.0 / std::sqrt(4.0 * corners)) << "seed " << kCheckerSeed;
 }
 
 TEST(CheckerLattice, TheSaddlesBetweenDotsAreNoCorners) {
-  Image<std::uint8_t> dots(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  Image<std::uint8_t> dots(kBoardWidth, kBoardHeight);
+  for (int y = 0; y < kBoardHeight; ++y) {
+    for (int x = 0; x < kBoardWidth; ++x) {
       const double r = std::hypot(std::remainder(x - 3.0, 20.0), std::remainder(y - 5.0, 20.0));
       dots.at(x, y) = static_cast<std::uint8_t>(180.0 - 65.0 * std::erfc(r - 6.0));
     }
@@ -111,9 +111,9 @@ TEST(CheckerLattice, TheSaddlesBetweenDotsAreNoCorners) {
 
 TEST(CheckerLattice, ACosinePrintIsNoCheckerboard) {
   for (const double pitch : {12.3, 29.3, 61.0}) {
-    Image<std::uint8_t> crossed(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    Image<std::uint8_t> crossed(kBoardWidth, kBoardHeight);
+    for (int y = 0; y < kBoardHeight; ++y) {
+      for (int x = 0; x < kBoardWidth; ++x) {
         const double waves = std::cos(kTurn * x / pitch) + std::cos(kTurn * y / pitch);
         crossed.at(x, y) = static_cast<std::uint8_t>(110.5 + 35.0 * waves);
       }
@@ -123,13 +123,13 @@ TEST(CheckerLattice, ACosinePrintIsNoCheckerboard) {
 }
 
 TEST(CheckerLattice, AnEmptyNoisyPictureHasNone) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCheckerSeed);
   std::normal_distribution<double> normal(120.0, 5.0);
-  Image<std::uint8_t> noise(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
+  Image<std::uint8_t> noise(kBoardWidth, kBoardHeight);
+  for (int y = 0; y < kBoardHeight; ++y) {
     for (std::uint8_t& grey : noise.row(y)) grey = static_cast<std::uint8_t>(normal(rng));
   }
-  EXPECT_TRUE(find_checker_lattices(LumaView(noise.view()), 8).empty()) << "seed " << kSeed;
+  EXPECT_TRUE(find_checker_lattices(LumaView(noise.view()), 8).empty()) << "seed " << kCheckerSeed;
 }
 
 }  // namespace

@@ -18,11 +18,11 @@ using test::grey_levels;
 using test::picture;
 using test::Scene;
 
-constexpr std::uint64_t kSeed = 20240611;
+constexpr std::uint64_t kCirclesSeed = 20240611;
 constexpr double kCentreGoal = 0.005;  // px, noise-free: a hundredth of the noise of one edge pixel
 
 CircleSearch search_of(const Disc& disc, const Scene& scene) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCirclesSeed);
   const auto image = picture<std::uint16_t>(grey_levels(coverage(disc, scene), scene), scene.size, 64.0, 0.0, rng);
   return find_circles(LumaView(image.view()), {});
 }
@@ -68,23 +68,24 @@ TEST(CircleCentre, ScattersUnderNoiseAsMuchAsItsStandardUncertaintySays) {
     const Disc disc{64.3, 63.8, diameter, 0.35, 0.4};
     const Scene scene;
     const auto levels = grey_levels(coverage(disc, scene), scene);
-    std::mt19937_64 rng(kSeed);
+    std::mt19937_64 rng(kCirclesSeed);
     double squares = 0.0, stated = 0.0;
     for (int i = 0; i < kTrials; ++i) {
       const auto image = picture<std::uint8_t>(levels, scene.size, 1.0, 3.0, rng);
       const auto circles = find_circles(LumaView(image.view()), {}).circles;
-      ASSERT_EQ(circles.size(), 1U) << "seed " << kSeed << " trial " << i;
+      ASSERT_EQ(circles.size(), 1U) << "seed " << kCirclesSeed << " trial " << i;
       squares += std::pow(circles[0].centre.x - disc.x, 2) + std::pow(circles[0].centre.y - disc.y, 2);
       stated += std::pow(circles[0].u_centre_px, 2);
     }
     // Two coordinates per trial: the ratio's standard error is 1 / sqrt(4 n); allow 4, and 5 % for the fit's model.
-    EXPECT_NEAR(std::sqrt(squares / 2.0 / stated), 1.0, 0.05 + 4.0 / std::sqrt(4.0 * kTrials)) << "seed " << kSeed;
+    EXPECT_NEAR(std::sqrt(squares / 2.0 / stated), 1.0, 0.05 + 4.0 / std::sqrt(4.0 * kTrials))
+        << "seed " << kCirclesSeed;
   }
 }
 
 TEST(CircleCentre, IsTheSameWhetherSoughtInTheWholePictureOrNearAPrediction) {
   const Disc disc{64.3, 63.8, 40.0, 0.35, 0.4};
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCirclesSeed);
   const auto image = picture<std::uint8_t>(grey_levels(coverage(disc, {}), {}), 128, 1.0, 2.0, rng);
   const auto everywhere = find_circles(LumaView(image.view()), {}).circles;
   const auto near = find_circles_near(LumaView(image.view()), {68.0, 60.0}, 38.0, 10.0, {});
@@ -106,7 +107,7 @@ TEST(Circularity, IsThatOfTheTrueEllipseNotOfItsPixels) {
 }
 
 TEST(Circularity, SquaresAreNotCirclesAtAnyTurnAndSize) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCirclesSeed);
   for (const double side : {8.0, 12.0, 25.0, 50.0}) {
     for (double turn = 0.0; turn < 1.6; turn += 0.2) {
       Scene scene;
@@ -128,7 +129,7 @@ TEST(FindCircles, ADiscInsideARingIsFoundAndSoAreTheRingsTwoEdges) {
   auto share = coverage({64.0, 64.0, 90.0, 0.2, 0.3}, scene);
   const auto hole = coverage({64.0, 64.0, 60.0, 0.2, 0.3}, scene), disc = coverage({64.3, 63.9, 30.0, 0.2, 0.3}, scene);
   for (std::size_t i = 0; i < share.size(); ++i) share[i] += disc[i] - hole[i];
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCirclesSeed);
   const auto image = picture<std::uint16_t>(grey_levels(share, scene), scene.size, 16.0, 0.0, rng);
   auto circles = find_circles(LumaView(image.view()), {}).circles;
   ASSERT_EQ(circles.size(), 3U);
@@ -145,13 +146,14 @@ TEST(FindCircles, TheSmallestDiscIsFoundAtEveryPlaceOfALargePicture) {
       Scene scene;
       if (light_disc) std::swap(scene.paper, scene.ink);
       const Disc disc{63.1 + 1.17 * (i % kPlaces), 62.9 + 1.17 * (i / kPlaces), 9.0, 0.2, 0.5};
-      std::mt19937_64 rng(kSeed + static_cast<std::uint64_t>(i));
+      std::mt19937_64 rng(kCirclesSeed + static_cast<std::uint64_t>(i));
       const auto speck = picture<std::uint8_t>(grey_levels(coverage(disc, scene), scene), scene.size, 1.0, 1.0, rng);
       Image<std::uint8_t> sheet(901, 403, static_cast<std::uint8_t>(scene.paper));
       const int x0 = 530 + i % 5, y0 = 170 + i % 7;
       for (int y = 0; y < scene.size; ++y) std::ranges::copy(speck.view().row(y), sheet.row(y0 + y).begin() + x0);
       const auto circles = find_circles(LumaView(sheet.view()), {}).circles;
-      ASSERT_EQ(circles.size(), 1U) << disc.x << ", " << disc.y << " seed " << kSeed + static_cast<std::uint64_t>(i);
+      ASSERT_EQ(circles.size(), 1U) << disc.x << ", " << disc.y << " seed "
+                                    << kCirclesSeed + static_cast<std::uint64_t>(i);
       const ImagePoint centre{x0 + disc.x, y0 + disc.y};
       EXPECT_LT(length(circles[0].centre - centre), 4.0 * circles[0].u_centre_px + kCentreGoal);
       const auto near = find_circles_near(LumaView(sheet.view()), centre, 9.0, 5.0, {});
@@ -166,9 +168,9 @@ TEST(FindCircles, ADiscCutOffByThePicturesEdgeIsNotReported) {
 }
 
 TEST(FindCircles, AnEmptyNoisyPictureHasNoCircles) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kCirclesSeed);
   const auto image = picture<std::uint8_t>(std::vector<double>(128 * 128, 120.0), 128, 1.0, 3.0, rng);
-  EXPECT_TRUE(find_circles(LumaView(image.view()), {}).circles.empty()) << "seed " << kSeed;
+  EXPECT_TRUE(find_circles(LumaView(image.view()), {}).circles.empty()) << "seed " << kCirclesSeed;
 }
 
 }  // namespace

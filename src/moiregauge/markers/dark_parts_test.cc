@@ -13,7 +13,7 @@ namespace moiregauge::markers_detail {
 namespace {
 
 constexpr int kMinContrast = 14;
-constexpr std::uint64_t kSeed = 20240611;
+constexpr std::uint64_t kDarkPartsSeed = 20240611;
 
 GreyView view_of(const cv::Mat& picture) {
   return {picture.data, picture.cols, picture.rows, static_cast<std::ptrdiff_t>(picture.step)};
@@ -92,7 +92,7 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
 
 // Sizes round those of tiles, blocks and strips, and any others.
 TEST(DarkParts, AreWhatTheWholePictureHasOnEverySimdTarget) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kDarkPartsSeed);
   for (const int width : {8, 9, 31, 255, 256, 257, 287, 288, 289, 300, 545}) {
     const int height = 8 + static_cast<int>(rng() % 120);
     const cv::Mat picture = paper_with_patches(width, height, rng);
@@ -117,7 +117,7 @@ TEST(DarkParts, StandATileApartAndLeaveThePaperOut) {
 }
 
 TEST(Halved, IsTheMeanOfTwoByTwoOnEverySimdTarget) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kDarkPartsSeed);
   for (const int width : {8, 63, 64, 65, 131, 200}) {
     const cv::Mat picture = paper_with_patches(width, 33, rng);
     for (const std::string& target : simd_targets()) {
@@ -141,7 +141,7 @@ TEST(Halved, IsTheMeanOfTwoByTwoOnEverySimdTarget) {
 }
 
 TEST(TileSums, AreThoseOfTheSmallestAndLargestWholeTileOnEverySimdTarget) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kDarkPartsSeed);
   for (const int width : {4, 11, 127, 128, 130, 260}) {
     const cv::Mat picture = paper_with_patches(width, 8, rng);
     TileSums truth;

@@ -14,7 +14,7 @@ constexpr double kMinBand = 2.0;      // px to either side of the edge
 constexpr double kMaxBand = 6.0;      // px
 constexpr double kBandInBlurs = 3.0;  // beyond three sigma a pixel knows nothing of the edge
 constexpr double kBandShare = 0.3;    // of the minor axis: neighbours may be close
-constexpr double kMinBlur = 0.25;     // px: a box pixel alone has 0.29
+constexpr double kMinDiscBlur = 0.25;  // px: a box pixel alone has 0.29
 constexpr double kMaxBlur = 4.0;      // px
 constexpr double kMaxStray = 0.5;     // px from the traced centre
 constexpr std::size_t kMaxPixels = 6000;
@@ -26,16 +26,16 @@ constexpr int kCoarsePasses = 2;
 constexpr int kFinePasses = 4;
 
 // lighter level and its slopes across the unit circle; q; sigma (relative); k0 .. k4 of Ellipse::corrected
-constexpr int kParameters = 10;
-using Vector = Eigen::Matrix<double, kParameters, 1>;
-using Normal = Eigen::Matrix<double, kParameters, kParameters>;
+constexpr int kDiscParameters = 10;
+using DiscVector = Eigen::Matrix<double, kDiscParameters, 1>;
+using DiscNormal = Eigen::Matrix<double, kDiscParameters, kDiscParameters>;
 
 struct BandPixel {
   float x, y;
   double grey;
 };
 
-struct State {
+struct DiscState {
   Ellipse ellipse;
   double light = 0.0, slope_x = 0.0, slope_y = 0.0, q = 0.0, sigma = 1.0;
   bool dark_disc = true;
@@ -80,18 +80,18 @@ Ellipse snapped(Ellipse ellipse) {
   return ellipse;
 }
 
-struct Sums {
-  Normal normal = Normal::Zero();
-  Vector right = Vector::Zero();
+struct DiscSums {
+  DiscNormal normal = DiscNormal::Zero();
+  DiscVector right = DiscVector::Zero();
   double squares = 0.0;
   std::size_t pixels = 0;
 };
 
-Sums accumulate(const std::vector<BandPixel>& band, const State& s, std::size_t stride) {
-  Sums sums;
+DiscSums sums_of_band(const std::vector<BandPixel>& band, const DiscState& s, std::size_t stride) {
+  DiscSums sums;
   const Eigen::Matrix2d inverse = s.ellipse.axes.inverse();
   const double side = s.dark_disc ? 1.0 : -1.0;
-  Vector j;
+  DiscVector j;
   for (std::size_t i = 0; i < band.size(); i += stride) {
     const BandPixel& pixel = band[i];
     const Eigen::Vector2d u = inverse * Eigen::Vector2d(static_cast<double>(pixel.x) - s.ellipse.centre.x(),
@@ -120,23 +120,23 @@ Sums accumulate(const std::vector<BandPixel>& band, const State& s, std::size_t 
 }
 
 // One Gauss-Newton step; empty when it makes no sense.
-std::optional<Vector> improve(const Sums& sums, State& s) {
-  const Eigen::LDLT<Normal> solver(Normal(sums.normal.selfadjointView<Eigen::Lower>()));
-  const Vector step = solver.solve(sums.right);
+std::optional<DiscVector> improve_disc(const DiscSums& sums, DiscState& s) {
+  const Eigen::LDLT<DiscNormal> solver(DiscNormal(sums.normal.selfadjointView<Eigen::Lower>()));
+  const DiscVector step = solver.solve(sums.right);
   if (!step.allFinite() || step.tail<5>().norm() > 0.5) return std::nullopt;
   s.light += step[0];
   s.slope_x += step[1];
   s.slope_y += step[2];
   s.q = std::clamp(s.q + step[3], 1e-3, 1.5);
-  s.sigma = std::clamp(s.sigma * (1.0 + std::clamp(step[4], -0.4, 0.4)), kMinBlur, kMaxBlur);
+  s.sigma = std::clamp(s.sigma * (1.0 + std::clamp(step[4], -0.4, 0.4)), kMinDiscBlur, kMaxBlur);
   s.ellipse = s.ellipse.corrected(step.tail<5>());
   return step;
 }
 
 template <typename Grey>
-std::optional<FittedDisc> fit(const ImageView<Grey>& view, const TracedOutline& outline) {
+std::optional<FittedDisc> fit_in(const ImageView<Grey>& view, const TracedOutline& outline) {
   const double inside = outline.background + outline.contrast;
-  State s;
+  DiscState s;
   s.ellipse = outline.ellipse;
   s.dark_disc = outline.contrast < 0.0;
   s.light = std::max(inside, outline.background);
@@ -144,26 +144,26 @@ std::optional<FittedDisc> fit(const ImageView<Grey>& view, const TracedOutline& 
   s.q = std::clamp(std::abs(outline.contrast) / s.light, 1e-3, 1.2);
   s.sigma = std::clamp(outline.blur_px, 0.5, 2.5);
   std::vector<BandPixel> band = band_of(view, s.ellipse, s.sigma);
-  if (band.size() < 3 * kParameters) return std::nullopt;
+  if (band.size() < 3 * kDiscParameters) return std::nullopt;
   const std::size_t coarse = 1 + band.size() / 400;
   for (int pass = 0; pass < kCoarsePasses; ++pass) {  // the first steps need direction, not precision
-    if (!improve(accumulate(band, s, coarse), s)) return std::nullopt;
+    if (!improve_disc(sums_of_band(band, s, coarse), s)) return std::nullopt;
   }
   band = band_of(view, snapped(s.ellipse), std::ceil(s.sigma / kSnap) * kSnap);
-  if (band.size() < 3 * kParameters) return std::nullopt;
+  if (band.size() < 3 * kDiscParameters) return std::nullopt;
   const std::size_t fine = 1 + band.size() / kMaxPixels;
-  Sums sums;
+  DiscSums sums;
   double gain = 0.0;
   for (int pass = 0; pass < kFinePasses; ++pass) {
-    sums = accumulate(band, s, fine);
-    const auto step = improve(sums, s);
+    sums = sums_of_band(band, s, fine);
+    const auto step = improve_disc(sums, s);
     if (!step) return std::nullopt;
     gain = sums.right.dot(*step);  // by which the last step lessened the sum of squares, to first order
   }
   if ((s.ellipse.centre - outline.ellipse.centre).norm() > kMaxStray) return std::nullopt;
-  const double freedom = static_cast<double>(sums.pixels) - kParameters;
+  const double freedom = static_cast<double>(sums.pixels) - kDiscParameters;
   const double variance = std::max(sums.squares - gain, 0.0) / freedom;
-  const Normal covariance = variance * Normal(sums.normal.selfadjointView<Eigen::Lower>()).inverse();
+  const DiscNormal covariance = variance * DiscNormal(sums.normal.selfadjointView<Eigen::Lower>()).inverse();
   const Eigen::Matrix2d centre = s.ellipse.axes * covariance.block<2, 2>(6, 6) * s.ellipse.axes.transpose();
   return FittedDisc{s.ellipse, std::sqrt(0.5 * centre.trace()), std::sqrt(variance), s.sigma};
 }
@@ -171,7 +171,7 @@ std::optional<FittedDisc> fit(const ImageView<Grey>& view, const TracedOutline& 
 }  // namespace
 
 std::optional<FittedDisc> fit_disc(const LumaView& luma, const TracedOutline& outline) {
-  return std::visit([&](const auto& view) { return fit(view, outline); }, luma);
+  return std::visit([&](const auto& view) { return fit_in(view, outline); }, luma);
 }
 
 }  // namespace moiregauge::markers_detail

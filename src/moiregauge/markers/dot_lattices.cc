@@ -17,10 +17,10 @@ using markers_detail::GrownLattice;
 using markers_detail::LatticeNode;
 
 // A dot where a lattice says that one must be: place, size and contrast are known, so roundness has less to prove.
-constexpr double kPlaceReach = 0.12;       // of the spacing
+constexpr double kDotReach = 0.12;         // of the spacing
 constexpr double kSizeSlack = 1.35;        // against its neighbours
-constexpr double kMinContrastShare = 0.4;  // of its neighbour's
-constexpr double kMinCircularity = 0.78;
+constexpr double kMinDotContrastShare = 0.4;  // of its neighbour's
+constexpr double kMinDotCircularity = 0.78;
 constexpr double kEllipseSlack = 1.6;  // a square differs from an ellipse by two of the usual limits
 
 LatticeNode node_of(const SeenCircle& circle) {
@@ -34,11 +34,10 @@ Ellipse ellipse_at(const Eigen::Vector2d& centre, const SeenCircle& like, double
 }
 
 // `dots` gets what is seen there, in step with the nodes.
-std::optional<LatticeNode> look_again(const LumaView& luma, const CellPrediction& there,
-                                      std::vector<SeenCircle>& dots) {
+std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction& there, std::vector<SeenCircle>& dots) {
   const SeenCircle& neighbour = dots[there.nearest];
   CircleOptions options;
-  options.min_circularity = kMinCircularity;
+  options.min_circularity = kMinDotCircularity;
   options.min_diameter_px = there.size_px / kSizeSlack;
   options.max_diameter_px = there.size_px * kSizeSlack;
   const auto verdict =
@@ -47,8 +46,8 @@ std::optional<LatticeNode> look_again(const LumaView& luma, const CellPrediction
   const SeenCircle& dot = *verdict.circle;
   const LatticeNode node = node_of(dot);
   if (dot.diameter_px < options.min_diameter_px || dot.diameter_px > options.max_diameter_px) return std::nullopt;
-  if ((node.at - there.at).norm() > kPlaceReach * there.spacing_px) return std::nullopt;
-  if (dot.contrast / neighbour.contrast < kMinContrastShare) return std::nullopt;
+  if ((node.at - there.at).norm() > kDotReach * there.spacing_px) return std::nullopt;
+  if (dot.contrast / neighbour.contrast < kMinDotContrastShare) return std::nullopt;
   dots.push_back(dot);
   return node;
 }
@@ -60,7 +59,7 @@ std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const Se
   std::vector<IndexedLattice> out;
   for (GrownLattice& lattice : grow_lattices(nodes, markers_detail::SignRule::kAlike)) {
     if (luma != nullptr) {
-      fill_in(lattice, nodes, [&](const CellPrediction& there) { return look_again(*luma, there, dots); });
+      fill_in(lattice, nodes, [&](const CellPrediction& there) { return dot_again(*luma, there, dots); });
       if (!prune(lattice, nodes)) continue;
     }
     std::vector<double> u;

@@ -11,7 +11,8 @@ namespace moiregauge {
 namespace {
 
 constexpr double kCautious = 0.5;    // pitches that a print may reach beyond its patch's outline
-constexpr double kStep = 0.2;        // pitches, from where the neighbour should be: lens and slant change little in one
+constexpr double kElementStep =
+    0.2;                             // pitches, from where the neighbour should be: lens and slant change little in one
 constexpr double kOneElement = 0.2;  // relative difference of neighbours' diameters
 
 // px per pitch, along the print's x and y.
@@ -40,7 +41,7 @@ void mark(const SeenPatch& patch, std::span<const SeenCircle> circles, std::vect
     for (int n = 0; n < 4; ++n) {
       const ImagePoint there = from.centre + (n % 2 == 0 ? 1.0 : -1.0) * steps[static_cast<std::size_t>(n / 2)];
       for (std::size_t i = 0; i < circles.size(); ++i) {
-        if (is_element[i] || length(circles[i].centre - there) > kStep * pitch_px) continue;
+        if (is_element[i] || length(circles[i].centre - there) > kElementStep * pitch_px) continue;
         if (std::abs(std::log(circles[i].diameter_px / from.diameter_px)) < kOneElement) take(i);
       }
     }

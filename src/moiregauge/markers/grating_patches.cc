@@ -28,7 +28,7 @@ Image<float> grey_of(const LumaView& luma, int bits) {
   return out;
 }
 
-ImageExtent extent(const Eigen::RowVector2d& k) { return {k.x(), k.y()}; }
+ImageExtent extent_of_wave(const Eigen::RowVector2d& k) { return {k.x(), k.y()}; }
 
 SeenPatch seen_patch(const GrownPatch& grown) {
   const Lattice& lattice = grown.model.lattice;
@@ -45,11 +45,11 @@ SeenPatch seen_patch(const GrownPatch& grown) {
   patch.outline = {point(box.low.x(), box.low.y()), point(box.high.x(), box.low.y()), point(box.high.x(), box.high.y()),
                    point(box.low.x(), box.high.y())};
   const Eigen::Matrix2d k = k_at(patch.centre);
-  patch.k_x = extent(k.row(0));
-  patch.k_y = extent(k.row(1));
+  patch.k_x = extent_of_wave(k.row(0));
+  patch.k_y = extent_of_wave(k.row(1));
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Matrix2d corner = k_at(patch.outline[i]);
-    patch.k_corners[i] = {extent(corner.row(0)), extent(corner.row(1))};
+    patch.k_corners[i] = {extent_of_wave(corner.row(0)), extent_of_wave(corner.row(1))};
   }
   patch.periods_x = box.high.x() - box.low.x();
   patch.periods_y = box.high.y() - box.low.y();

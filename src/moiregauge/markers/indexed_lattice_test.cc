@@ -14,7 +14,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr std::uint64_t kSeed = 20240612;
+constexpr std::uint64_t kLatticeSeed = 20240612;
 constexpr int kWidth = 1200, kHeight = 900;
 
 struct Board {
@@ -87,7 +87,7 @@ TEST(DotLattice, EveryDotOfATiltedBoardKnowsItsColumnAndRow) {
 }
 
 TEST(DotLattice, MissingDotsLeaveTheOthersInTheirPlaces) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kLatticeSeed);
   std::bernoulli_distribution missing(0.2);
   const Board board{.tilt_rad = 0.6, .barrel = -0.2};
   std::vector<SeenCircle> dots = dots_of(board);
@@ -106,14 +106,14 @@ TEST(DotLattice, MissingDotsLeaveTheOthersInTheirPlaces) {
     int neighbours = -1;  // it counts itself
     for (int i = 0; i < 9; ++i) neighbours += there.contains({column + i % 3 - 1, row + i / 3 - 1}) ? 1 : 0;
     if (neighbours < 3) continue;
-    EXPECT_NE(lattices[0].find(column, row), nullptr) << column << ", " << row << ", seed " << kSeed;
+    EXPECT_NE(lattices[0].find(column, row), nullptr) << column << ", " << row << ", seed " << kLatticeSeed;
   }
   EXPECT_FALSE(lattices[0].whole());
   expect_true_indices(lattices[0], board);
 }
 
 TEST(DotLattice, ClutterRoundItIsNoPartOfIt) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kLatticeSeed);
   const Board board{.tilt_rad = 0.5};
   std::vector<SeenCircle> seen = dots_of(board);
   for (const SeenCircle& circle : scattered(60, rng)) seen.push_back(circle);
@@ -152,14 +152,14 @@ TEST(DotLattice, OfABoardCutOffByTheFrameTheVisiblePartIsFoundAndNoMore) {
 }
 
 TEST(DotLattice, ScatteredCirclesAreNone) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kLatticeSeed);
   for (int trial = 0; trial < 20; ++trial) {
-    EXPECT_TRUE(find_dot_lattices(scattered(200, rng)).empty()) << "seed " << kSeed << " trial " << trial;
+    EXPECT_TRUE(find_dot_lattices(scattered(200, rng)).empty()) << "seed " << kLatticeSeed << " trial " << trial;
   }
 }
 
 TEST(DotLattice, CirclesThatOnlyRoughlyKeepTheirDistanceAreNone) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kLatticeSeed);
   std::uniform_real_distribution<double> stray(-0.2, 0.2);  // of the pitch
   for (int trial = 0; trial < 20; ++trial) {
     std::vector<SeenCircle> heap = dots_of({});
@@ -167,7 +167,7 @@ TEST(DotLattice, CirclesThatOnlyRoughlyKeepTheirDistanceAreNone) {
       circle.centre.x += stray(rng) * Board{}.pitch_px;
       circle.centre.y += stray(rng) * Board{}.pitch_px;
     }
-    EXPECT_TRUE(find_dot_lattices(heap).empty()) << "seed " << kSeed << " trial " << trial;
+    EXPECT_TRUE(find_dot_lattices(heap).empty()) << "seed " << kLatticeSeed << " trial " << trial;
   }
 }
 
@@ -198,7 +198,7 @@ TEST(DotLattice, ADotTheSearchMissedIsFoundWhereItMustBe) {
       for (std::size_t i = 0; i < share.size(); ++i) share[i] += disc[i];
     }
   }
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kLatticeSeed);
   const auto image = test::picture<std::uint8_t>(test::grey_levels(share, scene), scene.size, 1.0, 1.0, rng);
   const LumaView luma(image.view());
   std::vector<SeenCircle> seen = find_circles(luma, {}).circles;

@@ -19,13 +19,13 @@ constexpr int kUnknowns = 8;  // of the lattice: phases, k, q
 // pixels cannot tell it.
 constexpr double kLikelyPerspective = 1e-3;
 
-struct Pixel {
+struct LatticePixel {
   Eigen::Vector2d x;  // from the lattice's origin
   double grey = 0.0;
   double weight = 0.0;
 };
 
-double hann(double t) { return t > 0.0 && t < 1.0 ? 0.5 - 0.5 * std::cos(kTurn * t) : 0.0; }
+double hann_at(double t) { return t > 0.0 && t < 1.0 ? 0.5 - 0.5 * std::cos(kTurn * t) : 0.0; }
 
 class PixelPicker {
  public:
@@ -34,22 +34,22 @@ class PixelPicker {
   void pick(int x, int y, const Eigen::Vector2d& in_print) {
     if (!(x >= 0 && y >= 0 && x < grey_.width() && y < grey_.height())) return;
     const Eigen::Vector2d t = (in_print - box_.low).cwiseQuotient(box_.high - box_.low);
-    const double weight = hann(t.x()) * hann(t.y());
+    const double weight = hann_at(t.x()) * hann_at(t.y());
     if (weight > 0.0) out_.push_back({{x - lattice_.origin.x, y - lattice_.origin.y}, double{grey_.at(x, y)}, weight});
   }
-  [[nodiscard]] std::vector<Pixel> taken() && { return std::move(out_); }
+  [[nodiscard]] std::vector<LatticePixel> taken() && { return std::move(out_); }
 
  private:
   const Image<float>& grey_;
   const PhiBox& box_;
   const Lattice& lattice_;
-  std::vector<Pixel> out_;
+  std::vector<LatticePixel> out_;
 };
 
 // Every pixel of a small box; of a large one about as many as are asked for, one strewn into each cell of a raster: a
 // regular choice would be in step with the print.
-std::vector<Pixel> pixels_in(const Image<float>& grey, const PhiBox& box, const Eigen::Matrix2d& to_phi,
-                             const Lattice& lattice, std::size_t most) {
+std::vector<LatticePixel> pixels_in(const Image<float>& grey, const PhiBox& box, const Eigen::Matrix2d& to_phi,
+                                    const Lattice& lattice, std::size_t most) {
   const Eigen::Matrix2d from_phi = to_phi.inverse();
   const Eigen::Vector2d size = box.high - box.low;
   const double area = size.prod() / std::max(std::abs((from_phi * lattice.k).determinant()), 1e-12);
@@ -120,10 +120,10 @@ class Waves {
 // solved.
 class Pass {
  public:
-  Pass(const std::vector<Pixel>& pixels, LatticeModel& model) : model_(model) {
+  Pass(const std::vector<LatticePixel>& pixels, LatticeModel& model) : model_(model) {
     series_ = Eigen::VectorXd::Zero(model.coefficients.size());
     terms_.resize(series_.size());
-    for (const Pixel& p : pixels) add(p);
+    for (const LatticePixel& p : pixels) add(p);
   }
   void update_series() {
     // Mean square of a cosine: a half.
@@ -175,7 +175,7 @@ class Pass {
   [[nodiscard]] bool any() const { return weight_ > 0.0; }
 
  private:
-  void add(const Pixel& p) {
+  void add(const LatticePixel& p) {
     const Lattice& l = model_.lattice;
     const double w = 1.0 + l.q.dot(p.x);
     const Eigen::Vector2d phi = l.k * p.x / w;
@@ -261,7 +261,7 @@ double LatticeModel::explained() const {
 
 bool fit_lattice(const Image<float>& grey, const PhiBox& box, const Eigen::Matrix2d& to_phi,
                  const LatticeFitOptions& options, LatticeModel& model) {
-  const std::vector<Pixel> pixels = pixels_in(grey, box, to_phi, model.lattice, options.most_pixels);
+  const std::vector<LatticePixel> pixels = pixels_in(grey, box, to_phi, model.lattice, options.most_pixels);
   model.harmonics = harmonics_up_to(options.order, model.lattice.lines);
   model.coefficients = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(1 + 2 * model.harmonics.size()));
   model.slope.setZero();

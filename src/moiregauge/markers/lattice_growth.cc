@@ -35,7 +35,7 @@ constexpr double kThreadSizeRatio = 1.3;
 
 double wrapped(double angle) { return std::remainder(angle, kTurn); }
 
-bool alike(double size, double other, double ratio) {
+bool alike_sizes(double size, double other, double ratio) {
   if (size <= 0.0 || other <= 0.0) return true;
   return size < ratio * other && other < ratio * size;
 }
@@ -107,7 +107,8 @@ class Growth {
     double least = reach;
     near_.visit(at, reach, [&](std::size_t i) {
       const double distance = (nodes_[i].at - at).norm();
-      if (taken_[i] || distance > least || !fits_sign(i, sign_rad) || !alike(nodes_[i].size_px, size_px, size_ratio))
+      if (taken_[i] || distance > least || !fits_sign(i, sign_rad) ||
+          !alike_sizes(nodes_[i].size_px, size_px, size_ratio))
         return;
       least = distance;
       best = i;
@@ -126,7 +127,7 @@ class Growth {
     const LatticeNode& centre = nodes_[p];
     for (const std::size_t q : near_.nearest(centre.at, kNeighboursTried + 1)) {
       if (q == p || taken_[q] || !fits_sign(q, sign_after(centre.sign_rad, 1))) continue;
-      if (!alike(nodes_[q].size_px, centre.size_px, kSeedSizeRatio)) continue;
+      if (!alike_sizes(nodes_[q].size_px, centre.size_px, kSeedSizeRatio)) continue;
       const Eigen::Vector2d step = nodes_[q].at - centre.at;
       const auto behind = node_near(centre.at - step, kSeedSymmetry * step.norm(), sign_after(centre.sign_rad, 1),
                                     centre.size_px, kSeedSizeRatio);
@@ -146,7 +147,7 @@ class Growth {
     const Eigen::Matrix2d inverse = steps.inverse();
     bool empty = true;
     near_.visit(nodes_[p].at, a.norm() + b.norm(), [&](std::size_t i) {
-      if (!alike(nodes_[i].size_px, nodes_[p].size_px, kSeedSizeRatio)) return;
+      if (!alike_sizes(nodes_[i].size_px, nodes_[p].size_px, kSeedSizeRatio)) return;
       if (!fits_sign(i, nodes_[p].sign_rad) && !fits_sign(i, sign_after(nodes_[p].sign_rad, 1))) return;
       const Eigen::Vector2d cells = inverse * (nodes_[i].at - nodes_[p].at);
       if (cells.cwiseAbs().maxCoeff() > 1.2) return;
@@ -228,7 +229,7 @@ std::vector<Residual> residuals_of(const GrownLattice& lattice, std::span<const 
     if (there && there->spacing_px > 0.0) {
       r.relative = (nodes[node].at - there->at).norm() / there->spacing_px;
       if (there->neighbours < 3)
-        r.strictness = alike(nodes[node].size_px, there->size_px, kThreadSizeRatio) ? 2.0 : 1e3;
+        r.strictness = alike_sizes(nodes[node].size_px, there->size_px, kThreadSizeRatio) ? 2.0 : 1e3;
     }
     out.push_back(r);
   }

@@ -9,7 +9,7 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr int kReach = 2;            // cells: a window of 5 x 5,
+constexpr int kWindowReach = 2;      // cells: a window of 5 x 5,
 constexpr int kWideReach = 3;        // or of 7 x 7 where that holds too few
 constexpr double kMinSpread = 0.12;  // cells^2, the smaller variance of the window's points: not on one line
 constexpr std::size_t kMinQuadratic = 8;
@@ -24,7 +24,7 @@ struct Known {
 
 // Rows 1, x, y and, for the quadratic, x^2, x y, y^2.
 template <int Terms>
-Eigen::Matrix<double, Terms, 2> fit(const std::vector<Known>& known) {
+Eigen::Matrix<double, Terms, 2> fit_terms(const std::vector<Known>& known) {
   Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
   Eigen::Matrix<double, Terms, 2> right = Eigen::Matrix<double, Terms, 2>::Zero();
   for (const Known& k : known) {
@@ -76,7 +76,7 @@ std::vector<Known> known_round(const GrownLattice& lattice, std::span<const Latt
 
 std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<const LatticeNode> nodes, Cell cell,
                                       LocalModel model) {
-  auto known = known_round(lattice, nodes, cell, kReach);
+  auto known = known_round(lattice, nodes, cell, kWindowReach);
   if (model == LocalModel::kQuadratic && known.size() < kAmple) known = known_round(lattice, nodes, cell, kWideReach);
   CellPrediction out;
   double most = 0.0;
@@ -89,12 +89,12 @@ std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<con
     out.sign_rad = nodes[k.node].sign_rad + kPi * steps;
   }
   if (known.size() < 3 || !spreads_both_ways(known)) return std::nullopt;
-  const auto affine = fit<3>(known);
+  const auto affine = fit_terms<3>(known);
   out.at = affine.row(0).transpose();
   out.step.col(0) = affine.row(1).transpose();
   out.step.col(1) = affine.row(2).transpose();
   if (model == LocalModel::kQuadratic && holds_quadratic(known)) {
-    const auto quadratic = fit<6>(known);
+    const auto quadratic = fit_terms<6>(known);
     if (quadratic.allFinite()) out.at = quadratic.row(0).transpose();
   }
   out.spacing_px = std::min(out.step.col(0).norm(), out.step.col(1).norm());

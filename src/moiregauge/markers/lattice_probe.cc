@@ -12,14 +12,14 @@ namespace moiregauge {
 namespace {
 
 constexpr std::size_t kSide = 16;  // places along each axis
-constexpr double kReach = 1.1;     // periods
+constexpr double kProbeReach = 1.1;  // periods
 constexpr int kMostTerms = 9;      // mean, (1, 0), (0, 1), (1, 1), (1, -1)
 
 const std::array<Eigen::Vector2d, kSide * kSide>& places() {
   static const auto list = [] {
     std::array<Eigen::Vector2d, kSide * kSide> out;
     for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = kReach * (2.0 * markers_detail::strewn_in_square(i, kSide) - Eigen::Vector2d(1, 1));
+      out[i] = kProbeReach * (2.0 * markers_detail::strewn_in_square(i, kSide) - Eigen::Vector2d(1, 1));
     return out;
   }();
   return list;

@@ -35,7 +35,7 @@ Image<float> halved(const Image<float>& from) {
   return out;
 }
 
-const std::array<float, kTile>& hann() {
+const std::array<float, kTile>& hann_window() {
   static const std::array<float, kTile> weights = [] {
     std::array<float, kTile> w{};
     for (int i = 0; i < kTile; ++i)
@@ -50,7 +50,7 @@ class Spectrum {
  public:
   // False when the tile is flat.
   bool of(const Image<float>& grey, int x0, int y0, double least_variance) {
-    const auto& w = hann();
+    const auto& w = hann_window();
     double sum = 0.0, squares = 0.0, weight = 0.0;
     for (int y = 0; y < kTile; ++y) {
       const auto row = grey.row(y0 + y).subspan(static_cast<std::size_t>(x0), kTile);

@@ -17,7 +17,6 @@ constexpr double kSameDistance = 0.12;  // of the distance of the two centres, r
 constexpr double kPlaceSpread = 0.4;    // pitches: how well a patch's centre is known when its edge is not seen sharply
 constexpr double kExtentSpread = 0.8;   // pitches: an outline is cautious by up to half a pitch on either side
 constexpr double kRound = 0.10;         // of ln(major / minor) on the plane: perspective between grating and circle
-constexpr double kRoundPx = 0.7;        // px of diameter, two spreads of a seen circle's shape
 
 // A circle and a grating as the grating counts: in its own pitches.
 struct Pair {
@@ -85,7 +84,7 @@ std::vector<Pair> nearest_pairs(std::span<const SeenCircle> circles, std::span<c
   return out;
 }
 
-bool alike(const Pair& a, const Pair& b) {
+bool alike_pairs(const Pair& a, const Pair& b) {
   return a.dark == b.dark && std::abs(std::log(a.diameter / b.diameter)) < kSameSize &&
          std::abs(a.distance - b.distance) < kPlaceSpread + kSameDistance * b.distance &&
          std::abs(a.shorter - b.shorter) < kExtentSpread && std::abs(a.longer - b.longer) < kExtentSpread;
@@ -105,7 +104,7 @@ std::vector<LikeSheet> like_sheets(std::span<const SeenCircle> circles, std::spa
   for (const Pair& first : pairs) {
     std::vector<LikeSheet> set;
     for (const Pair& other : pairs) {
-      if (alike(other, first)) set.push_back(other.sheet);
+      if (alike_pairs(other, first)) set.push_back(other.sheet);
     }
     if (set.size() > best.size()) best = std::move(set);
   }

@@ -38,14 +38,14 @@ SeenCircle circle(ImagePoint centre, double axis_ratio = 1.0) {
   return c;
 }
 
-struct Scene {
+struct SheetScene {
   std::vector<SeenCircle> circles;
   std::vector<SeenPatch> patches;
 };
 
 // Four sheets, each with a circle 56 px beside its grating, and a target in the middle.
-Scene rig() {
-  Scene s;
+SheetScene rig() {
+  SheetScene s;
   for (const ImagePoint c : {ImagePoint{250, 170}, {750, 170}, {250, 340}, {750, 340}}) {
     s.circles.push_back(circle(c));
     s.patches.push_back(grating({c.x + (c.x < 500 ? 56.0 : -56.0), c.y}));
@@ -60,12 +60,12 @@ bool has(const std::vector<SeenCircle>& circles, ImagePoint centre) {
 }
 
 TEST(LikeSheets, FourCirclesBesideGratingsOfOneKindAreASet) {
-  const Scene s = rig();
+  const SheetScene s = rig();
   EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 4U);
 }
 
 TEST(LikeSheets, LookAlikesWithoutAGratingAreNotAmongTheOutermost) {
-  Scene s = rig();
+  SheetScene s = rig();
   for (const ImagePoint c : {ImagePoint{30, 30}, {990, 30}, {990, 480}, {30, 480}}) s.circles.push_back(circle(c));
   const auto outermost = outermost_circles(s.circles, s.patches);
   EXPECT_FALSE(outermost.doubtful);
@@ -75,7 +75,7 @@ TEST(LikeSheets, LookAlikesWithoutAGratingAreNotAmongTheOutermost) {
 }
 
 TEST(LikeSheets, ALookAlikeBesideTheTargetStandsToItAsNoOtherDoes) {
-  Scene s = rig();
+  SheetScene s = rig();
   s.circles.push_back(circle({500, 80}));  // 175 px from its centre, where a reference has 56
   const auto sheets = like_sheets(s.circles, s.patches);
   ASSERT_EQ(sheets.size(), 4U);
@@ -83,7 +83,7 @@ TEST(LikeSheets, ALookAlikeBesideTheTargetStandsToItAsNoOtherDoes) {
 }
 
 TEST(LikeSheets, AnEllipseIsNoCircleOfThatPlane) {
-  Scene s = rig();
+  SheetScene s = rig();
   s.circles[0] = circle(s.circles[0].centre, 0.7);
   EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 3U);
   EXPECT_NEAR(out_of_round(s.circles[0], s.patches[0]), -std::log(0.7), 1e-12);
@@ -92,7 +92,7 @@ TEST(LikeSheets, AnEllipseIsNoCircleOfThatPlane) {
 // A board tilted by 40 deg about y: circles and lattices narrow together.
 TEST(LikeSheets, ACircleSeenAtAnAngleIsRoundOnItsOwnPlane) {
   const double narrow = std::cos(radians_from_degrees(40.0));
-  Scene s = rig();
+  SheetScene s = rig();
   for (SeenCircle& c : s.circles) {
     c.centre.x *= narrow;
     c.axis_ratio = narrow;
@@ -109,7 +109,7 @@ TEST(LikeSheets, ACircleSeenAtAnAngleIsRoundOnItsOwnPlane) {
 }
 
 TEST(LikeSheets, WhereAReferenceIsMissingALookAlikeIsAGuess) {
-  Scene s = rig();
+  SheetScene s = rig();
   s.circles.erase(s.circles.begin());
   s.circles.push_back(circle({60, 60}));
   EXPECT_FALSE(outermost_circles(s.circles, s.patches).doubtful);  // four of one size: a reference may lack its grating
@@ -118,7 +118,7 @@ TEST(LikeSheets, WhereAReferenceIsMissingALookAlikeIsAGuess) {
 }
 
 TEST(LikeSheets, BareCirclesRoundThreeSheetsAreReferencesAndTheSheetsTargets) {
-  Scene s;
+  SheetScene s;
   for (const ImagePoint c : {ImagePoint{30, 30}, {990, 30}, {990, 480}, {30, 480}, {510, 20}})
     s.circles.push_back(circle(c));
   for (const double x : {250.0, 500.0, 750.0}) {

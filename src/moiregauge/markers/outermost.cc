@@ -15,7 +15,6 @@ constexpr double kOneSize = 0.25;       // relative; perspective makes far ones 
 constexpr double kConcentric = 0.3;     // of the diameter
 constexpr double kNearHull = 0.5;       // diameters
 constexpr double kFarOutOfRound = 0.2;  // ln(major / minor)
-constexpr double kRoundPx = 0.7;        // px of diameter: two spreads of a seen circle's shape
 constexpr std::size_t kEnough = 4;      // references
 
 double cross(ImagePoint o, ImagePoint a, ImagePoint b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
@@ -44,7 +43,7 @@ bool is_round_on_some_plane(const SeenCircle& c, std::span<const SeenPatch> patc
          });
 }
 
-std::vector<SeenCircle> candidates(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+std::vector<SeenCircle> outer_candidates(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
   std::vector<SeenCircle> out = without_elements(circles, patches);
   std::erase_if(out, [&](const SeenCircle& c) { return !is_round_on_some_plane(c, patches); });
   return out;
@@ -113,7 +112,7 @@ std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slac
 }
 
 OutermostCircles outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
-  const std::vector<SeenCircle> all = candidates(circles, patches);
+  const std::vector<SeenCircle> all = outer_candidates(circles, patches);
   std::vector<SeenCircle> most, sheets;
   for (const SeenCircle& c : all) {
     std::vector<SeenCircle> group = like(c, all);

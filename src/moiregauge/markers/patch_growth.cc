@@ -74,9 +74,9 @@ Pattern pattern_of(const LatticeModel& model, const Eigen::Matrix2d& to_phi, boo
 // Pitches per px along the print's axes.
 Eigen::Matrix2d per_px(const GrownPatch& patch) { return patch.to_phi.inverse() * patch.model.lattice.k; }
 
-Eigen::Vector2d extent(const GrownPatch& patch) { return patch.box.high - patch.box.low; }
+Eigen::Vector2d extent_of_box(const GrownPatch& patch) { return patch.box.high - patch.box.low; }
 
-double area_px(const GrownPatch& patch) { return extent(patch).prod() / std::abs(per_px(patch).determinant()); }
+double area_px(const GrownPatch& patch) { return extent_of_box(patch).prod() / std::abs(per_px(patch).determinant()); }
 
 // The same lattice told from the middle of its box.
 void recentre(GrownPatch& patch) {
@@ -100,7 +100,7 @@ bool is_sound(const GrownPatch& patch) {
          std::abs(k.determinant()) > 0.5 * first * second && patch.model.lattice.q.norm() < 0.3 * first;
 }
 
-bool fit(const Image<float>& grey, GrownPatch& patch, std::size_t most_pixels = kGrowingPixels) {
+bool fit_patch(const Image<float>& grey, GrownPatch& patch, std::size_t most_pixels = kGrowingPixels) {
   recentre(patch);
   const LatticeFitOptions options{order_for(patch.model.lattice), true, most_pixels};
   return fit_lattice(grey, patch.box, patch.to_phi, options, patch.model) && is_sound(patch);
@@ -114,7 +114,7 @@ class Side {
       : grey_(grey), patch_(patch), axis_(axis), sign_(high ? 1.0 : -1.0), along_(1 - axis) {
     const Eigen::Matrix2d k = per_px(patch);
     step_ = sign_ * k.row(axis).norm();
-    const double px = extent(patch)[along_] / k.row(along_).norm();
+    const double px = extent_of_box(patch)[along_] / k.row(along_).norm();
     points_ = static_cast<int>(std::clamp(px, 8.0, kMostInStrip));
   }
   [[nodiscard]] double step() const { return step_; }
@@ -152,7 +152,7 @@ class Side {
       const double t = (i + 0.5) / points_;
       Eigen::Vector2d s;
       s[axis_] = edge;
-      s[along_] = patch_.box.low[along_] + t * extent(patch_)[along_];
+      s[along_] = patch_.box.low[along_] + t * extent_of_box(patch_)[along_];
       const Eigen::Vector2d phi = patch_.to_phi * s;
       const double seen = grey_at(grey_, patch_.model.lattice.at(phi));
       if (!std::isnan(seen)) visit(t, patch_.model.grey(phi) - patch_.model.coefficients[0], seen);
@@ -173,7 +173,7 @@ bool is_taken(const GrownPatch& patch, const GrowthLimits& limits) {
   if (!limits.taken) return false;
   for (int i = 0; i < 9; ++i) {
     const Eigen::Vector2d t(0.5 * (i % 3), 0.5 * (i / 3));
-    if (limits.taken(patch.model.lattice.at(patch.to_phi * (patch.box.low + t.cwiseProduct(extent(patch))))))
+    if (limits.taken(patch.model.lattice.at(patch.to_phi * (patch.box.low + t.cwiseProduct(extent_of_box(patch))))))
       return true;
   }
   return false;
@@ -183,7 +183,7 @@ bool is_taken(const GrownPatch& patch, const GrowthLimits& limits) {
 // when the seed stood so near the print's edge that its core reached beyond.
 bool grow_side(const Image<float>& grey, GrownPatch& patch, int axis, bool high) {
   double& edge = high ? patch.box.high[axis] : patch.box.low[axis];
-  const double start = edge, most = (kStretch - 1.0) * extent(patch)[axis];
+  const double start = edge, most = (kStretch - 1.0) * extent_of_box(patch)[axis];
   Side side(grey, patch, axis, high);
   side.learn_light(edge);
   while (std::abs(edge - start) < kMostBack && !side.belongs(edge) && !side.belongs(edge - side.step()))
@@ -216,14 +216,14 @@ Grown grown(const Image<float>& grey, GrownPatch patch, bool diagonal, const Gro
     const GrownPatch before = patch;
     if (!grow(grey, patch)) break;
     if (is_taken(patch, limits)) return {Growth::kTaken, patch};
-    if (fit(grey, patch) && patch.model.explained() >= limits.min_explained) continue;
+    if (fit_patch(grey, patch) && patch.model.explained() >= limits.min_explained) continue;
     patch = before;  // beyond this a lattice on a plane no longer follows the print
     break;
   }
-  if (extent(patch).minCoeff() < limits.min_periods || patch.model.sigma < limits.min_sigma)
+  if (extent_of_box(patch).minCoeff() < limits.min_periods || patch.model.sigma < limits.min_sigma)
     return {Growth::kTooSmall, patch};
   const GrownPatch before = patch;
-  if (!fit(grey, patch, kFinalPixels)) patch = before;
+  if (!fit_patch(grey, patch, kFinalPixels)) patch = before;
   patch.pattern = pattern_of(patch.model, patch.to_phi, diagonal);
   return {Growth::kPatch, patch};
 }
@@ -242,7 +242,7 @@ Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const Growth
   core.box = {-half, half};
   // The fundamentals alone find the lattice from farther away; the whole series then makes it sharp.
   if (!fit_lattice(grey, core.box, core.to_phi, {1, false, kSeedPixels}, core.model) || !is_sound(core)) return {};
-  if (!fit(grey, core) || core.model.explained() < limits.min_explained) return {};
+  if (!fit_patch(grey, core) || core.model.explained() < limits.min_explained) return {};
   if ((lattice.k.row(0).transpose() - seed.k1).norm() > 0.3 * seed.k1.norm()) return {};
   if (is_taken(core, limits)) return {Growth::kTaken, core};
   const Diagonal diagonal = is_checkerboard(core.model);

@@ -12,13 +12,13 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 20240611;
+constexpr std::uint64_t kRaySeed = 20240611;
 constexpr int kSide = 40;
 using Profile = std::array<double, 40>;
 
 template <typename Grey>
 Image<Grey> speckled(unsigned levels) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kRaySeed);
   Image<Grey> out(kSide, kSide);
   for (int y = 0; y < kSide; ++y) {
     for (Grey& grey : out.row(y)) grey = static_cast<Grey>(rng() % levels);
@@ -63,7 +63,7 @@ TEST(RayProfile, IsBilinearToTheLastBitOnEverySimdTarget) {
 }
 
 TEST(RayProfile, RisesWhereItCrossesTheLevelFromBelow) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kRaySeed);
   for (int samples = 2; samples <= 25; ++samples) {
     Profile profile{};
     for (double& grey : profile) grey = static_cast<double>(rng() % 5);  // often on the level itself
@@ -83,7 +83,7 @@ TEST(RayProfile, RisesWhereItCrossesTheLevelFromBelow) {
 }
 
 TEST(RayProfile, MedianIsTheMiddleOfTheSortedOnEverySimdTarget) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kRaySeed);
   for (int count = 1; count <= 40; ++count) {
     Profile values{};
     for (double& value : values) value = static_cast<double>(rng() % 20) - 10.0;  // some of them equal

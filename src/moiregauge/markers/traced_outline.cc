@@ -17,7 +17,7 @@ namespace {
 constexpr int kMaxRays = 96;
 constexpr int kMinRays = 24;
 constexpr double kRaysPerPixel = 1.5;  // of diameter: outline points 2 px apart, so that noise does not lengthen it
-constexpr double kStep = 0.5;          // px along a ray
+constexpr double kRayStep = 0.5;       // px along a ray
 constexpr double kMinReach = 2.5;      // px to either side of the edge: past the blur of a sharp lens
 constexpr double kMaxReach = 6.0;      // px: no further than needed, neighbours may be close
 constexpr double kReachShare = 0.22;   // of the diameter
@@ -71,8 +71,8 @@ bool sample(const ImageView<Grey>& view, const Ellipse& ellipse, Round& round) {
   const double diameter = ellipse.diameter();
   const auto count = std::clamp(static_cast<int>(std::lround(kRaysPerPixel * diameter)), kMinRays, kMaxRays);
   const double reach = std::clamp(kReachShare * diameter, kMinReach, kMaxReach);
-  round.samples = static_cast<int>(2.0 * reach / kStep) + 1;
-  round.reach = 0.5 * kStep * (round.samples - 1);
+  round.samples = static_cast<int>(2.0 * reach / kRayStep) + 1;
+  round.reach = 0.5 * kRayStep * (round.samples - 1);
   aim_rays(static_cast<std::size_t>(count), round.rays);
   const auto inside = [right = view.width - 1, bottom = view.height - 1](const RaySteps& s, int j) {
     const double along = s.first + s.step * j, x = s.x + along * s.dx, y = s.y + along * s.dy;
@@ -82,9 +82,8 @@ bool sample(const ImageView<Grey>& view, const Ellipse& ellipse, Round& round) {
     const Eigen::Vector2d spoke = ellipse.axes * ray.unit;
     ray.length = spoke.norm();
     const Eigen::Vector2d direction = spoke / ray.length;
-    const RaySteps steps{ellipse.centre.x(), ellipse.centre.y(),       direction.x(),
-                         direction.y(),      ray.length - round.reach, kStep,
-                         round.samples};
+    const RaySteps steps{ellipse.centre.x(),       ellipse.centre.y(), direction.x(), direction.y(),
+                         ray.length - round.reach, kRayStep,           round.samples};
     if (!inside(steps, 0) || !inside(steps, round.samples - 1)) return false;  // so all between them are
     sample_ray(view, steps, ray.profile.data());
     ray.inside = 0.5 * (ray.profile[0] + ray.profile[1]);
@@ -102,10 +101,10 @@ void find_edge(Ray& ray, const Round& round, double step, double level) {
     const int j = std::countr_zero(left);
     const double a = sign * (ray.profile[static_cast<std::size_t>(j)] - level);
     const double b = sign * (ray.profile[static_cast<std::size_t>(j) + 1] - level);
-    const double edge = -round.reach + kStep * (j + a / (a - b));
+    const double edge = -round.reach + kRayStep * (j + a / (a - b));
     if (ray.edge && std::abs(*ray.edge) <= std::abs(edge)) continue;
     ray.edge = edge;
-    ray.slope = (b - a) / kStep;
+    ray.slope = (b - a) / kRayStep;
   }
 }
 

@@ -25,14 +25,14 @@ constexpr double kStands = 0.1;         // px: the centroid of a window round it
 constexpr double kSameArea = 0.05;      // relative
 constexpr double kLeastContrast = 0.4;  // of the contrast that it had
 
-struct Look {
+struct DiscLook {
   ImagePoint centre;
   double area = 0.0;      // pixels, as dark as the disc's middle
   double contrast = 0.0;  // grey levels, middle less paper
 };
 
 // Whole numbers: pixels, their grey levels, and these times x from the picture's first column of interest.
-struct Sums {
+struct DiscSums {
   std::int64_t pixels = 0, x = 0, grey = 0, grey_x = 0;
 };
 
@@ -56,7 +56,7 @@ constexpr std::array<std::int16_t, kPiece> kColumns = [] {
 }();
 
 template <typename Grey>
-void add(std::span<const Grey> row, Span span, int x0, Sums& sums) {
+void add(std::span<const Grey> row, Span span, int x0, DiscSums& sums) {
   using Small = std::conditional_t<sizeof(Grey) == 1, std::int16_t, std::int32_t>;
   using Sum = std::conditional_t<sizeof(Grey) == 1, std::int32_t, std::int64_t>;
   for (int x = span.from; x <= span.to; x += kPiece) {
@@ -75,20 +75,20 @@ void add(std::span<const Grey> row, Span span, int x0, Sums& sums) {
 
 // Of the grey levels alone.
 template <typename Grey>
-void add_grey(std::span<const Grey> row, Span span, Sums& sums) {
+void add_grey(std::span<const Grey> row, Span span, DiscSums& sums) {
   std::int32_t sum = 0;
   for (int x = span.from; x <= span.to; ++x) sum += row[static_cast<std::size_t>(x)];
   sums.grey += sum, sums.pixels += span.pixels();
 }
 
 template <typename Grey>
-std::optional<Look> look(const ImageView<Grey>& picture, ImagePoint at, double radius, int row_step) {
+std::optional<DiscLook> look_at_disc(const ImageView<Grey>& picture, ImagePoint at, double radius, int row_step) {
   const double reach = kPaper * radius;
   const int x0 = static_cast<int>(std::floor(at.x - reach)), x1 = static_cast<int>(std::ceil(at.x + reach));
   const int y0 = static_cast<int>(std::floor(at.y - reach)), y1 = static_cast<int>(std::ceil(at.y + reach));
   if (!(x0 >= 0 && y0 >= 0 && x1 < picture.width && y1 < picture.height)) return std::nullopt;
   const double inner2 = std::pow(kInside * radius, 2), ring2 = std::pow(0.5 * (1.0 + kPaper) * radius, 2);
-  Sums all, disc, middle;  // all that is looked at; what is not paper for certain; what is disc for certain
+  DiscSums all, disc, middle;  // all that is looked at; what is not paper for certain; what is disc for certain
   double all_y = 0.0, grey_y = 0.0;
   for (int y = y0; y <= y1; y += row_step) {
     const auto row = picture.row(y);
@@ -103,7 +103,7 @@ std::optional<Look> look(const ImageView<Grey>& picture, ImagePoint at, double r
   const std::int64_t papers = all.pixels - disc.pixels;
   if (middle.pixels == 0 || papers == 0) return std::nullopt;
   const double paper = static_cast<double>(all.grey - disc.grey) / static_cast<double>(papers);
-  Look out;
+  DiscLook out;
   out.contrast = static_cast<double>(middle.grey) / static_cast<double>(middle.pixels) - paper;
   if (out.contrast == 0.0) return std::nullopt;
   // Moments of (g - paper) / contrast, which is one on the disc and nothing on its paper.
@@ -125,7 +125,8 @@ std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected,
   ImagePoint at = expected;
   for (int k = 0; k < kMostLooks; ++k) {
     const int row_step = k == 0 ? kFirstRows : rows == Rows::kAll || diameter_px < kLarge ? 1 : 2;
-    const auto seen = std::visit([&](const auto& picture) { return look(picture, at, radius, row_step); }, luma);
+    const auto seen =
+        std::visit([&](const auto& picture) { return look_at_disc(picture, at, radius, row_step); }, luma);
     if (!seen || !(seen->contrast * like.contrast > 0.0) || !(length(seen->centre - at) < radius)) return std::nullopt;
     const double moved = length(seen->centre - at);
     at = seen->centre;

@@ -13,10 +13,10 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kReach = 1.25;     // pitches to either side of a point: what its lattice is fitted to
+constexpr double kLatticeReach = 1.25;  // pitches to either side of a point: what its lattice is fitted to
 constexpr double kExplained = 0.7;  // of the grey levels round a point
 constexpr double kAsMuch = 0.95;    // of what is explained in the middle: less where the print ends within reach
-constexpr double kFarOff = 0.15;    // pitches from where the neighbour expects it
+constexpr double kNodeFarOff = 0.15;  // pitches from where the neighbour expects it
 constexpr double kNoise =
     1e-3;  // pitches, roughly: how far a point's own pixels tell it. The scatter of many says more
 // All of a print's pixels: strewn ones would alias with its sharp edges.
@@ -53,22 +53,23 @@ double phase_of(const LatticeModel& model, int m, int n) {
 
 bool is_inside(const Image<float>& grey, const Lattice& lattice) {
   for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-    if (std::isnan(grey_at(grey, lattice.at({x * kReach, y * kReach})))) return false;
+    if (std::isnan(grey_at(grey, lattice.at({x * kLatticeReach, y * kLatticeReach})))) return false;
   }
   return true;
 }
 
-struct Look {
+struct NodeLook {
   double tolerance = 0.5;  // pitches
   double explained = kExplained;
 };
 
 // The point nearest to the expected lattice's origin at which both fundamentals are at their greatest.
-std::optional<Node> look(const Image<float>& grey, const Lattice& expected, const Look& how) {
+std::optional<Node> look_for_node(const Image<float>& grey, const Lattice& expected, const NodeLook& how) {
   if (!is_inside(grey, expected)) return std::nullopt;
   LatticeModel model;
   model.lattice = expected;
-  if (!fit_lattice(grey, {{-kReach, -kReach}, {kReach, kReach}}, Eigen::Matrix2d::Identity(), kFit, model))
+  if (!fit_lattice(grey, {{-kLatticeReach, -kLatticeReach}, {kLatticeReach, kLatticeReach}},
+                   Eigen::Matrix2d::Identity(), kFit, model))
     return std::nullopt;
   if (model.explained() < how.explained) return std::nullopt;
   const Eigen::Vector2d here = model.lattice.phi(expected.origin), peak(phase_of(model, 1, 0), phase_of(model, 0, 1));
@@ -91,7 +92,7 @@ SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
   middle.k << patch.k_x.x, patch.k_x.y, patch.k_y.x, patch.k_y.y;
   std::map<Cell, Node> nodes;
   std::queue<Cell> fresh;
-  if (const auto first = look(grey, middle, {})) {
+  if (const auto first = look_for_node(grey, middle, {})) {
     nodes[{0, 0}] = *first;
     fresh.push({0, 0});
   }
@@ -106,7 +107,7 @@ SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
       // Two in a row say how the step changes.
       if (const auto before = nodes.find({cell.first - dx, cell.second - dy}); before != nodes.end())
         expected.origin = from.at + (from.at - before->second.at);
-      if (auto node = look(grey, expected, {kFarOff, kAsMuch * nodes.at({0, 0}).explained})) {
+      if (auto node = look_for_node(grey, expected, {kNodeFarOff, kAsMuch * nodes.at({0, 0}).explained})) {
         nodes[next] = *node;
         fresh.push(next);
       }

@@ -24,7 +24,7 @@ struct BoardBox {
   }
 };
 
-BoardBox box_of(const Reference& reference, std::size_t i) {
+BoardBox board_box_of(const Reference& reference, std::size_t i) {
   const Marker& marker = reference.site.markers[i];
   BoardBox box;
   if (marker.circle) {
@@ -45,14 +45,12 @@ ImagePoint seen_at(const View& view, const CropPlan& plan, int column, int row) 
   return view(BoardPoint{plan.first.x + column * plan.mm_per_px, plan.first.y - row * plan.mm_per_px});
 }
 
-struct PictureBox {
+struct CropBox {
   int x0 = 0, y0 = 0, width = 0, height = 0;
 };
 
-constexpr int kRound = 12;  // px left round it, so that the spline does not feel where the part ends
-
 // The part of the picture that the crop lies on: as its rim goes, so goes all of it.
-PictureBox part_under(const View& view, const CropPlan& plan, int width, int height) {
+CropBox part_under(const View& view, const CropPlan& plan, int width, int height) {
   double x0 = width, x1 = 0.0, y0 = height, y1 = 0.0;
   const auto add = [&](int column, int row) {
     const ImagePoint p = seen_at(view, plan, column, row);
@@ -69,16 +67,17 @@ PictureBox part_under(const View& view, const CropPlan& plan, int width, int hei
     add(0, row);
     add(plan.width - 1, row);
   }
-  const int left = static_cast<int>(std::max(0.0, x0 - kRound)), top = static_cast<int>(std::max(0.0, y0 - kRound));
-  const int right = static_cast<int>(std::min<double>(width, x1 + kRound)),
-            bottom = static_cast<int>(std::min<double>(height, y1 + kRound));
+  const int left = static_cast<int>(std::max(0.0, x0 - kSplineRim)),
+            top = static_cast<int>(std::max(0.0, y0 - kSplineRim));
+  const int right = static_cast<int>(std::min<double>(width, x1 + kSplineRim)),
+            bottom = static_cast<int>(std::min<double>(height, y1 + kSplineRim));
   return {left, top, right - left, bottom - top};
 }
 
 template <typename Grey>
 Crop cut_out_of(const ImageView<Grey>& picture, int bits, const View& view, const CropPlan& plan) {
   Crop crop{Image<std::uint8_t>(plan.width, plan.height), 0.0};
-  const PictureBox part = part_under(view, plan, picture.width, picture.height);
+  const CropBox part = part_under(view, plan, picture.width, picture.height);
   if (part.width < 4 || part.height < 4) return crop;
   Spline spline;
   spline.fit(picture, part.x0, part.y0, part.width, part.height);
@@ -101,7 +100,7 @@ Crop cut_out_of(const ImageView<Grey>& picture, int bits, const View& view, cons
 }  // namespace
 
 CropPlan plan_crop(const Reference& reference, std::size_t i) {
-  const BoardBox box = box_of(reference, i);
+  const BoardBox box = board_box_of(reference, i);
   const BoardPoint centre{0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)};
   const double share = reference.site.markers[i].role == Role::kTarget ? kTargetMargin : kReferenceMargin;
   const double margin = share * std::max(box.x1 - box.x0, box.y1 - box.y0);

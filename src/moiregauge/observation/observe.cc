@@ -20,15 +20,15 @@ struct Located {
 
 // Circles are first looked for near where the last frame saw them, within this share of their diameter, so that a
 // neighbour cannot be taken for them; if any is not there, the whole picture is searched.
-constexpr double kReach = 0.75;
+constexpr double kCircleReach = 0.75;
 
 CircleSearch search_near(const GreyPicture& picture, const Reference& reference, const IdealFromBoard& predicted) {
   CircleSearch search;
   const View view{predicted, reference.lens};
   for (const CirclePoint& point : reference.circles) {
     const double diameter = reference.diameter_px(point, view);
-    for (const SeenCircle& circle :
-         find_circles_near(picture.luma, view(point.board), diameter, kReach * diameter, reference.options.circles))
+    for (const SeenCircle& circle : find_circles_near(picture.luma, view(point.board), diameter,
+                                                      kCircleReach * diameter, reference.options.circles))
       search.circles.push_back(circle);
   }
   return search;
@@ -53,7 +53,7 @@ Located as_before(const Reference& reference, const CircleSearch& near, const Id
   who.image_from_board = Homography<frame::Image, frame::Board>(predicted.matrix());
   for (const CirclePoint& point : reference.circles) {
     const ImagePoint there = view(point.board);
-    double nearest = kReach * reference.diameter_px(point, view);
+    double nearest = kCircleReach * reference.diameter_px(point, view);
     for (std::size_t i = 0; i < near.circles.size(); ++i) {
       const double away = length(near.circles[i].centre - there);
       if (away < nearest) nearest = away, who.circle_of_marker[point.marker] = static_cast<int>(i);

@@ -168,10 +168,6 @@ bool stands_out(const Beside& b, double score, double half) {
   return 0.5 * (b.low + b.high) > strip && std::min(b.low, b.high) > 0.3 * strip;
 }
 
-// Scale and shear of a lattice farther off than this are something else's. (The first round sees too much of a
-// stretch.)
-constexpr double kMostStretched = 0.6;
-
 bool is_plausible(const PrintFromPrint& lattice) {
   return (lattice.matrix().topLeftCorner<2, 2>() - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() < kMostStretched;
 }

@@ -21,27 +21,27 @@ constexpr double kDarkest = 4.0;  // grey levels: a mean below is taken for this
 
 // Running sums over a grid of points: 1, I and I times cosine and sine of both fundamentals.
 constexpr std::size_t kSums = 6;
-using Sums = std::array<double, kSums>;
+using CellSums = std::array<double, kSums>;
 
 class Table {
  public:
   Table(int columns, int rows) : wide_(columns + 1), sums_(static_cast<std::size_t>((columns + 1) * (rows + 1))) {}
   // Points in order, row by row.
-  void set(int i, int j, const Sums& here) {
-    Sums& to = at(i + 1, j + 1);
+  void set(int i, int j, const CellSums& here) {
+    CellSums& to = at(i + 1, j + 1);
     for (std::size_t k = 0; k < kSums; ++k) to[k] = here[k] + at(i, j + 1)[k] + at(i + 1, j)[k] - at(i, j)[k];
   }
-  [[nodiscard]] Sums over(int i0, int j0, int i1, int j1) const {
-    Sums s;
+  [[nodiscard]] CellSums over(int i0, int j0, int i1, int j1) const {
+    CellSums s;
     for (std::size_t k = 0; k < kSums; ++k) s[k] = at(i1, j1)[k] - at(i0, j1)[k] - at(i1, j0)[k] + at(i0, j0)[k];
     return s;
   }
 
  private:
-  [[nodiscard]] const Sums& at(int i, int j) const { return sums_[static_cast<std::size_t>(j * wide_ + i)]; }
-  [[nodiscard]] Sums& at(int i, int j) { return sums_[static_cast<std::size_t>(j * wide_ + i)]; }
+  [[nodiscard]] const CellSums& at(int i, int j) const { return sums_[static_cast<std::size_t>(j * wide_ + i)]; }
+  [[nodiscard]] CellSums& at(int i, int j) { return sums_[static_cast<std::size_t>(j * wide_ + i)]; }
   int wide_;
-  std::vector<Sums> sums_;
+  std::vector<CellSums> sums_;
 };
 
 template <typename Grey>
@@ -62,7 +62,7 @@ std::vector<Complex> turns(double low, int points) {
   return out;
 }
 
-Presence presence(const Sums& s, Axes axes) {
+Presence presence(const CellSums& s, Axes axes) {
   constexpr double kPoints = kPerPitch * kPerPitch;
   if (s[0] < kPoints) return {};  // cut by the picture's edge, or hidden
   const double mean = std::max(kDarkest, s[1] / kPoints);

@@ -37,8 +37,8 @@ class Expected {
 int block_of(double uv) { return std::clamp(static_cast<int>(0.5 * (uv + 1.0) * kMissBlocks), 0, kMissBlocks - 1); }
 
 template <typename Grey>
-void gather(const ImageView<Grey>& picture, const PatchFit& fit, const PrintFromImage& map, const PatchWindow& w,
-            const PrintTemplate& print, PrintMisses& out) {
+void gather_misses(const ImageView<Grey>& picture, const PatchFit& fit, const PrintFromImage& map, const PatchWindow& w,
+                   const PrintTemplate& print, PrintMisses& out) {
   PixelBox box = box_round(map.inverse(), w);
   box = {std::max(0, box.x0), std::max(0, box.y0), std::min(picture.width - 1, box.x1),
          std::min(picture.height - 1, box.y1)};
@@ -77,7 +77,7 @@ PrintMisses misses_of(const LumaView& luma, const PatchFit& fit, const PatchWind
   const auto map = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(fit.image),
                                                               std::span<const PrintPoint>(fit.print));
   if (!map) return out;
-  std::visit([&](const auto& picture) { gather(picture, fit, *map, window, print, out); }, luma);
+  std::visit([&](const auto& picture) { gather_misses(picture, fit, *map, window, print, out); }, luma);
   for (std::size_t b = 0; b < kAllMissBlocks; ++b) {
     if (out.pixels[b] > 0) out.mean_square[b] /= out.pixels[b];
   }

@@ -55,8 +55,8 @@ PatchWindow safe_window(const Grating& grating, double mm_per_px) {
 
 // Grey levels of the window's pixels, light and contrast taken out by an earlier fit if there is one.
 template <typename Grey>
-void gather(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit* light,
-            PrintBins& bins) {
+void gather_grey(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit* light,
+                 PrintBins& bins) {
   const PixelBox box = box_round(map.inverse(), w);
   const int first_x = std::max(0, box.x0), last_x = std::min(picture.width - 1, box.x1);
   const int first_y = std::max(0, box.y0), last_y = std::min(picture.height - 1, box.y1);
@@ -183,7 +183,8 @@ class Learning {
   // How far the map moved, pitches.
   tl::expected<double, Failure> round(int most_orders) {
     PrintBins bins(std::min(most_orders, order_of(window_, 1.0 / pixel_)));
-    std::visit([&](const auto& picture) { gather(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); }, *luma_);
+    std::visit([&](const auto& picture) { gather_grey(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); },
+               *luma_);
     auto print = bins.fit();
     if (!print) return tl::unexpected(Failure::kTooFewPixels);
     const double px = print->slope_power_x(), py = print->slope_power_y();
@@ -253,7 +254,6 @@ constexpr int kAllOrders = 1 << 20;
 // A view through circles that are known to some millimetres only may be stretched or sheared by a third: more than
 // alternating fits find back from.
 constexpr double kStretched = 0.02;
-constexpr double kMostStretched = 0.6;
 
 PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Grating& grating,
                             Extent<frame::Board> moved) {

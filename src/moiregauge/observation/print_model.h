@@ -57,4 +57,8 @@ inline constexpr double kPrintEdgePx = 2.4;
                                                                   const Grating& grating, Extent<frame::Board> moved,
                                                                   const PrintModel& model, Rows rows = Rows::kAll);
 
+// Scale and shear of a lattice farther off than this are something else's. (The first round sees too much of a
+// stretch.)
+inline constexpr double kMostStretched = 0.6;
+
 }  // namespace moiregauge

@@ -45,9 +45,7 @@ struct Box {
   int x0 = 0, y0 = 0, width = 0, height = 0;
 };
 
-constexpr int kRound = 12;  // px left round it, so that the spline does not feel where the part ends (0.27^12 = 1e-7)
-
-Box box_of(const RasterPoints& points, int side, int width, int height) {
+Box box_round_points(const RasterPoints& points, int side, int width, int height) {
   const double half = 0.5 * (side - 1);
   double x0 = width, x1 = 0.0, y0 = height, y1 = 0.0;
   for (int i = 0; i < side; ++i) {
@@ -60,15 +58,15 @@ Box box_of(const RasterPoints& points, int side, int width, int height) {
       y1 = std::max(y1, p.y);
     }
   }
-  const int left = std::max(0, static_cast<int>(x0) - kRound), top = std::max(0, static_cast<int>(y0) - kRound);
-  const int right = std::min(width, static_cast<int>(x1) + kRound),
-            bottom = std::min(height, static_cast<int>(y1) + kRound);
+  const int left = std::max(0, static_cast<int>(x0) - kSplineRim), top = std::max(0, static_cast<int>(y0) - kSplineRim);
+  const int right = std::min(width, static_cast<int>(x1) + kSplineRim),
+            bottom = std::min(height, static_cast<int>(y1) + kSplineRim);
   return {left, top, right - left, bottom - top};
 }
 
 template <typename Grey>
 bool resample_from(const ImageView<Grey>& picture, const RasterPoints& points, int side, RasterWorkspace& work) {
-  const Box box = box_of(points, side, picture.width, picture.height);
+  const Box box = box_round_points(points, side, picture.width, picture.height);
   if (box.width == 0) return false;
   work.spline.fit(picture, box.x0, box.y0, box.width, box.height);
   if (work.raster.width() != side || work.raster.height() != side) work.raster = Image<double>(side, side);

@@ -15,7 +15,7 @@ namespace {
 using BoardExtent = Extent<frame::Board>;
 constexpr double kProbe_mm = 1.0;  // half distance over which the change of scale is taken
 
-std::string text_of(const char* format, const std::string& name, double a = 0.0, double b = 0.0) {
+std::string text_about(const char* format, const std::string& name, double a = 0.0, double b = 0.0) {
   char text[240];
   std::snprintf(text, sizeof text, format, name.c_str(), a, b);
   return text;
@@ -27,12 +27,12 @@ tl::expected<Site, std::string> in_old_order(const Site& then, const Site& now) 
   const auto same = [](const Marker& a, const Marker& b) { return a.name == b.name && a.role == b.role; };
   for (const Marker& m : now.markers) {
     if (std::none_of(then.markers.begin(), then.markers.end(), [&](const Marker& was) { return same(was, m); }))
-      return tl::unexpected(text_of("marker '%s' was not measured in this role", m.name));
+      return tl::unexpected(text_about("marker '%s' was not measured in this role", m.name));
   }
   Site ordered{{}, now.known_to};
   for (const Marker& was : then.markers) {
     const auto is = std::find_if(now.markers.begin(), now.markers.end(), [&](const Marker& m) { return same(was, m); });
-    if (is == now.markers.end()) return tl::unexpected(text_of("marker '%s' is missing", was.name));
+    if (is == now.markers.end()) return tl::unexpected(text_about("marker '%s' is missing", was.name));
     ordered.markers.push_back(*is);
   }
   return ordered;
@@ -40,16 +40,16 @@ tl::expected<Site, std::string> in_old_order(const Site& then, const Site& now) 
 
 std::optional<std::string> other_print(const Marker& was, const Marker& is) {
   if (is.circle.has_value() != was.circle.has_value() || is.grating.has_value() != was.grating.has_value())
-    return text_of("marker '%s' must have circle and grating as when it was measured", is.name);
+    return text_about("marker '%s' must have circle and grating as when it was measured", is.name);
   if (!is.grating) return std::nullopt;
-  if (is.grating->pattern != was.grating->pattern) return text_of("marker '%s' has another pattern", is.name);
+  if (is.grating->pattern != was.grating->pattern) return text_about("marker '%s' has another pattern", is.name);
   const double pitch = is.grating->pitch_mm, before = was.grating->pitch_mm;
   if (std::abs(pitch / before - 1.0) > kRestatedPitch)
-    return text_of("marker '%s' has pitch_mm = %.4g, but was measured with %.4g", is.name, pitch, before);
+    return text_about("marker '%s' has pitch_mm = %.4g, but was measured with %.4g", is.name, pitch, before);
   const double turn = degrees_from_radians(wrapped(is.grating->angle_rad - was.grating->angle_rad));
   if (std::abs(turn) > kRestatedAngle_deg)
-    return text_of("marker '%s' has angle_deg %+.3g from what it was measured with, at most %.3g can be made good",
-                   is.name, turn, kRestatedAngle_deg);
+    return text_about("marker '%s' has angle_deg %+.3g from what it was measured with, at most %.3g can be made good",
+                      is.name, turn, kRestatedAngle_deg);
   return std::nullopt;
 }
 
@@ -158,8 +158,8 @@ class Restating {
     zero_[i] = {zero.x, zero.y};
     const double most = kRestatedPlace * std::min(was.width_mm, was.height_mm);
     if (!(length(off) <= most))
-      return text_of("the grating of marker '%s' was read %.3g mm from where this site puts it",
-                     now_.site.markers[i].name, length(off));
+      return text_about("the grating of marker '%s' was read %.3g mm from where this site puts it",
+                        now_.site.markers[i].name, length(off));
     return std::nullopt;
   }
 

@@ -50,7 +50,7 @@ double stretch_of(const PatchReading& patch) {
   return axes > 0 && std::isfinite(patch.u_gradient) ? stretch / axes : std::nan("");
 }
 
-std::string disagreement(const Marker& marker, double stretch) {
+std::string pitch_words(const Marker& marker, double stretch) {
   char text[240];
   std::snprintf(
       text, sizeof text,
@@ -73,7 +73,7 @@ std::optional<std::string> common_pitch_disagreement(const Reference& reference)
   if (count < 4.0) return std::nullopt;
   const double allowed = std::max(kSiteTolerance, kSure * scale_uncertainty(reference).mean) + 3.0 * noise / count;
   if (std::abs(sum / count) <= allowed) return std::nullopt;
-  return disagreement(*first, sum / count);
+  return pitch_words(*first, sum / count);
 }
 
 std::optional<std::string> pitch_disagreement(const Reference& reference, std::size_t i) {
@@ -84,7 +84,7 @@ std::optional<std::string> pitch_disagreement(const Reference& reference, std::s
                                   kSure * scale_uncertainty(reference).alone);
   // A region of a few pixels tells no scale: ask three times its noise, too.
   if (std::isnan(stretch) || std::abs(stretch) <= allowed + 3.0 * patch.u_gradient) return std::nullopt;
-  return disagreement(marker, stretch);
+  return pitch_words(marker, stretch);
 }
 
 std::optional<std::string> diameter_disagreement(const Reference& reference, std::size_t i) {

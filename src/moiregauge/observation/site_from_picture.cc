@@ -9,6 +9,7 @@
 #include <span>
 
 #include "moiregauge/geometry/conic.h"
+#include "moiregauge/markers/like_sheets.h"
 #include "moiregauge/markers/outermost.h"
 #include "moiregauge/observation/board_from_gratings.h"
 #include "moiregauge/observation/site_check.h"
@@ -17,7 +18,6 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kReach = 3.0;      // diameters from a circle to the edge of its grating
 constexpr std::size_t kEnough = 4;  // circles that determine a view
 // A lens of -3 % makes gratings differ by 6 % at the most, and not in one place only.
 constexpr double kForeign = 0.05;  // relative difference of pitch
@@ -58,7 +58,7 @@ std::size_t circle_of(const SeenPatch& patch, const std::vector<SeenCircle>& cir
     nearest = i;
     least = away;
   }
-  return nearest < circles.size() && least <= kReach * circles[nearest].diameter_px ? nearest : circles.size();
+  return nearest < circles.size() && least <= kGratingReach * circles[nearest].diameter_px ? nearest : circles.size();
 }
 
 Parts sorted_out(std::vector<SeenCircle> circles, const std::vector<SeenPatch>& patches) {
@@ -101,8 +101,8 @@ void drop_bare_circles(Parts& parts) {
 }
 
 // How far the patches' pitches on the board are from the stated one, relative: the worst.
-double disagreement(std::span<const SeenPatch> patches, const BoardFromIdeal& board, const Camera& lens,
-                    double pitch_mm) {
+double lattice_disagreement(std::span<const SeenPatch> patches, const BoardFromIdeal& board, const Camera& lens,
+                            double pitch_mm) {
   double worst = 0.0;
   for (const SeenPatch& p : patches) worst = std::max(worst, std::abs(std::log(pitch_on(p, board, lens) / pitch_mm)));
   return worst;
@@ -112,14 +112,14 @@ double disagreement(std::span<const SeenPatch> patches, const BoardFromIdeal& bo
 void drop_foreign_reference(Parts& parts, const Camera& lens, double pitch_mm) {
   const std::vector<SeenPatch> all = parts.reference_patches();
   if (all.size() < 4) return;
-  const double before = disagreement(all, board_from_gratings(all, lens, pitch_mm), lens, pitch_mm);
+  const double before = lattice_disagreement(all, board_from_gratings(all, lens, pitch_mm), lens, pitch_mm);
   if (before < kForeign) return;
   double least = before;
   std::size_t foreign = all.size();
   for (std::size_t i = 0; i < all.size(); ++i) {
     std::vector<SeenPatch> others = all;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const double now = disagreement(others, board_from_gratings(others, lens, pitch_mm), lens, pitch_mm);
+    const double now = lattice_disagreement(others, board_from_gratings(others, lens, pitch_mm), lens, pitch_mm);
     if (now >= least) continue;
     least = now;
     foreign = i;

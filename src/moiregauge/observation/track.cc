@@ -14,7 +14,7 @@ namespace {
 // A fit that still moves so much (pitches) in its last pass began too far away.
 constexpr double kConverged = 0.005;
 // A reference this far (of its pitch) from where the circles put it may be in the next lattice line.
-constexpr double kFarOff = 0.3;
+constexpr double kTrackFarOff = 0.3;
 
 bool expects_all(const Reference& reference, const Prediction& prediction) {
   if (!prediction.expected || reference.prints.size() != reference.site.markers.size()) return false;
@@ -76,7 +76,7 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
     auto fit = fitted(picture, reference, view, i, {}, rows);
     if (!fit) return std::nullopt;
     const PrintMotion motion = motion_of_points(reference, view, i, *fit);
-    if (length(motion.displacement) > kFarOff * reference.plans[i].pitch_mm) return std::nullopt;
+    if (length(motion.displacement) > kTrackFarOff * reference.plans[i].pitch_mm) return std::nullopt;
     marker.circle = search->circles[k];
     marker.patch = patch_of_points(reference, i, *fit, motion, {});
     if (rows == Rows::kAll) marker.patch.clipped_share = clipped_share(picture, *fit);

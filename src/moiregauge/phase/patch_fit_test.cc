@@ -13,7 +13,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kSide = 180;  // px
+constexpr int kFitSide = 180;  // px
 
 // Print coordinates of a pixel: pitch 29 px, turned, seen at an angle.
 PrintFromImage oblique(double turn_deg) {
@@ -35,11 +35,11 @@ template <typename Print>
 Image<std::uint16_t> seen(const PrintFromImage& map, const Light& light, Print grey_of, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> noise(0.0, 1.0);
-  Image<std::uint16_t> picture(kSide, kSide);
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
+  Image<std::uint16_t> picture(kFitSide, kFitSide);
+  for (int y = 0; y < kFitSide; ++y) {
+    for (int x = 0; x < kFitSide; ++x) {
       const PrintPoint p = map({double(x), double(y)});
-      const double lit = 1.0 + light.slope * p.x * 29.0 / kSide;
+      const double lit = 1.0 + light.slope * p.x * 29.0 / kFitSide;
       picture.at(x, y) =
           static_cast<std::uint16_t>(std::lround(256.0 * (lit * (125.0 + grey_of(p)) + light.sigma * noise(rng))));
     }

@@ -12,9 +12,9 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kSide = 150;
+constexpr int kPassSide = 150;
 
-PatchModel oblique() {
+PatchModel oblique_model() {
   Matrix3 h;
   h << 0.033, 0.011, -3.1, 0.012, -0.034, 1.7, 2e-5, -4e-5, 1.0;
   PatchModel model{PrintFromImage(h), {{0.05, -0.1}, 1.9, 1.7}};
@@ -39,8 +39,8 @@ PrintTemplate binary() {
 template <typename Grey>
 Image<Grey> speckled(int most) {
   std::mt19937 rng(20261121);
-  Image<Grey> picture(kSide, kSide);
-  for (int y = 0; y < kSide; ++y) {
+  Image<Grey> picture(kPassSide, kPassSide);
+  for (int y = 0; y < kPassSide; ++y) {
     for (Grey& grey : picture.row(y)) grey = static_cast<Grey>(rng() % static_cast<unsigned>(most));
   }
   return picture;
@@ -55,10 +55,10 @@ struct Summed {
 Summed summed(const LumaView& luma, int row_step) {
   Summed out;
   // The last block of a row reaches beyond the picture.
-  const PixelBox box{4, 6, kSide - 1, kSide - 2};
-  sum_patch(luma, oblique(), binary().nodes(), box, out.sums);
-  sum_patch(luma, oblique(), binary().nodes(), box, out.with_normal, &out.normal);
-  sum_shift(luma, oblique(), binary().nodes(), box, row_step, out.shift);
+  const PixelBox box{4, 6, kPassSide - 1, kPassSide - 2};
+  sum_patch(luma, oblique_model(), binary().nodes(), box, out.sums);
+  sum_patch(luma, oblique_model(), binary().nodes(), box, out.with_normal, &out.normal);
+  sum_shift(luma, oblique_model(), binary().nodes(), box, row_step, out.shift);
   return out;
 }
 
@@ -91,7 +91,7 @@ TEST(PatchPass, GivesTheSameBitsOnEverySimdTarget) {
 TEST(PatchPass, SumsWhatItSaysItSums) {
   const auto picture = speckled<std::uint8_t>(256);
   const Summed seen = summed(picture.view(), 1);
-  const PatchModel model = oblique();
+  const PatchModel model = oblique_model();
   const PrintTemplate print = binary();
   const auto to_window = window_from_print(model.window);
   const auto plane = [](const PatchPlane& c, double u, double v) { return c[0] + c[1] * u + c[2] * v; };
@@ -99,8 +99,8 @@ TEST(PatchPass, SumsWhatItSaysItSums) {
   double left2 = 0.0;
   NormalVector right = NormalVector::Zero();
   NormalMatrix normal = NormalMatrix::Zero();
-  for (int y = 6; y <= kSide - 2; ++y) {
-    for (int x = 4; x <= kSide - 1; ++x) {
+  for (int y = 6; y <= kPassSide - 2; ++y) {
+    for (int x = 4; x <= kPassSide - 1; ++x) {
       const PrintPoint p = model.map({double(x), double(y)});
       const auto at = to_window(p);
       const double u = at.x, v = at.y;

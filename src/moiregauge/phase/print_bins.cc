@@ -23,7 +23,7 @@ constexpr int kLeastBins = 48;
 // Relative to the mean weight: enough to keep a series that the bins leave open from running away, 1e-6 of what they
 // say.
 constexpr double kRidge = 1e-6;
-constexpr long kLeastPixelsPerUnknown = 4;
+constexpr long kLeastPixelsPerCoefficient = 4;
 
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
@@ -182,7 +182,7 @@ void PrintBins::add(PrintPoint p, double grey) {
 
 std::optional<PrintTemplate> PrintBins::fit() const {
   const int wide = 2 * order_ + 1, unknowns = wide * wide;
-  if (pixels_ < kLeastPixelsPerUnknown * unknowns) return std::nullopt;
+  if (pixels_ < kLeastPixelsPerCoefficient * unknowns) return std::nullopt;
   // The normal equations of exponentials depend on differences of their orders only.
   const auto weight = spectrum(count_, side_, 2 * order_);
   const auto right = spectrum(sum_, side_, order_);

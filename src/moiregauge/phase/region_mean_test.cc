@@ -14,7 +14,7 @@ using testing::crossed_binary;
 using testing::crossed_cosine;
 using testing::Grating;
 
-constexpr std::uint64_t kSeed = 20232;
+constexpr std::uint64_t kMeanSeed = 20232;
 constexpr Sampling kPaper{.sampling_pitch_px = 31.0, .pitch_px = 29.0, .region_px = 100};
 constexpr Sampling kMatched{.sampling_pitch_px = 29.0, .pitch_px = 29.0, .region_px = 100};
 
@@ -150,8 +150,8 @@ TEST(PhaseBound, IsRifeAndBoorstyns) {
 // The relative standard error of a scatter from n trials is 1 / sqrt(2 n); four of them are allowed.
 TEST(RegionMeanUncertainty, ScatterOverRepeatedNoiseMatchesTheStatedStandardUncertainty) {
   constexpr int kTrials = 4000;
-  std::mt19937_64 rng(kSeed);
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  std::mt19937_64 rng(kMeanSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kMeanSeed);
   std::normal_distribution<double> noise(0.0, 1.5);
   for (const Sampling& sampling : {Sampling{9.0, 9.0, 20}, Sampling{10.0, 9.0, 20}, Sampling{9.5, 9.0, 20}}) {
     const Image<double> clean = crossed_cosine(40, 40, {.pitch_px = 9.0, .shift_x_px = 1.1});

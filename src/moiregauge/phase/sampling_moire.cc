@@ -16,7 +16,7 @@ void add(std::span<double> sum, std::span<const double> term) {
   for (std::size_t i = 0; i < sum.size(); ++i) s[i] += t[i];
 }
 
-Image<double> transposed(ImageView<double> in) {
+Image<double> rows_as_columns(ImageView<double> in) {
   Image<double> out(in.height, in.width);
   for (int y = 0; y < in.height; ++y) {
     const std::span<const double> row = in.row(y);
@@ -113,8 +113,8 @@ FringeField sampling_moire(ImageView<double> picture, Axis axis, double sampling
   const SamplingWindow window(sampling_pitch_px);
   if (std::min(picture.width, picture.height) < 2 * window.margin + 1) return {};
   // Across first, while the picture is still real; then rows that run along the axis, one per step.
-  const Image<double> averaged = triangle_down(axis == Axis::kX ? picture : transposed(picture).view(), window);
-  const Image<double> rows = transposed(averaged.view());
+  const Image<double> averaged = triangle_down(axis == Axis::kX ? picture : rows_as_columns(picture).view(), window);
+  const Image<double> rows = rows_as_columns(averaged.view());
   const Image<double> parts = triangle_down(demodulated(rows, window).view(), window);
   return {remodulated(parts, rows.width(), axis, window), window.margin, sampling_pitch_px};
 }

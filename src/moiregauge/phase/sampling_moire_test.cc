@@ -14,7 +14,7 @@ namespace {
 using testing::crossed_cosine;
 using testing::random_picture;
 
-constexpr std::uint64_t kSeed = 20231;
+constexpr std::uint64_t kMoireSeed = 20231;
 
 double largest(const FringeField& field) {
   double most = 0.0;
@@ -53,8 +53,8 @@ std::complex<double> fringe_by_taps(const Image<double>& picture, int x, int y, 
 }
 
 TEST(SamplingMoire, TextbookAndWindowedDftAreTheSameNumber) {
-  std::mt19937_64 rng(kSeed);
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  std::mt19937_64 rng(kMoireSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kMoireSeed);
   for (const int pitch : {3, 4, 7, 16, 29, 31, 40}) {
     const Image<double> picture = random_picture(131, 97, rng);
     for (const Axis axis : {Axis::kX, Axis::kY}) {
@@ -66,14 +66,14 @@ TEST(SamplingMoire, TextbookAndWindowedDftAreTheSameNumber) {
 }
 
 TEST(SamplingMoire, RoundOffDoesNotGrowAlongAPictureOf4000Pixels) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kMoireSeed);
   const Image<double> picture = random_picture(4000, 63, rng);
   const FringeField textbook = sampling_moire_textbook(picture.view(), Axis::kX, 31);
   EXPECT_LT(largest_difference(textbook, sampling_moire(picture.view(), Axis::kX, 31)), 1e-12 * largest(textbook));
 }
 
 TEST(SamplingMoire, AFractionalPitchIsTheSameTriangleTapByTap) {
-  std::mt19937_64 rng(kSeed);
+  std::mt19937_64 rng(kMoireSeed);
   const Image<double> picture = random_picture(80, 71, rng);
   for (const double pitch : {2.5, 6.3, 28.99, 30.5}) {
     const FringeField field = sampling_moire(picture.view(), Axis::kX, pitch);

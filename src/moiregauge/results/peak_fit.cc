@@ -25,7 +25,7 @@ constexpr double kStandsOut = 6.0;     // times the level around: chance makes 8
 constexpr double kMisfit = 3.0;        // so much more of it at the peak is not noise, and counts
 constexpr double kFurthestBack = 3.0;  // times the amplitude at its start: so far a decay is run backwards
 constexpr std::size_t kNear = 3;       // ordinates to each side that are the peak
-constexpr std::size_t kAround = 40;    // and beyond them, that tell the noise at its frequency
+constexpr std::size_t kNoiseAround = 40;  // and beyond them, that tell the noise at its frequency
 
 struct Gathered {
   std::vector<double> time_s, value;
@@ -81,7 +81,7 @@ Beside beside(const std::vector<double>& left, double frequency_hz, double inter
   for (long k = 1; k + 1 < static_cast<long>(s.psd.size()); ++k) {
     const auto off = static_cast<std::size_t>(std::abs(k - middle));
     if (off <= kNear) near += s.psd[static_cast<std::size_t>(k)], ++near_count;
-    if (off > kNear && off <= kNear + kAround) around += s.psd[static_cast<std::size_t>(k)], ++around_count;
+    if (off > kNear && off <= kNear + kNoiseAround) around += s.psd[static_cast<std::size_t>(k)], ++around_count;
   }
   return {near_count > 0 ? near / static_cast<double>(near_count) : 0.0,
           around_count > 0 ? around / static_cast<double>(around_count) : 0.0};

@@ -19,7 +19,7 @@ constexpr double kOneOfMany = 5.2;
 constexpr double kQuartile = -0.6745;   // as a normal deviate
 constexpr double kLeastRatio = 3.0;     // and a hill that is no higher than this is no peak
 constexpr double kLeastCycles = 3.0;    // in the record; slower is drift
-constexpr std::size_t kAround = 25;     // ordinates to each side that tell the level about one
+constexpr std::size_t kLevelAround = 25;  // ordinates to each side that tell the level about one
 constexpr double kResolvedWidth = 4.0;  // half-power width in units of 1 / duration, below which it is the window's own
 constexpr double kCrumb = 0.05;         // of the strongest peak's amplitude
 constexpr double kUsefulDamping = 1.0 / 3.0;  // u / value
@@ -33,8 +33,8 @@ double chi_square(double averages, double z) {
 // The level about an ordinate: the lower quartile of those around it, brought to the mean's. A broad peak lifts the
 // median of its surroundings before it lifts that.
 double level_about(const std::vector<double>& psd, std::size_t k, double averages) {
-  const std::size_t from = std::max<std::size_t>(1, k > kAround ? k - kAround : 1);
-  const std::size_t to = std::min(psd.size() - 1, k + kAround + 1);
+  const std::size_t from = std::max<std::size_t>(1, k > kLevelAround ? k - kLevelAround : 1);
+  const std::size_t to = std::min(psd.size() - 1, k + kLevelAround + 1);
   std::vector<double> around(psd.begin() + static_cast<std::ptrdiff_t>(from),
                              psd.begin() + static_cast<std::ptrdiff_t>(to));
   const auto quartile = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 4);

@@ -12,7 +12,7 @@ namespace moiregauge {
 namespace {
 
 constexpr double kCorrelated = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
-constexpr int kPasses = 40;
+constexpr int kRandomPasses = 40;
 constexpr std::size_t kLeastOrdinates = 12;
 
 using Four = Eigen::Vector4d;  // ln S0, ln f0, ln zeta, ln B
@@ -124,7 +124,7 @@ std::optional<RandomFit> fit_random(const Spectrum& of_all, double around_hz, do
   Four p = begin(band, around_hz);
   Likelihood here = likelihood(band, p, smear);
   double damp = 1e-3;  // Levenberg-Marquardt
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kRandomPasses; ++pass) {
     Eigen::Matrix4d m = here.information;
     m.diagonal() *= 1.0 + damp;
     const Four step = -m.ldlt().solve(here.gradient);

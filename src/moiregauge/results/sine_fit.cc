@@ -10,7 +10,7 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kPasses = 10;
+constexpr int kSinePasses = 10;
 constexpr double kConverged = 1e-7;  // rad, over the whole duration
 constexpr double kFurthest = 2.0;    // 1 / duration, from where the passes begin
 constexpr int kLinear = 4;
@@ -115,7 +115,7 @@ std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Fallin
   fit.origin_s = samples.time_s.front();
   fit.omega = omega;
   if (!solve_linear(samples, fit)) return std::nullopt;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kSinePasses; ++pass) {
     auto step = step_of(samples, falling, fit);
     if (!step) return std::nullopt;
     SineFit next = fit;

@@ -8,26 +8,13 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/follower.h"
-#include "moiregauge/run/repeated_frames.h"
+#include "moiregauge/image/upper_bits.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
+#include "moiregauge/run/repeated_frames.h"
 
 namespace moiregauge {
 namespace {
-
-KeptPicture kept(const LumaView& luma, int bits) {
-  KeptPicture picture{Image<std::uint8_t>(width_of(luma), height_of(luma))};
-  std::visit(
-      [&](const auto& view) {
-        for (int y = 0; y < view.height; ++y) {
-          const auto from = view.row(y);
-          std::transform(from.begin(), from.end(), picture.grey.row(y).begin(),
-                         [bits](auto grey) { return static_cast<std::uint8_t>(grey >> (bits - 8)); });
-        }
-      },
-      luma);
-  return picture;
-}
 
 Observation unmeasured(const Frame& frame, std::size_t markers, std::string why) {
   Observation observation;
@@ -77,7 +64,7 @@ class Run {
     if (!made) {
       if (out_.refusal.empty()) {
         out_.refusal = made.error().message;
-        out_.picture = kept(frame.luma, out_.input.bits);
+        out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
       }
       hopeless_ = made.error().problem == ReferenceProblem::kSiteDisagrees ||
                   made.error().problem == ReferenceProblem::kTooCoarse;
@@ -91,7 +78,7 @@ class Run {
     out_.reference->seen.frame = frame.number;
     out_.reference->seen.time_s = frame.time_s;
     note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, out_.reference->seen);
-    out_.picture = kept(frame.luma, out_.input.bits);
+    out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
     follower_.emplace(*out_.reference);
     return true;
   }
@@ -128,7 +115,7 @@ class Run {
     return true;
   }
   void keep_picture(const Frame& frame) {
-    if (frame.number == out_.reference->seen.frame) out_.picture = kept(frame.luma, out_.input.bits);
+    if (frame.number == out_.reference->seen.frame) out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
   }
   // A run that is stopped again while it passes over frames still holds them all.
   void stop() {

@@ -13,7 +13,7 @@
 namespace moiregauge::simulator {
 namespace {
 
-double grey_at(const Scenario& scenario, long frame, BoardPoint point) {
+double rendered_at(const Scenario& scenario, long frame, BoardPoint point) {
   const ImagePoint p = project(scenario, frame, scenario.markers[0], point);
   return render_ideal(scenario, frame).at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y)));
 }
@@ -26,16 +26,16 @@ Scenario with_cover() {
 
 TEST(Cover, OfACornerLeavesTheOtherThree) {
   const Scenario scenario = with_cover();
-  EXPECT_NEAR(grey_at(scenario, 0, {-9.0, -6.0}), 77.0, 1e-6);
+  EXPECT_NEAR(rendered_at(scenario, 0, {-9.0, -6.0}), 77.0, 1e-6);
   for (const BoardPoint open : {BoardPoint{-9.0, 6.0}, BoardPoint{9.0, 6.0}, BoardPoint{9.0, -6.0}})
-    EXPECT_EQ(grey_at(scenario, 0, open), grey_at(lines(Pattern::kLinesX), 0, open));
+    EXPECT_EQ(rendered_at(scenario, 0, open), rendered_at(lines(Pattern::kLinesX), 0, open));
 }
 
 TEST(Cover, MovesAcrossWhileTheTruthStays) {
   Scenario scenario = with_cover();
   scenario.markers[0].cover.x_mm.knots = {{0.0, 0.0}, {1.0, 18.0}};
-  EXPECT_GT(std::abs(grey_at(scenario, 0, {9.0, -6.0}) - 77.0), 10.0);
-  EXPECT_NEAR(grey_at(scenario, 10, {9.0, -6.0}), 77.0, 1e-6);
+  EXPECT_GT(std::abs(rendered_at(scenario, 0, {9.0, -6.0}) - 77.0), 10.0);
+  EXPECT_NEAR(rendered_at(scenario, 10, {9.0, -6.0}), 77.0, 1e-6);
   EXPECT_EQ(truth(scenario, 10, scenario.markers[0]).dx_mm, 0.0);
 }
 
@@ -44,10 +44,10 @@ TEST(Cover, MayBeAShadowOrRough) {
   scenario.markers[0].cover.grey = 0.0;
   scenario.markers[0].cover.opacity = 0.4;
   const BoardPoint there{-9.0, -6.0};
-  EXPECT_NEAR(grey_at(scenario, 0, there), 0.6 * grey_at(lines(Pattern::kLinesX), 0, there), 1e-6);
+  EXPECT_NEAR(rendered_at(scenario, 0, there), 0.6 * rendered_at(lines(Pattern::kLinesX), 0, there), 1e-6);
   scenario = with_cover();
   scenario.markers[0].cover.texture = 20.0;
-  EXPECT_GT(std::abs(grey_at(scenario, 0, there) - grey_at(scenario, 0, {-7.0, -7.0})), 1.0);
+  EXPECT_GT(std::abs(rendered_at(scenario, 0, there) - rendered_at(scenario, 0, {-7.0, -7.0})), 1.0);
 }
 
 // The half right of the crease stands so much further right, print and all.
@@ -64,8 +64,8 @@ TEST(Fold, ShiftsOneHalfOfThePrint) {
 TEST(Fold, IsDrawnWhereverItGoes) {
   Scenario scenario = lines(Pattern::kLinesX);
   scenario.markers[0].fold_mm.knots = {{0.5, 0.0}, {0.6, 0.5}};
-  EXPECT_EQ(grey_at(scenario, 4, {7.3, 0.0}), grey_at(lines(Pattern::kLinesX), 4, {7.3, 0.0}));
-  EXPECT_NE(grey_at(scenario, 9, {7.3, 0.0}), grey_at(lines(Pattern::kLinesX), 9, {7.3, 0.0}));
+  EXPECT_EQ(rendered_at(scenario, 4, {7.3, 0.0}), rendered_at(lines(Pattern::kLinesX), 4, {7.3, 0.0}));
+  EXPECT_NE(rendered_at(scenario, 9, {7.3, 0.0}), rendered_at(lines(Pattern::kLinesX), 9, {7.3, 0.0}));
 }
 
 TEST(Stretch, IsAlongOneAxisOnly) {
