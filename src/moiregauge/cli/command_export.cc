@@ -41,7 +41,7 @@ struct Format {
   const char* ending;
   Text (*write)(const RunTable&, Gaps);
 };
-constexpr std::array kFormats{
+constexpr std::array kExports{
     Format{"wide", "-wide.csv", [](const RunTable& table, Gaps) -> Text { return wide_csv(table); }},
     Format{"long", "-long.csv", [](const RunTable& table, Gaps) -> Text { return long_csv(table); }},
     Format{"hdf5", ".h5", hdf5_of},
@@ -49,7 +49,7 @@ constexpr std::array kFormats{
 };
 
 const Format* format_named(const std::string& name) {
-  for (const Format& format : kFormats) {
+  for (const Format& format : kExports) {
     if (name == format.name) return &format;
   }
   return nullptr;

@@ -15,8 +15,10 @@
 #include "moiregauge/cli/inspect_lines.h"
 #include "moiregauge/cli/measure_options.h"
 #include "moiregauge/cli/open_input.h"
+#include "moiregauge/cli/output_folder.h"
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/drawing/overlay_inspection.h"
+#include "moiregauge/image/upper_bits.h"
 #include "moiregauge/io/atomic_file.h"
 
 namespace moiregauge::cli {
@@ -46,13 +48,6 @@ tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& wor
   options.lens = understood_words->camera.value_or(Camera{});
   options.observe = understood_words->observe;
   return options;
-}
-
-// An earlier inspect.json marks a folder of ours; any other folder with something in it is not ours to touch.
-bool is_free(const fs::path& output) {
-  std::error_code ignored;
-  return !fs::exists(output, ignored) || (fs::is_directory(output, ignored) && fs::is_empty(output, ignored)) ||
-         fs::exists(output / "inspect.json", ignored);
 }
 
 struct Failed {
@@ -86,20 +81,6 @@ tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quie
   }
 }
 
-Image<std::uint8_t> upper_bits(const LumaView& luma, int bits) {
-  Image<std::uint8_t> out(width_of(luma), height_of(luma));
-  std::visit(
-      [&](const auto& view) {
-        for (int y = 0; y < view.height; ++y) {
-          const auto from = view.row(y);
-          std::transform(from.begin(), from.end(), out.row(y).begin(),
-                         [bits](auto grey) { return static_cast<std::uint8_t>(grey >> (bits - 8)); });
-        }
-      },
-      luma);
-  return out;
-}
-
 // With a scale the question is whether a measurement can begin here; without, whether there is anything to be seen.
 bool is_usable(const Inspection& seen, bool has_scale) {
   return seen.reference || (!has_scale && (!seen.patches.empty() || !seen.lattices.empty()));
@@ -109,8 +90,8 @@ std::string json_text(const InspectReport& report) {
   return inspect_json(report).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-tl::expected<void, std::string> write_all(const fs::path& output, const InspectReport& report,
-                                          const Image<std::uint8_t>& grey) {
+tl::expected<void, std::string> write_inspection(const fs::path& output, const InspectReport& report,
+                                                 const Image<std::uint8_t>& grey) {
   std::error_code error;
   fs::create_directories(output, error);
   if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
@@ -136,7 +117,7 @@ int run(const InspectWords& words) {
   const bool has_scale = options->site || options->pitch_mm;
   const std::string& input = words.measure.input;
   const std::string output = words.measure.output.empty() ? default_output(input, "-inspect") : words.measure.output;
-  if (!is_free(output))
+  if (!is_free(output, "inspect.json"))
     return fail(Exit::kUsage,
                 fmt::format("output folder is taken: {}: it holds something else than an inspection: choose "
                             "another with -o",
@@ -151,7 +132,7 @@ int run(const InspectWords& words) {
       (*source)->info(), frame->number, frame->time_s, inspect_picture({frame->luma, bits}, *options), {}, {}};
   if (report.seen.reference) report.expected = expected_uncertainties(*report.seen.reference);
   report.exit = is_usable(report.seen, has_scale) ? Exit::kMeasured : Exit::kRefused;
-  if (const auto written = write_all(output, report, upper_bits(frame->luma, bits)); !written)
+  if (const auto written = write_inspection(output, report, upper_bits(frame->luma, bits)); !written)
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   if (words.measure.json)

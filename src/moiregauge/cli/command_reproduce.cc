@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/output_folder.h"
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/cli/reproduce_figures.h"
 #include "moiregauge/cli/reproduce_table.h"
@@ -27,13 +28,6 @@ struct ReproduceWords {
   bool quick = false;
   bool quiet = false;
 };
-
-// An earlier table.md marks a folder of ours; any other folder with something in it is not ours to touch.
-bool is_free(const fs::path& output) {
-  std::error_code ignored;
-  return !fs::exists(output, ignored) || (fs::is_directory(output, ignored) && fs::is_empty(output, ignored)) ||
-         fs::exists(output / "table.md", ignored);
-}
 
 // Before minutes of measuring, not after them. The old table goes first: a folder that has one is whole.
 Written make_ready(const fs::path& output) {
@@ -75,7 +69,7 @@ tl::expected<std::vector<CellRun>, std::string> measured(const ReproducePlan& pl
 
 int run(const ReproduceWords& words) {
   const fs::path output = words.output;
-  if (!is_free(output)) {
+  if (!is_free(output, "table.md")) {
     return fail(Exit::kUsage,
                 fmt::format("folder in use: {}: it holds something else than a reproduction; choose another with -o",
                             output.string()));

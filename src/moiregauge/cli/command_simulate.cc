@@ -11,6 +11,7 @@
 
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/interrupt.h"
+#include "moiregauge/cli/output_folder.h"
 #include "moiregauge/cli/simulate_pictures.h"
 #include "moiregauge/io/scenario_file.h"
 #include "moiregauge/io/site_file.h"
@@ -74,13 +75,6 @@ Expected<Scenario> scenario_of(const SimulateWords& words) {
   return scenario;
 }
 
-// An earlier simulation is replaced; any other folder with something in it is not ours to touch.
-bool is_free(const fs::path& output) {
-  std::error_code ignored;
-  return !fs::exists(output, ignored) || (fs::is_directory(output, ignored) && fs::is_empty(output, ignored)) ||
-         fs::exists(output / "truth-camera.toml", ignored);
-}
-
 Expected<void> clear(const fs::path& output, bool for_video) {
   std::error_code error;
   fs::remove_all(output / "frames", error);
@@ -112,7 +106,7 @@ Expected<std::optional<VideoFormat>> video_of(const SimulateWords& words, const 
 }
 
 // The truth comes last: a folder with truth.csv in it is whole.
-Expected<void> write_all(const Scenario& scenario, const PicturesPlan& plan, const fs::path& output) {
+Expected<void> write_simulation(const Scenario& scenario, const PicturesPlan& plan, const fs::path& output) {
   return clear(output, plan.video.has_value())
       .and_then([&] { return write_text((output / "truth-camera.toml").string(), truth_camera_toml(scenario)); })
       .and_then([&] { return write_text((output / "site.toml").string(), write_site(simulator::site_of(scenario))); })
@@ -138,7 +132,7 @@ int run(const SimulateWords& words) {
   const auto video = video_of(words, *scenario);
   if (!video) return fail(Exit::kUsage, video.error());
   const fs::path output = words.output.empty() ? default_folder(words.scenario) : fs::path(words.output);
-  if (!is_free(output)) {
+  if (!is_free(output, "truth-camera.toml")) {
     return fail(Exit::kUsage,
                 fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
                             output.string()));
@@ -150,7 +144,7 @@ int run(const SimulateWords& words) {
       .quiet = words.quiet,
   };
   const InterruptGuard guard;
-  if (const auto written = write_all(*scenario, plan, output); !written) {
+  if (const auto written = write_simulation(*scenario, plan, output); !written) {
     if (interrupted())
       return fail(Exit::kInterrupted, fmt::format("{}: {}: what is there is not whole: the same command begins anew",
                                                   written.error(), output.string()));

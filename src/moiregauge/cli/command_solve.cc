@@ -36,8 +36,6 @@ struct SolveWords {
 
 using Done = tl::expected<void, UsageError>;
 
-tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
-
 // `precise` looks at everything that `two-stage` does, and at more; `conventional` looks elsewhere.
 bool has_seen_enough_for(const Method& measured, const Method& wanted) {
   return measured.name == wanted.name || (measured.name == "precise" && wanted.name == "two-stage");

@@ -100,7 +100,7 @@ std::string who_lines(const InspectReport& report) {
   return text;
 }
 
-std::string next_line(const InspectReport& report) {
+std::string next_after_inspect(const InspectReport& report) {
   if (!report.seen.reference) {
     return report.seen.patches.empty()
                ? ""
@@ -125,7 +125,7 @@ std::string inspect_lines(const InspectReport& report) {
   return fmt::format("picture: {}, frame {}: {} x {} px, {} bits\n", report.input.path, report.frame, report.seen.width,
                      report.seen.height, report.input.bits) +
          circle_lines(report.seen) + rejected_lines(report.seen) + patch_lines(report.seen) +
-         lattice_lines(report.seen) + who_lines(report) + next_line(report);
+         lattice_lines(report.seen) + who_lines(report) + next_after_inspect(report);
 }
 
 }  // namespace moiregauge::cli

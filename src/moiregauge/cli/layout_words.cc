@@ -10,8 +10,6 @@
 namespace moiregauge::cli {
 namespace {
 
-tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
-
 constexpr int kMostTargets = 100;
 constexpr double kUnmeasuredPrintScale = 0.001;  // relative, k = 1
 

@@ -18,8 +18,6 @@
 namespace moiregauge::cli {
 namespace {
 
-tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
-
 bool parse_long(const std::string& text, long& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc{} && end == text.data() + text.size();

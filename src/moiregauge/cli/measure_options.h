@@ -49,6 +49,9 @@ struct MeasureWords {
 struct UsageError {
   std::string message;  // may hold several lines: one per mistake of a site file
 };
+[[nodiscard]] inline tl::unexpected<UsageError> usage(std::string message) {
+  return tl::unexpected(UsageError{std::move(message)});
+}
 
 [[nodiscard]] tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words);
 [[nodiscard]] tl::expected<FrameRange, UsageError> frame_range(const std::string& text);

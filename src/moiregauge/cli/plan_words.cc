@@ -17,8 +17,6 @@
 namespace moiregauge::cli {
 namespace {
 
-tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
-
 constexpr double kLayoutShare = 0.8;  // of the picture, where no span is given: the rest is for the camera's turning
 
 std::optional<double> number_of(std::string_view text) {
@@ -41,7 +39,7 @@ std::optional<std::pair<int, int>> pixels_of(const std::string& text) {
 
 // "0.5mm@5Hz": amplitude by `amplitude_of`, then hertz.
 template <typename Amplitude>
-std::optional<Swing> swing_of(const std::string& text, Amplitude amplitude_of) {
+std::optional<Swing> swing_from(const std::string& text, Amplitude amplitude_of) {
   const auto at = text.find('@');
   if (at == std::string::npos || text.size() < at + 4 || text.substr(text.size() - 2) != "Hz") return std::nullopt;
   const auto frequency = number_of(std::string_view(text).substr(at + 1, text.size() - at - 3));
@@ -155,13 +153,13 @@ Done choose_numbers(const PlanWords& words, RecordingSetup& setup) {
 
 Done choose_swings(const PlanWords& words, RecordingSetup& setup) {
   if (!words.vibration.empty()) {
-    setup.target_swing = swing_of(words.vibration, mm_of);
+    setup.target_swing = swing_from(words.vibration, mm_of);
     if (!setup.target_swing)
       return usage(
           fmt::format("vibration: --vibration {}: write amplitude and frequency, e.g. 0.5mm@5Hz", words.vibration));
   }
   if (!words.camera_vibration.empty()) {
-    setup.camera_swing = swing_of(words.camera_vibration, rad_of);
+    setup.camera_swing = swing_from(words.camera_vibration, rad_of);
     if (!setup.camera_swing)
       return usage(
           fmt::format("camera's vibration: --camera-vibration {}: write amplitude and frequency, e.g. 0.01deg@10Hz",

@@ -53,7 +53,7 @@ std::string result_line(const Measurement& m, const MeasureOptions& options) {
   return text.empty() ? "result: none" : text;
 }
 
-std::string next_line(const Measurement& m, const std::string& output) {
+std::string next_after_measure(const Measurement& m, const std::string& output) {
   if (!m.reference) return fmt::format("next: look at {}/overlay.png: it shows what was seen; correct the site file or the view", output);
   const bool untrusted = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kUntrusted; });
   const bool moved = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kCameraMoved; });
@@ -68,7 +68,8 @@ std::string next_line(const Measurement& m, const std::string& output) {
 }  // namespace
 
 std::string report_lines(const Measurement& measurement, const MeasureOptions& options, const std::string& output) {
-  return found_line(measurement, options) + "\n" + result_line(measurement, options) + "\n" + next_line(measurement, output) + "\n";
+  return found_line(measurement, options) + "\n" + result_line(measurement, options) + "\n" +
+         next_after_measure(measurement, output) + "\n";
 }
 
 int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words) {

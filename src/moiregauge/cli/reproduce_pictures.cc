@@ -22,9 +22,9 @@ constexpr int kHeldSide_px = 200;   // the paper's crops
 constexpr double kBetweenShots_s = 3.0;
 
 // A reference frame and the frames that are looked at with it, whole, without a lens.
-class Film {
+class CaseFilm {
  public:
-  explicit Film(const ReproduceCase& which)
+  explicit CaseFilm(const ReproduceCase& which)
       : scenario_(scenario_of(which, {})), first_(render8(scenario_, which.reference_frame)) {
     auto made = make_reference({first_.view(), 8}, simulator::site_of(scenario_), Camera{}, {});
     if (!made) throw std::logic_error(which.scenario + " without a reference frame: " + made.error().message);
@@ -81,7 +81,7 @@ figure::FigureFiles tilted_circles() {
 }
 
 figure::FigureFiles stabilised_frames(const ReproduceCase& which) {
-  Film film(which);
+  CaseFilm film(which);
   const long last = film.scenario().frames - 1;
   const auto after = render8(film.scenario(), last);
   const auto angle_deg = [&](long frame) {
@@ -98,7 +98,7 @@ figure::FigureFiles stabilised_frames(const ReproduceCase& which) {
 }
 
 figure::FigureFiles target_over_time(const ReproduceCase& which) {
-  Film film(which);
+  CaseFilm film(which);
   const ImagePoint middle = film.reference().view({0.0, 0.0});
   const auto held = figure::square_round(middle, kHeldSide_px),
              captured = figure::square_round(middle, which.captured_px);

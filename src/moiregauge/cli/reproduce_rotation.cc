@@ -21,12 +21,12 @@ double swing_deg(const simulator::Scenario& scenario, const simulator::Track& tr
   return high - low;
 }
 
-struct Swing {
+struct PaperRotation {
   figure::Turn turn = figure::Turn::kOneAxis;
   double rotation_deg = 0.0;
 };
 
-Swing swing_of(const ReproduceCase& which) {
+PaperRotation paper_rotation_of(const ReproduceCase& which) {
   const auto scenario = scenario_of(which, {});
   const bool about_y_too = swing_deg(scenario, scenario.mount.rotation_y) > 0.0;
   return {about_y_too ? figure::Turn::kAllAxes : figure::Turn::kOneAxis,
@@ -42,7 +42,7 @@ figure::RotationFigure rotation_of(const ReproducePlan& plan, const std::vector<
     for (const Method& method : kMethods) f.lenses.back().methods.push_back({std::string(method.name), {}});
   }
   for (std::size_t i = 0; i < plan.cases.size(); ++i) {
-    const auto [turn, rotation_deg] = swing_of(plan.cases[i]);
+    const auto [turn, rotation_deg] = paper_rotation_of(plan.cases[i]);
     f.published.push_back({turn, rotation_deg, plan.cases[i].paper_mm});
     for (std::size_t lens = 0; lens < plan.lenses.size(); ++lens) {
       const CellRun& cell = cells[i * plan.lenses.size() + lens];

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Written = tl::expected<void, std::string>;
 
-constexpr std::array kFormats{"pdf", "svg", "png"};
+constexpr std::array kFigureFormats{"pdf", "svg", "png"};
 
 Written put_all(const fs::path& folder, const figure::RunFigures& drawn, const std::vector<std::string>& formats) {
   std::error_code error;
@@ -46,7 +46,7 @@ tl::expected<std::vector<std::string>, UsageError> figure_formats(const std::str
   for (std::size_t at = 0; !word.empty() && at <= word.size();) {
     const auto end = std::min(word.find(',', at), word.size());
     formats.push_back(word.substr(at, end - at));
-    if (std::find(kFormats.begin(), kFormats.end(), formats.back()) == kFormats.end())
+    if (std::find(kFigureFormats.begin(), kFigureFormats.end(), formats.back()) == kFigureFormats.end())
       return tl::unexpected(
           UsageError{fmt::format("unknown format: --figures {}: choose of pdf, svg, png, with commas between", word)});
     at = end + 1;

@@ -8,8 +8,6 @@
 namespace moiregauge::cli {
 namespace {
 
-tl::unexpected<UsageError> usage(std::string message) { return tl::unexpected(UsageError{std::move(message)}); }
-
 tl::expected<sheet::PageRequest, UsageError> page_of(const SheetWords& words) {
   sheet::PageRequest page;
   if (const auto known = sheet::standard_paper(words.paper)) {

@@ -12,6 +12,7 @@
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/drawing/side_by_side.h"
 #include "moiregauge/encoder/video_writer.h"
+#include "moiregauge/image/upper_bits.h"
 #include "moiregauge/io/atomic_file.h"
 
 namespace moiregauge::cli {
@@ -59,18 +60,6 @@ BySample by_frame_and_marker(const Samples& samples) {
   BySample all;
   for (const Sample& s : samples) all[{s.frame, s.marker}] = &s;
   return all;
-}
-
-Image<std::uint8_t> upper_bits(const LumaView& luma, int bits) {
-  Image<std::uint8_t> out(width_of(luma), height_of(luma));
-  std::visit(
-      [&](const auto& view) {
-        for (int y = 0; y < view.height; ++y)
-          std::transform(view.row(y).begin(), view.row(y).end(), out.row(y).begin(),
-                         [bits](auto grey) { return static_cast<std::uint8_t>(grey >> (bits - 8)); });
-      },
-      luma);
-  return out;
 }
 
 class Film {

@@ -21,7 +21,7 @@ bool agree(const std::string& bytes) {
   return sums.agree_up_to(bytes.size());
 }
 
-std::string video(const TestFolder& folder, const std::string& name) {
+std::string bytes_of_video(const TestFolder& folder, const std::string& name) {
   const std::string make = fmt::format(
       "ffmpeg -nostdin -v error -y -f lavfi -i testsrc2=s=160x120:d=1 -c:v mjpeg -cluster_time_limit 300 {}",
       folder / name);
@@ -31,7 +31,7 @@ std::string video(const TestFolder& folder, const std::string& name) {
 
 TEST(ClusterSums, AWholeFileAgreesAndOneFlippedBitDoesNot) {
   const TestFolder folder;
-  const std::string whole = video(folder, "a.mkv");
+  const std::string whole = bytes_of_video(folder, "a.mkv");
   EXPECT_TRUE(agree(whole));
   for (std::size_t at = whole.size() / 5; at < whole.size() * 4 / 5; at += whole.size() / 7) {
     std::string hit = whole;
@@ -42,7 +42,7 @@ TEST(ClusterSums, AWholeFileAgreesAndOneFlippedBitDoesNot) {
 
 TEST(ClusterSums, WhatHasNoSumsIsNeverWrong) {
   const TestFolder folder;
-  std::string other = video(folder, "a.avi");
+  std::string other = bytes_of_video(folder, "a.avi");
   EXPECT_TRUE(agree(other));
   other[other.size() / 2] ^= 1;
   EXPECT_TRUE(agree(other));

@@ -11,14 +11,13 @@
 
 #include "moiregauge/decoder/stored_source.h"
 #include "moiregauge/decoder/video_source.h"
+#include "moiregauge/decoder/videos_for_tests.h"
 #include "moiregauge/io/test_folder.h"
 
 namespace moiregauge {
 namespace {
 
-void ffmpeg(const std::string& words) {
-  ASSERT_EQ(std::system(("ffmpeg -nostdin -v error -y " + words).c_str()), 0) << words;
-}
+using test::ffmpeg;
 
 // 12 moving pictures, 25 a second.
 std::string video(const TestFolder& folder, const std::string& name, const std::string& pixels,
@@ -32,13 +31,10 @@ std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-std::unique_ptr<FrameSource> opened(const std::string& path, bool in_place) {
+std::unique_ptr<FrameSource> opened_mapped(const std::string& path, bool in_place) {
   DecoderOptions decoder;
   decoder.in_place = in_place;
-  auto source = open_video(path, {}, decoder);
-  if (source) return std::move(*source);
-  ADD_FAILURE() << source.error().message;
-  return nullptr;
+  return test::opened(path, decoder);
 }
 
 void expect_same_grey(const LumaView& a, const LumaView& b, const std::string& where) {
@@ -57,7 +53,7 @@ void expect_same_grey(const LumaView& a, const LumaView& b, const std::string& w
 
 // Frame by frame what the decoder gives for the same file, number, time and every grey level.
 void expect_same_frames(const std::string& path) {
-  const auto mapped = opened(path, true), decoded = opened(path, false);
+  const auto mapped = opened_mapped(path, true), decoded = opened_mapped(path, false);
   ASSERT_TRUE(mapped && decoded);
   EXPECT_EQ(mapped->info().bits, decoded->info().bits);
   EXPECT_EQ(mapped->info().codec, decoded->info().codec);
@@ -146,7 +142,7 @@ TEST(StoredVideo, PicturesOfMoreThanEightBitsAreWordsAtEvenPlaces) {
 TEST(StoredVideo, NoDecoderIsLeftBehindAndTheFileItselfIsShown) {
   const TestFolder folder;
   const std::string path = video(folder, "a.avi", "gray");
-  const auto source = opened(path, true);
+  const auto source = opened_mapped(path, true);
   ASSERT_NE(source, nullptr);
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "no child";
   const auto first = std::get<0>(source->next().value()->luma).data;
@@ -212,7 +208,7 @@ TEST(StoredVideo, AFileCutShortKeepsTheFramesBeforeTheCut) {
 TEST(StoredVideo, AFileThatShrinksUnderOurEyesEndsThereInOneSentence) {
   const TestFolder folder;
   const std::string path = video(folder, "a.avi", "gray", "256x256");
-  const auto source = opened(path, true);
+  const auto source = opened_mapped(path, true);
   ASSERT_NE(source, nullptr);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(source->next().value());
   const LumaView last = source->next().value()->luma;

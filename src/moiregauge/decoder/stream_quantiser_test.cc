@@ -15,7 +15,7 @@ namespace moiregauge {
 namespace {
 
 // Stripes that move on from frame to frame, so that blocks are coded in each; 16-bit words above 8 bits.
-std::string make_video(const TestFolder& folder, const std::string& name, int bits, const std::string& how) {
+std::string moving_stripes(const TestFolder& folder, const std::string& name, int bits, const std::string& how) {
   constexpr int kWidth = 96, kHeight = 64, kFrames = 6;
   std::ofstream out(folder / "raw", std::ios::binary);
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -51,7 +51,7 @@ std::vector<Quantiser> quantisers(const std::string& path) {
 TEST(StreamQuantiser, H264TellsTheStepItWasGiven) {
   const TestFolder folder;
   for (const int parameter : {18, 30, 42}) {
-    const auto path = make_video(
+    const auto path = moving_stripes(
         folder, "a.mkv", 8,
         fmt::format("-c:v libx264 -qp {} -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p", parameter));
     const auto all = quantisers(path);
@@ -65,8 +65,8 @@ TEST(StreamQuantiser, H264TellsTheStepItWasGiven) {
 
 TEST(StreamQuantiser, ALongerWordHasALongerStep) {
   const TestFolder folder;
-  const auto path = make_video(folder, "a.mkv", 10,
-                               "-c:v libx264 -qp 30 -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p10le");
+  const auto path = moving_stripes(folder, "a.mkv", 10,
+                                   "-c:v libx264 -qp 30 -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p10le");
   for (const Quantiser& q : quantisers(path)) EXPECT_DOUBLE_EQ(q.step, 4.0 * step_of_parameter(30 - 12));
 }
 
@@ -75,7 +75,7 @@ TEST(StreamQuantiser, MotionJpegHasItsTablesStep) {
   double last = 0.0;
   for (const int quality : {2, 4, 8, 16}) {  // ffmpeg's tables are proportional to it, entries rounded down
     const auto all =
-        quantisers(make_video(folder, "a.avi", 8, fmt::format("-c:v mjpeg -q:v {} -pix_fmt yuvj420p", quality)));
+        quantisers(moving_stripes(folder, "a.avi", 8, fmt::format("-c:v mjpeg -q:v {} -pix_fmt yuvj420p", quality)));
     ASSERT_EQ(all.size(), 6u);
     EXPECT_FALSE(all.front().predicted);
     if (last > 0.0) {
@@ -90,13 +90,13 @@ TEST(StreamQuantiser, LosslessStreamsLoseNothing) {
   const TestFolder folder;
   for (const char* how : {"-c:v ffv1 -pix_fmt gray", "-c:v huffyuv -pix_fmt yuv422p",
                           "-c:v libx264 -qp 0 -pix_fmt yuv444p", "-c:v rawvideo -pix_fmt gray"}) {
-    for (const Quantiser& q : quantisers(make_video(folder, "a.mkv", 8, how))) EXPECT_TRUE(q.is_lossless()) << how;
+    for (const Quantiser& q : quantisers(moving_stripes(folder, "a.mkv", 8, how))) EXPECT_TRUE(q.is_lossless()) << how;
   }
 }
 
 TEST(StreamQuantiser, WhatAStreamKeepsToItselfIsNotKnown) {
   const TestFolder folder;
-  for (const Quantiser& q : quantisers(make_video(folder, "a.mkv", 8, "-c:v jpeg2000 -pix_fmt gray")))
+  for (const Quantiser& q : quantisers(moving_stripes(folder, "a.mkv", 8, "-c:v jpeg2000 -pix_fmt gray")))
     EXPECT_TRUE(std::isnan(q.step));
 }
 

@@ -13,10 +13,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "moiregauge/decoder/videos_for_tests.h"
 #include "moiregauge/io/test_folder.h"
 
 namespace moiregauge {
 namespace {
+
+using test::ffmpeg, test::opened;
 
 constexpr int kWidth = 48;
 constexpr int kHeight = 32;
@@ -39,10 +42,6 @@ void write_raw(const std::string& path, int bits) {
       }
     }
   }
-}
-
-void ffmpeg(const std::string& words) {
-  ASSERT_EQ(std::system(("ffmpeg -nostdin -v error -y " + words).c_str()), 0) << words;
 }
 
 // A video of the raw pictures: bits 8 to 16, `how` the codec's words.
@@ -73,13 +72,6 @@ Seen all_of(FrameSource& source) {
     seen.times.push_back((*frame)->time_s);
     seen.damaged += (*frame)->damaged ? 1 : 0;
   }
-}
-
-std::unique_ptr<FrameSource> opened(const std::string& path, const DecoderOptions& decoder = {}) {
-  auto source = open_video(path, {}, decoder);
-  if (source) return std::move(*source);
-  ADD_FAILURE() << source.error().message;
-  return nullptr;
 }
 
 InputError refusal(const std::string& path) {

@@ -12,9 +12,9 @@
 namespace moiregauge::figure {
 namespace {
 
-constexpr double kDotsPerPoint = 300.0 / 72.0;
+constexpr double kFigureDotsPerPoint = 300.0 / 72.0;
 
-cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {
+cairo_status_t append_bytes(void* closure, const unsigned char* data, unsigned int length) {
   static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
   return CAIRO_STATUS_SUCCESS;
 }
@@ -35,16 +35,17 @@ void draw_on(cairo_surface_t* surface, const Figure& figure, double scale) {
 
 FigureFiles files_of(const Figure& figure) {
   FigureFiles files;
-  const auto dots = [](double points) { return static_cast<int>(std::ceil(points * kDotsPerPoint)); };
+  const auto dots = [](double points) { return static_cast<int>(std::ceil(points * kFigureDotsPerPoint)); };
   const Surface image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, dots(figure.width), dots(figure.height)),
                       cairo_surface_destroy);
-  draw_on(image.get(), figure, kDotsPerPoint);
-  if (cairo_surface_write_to_png_stream(image.get(), append, &files.png) != CAIRO_STATUS_SUCCESS) files.png.clear();
-  const Surface svg(cairo_svg_surface_create_for_stream(append, &files.svg, figure.width, figure.height),
+  draw_on(image.get(), figure, kFigureDotsPerPoint);
+  if (cairo_surface_write_to_png_stream(image.get(), append_bytes, &files.png) != CAIRO_STATUS_SUCCESS)
+    files.png.clear();
+  const Surface svg(cairo_svg_surface_create_for_stream(append_bytes, &files.svg, figure.width, figure.height),
                     cairo_surface_destroy);
   draw_on(svg.get(), figure, 1.0);
   cairo_surface_finish(svg.get());
-  const Surface pdf(cairo_pdf_surface_create_for_stream(append, &files.pdf, figure.width, figure.height),
+  const Surface pdf(cairo_pdf_surface_create_for_stream(append_bytes, &files.pdf, figure.width, figure.height),
                     cairo_surface_destroy);
   // The same run gives the same bytes: no date of today.
   cairo_pdf_surface_set_metadata(pdf.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");

@@ -12,7 +12,7 @@
 namespace moiregauge::figure {
 namespace {
 
-constexpr double kDotsPerPoint = 350.0 / 72.0;  // finer than a printer's screen
+constexpr double kPictureDotsPerPoint = 350.0 / 72.0;  // finer than a printer's screen
 constexpr Colour kReferenceInk = kBlue, kTargetInk = kVermilion;
 
 // Means of squares of n pixels, n the least that makes the picture no finer than asked.
@@ -71,7 +71,7 @@ std::vector<Outline> outlines_of(const Reference& reference) {
 }
 
 // Readable on any picture: the same words in white all round.
-void label(Canvas& canvas, Spot at, const std::string& words, Letters letters) {
+void outlined_words(Canvas& canvas, Spot at, const std::string& words, Letters letters) {
   const Colour ink = letters.colour;
   letters.colour = kWhite;
   for (const auto& [x, y] :
@@ -95,7 +95,7 @@ struct Contents {
   Spot size;                   // of the picture on the page
 };
 
-void draw(Canvas& canvas, const Contents& c) {
+void draw_contents(Canvas& canvas, const Contents& c) {
   canvas.picture(c.picture.view(), {0.0, 0.0, c.size.x, c.size.y});
   for (const Outline& outline : c.outlines) {
     const Colour ink = outline.role == Role::kReference ? kReferenceInk : kTargetInk;
@@ -113,27 +113,27 @@ void draw(Canvas& canvas, const Contents& c) {
     }
     const double half = 0.5 * canvas.text_width(outline.name, {.bold = true}) + 1.0;
     const double x = std::clamp(0.5 * (left + right), half, std::max(half, c.size.x - half));
-    label(canvas, {x, std::max(kTextSize, top - 2.5)}, outline.name,
-          {.align = Align::kCentre, .colour = ink, .bold = true});
+    outlined_words(canvas, {x, std::max(kTextSize, top - 2.5)}, outline.name,
+                   {.align = Align::kCentre, .colour = ink, .bold = true});
   }
   const double bar_mm = round_length(0.25 * c.size.x / c.points_per_mm), bar = bar_mm * c.points_per_mm;
   const Spot foot{c.size.x - 4.0, c.size.y - 4.0};
   canvas.line({{foot.x - bar, foot.y}, foot}, {kWhite, 2.6});
   canvas.line({{foot.x - bar, foot.y}, foot}, {kBlack, 1.4});
-  label(canvas, {foot.x - 0.5 * bar, foot.y - 3.0}, fmt::format("{:g} mm", bar_mm), {.align = Align::kCentre});
+  outlined_words(canvas, {foot.x - 0.5 * bar, foot.y - 3.0}, fmt::format("{:g} mm", bar_mm), {.align = Align::kCentre});
 }
 
 }  // namespace
 
 Figure overlay_figure(const Reference& reference, ImageView<std::uint8_t> picture, double width, double zoom) {
   const auto contents = std::make_shared<Contents>();
-  contents->picture = shrunk(picture, width * kDotsPerPoint);
+  contents->picture = shrunk(picture, width * kPictureDotsPerPoint);
   contents->outlines = outlines_of(reference);
   contents->points_per_px = width / zoom / picture.width;
   const BoardPoint middle = reference.view.board({0.5 * picture.width, 0.5 * picture.height});
   contents->points_per_mm = contents->points_per_px / reference.view.mm_per_px(middle);
   contents->size = {width / zoom, width / zoom * picture.height / picture.width};
-  return {width, zoom * contents->size.y, [contents](Canvas& canvas) { draw(canvas, *contents); }, zoom};
+  return {width, zoom * contents->size.y, [contents](Canvas& canvas) { draw_contents(canvas, *contents); }, zoom};
 }
 
 }  // namespace moiregauge::figure

@@ -9,7 +9,7 @@
 namespace moiregauge::figure {
 namespace {
 
-constexpr double kMargin = 4.0, kGap = 7.0, kTitle = 11.0;
+constexpr double kPicturesMargin = 4.0, kGap = 7.0, kTitle = 11.0;
 
 void title(Canvas& canvas, Spot corner, const std::string& letter, const std::string& words) {
   canvas.text({corner.x, corner.y + 7.5}, letter, {.bold = true});
@@ -27,7 +27,7 @@ void cross(Canvas& canvas, Spot p, double arm, Stroke stroke) {
 }
 
 // On a plate, so that it can be read on any picture.
-void label(Canvas& canvas, Spot at, const std::string& words) {
+void coordinates(Canvas& canvas, Spot at, const std::string& words) {
   const Letters letters{.align = Align::kCentre, .size = 6.0};
   const double width = canvas.text_width(words, letters) + 3.0;
   canvas.fill({at.x - 0.5 * width, at.y - 6.0, width, 8.0}, kWhite);
@@ -35,7 +35,7 @@ void label(Canvas& canvas, Spot at, const std::string& words) {
 }
 
 void draw_circles(Canvas& canvas, const CirclesFigure& f, double width, double step) {
-  Spot corner{kMargin, kMargin};
+  Spot corner{kPicturesMargin, kPicturesMargin};
   const auto next = [&](const char* letter, const std::string& words) {
     title(canvas, corner, letter, words);
     const PictureBox box(canvas, f.picture, whole(f.picture), {corner.x, corner.y + kTitle}, width);
@@ -57,7 +57,7 @@ void draw_circles(Canvas& canvas, const CirclesFigure& f, double width, double s
     const Spot p = centres.at(c.centre);
     cross(canvas, p, 4.0, {kVermilion, 0.8});
     const double above = 0.5 * c.diameter_px * centres.points_per_px() + 4.0;
-    label(canvas, {p.x, p.y - above}, fmt::format("{:.2f}, {:.2f}", c.centre.x, c.centre.y));
+    coordinates(canvas, {p.x, p.y - above}, fmt::format("{:.2f}, {:.2f}", c.centre.x, c.centre.y));
   }
 }
 
@@ -70,7 +70,7 @@ std::vector<SeenCircle> circles_of(const Observation& seen) {
 }
 
 void draw_stages(Canvas& canvas, const StabilisedFigure& f, double width, double step) {
-  const double right = kMargin + width + kGap;
+  const double right = kPicturesMargin + width + kGap;
   const auto put = [&](Spot corner, const char* letter, const std::string& words, GreyView picture) {
     title(canvas, corner, letter, words);
     return PictureBox(canvas, picture, whole(picture), {corner.x, corner.y + kTitle}, width);
@@ -82,15 +82,15 @@ void draw_stages(Canvas& canvas, const StabilisedFigure& f, double width, double
       cross(canvas, box.at(c.centre), 0.5 * c.diameter_px * box.points_per_px() + 1.5, {kVermilion, 0.5});
     }
   };
-  put({kMargin, kMargin}, "(a)", "Reference frame", f.before);
-  put({right, kMargin}, "(b)", fmt::format("Camera turned by {}", f.turn), f.after);
-  put_circles({kMargin, kMargin + step}, "(c)", f.before, f.reference->seen);
-  put_circles({right, kMargin + step}, "(d)", f.after, *f.now);
+  put({kPicturesMargin, kPicturesMargin}, "(a)", "Reference frame", f.before);
+  put({right, kPicturesMargin}, "(b)", fmt::format("Camera turned by {}", f.turn), f.after);
+  put_circles({kPicturesMargin, kPicturesMargin + step}, "(c)", f.before, f.reference->seen);
+  put_circles({right, kPicturesMargin + step}, "(d)", f.after, *f.now);
   const auto& board = f.reference->view.ideal_from_board;
   const auto first = stabilised(f.after, f.now->stage1, board), second = stabilised(f.after, f.now->stage2, board);
-  put({kMargin, kMargin + 2 * step}, "(e)",
+  put({kPicturesMargin, kPicturesMargin + 2 * step}, "(e)",
       fmt::format("Stage 1, by circles: references within {:.3f} px", f.residual_px[0]), first.view());
-  put({right, kMargin + 2 * step}, "(f)",
+  put({right, kPicturesMargin + 2 * step}, "(f)",
       fmt::format("Stage 2, by gratings: references within {:.3f} px", f.residual_px[1]), second.view());
 }
 
@@ -102,10 +102,10 @@ void crop(Canvas& canvas, GreyView picture, Spot corner, double side) {
 }
 
 void draw_crops(Canvas& canvas, const CropsFigure& f, double side) {
-  const double step = side + 4.0, left = kMargin + step;
-  const double rows[] = {kMargin, kMargin + step + 2 * kTitle};
-  title(canvas, {kMargin, rows[0]}, "(a)", fmt::format("{:.0f} s, reference", f.reference_time_s));
-  crop(canvas, f.reference.view(), {kMargin, rows[0] + 2 * kTitle}, side);
+  const double step = side + 4.0, left = kPicturesMargin + step;
+  const double rows[] = {kPicturesMargin, kPicturesMargin + step + 2 * kTitle};
+  title(canvas, {kPicturesMargin, rows[0]}, "(a)", fmt::format("{:.0f} s, reference", f.reference_time_s));
+  crop(canvas, f.reference.view(), {kPicturesMargin, rows[0] + 2 * kTitle}, side);
   const auto size = [](GreyView v) { return fmt::format("{} × {} px", v.width, v.height); };
   title(canvas, {left, rows[0]}, "(b)", "As captured, " + size(f.shots.front().captured.view()));
   title(canvas, {left, rows[1]}, "(c)", "Held still by two stages, " + size(f.shots.front().held.view()));
@@ -123,23 +123,23 @@ void draw_crops(Canvas& canvas, const CropsFigure& f, double side) {
 }  // namespace
 
 Figure circles_found(const CirclesFigure& contents) {
-  const double width = kOneColumn - 2 * kMargin;
+  const double width = kOneColumn - 2 * kPicturesMargin;
   const double step = kTitle + width * contents.picture.height / contents.picture.width + kGap;
-  return {kOneColumn, 2 * kMargin + 3 * step - kGap,
+  return {kOneColumn, 2 * kPicturesMargin + 3 * step - kGap,
           [contents, width, step](Canvas& canvas) { draw_circles(canvas, contents, width, step); }};
 }
 
 Figure before_and_after(const StabilisedFigure& contents) {
-  const double width = 0.5 * (kTwoColumns - 2 * kMargin - kGap);
+  const double width = 0.5 * (kTwoColumns - 2 * kPicturesMargin - kGap);
   const double step = kTitle + width * contents.before.height / contents.before.width + kGap;
-  return {kTwoColumns, 2 * kMargin + 3 * step - kGap,
+  return {kTwoColumns, 2 * kPicturesMargin + 3 * step - kGap,
           [contents, width, step](Canvas& canvas) { draw_stages(canvas, contents, width, step); }};
 }
 
 Figure crops_over_time(const CropsFigure& contents) {
   const double columns = 1.0 + static_cast<double>(contents.shots.size());
-  const double side = (kTwoColumns - 2 * kMargin) / columns - 4.0;
-  return {kTwoColumns, 2 * kMargin + 2 * (side + 2 * kTitle) + 4.0,
+  const double side = (kTwoColumns - 2 * kPicturesMargin) / columns - 4.0;
+  return {kTwoColumns, 2 * kPicturesMargin + 2 * (side + 2 * kTitle) + 4.0,
           [contents, side](Canvas& canvas) { draw_crops(canvas, contents, side); }};
 }
 

@@ -12,7 +12,7 @@
 namespace moiregauge::figure {
 namespace {
 
-struct Curve {
+struct DrawnCurve {
   std::vector<double> x, y;
 };
 
@@ -25,8 +25,8 @@ Image<double> grating(const PrincipleFigure& f, double moved_px) {
   return picture;
 }
 
-Curve row_of(const Image<double>& picture) {
-  Curve curve;
+DrawnCurve row_of(const Image<double>& picture) {
+  DrawnCurve curve;
   for (int x = 0; x < picture.width(); ++x) {
     curve.x.push_back(x);
     curve.y.push_back(picture.at(x, 0));
@@ -35,8 +35,8 @@ Curve row_of(const Image<double>& picture) {
 }
 
 // Every T-th pixel from `start` on: the moire fringe, as Eq. (2) samples it.
-Curve sampled(const Image<double>& picture, int start, int sampling_pitch_px) {
-  Curve curve;
+DrawnCurve sampled(const Image<double>& picture, int start, int sampling_pitch_px) {
+  DrawnCurve curve;
   for (int x = start; x < picture.width(); x += sampling_pitch_px) {
     curve.x.push_back(x);
     curve.y.push_back(picture.at(x, 0));
@@ -46,9 +46,9 @@ Curve sampled(const Image<double>& picture, int start, int sampling_pitch_px) {
 
 // The phase of the moire fringe: the field's phase without the carrier of the sampling. NaN where it jumps by a turn,
 // so that no line is drawn there.
-Curve moire_phase(const Image<double>& picture, int sampling_pitch_px) {
+DrawnCurve moire_phase(const Image<double>& picture, int sampling_pitch_px) {
   const FringeField field = sampling_moire(picture.view(), Axis::kX, sampling_pitch_px);
-  Curve curve;
+  DrawnCurve curve;
   for (int i = 0; i < field.fringe.width(); ++i) {
     const double x = i + field.margin;
     const double phase = wrapped(std::arg(field.fringe.at(i, 0)) - kTurn * x / sampling_pitch_px);
@@ -60,8 +60,8 @@ Curve moire_phase(const Image<double>& picture, int sampling_pitch_px) {
 }
 
 // Eq. (4): d = -P (phase after - phase before) / 2 pi.
-Curve displacement(const Curve& before, const Curve& after, double pitch_px) {
-  Curve curve;
+DrawnCurve displacement(const DrawnCurve& before, const DrawnCurve& after, double pitch_px) {
+  DrawnCurve curve;
   for (std::size_t i = 0; i < before.x.size(); ++i) {
     curve.x.push_back(std::isfinite(before.x[i]) ? before.x[i] : after.x[i]);
     curve.y.push_back(-pitch_px * wrapped(after.y[i] - before.y[i]) / kTurn);
@@ -69,7 +69,7 @@ Curve displacement(const Curve& before, const Curve& after, double pitch_px) {
   return curve;
 }
 
-Series series(std::string name, Curve curve, Colour colour, Mark mark = Mark::kLine) {
+Series series(std::string name, DrawnCurve curve, Colour colour, Mark mark = Mark::kLine) {
   return {.name = std::move(name),
           .x = std::move(curve.x),
           .y = std::move(curve.y),
@@ -78,9 +78,9 @@ Series series(std::string name, Curve curve, Colour colour, Mark mark = Mark::kL
           .width = mark == Mark::kDots ? 1.5 : 0.9};
 }
 
-void draw(Canvas& canvas, const PrincipleFigure& f) {
+void draw_principle(Canvas& canvas, const PrincipleFigure& f) {
   const auto still = grating(f, 0.0), moved = grating(f, f.moved_px);
-  const Curve before = moire_phase(still, f.sampling_pitch_px), after = moire_phase(moved, f.sampling_pitch_px);
+  const DrawnCurve before = moire_phase(still, f.sampling_pitch_px), after = moire_phase(moved, f.sampling_pitch_px);
   const int T = f.sampling_pitch_px;
   std::vector<Panel> panels{
       {.letter = "(a)",
@@ -121,7 +121,7 @@ void draw(Canvas& canvas, const PrincipleFigure& f) {
 }  // namespace
 
 Figure principle_of_sampling_moire(const PrincipleFigure& contents) {
-  return {kOneColumn, 348.0, [contents](Canvas& canvas) { draw(canvas, contents); }};
+  return {kOneColumn, 348.0, [contents](Canvas& canvas) { draw_principle(canvas, contents); }};
 }
 
 }  // namespace moiregauge::figure

@@ -10,15 +10,16 @@
 namespace moiregauge::figure {
 namespace {
 
-constexpr double kMargin = 4.0, kPanelHeight = 176.0, kLegendLine = 11.0, kLegendHeight = 2.0 * kLegendLine + 4.0;
+constexpr double kRotationMargin = 4.0, kRotationHeight = 176.0, kLegendLine = 11.0,
+                 kLegendHeight = 2.0 * kLegendLine + 4.0;
 constexpr double kBetweenRows = 6.0;
 constexpr std::size_t kColumns = 2;
-constexpr double kRim = 0.08;  // of the axes: marks of the outermost points stay whole
+constexpr double kMarkRim = 0.08;  // of the axes: marks of the outermost points stay whole
 constexpr double kMarkRadius = 1.7, kPublishedRadius = 2.4, kCrossRadius = 3.0, kLargestWidth = 1.1, kRmsWidth = 0.6;
 constexpr std::array kMethodColours{kVermilion, kBlue, kGreen, kPurple};
 constexpr std::array kTurns{Turn::kOneAxis, Turn::kAllAxes};
 
-Colour colour_of(std::size_t method) { return kMethodColours[method % kMethodColours.size()]; }
+Colour method_colour(std::size_t method) { return kMethodColours[method % kMethodColours.size()]; }
 Mark mark_of(Turn turn) { return turn == Turn::kOneAxis ? Mark::kDots : Mark::kSquares; }
 Mark open_mark_of(Turn turn) { return turn == Turn::kOneAxis ? Mark::kOpenDots : Mark::kOpenSquares; }
 
@@ -61,7 +62,7 @@ Panel panel_of(const RotationFigure& f, std::size_t place) {
               .y_scale = Scale::kLog};
   const auto& methods = f.lenses[place].methods;
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    for (const Turn turn : kTurns) add_curve(panel.series, methods[m], turn, colour_of(m));
+    for (const Turn turn : kTurns) add_curve(panel.series, methods[m], turn, method_colour(m));
   }
   for (const Turn turn : kTurns) panel.series.push_back(published(f, turn));
   return panel;
@@ -77,15 +78,15 @@ void share_axes(std::vector<Panel>& panels) {
     }
   }
   for (Panel& panel : panels) {
-    panel.x_range = extent_of(x, Scale::kLog, kRim);
-    panel.y_range = extent_of(y, Scale::kLog, kRim);
+    panel.x_range = extent_of(x, Scale::kLog, kMarkRim);
+    panel.y_range = extent_of(y, Scale::kLog, kMarkRim);
   }
 }
 
 void draw_key(Canvas& canvas, const RotationFigure& f) {
   std::vector<Series> colours, marks;
   for (std::size_t m = 0; m < f.lenses.front().methods.size(); ++m)
-    colours.push_back({.name = f.lenses.front().methods[m].method, .colour = colour_of(m), .width = kLargestWidth});
+    colours.push_back({.name = f.lenses.front().methods[m].method, .colour = method_colour(m), .width = kLargestWidth});
   colours.push_back({.name = "largest error of the run", .colour = kGrey, .width = kLargestWidth});
   colours.push_back({.name = "rms of the run", .colour = kGrey, .mark = Mark::kDashed, .width = kRmsWidth});
   marks.push_back({.name = "about x", .mark = Mark::kDots, .width = kMarkRadius});
@@ -93,27 +94,27 @@ void draw_key(Canvas& canvas, const RotationFigure& f) {
   marks.push_back({.name = "the paper, about x", .mark = Mark::kOpenDots, .width = kPublishedRadius});
   marks.push_back({.name = "the paper, about x, y and z", .mark = Mark::kOpenSquares, .width = kPublishedRadius});
   marks.push_back({.name = "some frames lost", .mark = Mark::kCrosses, .width = kCrossRadius});
-  const double x = kMargin + kLeftRoom;
-  draw_legend(canvas, {x, kMargin + kLegendLine - 3.0}, colours);
-  draw_legend(canvas, {x, kMargin + 2.0 * kLegendLine - 3.0}, marks);
+  const double x = kRotationMargin + kLeftRoom;
+  draw_legend(canvas, {x, kRotationMargin + kLegendLine - 3.0}, colours);
+  draw_legend(canvas, {x, kRotationMargin + 2.0 * kLegendLine - 3.0}, marks);
 }
 
 }  // namespace
 
 Figure error_against_rotation(const RotationFigure& contents) {
   const std::size_t rows = (contents.lenses.size() + kColumns - 1) / kColumns;
-  const double height = 2.0 * kMargin + kLegendHeight + static_cast<double>(rows) * kPanelHeight;
+  const double height = 2.0 * kRotationMargin + kLegendHeight + static_cast<double>(rows) * kRotationHeight;
   return {kTwoColumns, height, [contents](Canvas& canvas) {
             draw_key(canvas, contents);
             std::vector<Panel> panels;
             for (std::size_t i = 0; i < contents.lenses.size(); ++i) panels.push_back(panel_of(contents, i));
             share_axes(panels);
-            const double width = (kTwoColumns - 2.0 * kMargin) / static_cast<double>(kColumns);
+            const double width = (kTwoColumns - 2.0 * kRotationMargin) / static_cast<double>(kColumns);
             for (std::size_t i = 0; i < panels.size(); ++i) {
               const std::size_t row = i / kColumns, column = i % kColumns;
-              const double x = kMargin + static_cast<double>(column) * width;
-              const double y = kMargin + kLegendHeight + static_cast<double>(row) * kPanelHeight;
-              draw_panel(canvas, {x, y, width, kPanelHeight - kBetweenRows}, panels[i]);
+              const double x = kRotationMargin + static_cast<double>(column) * width;
+              const double y = kRotationMargin + kLegendHeight + static_cast<double>(row) * kRotationHeight;
+              draw_panel(canvas, {x, y, width, kRotationHeight - kBetweenRows}, panels[i]);
             }
           }};
 }

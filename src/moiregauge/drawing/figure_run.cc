@@ -17,21 +17,21 @@ constexpr double kColumn_mm = 85.0, kLetters = 8.0;
 constexpr double kZoom = kLetters / kTextSize;
 constexpr double kWidth = kColumn_mm * 72.0 / 25.4;
 constexpr double kInside = kWidth / kZoom;  // in the units that panels are laid out in
-constexpr double kMargin = 3.0, kPanelHeight = 104.0;
+constexpr double kRunMargin = 3.0, kRunHeight = 104.0;
 constexpr double kNormal95 = 1.959964;
 constexpr std::array kColours{kBlue, kVermilion, kGreen, kPurple, kOrange};
 constexpr std::size_t kTargetsAPanel = 3;  // more names have no room in one line
 constexpr double kLine = 0.8;
 
-using Axis = double Extent<frame::Board>::*;
+using ExtentAxis = double Extent<frame::Board>::*;
 
 Figure column_of(std::vector<Panel> panels) {
-  const double height = kZoom * (2 * kMargin + static_cast<double>(panels.size()) * kPanelHeight);
+  const double height = kZoom * (2 * kRunMargin + static_cast<double>(panels.size()) * kRunHeight);
   return {kWidth, height,
           [panels = std::move(panels)](Canvas& canvas) {
             for (std::size_t i = 0; i < panels.size(); ++i) {
-              const double y = kMargin + static_cast<double>(i) * kPanelHeight;
-              draw_panel(canvas, {kMargin, y, kInside - 2 * kMargin, kPanelHeight}, panels[i]);
+              const double y = kRunMargin + static_cast<double>(i) * kRunHeight;
+              draw_panel(canvas, {kRunMargin, y, kInside - 2 * kRunMargin, kRunHeight}, panels[i]);
             }
           },
           kZoom};
@@ -51,7 +51,7 @@ std::vector<std::size_t> targets_of(const RunFound& found) {
   return targets;
 }
 
-Curve curve_of(const RunFound& found, std::size_t marker, Axis axis) {
+Curve curve_of(const RunFound& found, std::size_t marker, ExtentAxis axis) {
   const bool by_time = has_times(found);
   Curve curve;
   for (const Sample& s : found.samples) {
@@ -68,7 +68,7 @@ bool is_measured(const Curve& curve) {
   return std::any_of(curve.y.begin(), curve.y.end(), [](double y) { return std::isfinite(y); });
 }
 
-double rms_u(const RunFound& found, std::size_t marker, Axis axis) {
+double rms_u(const RunFound& found, std::size_t marker, ExtentAxis axis) {
   double sum = 0.0, count = 0.0;
   for (const Sample& s : found.samples) {
     if (s.marker != marker || !(s.u.*axis > 0.0)) continue;
@@ -79,7 +79,7 @@ double rms_u(const RunFound& found, std::size_t marker, Axis axis) {
 }
 
 // The curves of up to three targets along one axis.
-Panel displacement_panel(const RunFound& found, const std::vector<std::size_t>& targets, const char* name, Axis axis) {
+Panel targets_panel(const RunFound& found, const std::vector<std::size_t>& targets, const char* name, ExtentAxis axis) {
   Panel panel{.x_label = has_times(found) ? "Time, s" : "Frame", .y_label = fmt::format("{}, mm", name)};
   const auto& markers = found.reference.site.markers;
   for (std::size_t i = 0; i < targets.size(); ++i) {
@@ -108,7 +108,7 @@ std::optional<Figure> displacement_figure(const RunFound& found) {
         begin, begin + static_cast<std::ptrdiff_t>(std::min(kTargetsAPanel, targets.size() - first)));
     for (const auto& [name, axis] :
          {std::pair{"dx", &Extent<frame::Board>::x}, std::pair{"dy", &Extent<frame::Board>::y}}) {
-      Panel panel = displacement_panel(found, group, name, axis);
+      Panel panel = targets_panel(found, group, name, axis);
       if (panel.series.empty()) continue;  // a print of lines shows one axis only
       panel.letter = letter(panels.size());
       panels.push_back(std::move(panel));

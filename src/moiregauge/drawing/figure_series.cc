@@ -11,7 +11,7 @@
 namespace moiregauge::figure {
 namespace {
 
-constexpr double kTruthHeight = 104.0, kCurveHeight = 104.0, kErrorHeight = 78.0, kMargin = 4.0;
+constexpr double kTruthHeight = 104.0, kCurveHeight = 104.0, kErrorHeight = 78.0, kSeriesMargin = 4.0;
 constexpr std::array kLensColours{kBlue, kVermilion, kGreen, kPurple};
 constexpr double kTimeRim_s = 0.4;
 
@@ -71,15 +71,15 @@ Panel error_panel(const MethodCurves& method) {
 
 Figure displacement_over_time(const SeriesFigure& contents) {
   const double height =
-      2 * kMargin + kTruthHeight + static_cast<double>(contents.methods.size()) * (kCurveHeight + kErrorHeight);
+      2 * kSeriesMargin + kTruthHeight + static_cast<double>(contents.methods.size()) * (kCurveHeight + kErrorHeight);
   return {kOneColumn, height, [contents](Canvas& canvas) {
             const Range time{contents.time_s.front() - kTimeRim_s, contents.time_s.back() + kTimeRim_s};
-            double y = kMargin;
+            double y = kSeriesMargin;
             const auto put = [&](Panel panel, double panel_height) {
               panel.x_range = time;
               // Every panel of the column as wide as the one with two axes, so that times stand one below the other.
               const double side = panel.right_label.empty() ? kRightAxisRoom - kRightRoom : 0.0;
-              draw_panel(canvas, {kMargin, y, kOneColumn - 2 * kMargin - side, panel_height - 4.0}, panel);
+              draw_panel(canvas, {kSeriesMargin, y, kOneColumn - 2 * kSeriesMargin - side, panel_height - 4.0}, panel);
               y += panel_height;
             };
             put(truth_panel(contents), kTruthHeight);

@@ -22,7 +22,7 @@ constexpr double kReadableWidth_px = 1200.0;
 constexpr std::size_t kMostRejected = 60;  // drawn; more would hide the picture
 constexpr std::size_t kMostReasons = 24;   // of them told why
 constexpr double kMostCovered = 0.05;      // of such a label
-constexpr double kLetters = 12.0;
+constexpr double kLetterSize = 12.0;
 
 using Corners = std::vector<ImagePoint>;
 
@@ -116,7 +116,7 @@ class InspectionDrawing {
     const double length_px = 0.025 * std::max(seen_.width, seen_.height);
     const double mm = length_px * view.mm_per_px({0.0, 0.0});
     pen_.colour(kWhite);
-    pen_.letters(kLetters, true);
+    pen_.letters(kLetterSize, true);
     for (const auto& [tip, letter] : {std::pair{BoardPoint{mm, 0.0}, "x"}, {BoardPoint{0.0, mm}, "y"}}) {
       const ImagePoint end = view(tip);
       if (!std::isfinite(end.x) || !std::isfinite(end.y)) continue;
@@ -145,7 +145,7 @@ class InspectionDrawing {
         words += "  not seen";
       }
       pen_.colour(colour_of(seen_, marker));
-      pen_.letters(kLetters, true);
+      pen_.letters(kLetterSize, true);
       pen_.label_beside(about, words, picture_);
     }
   }
@@ -158,7 +158,7 @@ class InspectionDrawing {
     return fmt::format("P {:.1f} px", std::max(length(axes.x), length(axes.y)));
   }
   void name_the_rest() {
-    pen_.letters(kLetters, false);
+    pen_.letters(kLetterSize, false);
     pen_.colour(kLatticeColour);
     for (const IndexedLattice& lattice : seen_.lattices) {
       pen_.label_beside(about(lattice), lattice_words(lattice), picture_);
@@ -168,7 +168,7 @@ class InspectionDrawing {
       if (p.marker == kNobody)
         pen_.label_beside(corners_of(p), pattern_words(p.seen) + "\n" + short_words(p), picture_);
     }
-    pen_.letters(0.85 * kLetters, false);
+    pen_.letters(0.85 * kLetterSize, false);
     pen_.colour(kRejectedColour);
     const auto rejected = rejected_to_draw(seen_);
     for (std::size_t i = 0; i < std::min(rejected.size(), kMostReasons); ++i) {
@@ -238,7 +238,7 @@ class Strip {
  public:
   Strip(cairo_t* cr, Pen& pen, double width) : cr_(cr), pen_(pen), width_(width), pad_(8.0 * pen.unit()) {}
   double lay_out(const std::vector<Piece>& pieces, std::optional<double> top) {
-    pen_.letters(kLetters, false);
+    pen_.letters(kLetterSize, false);
     const double line = pen_.line_height() * 1.15;
     double x = pad_, y = top.value_or(0.0) + line;
     for (const Piece& piece : pieces) {

@@ -21,16 +21,16 @@ struct Writer {
   ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 
-void append(png_structp png, png_bytep data, std::size_t length) {
+void append_png(png_structp png, png_bytep data, std::size_t length) {
   auto* bytes = static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(png));
   bytes->insert(bytes->end(), data, data + length);
 }
 
 // False after any complaint of libpng, which leaves by longjmp: nothing with a destructor is born in here.
-bool write(Writer& writer, cairo_surface_t* surface, std::vector<std::uint8_t>& bytes) {
+bool write_surface(Writer& writer, cairo_surface_t* surface, std::vector<std::uint8_t>& bytes) {
   if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
   const int width = cairo_image_surface_get_width(surface), height = cairo_image_surface_get_height(surface);
-  png_set_write_fn(writer.png, &bytes, append, nullptr);
+  png_set_write_fn(writer.png, &bytes, append_png, nullptr);
   png_set_compression_level(writer.png, kLevel);
   png_set_filter(writer.png, 0, PNG_FILTER_NONE);
   png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8,
@@ -54,7 +54,7 @@ std::vector<std::uint8_t> png_of(cairo_surface_t* surface) {
   if (cairo_surface_status(surface) != CAIRO_STATUS_SUCCESS) return bytes;
   if (cairo_image_surface_get_format(surface) != CAIRO_FORMAT_RGB24) return bytes;
   Writer writer;
-  if (writer.info == nullptr || !write(writer, surface, bytes)) bytes.clear();
+  if (writer.info == nullptr || !write_surface(writer, surface, bytes)) bytes.clear();
   return bytes;
 }
 

@@ -13,11 +13,11 @@ namespace moiregauge {
 namespace {
 
 constexpr int kWidest = 1920;    // px, of the whole: what every player can show
-constexpr int kGap = 4;          // px between the two
+constexpr int kBetweenParts = 4;  // px between the two
 constexpr int kMostSamples = 3;  // to a pixel's side; beyond it the filmed picture is sampled more thinly
 constexpr double kRing = 0.6;    // of a target's size
 constexpr double kStack = 2.0;   // width to height
-constexpr std::uint8_t kNothing = 96, kPaper = 24, kInk = 240;
+constexpr std::uint8_t kNothing = 96, kGround = 24, kInk = 240;
 
 // Grey between pixels; outside the picture the nearest one's is no truth: black.
 double grey_at(ImageView<std::uint8_t> picture, ImagePoint p) {
@@ -35,8 +35,8 @@ int even(double value) { return 2 * std::max(1, static_cast<int>(std::lround(0.5
 double outside(double distance, double half) { return std::max(0.0, std::abs(distance) - half); }
 
 // Letters, white on dark, cut off where the strip ends.
-void write(Image<std::uint8_t>& page, int x0, int width, int height, const std::string& words) {
-  Image<std::uint8_t> strip(width, height, kPaper);
+void write_words(Image<std::uint8_t>& page, int x0, int width, int height, const std::string& words) {
+  Image<std::uint8_t> strip(width, height, kGround);
   const Surface surface = grey_surface(strip.view());
   const Context context(cairo_create(surface.get()), cairo_destroy);
   cairo_select_font_face(context.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
@@ -79,14 +79,14 @@ double free_round(const Site& site, std::size_t target) {
 SideBySide::SideBySide(const Reference& reference, double exaggeration, double longest_mm)
     : exaggeration_(exaggeration) {
   const bool stacked = reference.width > kStack * reference.height;
-  const double widest = stacked ? kWidest : 0.5 * (kWidest - kGap);
+  const double widest = stacked ? kWidest : 0.5 * (kWidest - kBetweenParts);
   scale_ = std::min(1.0, widest / reference.width);
   part_width_ = even(scale_ * reference.width);
   part_height_ = even(scale_ * reference.height);
   letters_px_ = even(std::clamp(part_width_ / 32.0, 16.0, 30.0));
-  width_ = stacked ? part_width_ : 2 * part_width_ + kGap;
+  width_ = stacked ? part_width_ : 2 * part_width_ + kBetweenParts;
   height_ = stacked ? 2 * (part_height_ + letters_px_) : part_height_ + letters_px_;
-  still_x_ = stacked ? 0 : part_width_ + kGap;
+  still_x_ = stacked ? 0 : part_width_ + kBetweenParts;
   still_y_ = stacked ? part_height_ + 2 * letters_px_ : letters_px_;
   samples_ = std::clamp(static_cast<int>(std::ceil(1.0 / scale_ - 0.2)), 1, kMostSamples);
   for (int y = 0; y < part_height_; ++y)
@@ -130,7 +130,7 @@ std::uint8_t SideBySide::still_pixel(ImageView<std::uint8_t> filmed, const View&
 Image<std::uint8_t> SideBySide::draw(ImageView<std::uint8_t> filmed, const View* view,
                                      const std::vector<DrawnMotion>& moves, const std::string& words_filmed,
                                      const std::string& words_still) const {
-  Image<std::uint8_t> page(width_, height_, kPaper);
+  Image<std::uint8_t> page(width_, height_, kGround);
   const double step = 1.0 / (scale_ * samples_);
   for (int y = 0; y < part_height_; ++y) {
     for (int x = 0; x < part_width_; ++x) {
@@ -143,13 +143,13 @@ Image<std::uint8_t> SideBySide::draw(ImageView<std::uint8_t> filmed, const View*
       page.at(still_x_ + x, still_y_ + y) = view == nullptr ? kNothing : still_pixel(filmed, *view, at, moves);
     }
   }
-  write(page, 0, part_width_, letters_px_, words_filmed);
+  write_words(page, 0, part_width_, letters_px_, words_filmed);
   if (still_x_ > 0) {
-    write(page, still_x_, part_width_, letters_px_, words_still);
+    write_words(page, still_x_, part_width_, letters_px_, words_still);
     return page;
   }
   Image<std::uint8_t> strip(part_width_, letters_px_);
-  write(strip, 0, part_width_, letters_px_, words_still);
+  write_words(strip, 0, part_width_, letters_px_, words_still);
   for (int y = 0; y < letters_px_; ++y)
     std::copy_n(strip.row(y).begin(), part_width_, page.row(still_y_ - letters_px_ + y).begin());
   return page;

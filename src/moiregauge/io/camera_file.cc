@@ -9,6 +9,7 @@
 
 #include "moiregauge/io/camera_yaml.h"
 #include "moiregauge/io/toml_table.h"
+#include "moiregauge/io/toml_text.h"
 
 namespace moiregauge {
 namespace {
@@ -93,13 +94,6 @@ bool is_yaml(const std::string& text) {
          text.find("amera_Matrix:") != std::string::npos;
 }
 
-// The shortest text that reads back to the same bits; TOML wants a point in a real number.
-std::string real(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
 }  // namespace
 
 std::string write_camera(const Camera& camera, const CameraWidths& u) {
@@ -108,10 +102,10 @@ std::string write_camera(const Camera& camera, const CameraWidths& u) {
   const std::pair<const char*, double> keys[] = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx},
                                                  {"cy", camera.cy}, {"k1", camera.k1}, {"k2", camera.k2},
                                                  {"p1", camera.p1}, {"p2", camera.p2}, {"k3", camera.k3}};
-  for (const auto& [key, value] : keys) text += fmt::format("{} = {}\n", key, real(value));
+  for (const auto& [key, value] : keys) text += fmt::format("{} = {}\n", key, toml_real(value));
   text += "\n[camera.u]\n";
   for (std::size_t k = 0; k < u.size(); ++k) {
-    if (u[k] > 0.0) text += fmt::format("{} = {}\n", kWidthKeys[k], real(u[k]));
+    if (u[k] > 0.0) text += fmt::format("{} = {}\n", kWidthKeys[k], toml_real(u[k]));
   }
   return text;
 }

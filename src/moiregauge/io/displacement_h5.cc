@@ -72,7 +72,7 @@ struct Column {
   hsize_t rows;
 };
 
-void put(hid_t group, const Column& column) {
+void put_column(hid_t group, const Column& column) {
   const Handle space(H5Screate_simple(1, &column.rows, nullptr), H5Sclose), creation(without_times(), H5Pclose);
   const Handle set(H5Dcreate2(group, column.name, column.stored, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose);
   if (column.rows > 0) H5Dwrite(set, column.given, H5S_ALL, H5S_ALL, H5P_DEFAULT, column.data);
@@ -86,11 +86,11 @@ void put_target(hid_t file, const std::string& group_name, const std::string& ma
   const auto reals = [&](const char* name, const char* unit, auto value) {
     std::vector<double> numbers;
     for (const Sample* row : rows) numbers.push_back(value(*row));
-    put(group, {name, unit, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, numbers.data(), numbers.size()});
+    put_column(group, {name, unit, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, numbers.data(), numbers.size()});
   };
   std::vector<long> frames;
   for (const Sample* row : rows) frames.push_back(row->frame);
-  put(group, {"frame", "1", H5T_STD_I64LE, H5T_NATIVE_LONG, frames.data(), frames.size()});
+  put_column(group, {"frame", "1", H5T_STD_I64LE, H5T_NATIVE_LONG, frames.data(), frames.size()});
   reals("time_s", "s", [](const Sample& s) { return s.time_s; });
   reals("dx_mm", "mm", [](const Sample& s) { return s.displacement.x; });
   reals("dy_mm", "mm", [](const Sample& s) { return s.displacement.y; });
@@ -105,7 +105,7 @@ void put_target(hid_t file, const std::string& group_name, const std::string& ma
   }
   // Octave reads no texts of UTF-8.
   const Handle type(text_type(kWord, H5T_CSET_ASCII), H5Tclose);
-  put(group, {"status", "", type, type, words.data(), rows.size()});
+  put_column(group, {"status", "", type, type, words.data(), rows.size()});
 }
 
 // A slash would be a path and a dot a place; a name must be one of its own.
@@ -118,7 +118,7 @@ std::string group_name(const std::string& marker, const std::vector<std::string>
   return name;
 }
 
-std::string bytes_of(hid_t file) {
+std::string file_image(hid_t file) {
   H5Fflush(file, H5F_SCOPE_GLOBAL);
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
   std::string bytes(static_cast<std::size_t>(std::max<ssize_t>(size, 0)), '\0');
@@ -147,7 +147,7 @@ std::string displacement_h5(const RunTable& table) {
     taken.push_back(group_name(table.markers[i].name, taken));
     put_target(file, taken.back(), table.markers[i].name, rows);
   }
-  return bytes_of(file);
+  return file_image(file);
 }
 
 std::string displacement_h5(const Measurement& measurement, const MeasureOptions& options) {

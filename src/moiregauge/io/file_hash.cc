@@ -17,10 +17,10 @@ namespace {
 constexpr std::size_t kBlock = std::size_t{1} << 20;
 
 using OpenFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-OpenFile opened(const std::string& path) { return {std::fopen(path.c_str(), "rb"), &std::fclose}; }
+OpenFile opened_to_read(const std::string& path) { return {std::fopen(path.c_str(), "rb"), &std::fclose}; }
 
 void add_block(Sha256& sum, const std::string& path, long from_end) {
-  const OpenFile file = opened(path);
+  const OpenFile file = opened_to_read(path);
   if (!file || (from_end > 0 && std::fseek(file.get(), -from_end, SEEK_END) != 0)) return;
   std::vector<std::byte> block(kBlock);
   sum.add({block.data(), std::fread(block.data(), 1, block.size(), file.get())});
@@ -32,7 +32,7 @@ std::string sha256_of_files(const std::vector<std::string>& paths, const std::fu
   Sha256 sum;
   std::vector<std::byte> block(kBlock);
   for (const std::string& path : paths) {
-    const OpenFile file = opened(path);
+    const OpenFile file = opened_to_read(path);
     if (!file) continue;
     while (const std::size_t read = std::fread(block.data(), 1, block.size(), file.get())) {
       sum.add({block.data(), read});

@@ -162,7 +162,7 @@ const char* word_for_loss(Loss loss) {
   return "not seen";
 }
 
-Json marker_json(const Inspection& seen, std::size_t i) {
+Json seen_marker_json(const Inspection& seen, std::size_t i) {
   const Reference& reference = *seen.reference;
   const Marker& m = reference.site.markers[i];
   const BoardPoint at = m.grating ? m.grating->centre : m.circle->centre;
@@ -232,7 +232,7 @@ Json inspect_json(const InspectReport& report) {
   for (const InspectedPatch& p : seen.patches) json["gratings"].push_back(patch_json(seen, p));
   for (const IndexedLattice& l : seen.lattices) json["lattices"].push_back(lattice_json(l));
   for (std::size_t i = 0; seen.reference && i < seen.reference->site.markers.size(); ++i)
-    json["markers"].push_back(marker_json(seen, i));
+    json["markers"].push_back(seen_marker_json(seen, i));
   for (const ExpectedUncertainty& e : report.expected) json["expected"].push_back(expected_json(seen, e));
   json["measurable"] = seen.reference.has_value();
   json["missing"] = seen.missing;

@@ -47,7 +47,7 @@ void note_warning(j_common_ptr jpeg, int level) {
   if (level < 0) leave(jpeg);
 }
 
-bool read_head(JpegFile& in) {
+bool read_jpeg_head(JpegFile& in) {
   in.jpeg.err = jpeg_std_error(&in.errors);
   in.errors.error_exit = &leave;
   in.errors.emit_message = &note_warning;
@@ -76,7 +76,7 @@ Quantiser quantiser_of(const JpegFile& in) {
 }
 
 // Grey and YCbCr keep luma as their first component, given as stored; RGB goes through our formula.
-bool read_rows(JpegFile& in) {
+bool read_jpeg_rows(JpegFile& in) {
   if (setjmp(in.out_of_here) != 0) return false;
   const bool colour = in.jpeg.jpeg_color_space == JCS_RGB;
   in.jpeg.out_color_space = colour ? JCS_RGB : JCS_GRAYSCALE;
@@ -103,34 +103,31 @@ int orientation_of(const JpegFile& in) {
   return 1;
 }
 
-tl::unexpected<InputError> failure(InputErrorKind kind, const std::string& text) {
-  return tl::unexpected(InputError{kind, text});
-}
-
 }  // namespace
 
 PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
   JpegFile in;
   in.file = std::fopen(path.c_str(), "rb");
   if (in.file == nullptr) {
-    return failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, std::strerror(errno)));
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("cannot open picture: {}: {}", path, std::strerror(errno)));
   }
-  if (!read_head(in)) {
-    return failure(InputErrorKind::kDamaged, fmt::format("not a readable JPEG: {}: {}", path, in.problem.data()));
+  if (!read_jpeg_head(in)) {
+    return input_failure(InputErrorKind::kDamaged, fmt::format("not a readable JPEG: {}: {}", path, in.problem.data()));
   }
   if (in.jpeg.jpeg_color_space == JCS_CMYK || in.jpeg.jpeg_color_space == JCS_YCCK || in.jpeg.data_precision != 8) {
-    return failure(InputErrorKind::kUnsupported,
-                   fmt::format("unknown colours: {}: store it as grey or YCbCr, 8 bit", path));
+    return input_failure(InputErrorKind::kUnsupported,
+                         fmt::format("unknown colours: {}: store it as grey or YCbCr, 8 bit", path));
   }
   const auto rotation = rotation_of_orientation(orientation_of(in));
   if (!rotation)
-    return failure(InputErrorKind::kUnsupported, fmt::format("mirrored picture: {}: store it unmirrored", path));
+    return input_failure(InputErrorKind::kUnsupported, fmt::format("mirrored picture: {}: store it unmirrored", path));
   if (auto problem = size_problem(path, in.jpeg.image_width, in.jpeg.image_height, max_pixels))
     return tl::unexpected(*problem);
   in.image = Image<std::uint8_t>(static_cast<int>(in.jpeg.image_width), static_cast<int>(in.jpeg.image_height));
   in.row.resize(std::size_t{3} * in.jpeg.image_width);
-  if (!read_rows(in)) {
-    return failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem.data()));
+  if (!read_jpeg_rows(in)) {
+    return input_failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem.data()));
   }
   Picture picture{std::move(in.image), 8, 0, "jpeg", in.quantiser};
   turn(picture, *rotation);

@@ -28,10 +28,6 @@ std::string_view without_zeros(std::string_view digits) {
   return first == std::string_view::npos ? digits.substr(digits.size()) : digits.substr(first);
 }
 
-tl::unexpected<InputError> unreadable(const std::string& text) {
-  return tl::unexpected(InputError{InputErrorKind::kUnreadable, text});
-}
-
 bool is_picture_name(const fs::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -48,7 +44,9 @@ tl::expected<std::vector<std::string>, InputError> names_in(const fs::path& fold
     std::error_code ignored;
     if (entry->is_regular_file(ignored)) names.push_back(entry->path().filename().string());
   }
-  if (problem) return unreadable(fmt::format("cannot read folder: {}: {}", folder.string(), problem.message()));
+  if (problem)
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("cannot read folder: {}: {}", folder.string(), problem.message()));
   return names;
 }
 
@@ -130,7 +128,8 @@ tl::expected<std::vector<std::string>, InputError> pictures_of_pattern(const std
   const fs::path path(pattern);
   const auto parsed = parsed_pattern(path.filename().string());
   if (!parsed) {
-    return unreadable(
+    return input_failure(
+        InputErrorKind::kUnreadable,
         fmt::format("not a pattern: {}: give one %d or %0Nd in the file name, as in img_%04d.png", pattern));
   }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -140,11 +139,14 @@ tl::expected<std::vector<std::string>, InputError> pictures_of_pattern(const std
   for (const std::string& name : *names) {
     if (const auto number = number_in(*parsed, name)) numbers.insert(*number);
   }
-  if (numbers.empty()) return unreadable(fmt::format("no picture: {}: no file of this pattern exists", pattern));
+  if (numbers.empty())
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("no picture: {}: no file of this pattern exists", pattern));
   const long count = *numbers.rbegin() - *numbers.begin() + 1;
   if (count > 2 * static_cast<long>(numbers.size()) + 10) {
-    return unreadable(fmt::format("too many numbers missing: {}: {} files between {} and {}", pattern, numbers.size(),
-                                  *numbers.begin(), *numbers.rbegin()));
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("too many numbers missing: {}: {} files between {} and {}", pattern,
+                                     numbers.size(), *numbers.begin(), *numbers.rbegin()));
   }
   std::vector<std::string> files;
   for (long number = *numbers.begin(); number <= *numbers.rbegin(); ++number) {

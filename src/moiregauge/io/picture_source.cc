@@ -116,10 +116,6 @@ class PictureSource final : public FrameSource {
   std::optional<PicturesAhead> ahead_;
 };
 
-tl::unexpected<InputError> unreadable(const std::string& text) {
-  return tl::unexpected(InputError{InputErrorKind::kUnreadable, text});
-}
-
 PictureSet set_of_files(const std::vector<std::string>& files, std::int64_t max_pixels) {
   return {static_cast<long>(files.size()),
           [files, max_pixels](long i) { return read_picture(files[static_cast<std::size_t>(i)], max_pixels); },
@@ -169,13 +165,15 @@ tl::expected<std::vector<std::string>, InputError> files_of_input(const std::str
   const auto status = std::filesystem::status(path, ignored);
   if (!std::filesystem::exists(status)) {
     const bool pattern = path.find('%') != std::string::npos;
-    return unreadable(fmt::format("no such file or folder: {}: {}", path,
-                                  pattern ? "for a pattern add --sequence" : "check the name"));
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("no such file or folder: {}: {}", path,
+                                     pattern ? "for a pattern add --sequence" : "check the name"));
   }
   if (!std::filesystem::is_directory(status)) return std::vector<std::string>{path};
   auto files = pictures_in_folder(path);
   if (files && files->empty()) {
-    return unreadable(
+    return input_failure(
+        InputErrorKind::kUnreadable,
         fmt::format("no picture: {}: neither the folder nor its frames/ holds PNG, TIFF or JPEG files", path));
   }
   return files;

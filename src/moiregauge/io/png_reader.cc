@@ -31,11 +31,11 @@ struct PngFile {
   }
 };
 
-void note_error(png_structp png, png_const_charp text) {
+void note_png_error(png_structp png, png_const_charp text) {
   static_cast<PngFile*>(png_get_error_ptr(png))->problem = text;
   png_longjmp(png, 1);
 }
-void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}
+void ignore_png_warning(png_structp /*png*/, png_const_charp /*text*/) {}
 
 struct PngHead {
   png_uint_32 width = 0;
@@ -54,7 +54,7 @@ int significant_bits(PngFile& in) {
   return bits >= 9 && bits <= 16 ? bits : 16;
 }
 
-bool read_head(PngFile& in, PngHead& head) {
+bool read_png_head(PngFile& in, PngHead& head) {
   if (setjmp(png_jmpbuf(in.png)) != 0) return false;
   png_init_io(in.png, in.file);
   png_set_user_limits(in.png, 0x7fffffffU, 0x7fffffffU);  // ours is on pixels, below
@@ -76,7 +76,7 @@ bool read_head(PngFile& in, PngHead& head) {
   return true;
 }
 
-bool read_rows(PngFile& in) {
+bool read_png_rows(PngFile& in) {
   if (setjmp(png_jmpbuf(in.png)) != 0) return false;
   png_read_image(in.png, in.rows.data());
   png_read_end(in.png, nullptr);
@@ -102,31 +102,29 @@ Image<Grey> grey_from(const PngFile& in, const PngHead& head) {
   return image;
 }
 
-tl::unexpected<InputError> failure(InputErrorKind kind, const std::string& text) {
-  return tl::unexpected(InputError{kind, text});
-}
-
 }  // namespace
 
 PictureOrError read_png(const std::string& path, std::int64_t max_pixels) {
   PngFile in;
   in.file = std::fopen(path.c_str(), "rb");
   if (in.file == nullptr) {
-    return failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, std::strerror(errno)));
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("cannot open picture: {}: {}", path, std::strerror(errno)));
   }
-  in.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &in, &note_error, &ignore_warning);
+  in.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &in, &note_png_error, &ignore_png_warning);
   in.info = in.png == nullptr ? nullptr : png_create_info_struct(in.png);
-  if (in.info == nullptr) return failure(InputErrorKind::kUnreadable, fmt::format("no memory for picture: {}", path));
+  if (in.info == nullptr)
+    return input_failure(InputErrorKind::kUnreadable, fmt::format("no memory for picture: {}", path));
   PngHead head;
-  if (!read_head(in, head)) {
-    return failure(InputErrorKind::kDamaged, fmt::format("not a readable PNG: {}: {}", path, in.problem));
+  if (!read_png_head(in, head)) {
+    return input_failure(InputErrorKind::kDamaged, fmt::format("not a readable PNG: {}: {}", path, in.problem));
   }
   if (auto problem = size_problem(path, head.width, head.height, max_pixels)) return tl::unexpected(*problem);
   const std::size_t row_bytes = png_get_rowbytes(in.png, in.info);
   in.samples.resize(row_bytes * head.height);
   for (std::size_t y = 0; y < head.height; ++y) in.rows.push_back(in.samples.data() + y * row_bytes);
-  if (!read_rows(in)) {
-    return failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem));
+  if (!read_png_rows(in)) {
+    return input_failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem));
   }
   Picture picture{{}, head.bits, 0, "png"};
   if (head.word_bits == 16)

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 using Done = tl::expected<void, std::string>;  // "path: what is wrong"
 
-Done put(const fs::path& path, std::string_view bytes) { return write_file_atomically(path.string(), bytes); }
+Done put_file(const fs::path& path, std::string_view bytes) { return write_file_atomically(path.string(), bytes); }
 
 std::string sha256_of_run(const fs::path& dir) {
   std::ifstream file(dir / "run.json");
@@ -47,7 +47,7 @@ Done keep_seen(const fs::path& dir, const fs::path& from, bool in_place) {
   return {};
 }
 
-std::vector<std::uint8_t> bytes_of(const fs::path& path) {
+std::vector<std::uint8_t> bytes_in_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -56,25 +56,26 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
                  const WriteReport& write_report) {
   if (measurement.reference) {
     const std::string csv = displacement_csv(site_of(measurement, options), measurement.samples);
-    if (auto done = put(dir / "displacement.csv", csv); !done) return done;
-    if (auto done = put(dir / "displacement.h5", displacement_h5(measurement, options)); !done) return done;
+    if (auto done = put_file(dir / "displacement.csv", csv); !done) return done;
+    if (auto done = put_file(dir / "displacement.h5", displacement_h5(measurement, options)); !done) return done;
   }
   if (measurement.reference && measurement.scene && measurement.scene->solved) {
     const Site solved = solved_site(measurement.reference->site, *measurement.scene);
-    if (auto done = put(dir / "site.toml", write_site(solved)); !done) return done;
+    if (auto done = put_file(dir / "site.toml", write_site(solved)); !done) return done;
   }
   if (measurement.scene && has_solved_lens(*measurement.scene)) {
     Camera solved = measurement.scene->camera;
     solved.width = measurement.input.width;
     solved.height = measurement.input.height;
-    if (auto done = put(dir / "camera.toml", write_camera(solved, u_of_camera(*measurement.scene))); !done) return done;
+    if (auto done = put_file(dir / "camera.toml", write_camera(solved, u_of_camera(*measurement.scene))); !done)
+      return done;
   }
   // What other people called their files is not always UTF-8; the JSON is.
   const std::string json =
       run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  if (auto done = put(dir / "run.json", json); !done) return done;
+  if (auto done = put_file(dir / "run.json", json); !done) return done;
   if (!write_report) return {};
-  return put(dir / "report.html", write_report(measurement, options, json, bytes_of(dir / "overlay.png")));
+  return put_file(dir / "report.html", write_report(measurement, options, json, bytes_in_file(dir / "overlay.png")));
 }
 
 }  // namespace
@@ -106,7 +107,8 @@ tl::expected<void, std::string> RunDirectory::put_files(const fs::path& dir, con
                                                         const MeasureOptions& options) const {
   if (solved_from_.empty()) {
     const std::vector<std::uint8_t> overlay = draw_overlay_(measurement);
-    if (auto done = put(dir / "overlay.png", {reinterpret_cast<const char*>(overlay.data()), overlay.size()}); !done)
+    if (auto done = put_file(dir / "overlay.png", {reinterpret_cast<const char*>(overlay.data()), overlay.size()});
+        !done)
       return done;
   } else if (auto done = keep_seen(dir, solved_from_, place_.results == place_of_run(solved_from_).results); !done) {
     return done;

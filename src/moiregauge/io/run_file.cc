@@ -76,7 +76,7 @@ Problem damaged(const std::string& path, std::string_view why) {
 }
 
 // Up to `size` bytes; fewer only where the file ends.
-std::string bytes_of(std::istream& file, std::size_t size) {
+std::string bytes_from(std::istream& file, std::size_t size) {
   std::string bytes(size, '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(size));
   bytes.resize(static_cast<std::size_t>(file.gcount()));
@@ -134,7 +134,7 @@ class RecordReader {
     return damaged(path_, "it breaks off");
   }
   std::string take(std::size_t size) {
-    std::string bytes = bytes_of(file_, std::min(size, left_));
+    std::string bytes = bytes_from(file_, std::min(size, left_));
     left_ -= bytes.size();
     return bytes;
   }
@@ -242,7 +242,7 @@ class RunReader {
   int places_ = 0;  // of start and options, which come first
 };
 
-tl::expected<std::ifstream, std::string> opened(const std::string& path) {
+tl::expected<std::ifstream, std::string> opened_run(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return Problem(
@@ -306,13 +306,13 @@ tl::expected<KeptRun, std::string> parse_kept_run(std::istream& file, const std:
 }
 
 tl::expected<StoredRun, std::string> read_run(const std::string& path) {
-  auto file = opened(path);
+  auto file = opened_run(path);
   if (!file) return Problem(file.error());
   return parse_run(*file, path);
 }
 
 tl::expected<KeptRun, std::string> recover_run(const std::string& path) {
-  auto file = opened(path);
+  auto file = opened_run(path);
   if (!file) return Problem(file.error());
   return parse_kept_run(*file, path);
 }

@@ -112,7 +112,7 @@ void add_solved(const Site& site, const Scene& scene, std::size_t i, Json& json)
   add("pitch_mm", solved.grating->pitch_mm, site.markers[i].grating->pitch_mm * u.value[MarkerShape::kScale]);
 }
 
-Json marker_json(const Measurement& measurement, const Site& site, std::size_t i) {
+Json measured_marker_json(const Measurement& measurement, const Site& site, std::size_t i) {
   const Marker& marker = site.markers[i];
   const BoardPoint at = place_of(marker);
   Json json{{"name", marker.name},
@@ -187,7 +187,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
   json["markers"] = Json::array();
   const Site& site = site_of(measurement, options);
   for (std::size_t i = 0; i < site.markers.size(); ++i)
-    json["markers"].push_back(marker_json(measurement, site, i));
+    json["markers"].push_back(measured_marker_json(measurement, site, i));
   json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
   for (std::size_t k = 0; k < measurement.targets.size(); ++k) json["targets"].push_back(target_json(measurement, site, k));

@@ -19,7 +19,7 @@ namespace moiregauge {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using StoredJson = nlohmann::json;
 
 constexpr const char* kHeader = "frame,time_s,marker,dx_mm,dy_mm,u_dx_mm,u_dy_mm,status";
 constexpr std::size_t kColumns = 8;
@@ -46,7 +46,7 @@ std::optional<std::vector<std::string>> fields_of(const std::string& line) {
   return fields;
 }
 
-std::optional<double> real(const std::string& text) {
+std::optional<double> csv_real(const std::string& text) {
   if (text == "NaN") return kNone;
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -91,7 +91,7 @@ tl::expected<Sample, std::string> sample_of(const std::string& line, RunTable& t
   std::array<double, 5> numbers{};
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const std::string& text = f[k == 0 ? 1 : k + 2];
-    const auto value = real(text);
+    const auto value = csv_real(text);
     if (!value) return tl::unexpected(fmt::format("\"{}\" is no number", text));
     numbers[k] = *value;
   }
@@ -107,15 +107,15 @@ tl::expected<Sample, std::string> sample_of(const std::string& line, RunTable& t
   return sample;
 }
 
-double number_in(const Json& json, const char* key) {
+double json_number(const StoredJson& json, const char* key) {
   return json.contains(key) && json[key].is_number() ? json[key].get<double>() : 0.0;
 }
-std::string text_in(const Json& json, const char* key) {
+std::string text_in(const StoredJson& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
 }
 
 // What is worth handing on of run.json; false: it is none.
-bool take_run_json(const Json& json, RunTable& table) {
+bool take_run_json(const StoredJson& json, RunTable& table) {
   if (!json.is_object() || !json.contains("moiregauge")) return false;
   table.version = text_in(json, "moiregauge");
   table.method = text_in(json, "method");
@@ -127,10 +127,11 @@ bool take_run_json(const Json& json, RunTable& table) {
     table.reference_frame = json["reference_frame"].get<long>();
   table.complete = !json.contains("complete") || !json["complete"].is_boolean() || json["complete"].get<bool>();
   if (!json.contains("markers") || !json["markers"].is_array()) return true;
-  for (const Json& marker : json["markers"]) {
+  for (const StoredJson& marker : json["markers"]) {
     if (!marker.is_object() || text_in(marker, "role") != "target") continue;
-    table.markers.push_back(
-        {text_in(marker, "name"), {number_in(marker, "x_mm"), number_in(marker, "y_mm")}, number_in(marker, "z_mm")});
+    table.markers.push_back({text_in(marker, "name"),
+                             {json_number(marker, "x_mm"), json_number(marker, "y_mm")},
+                             json_number(marker, "z_mm")});
   }
   return true;
 }
@@ -172,7 +173,7 @@ tl::expected<RunTable, std::string> read_run_table(const std::string& dir) {
   std::error_code error;
   if (!run_json || !fs::is_directory(place, error)) return tl::unexpected(no_run(dir));
   RunTable table;
-  const Json json = Json::parse(run_json, nullptr, false);
+  const StoredJson json = StoredJson::parse(run_json, nullptr, false);
   if (json.is_discarded() || !take_run_json(json, table))
     return tl::unexpected(
         fmt::format("damaged: {}: it is no run.json of ours: measure again", (place / "run.json").string()));

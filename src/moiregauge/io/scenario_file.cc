@@ -45,8 +45,8 @@ void flatten(const toml::value& table, const std::string& prefix, std::vector<En
 }
 
 // The markers of the file take the place of the base's.
-void read_markers(const toml::value& list, simulator::Scenario& scenario, std::vector<Entry>& entries,
-                  TomlMistakes& wrong) {
+void read_scene_markers(const toml::value& list, simulator::Scenario& scenario, std::vector<Entry>& entries,
+                        TomlMistakes& wrong) {
   if (!list.is_array()) return wrong.add_at(list, "marker must be written as [[marker]]");
   scenario.markers.clear();
   for (const toml::value& marker : list.as_array(std::nothrow)) {
@@ -175,7 +175,7 @@ tl::expected<simulator::Scenario, std::vector<std::string>> parse_scenario(const
   flatten(*file, "", entries);
   std::erase_if(entries, [](const Entry& entry) { return entry.name == "base" || entry.name == "marker"; });
   if (const toml::value* markers = TomlTable(*file, wrong).find("marker"))
-    read_markers(*markers, *scenario, entries, wrong);
+    read_scene_markers(*markers, *scenario, entries, wrong);
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return turn_of(a) < turn_of(b); });
   const simulator::Scenario unset = *scenario;

@@ -113,7 +113,7 @@ Marker read_marker(const toml::value& entry, Role role, const Print& general, co
 }
 
 // [[reference]] or [[target]], in the file's order.
-void read_markers(const TomlTable& top, Role role, const Print& general, Site& site, TomlMistakes& mistakes) {
+void read_site_markers(const TomlTable& top, Role role, const Print& general, Site& site, TomlMistakes& mistakes) {
   const std::string key = role == Role::kReference ? "reference" : "target";
   const toml::value* list = top.find(key);
   if (list == nullptr) return;
@@ -166,8 +166,8 @@ Site read_top(const toml::value& file, TomlMistakes& mistakes) {
     grating->refuse_keys_outside({"pitch_mm", "pattern", "angle_deg"});
     print = read_print(*grating, print);
   }
-  read_markers(top, Role::kReference, print, site, mistakes);
-  read_markers(top, Role::kTarget, print, site, mistakes);
+  read_site_markers(top, Role::kReference, print, site, mistakes);
+  read_site_markers(top, Role::kTarget, print, site, mistakes);
   if (!top.has("target")) mistakes.add(1, 1, "no [[target]]: which marker moves?");
   if (const auto known_to = section(top, "known_to", mistakes)) site.known_to = read_known_to(*known_to);
   return site;

@@ -2,17 +2,11 @@
 #include <fmt/format.h>
 
 #include "moiregauge/io/site_file.h"
+#include "moiregauge/io/toml_text.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
 namespace {
-
-// The shortest text that reads back to the same bits; TOML wants a point in a real number.
-std::string real(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
-}
 
 // Degrees that come back as the same radians: 0.3, not 0.30000000000000004, where both do.
 std::string degrees(double radians) {
@@ -22,10 +16,10 @@ std::string degrees(double radians) {
       return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
     }
   }
-  return real(degrees_from_radians(radians));
+  return toml_real(degrees_from_radians(radians));
 }
 
-std::string pair(double x, double y) { return fmt::format("[{}, {}]", real(x), real(y)); }
+std::string pair(double x, double y) { return fmt::format("[{}, {}]", toml_real(x), toml_real(y)); }
 
 std::string quoted(const std::string& name) {
   std::string text = "\"";
@@ -42,16 +36,16 @@ std::string marker_text(const Marker& marker) {
   if (marker.circle) {
     text += fmt::format("circle_mm = {}\n", pair(marker.circle->centre.x, marker.circle->centre.y));
     if (marker.circle->diameter_mm > 0.0)
-      text += fmt::format("circle_diameter_mm = {}\n", real(marker.circle->diameter_mm));
+      text += fmt::format("circle_diameter_mm = {}\n", toml_real(marker.circle->diameter_mm));
   }
   if (marker.grating) {
     const Grating& grating = *marker.grating;
     text += fmt::format("grating_mm = {}\ngrating_size_mm = {}\npitch_mm = {}\npattern = \"{}\"\n",
                         pair(grating.centre.x, grating.centre.y), pair(grating.width_mm, grating.height_mm),
-                        real(grating.pitch_mm), word_for(grating.pattern));
+                        toml_real(grating.pitch_mm), word_for(grating.pattern));
     if (grating.angle_rad != 0.0) text += fmt::format("angle_deg = {}\n", degrees(grating.angle_rad));
   }
-  if (marker.z_mm) text += fmt::format("z_mm = {}\n", real(*marker.z_mm));
+  if (marker.z_mm) text += fmt::format("z_mm = {}\n", toml_real(*marker.z_mm));
   return text;
 }
 
@@ -62,8 +56,8 @@ std::string write_site(const Site& site) {
   for (const Marker& marker : site.markers) text += marker_text(marker);
   const KnownTo& known_to = site.known_to;
   text += fmt::format("\n[known_to]\nposition_mm = {}\nrotation_deg = {}\nheight_mm = {}\nprint_scale = {}\n",
-                      real(known_to.position_mm), degrees(known_to.rotation_rad), real(known_to.height_mm),
-                      real(known_to.print_scale));
+                      toml_real(known_to.position_mm), degrees(known_to.rotation_rad), toml_real(known_to.height_mm),
+                      toml_real(known_to.print_scale));
   return text;
 }
 

@@ -23,19 +23,19 @@ struct TiffStack::State {
 
 namespace {
 
-int note_error(TIFF* /*tiff*/, void* state, const char* /*module*/, const char* format, va_list values) {
+int note_tiff_error(TIFF* /*tiff*/, void* state, const char* /*module*/, const char* format, va_list values) {
   std::array<char, 256> text{};
   static_cast<void>(std::vsnprintf(text.data(), text.size(), format, values));
   static_cast<std::string*>(state)->assign(text.data());
   return 1;
 }
-int ignore_warning(TIFF* /*tiff*/, void* /*state*/, const char* /*module*/, const char* /*format*/,
-                   va_list /*values*/) {
+int ignore_tiff_warning(TIFF* /*tiff*/, void* /*state*/, const char* /*module*/, const char* /*format*/,
+                        va_list /*values*/) {
   return 1;
 }
 
 template <typename Grey>
-bool read_rows(TIFF* tiff, const TiffPage& head, Image<Grey>& image) {
+bool read_tiff_rows(TIFF* tiff, const TiffPage& head, Image<Grey>& image) {
   image = Image<Grey>(static_cast<int>(head.width), static_cast<int>(head.height));
   const std::size_t row_bytes = static_cast<std::size_t>(TIFFScanlineSize(tiff));
   if (row_bytes < std::size_t{head.width} * head.samples * sizeof(Grey)) return false;
@@ -65,8 +65,8 @@ tl::expected<std::shared_ptr<TiffStack>, InputError> TiffStack::open(const std::
   stack->path_ = path;
   stack->max_pixels_ = max_pixels;
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
-  TIFFOpenOptionsSetErrorHandlerExtR(options, &note_error, &stack->state_->problem);
-  TIFFOpenOptionsSetWarningHandlerExtR(options, &ignore_warning, nullptr);
+  TIFFOpenOptionsSetErrorHandlerExtR(options, &note_tiff_error, &stack->state_->problem);
+  TIFFOpenOptionsSetWarningHandlerExtR(options, &ignore_tiff_warning, nullptr);
   // A strip of the largest picture, colour in words; a table of strips or a compressed row takes less.
   TIFFOpenOptionsSetMaxSingleMemAlloc(options, static_cast<tmsize_t>(8 * max_pixels + (1 << 24)));
   stack->state_->tiff = TIFFOpenExt(path.c_str(), "rm", options);  // m: it reads; what is mapped, we watch
@@ -118,9 +118,9 @@ PictureOrError TiffStack::read(long page) {
   if (show_in_place(picture)) return picture;
   bool read = false;
   if (head.word_bits == 8)
-    read = read_rows(tiff, head, picture.grey.emplace<0>());
+    read = read_tiff_rows(tiff, head, picture.grey.emplace<0>());
   else
-    read = read_rows(tiff, head, picture.grey.emplace<1>());
+    read = read_tiff_rows(tiff, head, picture.grey.emplace<1>());
   if (!read) return failure(InputErrorKind::kDamaged, "damaged picture", state_->problem);
   turn(picture, *rotation_of_orientation(head.orientation));
   return picture;

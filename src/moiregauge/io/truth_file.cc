@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/io/toml_text.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge {
@@ -20,12 +21,6 @@ using simulator::Track;
 std::string millimetres(double value) {
   const std::string text = fmt::format("{:.8f}", value);
   return text == "-0.00000000" ? text.substr(1) : text;
-}
-
-std::string real(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
 }
 
 std::string per_frame(const char* key, const Scenario& scenario, const Track& x, const Track& y, const Track& z) {
@@ -58,20 +53,20 @@ std::string truth_camera_toml(const Scenario& scenario) {
   const simulator::Camera& c = scenario.camera;
   const simulator::Mount& m = scenario.mount;
   std::string text = "# Lengths in millimetres, angles in degrees; camera x right, y down, z forward.\n[camera]\n";
-  text += fmt::format("width = {}\nheight = {}\nfx = {}\nfy = {}\ncx = {}\ncy = {}\n", c.width, c.height, real(c.fx),
-                      real(c.fy), real(c.cx), real(c.cy));
-  text += fmt::format("k1 = {}\nk2 = {}\np1 = {}\np2 = {}\nk3 = {}\n", real(c.k1), real(c.k2), real(c.p1), real(c.p2),
-                      real(c.k3));
+  text += fmt::format("width = {}\nheight = {}\nfx = {}\nfy = {}\ncx = {}\ncy = {}\n", c.width, c.height,
+                      toml_real(c.fx), toml_real(c.fy), toml_real(c.cx), toml_real(c.cy));
+  text += fmt::format("k1 = {}\nk2 = {}\np1 = {}\np2 = {}\nk3 = {}\n", toml_real(c.k1), toml_real(c.k2),
+                      toml_real(c.p1), toml_real(c.p2), toml_real(c.k3));
   text += "\n# X_cam = Rx Ry Rz (X - pivot) + pivot + shift, in the middle of each frame's exposure.\n[truth]\n";
-  text += fmt::format("distance_mm = {}\nboard_deg = [{}, {}, {}]\npivot_mm = [{}, {}, {}]\n", real(m.distance_mm),
-                      real(m.board_x_deg), real(m.board_y_deg), real(m.board_z_deg), real(m.pivot_x_mm),
-                      real(m.pivot_y_mm), real(m.pivot_z_mm));
+  text += fmt::format("distance_mm = {}\nboard_deg = [{}, {}, {}]\npivot_mm = [{}, {}, {}]\n", toml_real(m.distance_mm),
+                      toml_real(m.board_x_deg), toml_real(m.board_y_deg), toml_real(m.board_z_deg),
+                      toml_real(m.pivot_x_mm), toml_real(m.pivot_y_mm), toml_real(m.pivot_z_mm));
   text += per_frame("rotation_deg", scenario, m.rotation_x, m.rotation_y, m.rotation_z);
   if (m.shift_x.moves() || m.shift_y.moves() || m.shift_z.moves()) {
     text += per_frame("shift_mm", scenario, m.shift_x, m.shift_y, m.shift_z);
   } else {
-    text +=
-        fmt::format("shift_mm = [[{}, {}, {}]]\n", real(m.shift_x.at(0)), real(m.shift_y.at(0)), real(m.shift_z.at(0)));
+    text += fmt::format("shift_mm = [[{}, {}, {}]]\n", toml_real(m.shift_x.at(0)), toml_real(m.shift_y.at(0)),
+                        toml_real(m.shift_z.at(0)));
   }
   const simulator::Optics& o = scenario.optics;
   if (o.zoom.moves() || o.shift_x.moves() || o.shift_y.moves()) {

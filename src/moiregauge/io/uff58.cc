@@ -17,7 +17,7 @@ constexpr const char* kMark = "    -1\n";
 struct Reading {
   double time_s, value_mm;
 };
-using Stretch = std::vector<Reading>;
+using Readings = std::vector<Reading>;
 
 // 80A1: what is no ASCII letter becomes a question mark; nothing longer than a line.
 std::string words(std::string text) {
@@ -59,7 +59,7 @@ std::string axis_record(int kind, int length, const char* label, const char* uni
   return fmt::format("{:>10}{:>5}{:>5}{:>5} {:<20} {:<20}\n", kind, length, 0, 0, label, unit);
 }
 
-std::string data_lines(const Stretch& stretch, bool is_even) {
+std::string data_lines(const Readings& stretch, bool is_even) {
   std::string text;
   const std::size_t per_line = is_even ? 4 : 2;
   for (std::size_t i = 0; i < stretch.size(); ++i) {
@@ -76,7 +76,7 @@ struct Place {
   int function;        // record 6's identification
 };
 
-std::string dataset(const RunTable& table, const Place& place, const Stretch& stretch, std::size_t number) {
+std::string dataset(const RunTable& table, const Place& place, const Readings& stretch, std::size_t number) {
   constexpr int kTimeResponse = 1, kRealDouble = 4, kTime = 17, kDisplacement = 8;
   const std::string& name = table.markers[place.marker].name;
   const double span = stretch.back().time_s - stretch.front().time_s;
@@ -103,8 +103,8 @@ std::string dataset(const RunTable& table, const Place& place, const Stretch& st
 }
 
 // One axis of a target; a sample that is not there ends a stretch, and so does a frame left out of the file.
-std::vector<Stretch> stretches_of(const RunTable& table, const Place& place, long frame_step) {
-  std::vector<Stretch> found(1);
+std::vector<Readings> stretches_of(const RunTable& table, const Place& place, long frame_step) {
+  std::vector<Readings> found(1);
   long last = -1;
   for (const Sample& sample : table.samples) {
     if (sample.marker != place.marker) continue;
@@ -114,7 +114,7 @@ std::vector<Stretch> stretches_of(const RunTable& table, const Place& place, lon
     found.back().push_back({sample.time_s, value});
     last = sample.frame;
   }
-  return found.back().empty() ? std::vector<Stretch>{} : found;
+  return found.back().empty() ? std::vector<Readings>{} : found;
 }
 
 // How far apart selected frames are: `measure --frames A:B:STEP`.
@@ -127,9 +127,9 @@ long frame_step_of(const RunTable& table) {
   return std::max(step, 1L);
 }
 
-std::string gap_words(const RunTable& table, const Place& place, const std::vector<Stretch>& stretches, long rows) {
+std::string gap_words(const RunTable& table, const Place& place, const std::vector<Readings>& stretches, long rows) {
   std::size_t there = 0;
-  for (const Stretch& stretch : stretches) there += stretch.size();
+  for (const Readings& stretch : stretches) there += stretch.size();
   return fmt::format(
       "gaps: {} {}: {} of {} samples are there in {} stretches, and UFF 58 knows no gap: give --gaps split, or "
       "--time without them",

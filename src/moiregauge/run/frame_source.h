@@ -45,6 +45,9 @@ struct InputError {
   InputErrorKind kind = InputErrorKind::kUnreadable;
   std::string message;       // "what: where: what to do"
 };
+[[nodiscard]] inline tl::unexpected<InputError> input_failure(InputErrorKind kind, std::string message) {
+  return tl::unexpected(InputError{kind, std::move(message)});
+}
 
 class FrameSource {
  public:

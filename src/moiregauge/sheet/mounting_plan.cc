@@ -22,7 +22,7 @@ using figure::kGrey;
 using figure::kVermilion;
 using figure::Letters;
 
-constexpr double kLeft = 15.0, kRight = 282.0, kTextSize_mm = 3.2, kSmall_mm = 2.7, kLine_mm = 4.6;
+constexpr double kLeft = 15.0, kRight = 282.0, kPlanText_mm = 3.2, kPlanSmall_mm = 2.7, kLine_mm = 4.6;
 constexpr double kDrawingTop = 24.0, kDrawingHigh = 82.0;
 constexpr std::size_t kMostRows = 16;  // of the table; more markers are in site.toml alone
 
@@ -58,12 +58,12 @@ void draw_axes(Canvas& canvas, const Scale& scale) {
                  tip,
                  {tip.x - 1.5 * dx + 0.8 * dy, tip.y - 1.5 * dy + 0.8 * dx}},
                 {kBlack, 0.3});
-    canvas.text({tip.x + 1.6 * dx - 0.8, tip.y + 1.6 * dy + 0.9}, name, {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
+    canvas.text({tip.x + 1.6 * dx - 0.8, tip.y + 1.6 * dy + 0.9}, name, {Align::kLeft, kBlack, false, 0.0, kPlanSmall_mm});
   };
   arrow(1.0, 0.0, "x");
   arrow(0.0, -1.0, "y");
   canvas.text({corner.x + kArm, corner.y + 5.0}, "+ in the drawing: origin",
-              {Align::kRight, kBlack, false, 0.0, kSmall_mm});
+              {Align::kRight, kBlack, false, 0.0, kPlanSmall_mm});
 }
 
 void draw_marker(Canvas& canvas, const Scale& scale, const Marker& marker) {
@@ -80,7 +80,7 @@ void draw_marker(Canvas& canvas, const Scale& scale, const Marker& marker) {
     canvas.dot(scale.at(marker.circle->centre), std::max(0.6, 0.5 * s * marker.circle->diameter_mm), colour_of(marker));
   const Box box = extent_of(marker);
   const figure::Spot top = scale.at({box.middle().x, box.high.y});
-  canvas.text({top.x, top.y - 1.4}, marker.name, {Align::kCentre, colour_of(marker), true, 0.0, kSmall_mm});
+  canvas.text({top.x, top.y - 1.4}, marker.name, {Align::kCentre, colour_of(marker), true, 0.0, kPlanSmall_mm});
 }
 
 // Between the outermost circles, or gratings where there are none.
@@ -104,12 +104,12 @@ void draw_dimensions(Canvas& canvas, const Scale& scale, const SheetSet& set) {
   canvas.line({{x0, below}, {x1, below}}, {kGrey, 0.25});
   tick(x0, below, true), tick(x1, below, true);
   canvas.text({0.5 * (x0 + x1), below + 3.6}, fmt::format("{:g} mm", high.x - low.x),
-              {Align::kCentre, kBlack, false, 0.0, kSmall_mm});
+              {Align::kCentre, kBlack, false, 0.0, kPlanSmall_mm});
   if (!(high.y > low.y)) return;
   canvas.line({{beside, y0}, {beside, y1}}, {kGrey, 0.25});
   tick(beside, y0, false), tick(beside, y1, false);
   canvas.text({beside - 1.5, 0.5 * (y0 + y1) + 1.0}, fmt::format("{:g} mm", high.y - low.y),
-              {Align::kRight, kBlack, false, 0.0, kSmall_mm});
+              {Align::kRight, kBlack, false, 0.0, kPlanSmall_mm});
 }
 
 std::string place(const std::optional<BoardPoint>& p) { return p ? fmt::format("{:+.1f}, {:+.1f}", p->x, p->y) : "-"; }
@@ -120,7 +120,7 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
     for (std::size_t i = 0; i < cells.size(); ++i)
       canvas.text(
           {columns[i], y}, cells[i],
-          fitted(canvas, cells[i], {Align::kLeft, kBlack, bold, 0.0, kSmall_mm}, columns[i + 1] - columns[i] - 1.0));
+          fitted(canvas, cells[i], {Align::kLeft, kBlack, bold, 0.0, kPlanSmall_mm}, columns[i + 1] - columns[i] - 1.0));
   };
   row(top, {"name", "role", "circle at x, y mm", "grating at x, y mm", "size mm"}, true);
   canvas.line({{kLeft, top + 1.3}, {kLeft + 122.0, top + 1.3}}, {kGrey, 0.2});
@@ -136,7 +136,7 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
   if (set.site.markers.size() > kMostRows)
     canvas.text({kLeft, top + 1.0 + kLine_mm * (kMostRows + 1.0)},
                 fmt::format("and {} more: see site.toml", set.site.markers.size() - kMostRows),
-                {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
+                {Align::kLeft, kBlack, false, 0.0, kPlanSmall_mm});
 }
 
 std::vector<std::string> advice(const SheetSet& set) {
@@ -170,7 +170,7 @@ void draw_mounting_plan(_cairo* cr, const SheetSet& set) {
   Canvas canvas(cr);
   canvas.text({kLeft, 14.0}, "Mounting plan", {Align::kLeft, kBlack, true, 0.0, 6.0});
   canvas.text({kLeft, 20.0}, fmt::format("{}; seen from the camera, x right, y up", words_for_prints(set.site.markers)),
-              {Align::kLeft, kBlack, false, 0.0, kTextSize_mm});
+              {Align::kLeft, kBlack, false, 0.0, kPlanText_mm});
   const Scale scale = scale_for(extent_of(set.site.markers));
   for (const Marker& marker : set.site.markers) draw_marker(canvas, scale, marker);
   draw_dimensions(canvas, scale, set);
@@ -179,7 +179,7 @@ void draw_mounting_plan(_cairo* cr, const SheetSet& set) {
   draw_table(canvas, set, top);
   double y = top;
   for (const std::string& line : advice(set)) {
-    canvas.text({kLeft + 140.0, y}, line, {Align::kLeft, kBlack, false, 0.0, kTextSize_mm});
+    canvas.text({kLeft + 140.0, y}, line, {Align::kLeft, kBlack, false, 0.0, kPlanText_mm});
     y += 1.15 * kLine_mm;
   }
 }

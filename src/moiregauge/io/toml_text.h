@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <fmt/format.h>
+
+namespace moiregauge {
+
+// The shortest text that reads back to the same bits; TOML wants a point in a real number.
+[[nodiscard]] inline std::string toml_real(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+}  // namespace moiregauge
