@@ -22,7 +22,7 @@ std::size_t first_target(const Site& site) {
   return i;
 }
 
-FrameFit fit(const Site& site, const Scene& scene, BundleFrame& frame) {
+FrameFit fit_turned(const Site& site, const Scene& scene, BundleFrame& frame) {
   frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
   return fit_frame(site, scene, frame);
 }
@@ -45,7 +45,7 @@ ProductChain::ProductChain(const Recording& recording, const Method& method)
   if (!scene_->solved) throw std::runtime_error("the recording's scene is not solved: " + scene_->problem);
   auto [frames, place] = bundle_frames(reference_, run, scene_->camera, {}, kLeastForHomography);
   budget_ = std::make_unique<PreciseBudget>(reference_.site, scene_->full_covariance,
-                                            fit(reference_.site, *scene_, frames.front()));
+                                            fit_turned(reference_.site, *scene_, frames.front()));
 }
 
 void ProductChain::observe(const Shot& shot) {
@@ -78,7 +78,7 @@ ProductChain::Reading ProductChain::solve(const std::vector<Observation>& one) c
 ProductChain::Reading ProductChain::solve_in_scene(const std::vector<Observation>& one) const {
   auto [frames, place] = bundle_frames(reference_, one, scene_->camera, {}, kLeastForHomography);
   if (place.front() == 0) return {};
-  const FrameFit now = fit(reference_.site, *scene_, frames[place.front()]);
+  const FrameFit now = fit_turned(reference_.site, *scene_, frames[place.front()]);
   if (!now.ok) return {};
   const auto displacement = now.shift[target_] - budget_->then().shift[target_];
   return {displacement, total(budget_->budget(now, target_, displacement))};

@@ -78,7 +78,7 @@ bool outline(const SeenRing& ring, const Shot& shot) {
              .order == Order::kProven;
 }
 
-bool fit(const SeenRing& ring, const Shot& shot) {
+bool fit_ring(const SeenRing& ring, const Shot& shot) {
   const auto reading = ring.chain->solve(ring.seen.at(shot.frame));
   benchmark::DoNotOptimize(reading);
   return reading.u.y > 0.0;
@@ -114,7 +114,7 @@ void add_stage_cases() {
   add("rasters", rasters);
   add("templates", templates);
   add("outline", outline);
-  add("fit and u", fit);
+  add("fit and u", fit_ring);
   add("reference", reference);
   add("scene", scene);
 }

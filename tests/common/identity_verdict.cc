@@ -89,8 +89,8 @@ double quarter_turn(const CrowdedScene& scene, const Reference& reference, std::
 }
 
 // The target's displacement in the moved frame against the truth, in whatever quarter turn the board's axes came out.
-void compare(const CrowdedScene& scene, const Image<std::uint8_t>& moved, const Reference& reference,
-             std::size_t target, IdentityVerdict& out) {
+void compare_identity(const CrowdedScene& scene, const Image<std::uint8_t>& moved, const Reference& reference,
+                      std::size_t target, IdentityVerdict& out) {
   const Method* method = method_named("two-stage");
   PatchWorkspace work;
   Follower follower(reference);
@@ -146,7 +146,7 @@ IdentityVerdict judged(const CrowdedScene& scene, const Shots& shots, Knowledge 
   }
   const Roles roles = roles_in(scene, *reference);
   out.words = roles.wrong;
-  if (roles.target != SIZE_MAX) compare(scene, shots.moved, *reference, roles.target, out);
+  if (roles.target != SIZE_MAX) compare_identity(scene, shots.moved, *reference, roles.target, out);
   out.verdict = Verdict::kWrong;
   const bool complete = roles.references == 4 && roles.target != SIZE_MAX && roles.wrong.empty();
   if (complete) out.verdict = roles.look_alikes == 0 ? Verdict::kRight : Verdict::kExtra;

@@ -82,6 +82,11 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   return run;
 }
 
+bool notes(const MeasuredRun& run, const std::string& what) {
+  return std::ranges::any_of(run.solution.notes,
+                             [&](const std::string& n) { return n.find(what) != std::string::npos; });
+}
+
 double rms(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v * v;

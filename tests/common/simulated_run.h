@@ -42,6 +42,9 @@ struct MeasuredRun {
 
 [[nodiscard]] MeasuredRun measured(const simulator::Scenario& scenario, const RunPlan& plan);
 
+// Whether the solution says `what`.
+[[nodiscard]] bool notes(const MeasuredRun& run, const std::string& what);
+
 [[nodiscard]] double rms(const std::vector<double>& values);
 [[nodiscard]] double scatter(const std::vector<double>& values);  // rms about the mean
 [[nodiscard]] double largest(const std::vector<double>& values);  // of the magnitudes

@@ -13,7 +13,7 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 namespace moiregauge {
 namespace {
 
-constexpr std::size_t kHeader = 16;     // bytes, made by the target itself
+constexpr std::size_t kUntouched = 16;  // bytes, made by the target itself
 constexpr unsigned kOneInSoMany = 200;  // mutations
 
 // "Reads" a value of `count` of everything that is counted; what is optional is there.
@@ -65,7 +65,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   if (size < 2 || seed % moiregauge::kOneInSoMany == 0) {
     const std::string fresh =
         std::string(1, '\0') +
-        moiregauge::fresh_run(1 + seed / moiregauge::kOneInSoMany % 2).substr(moiregauge::kHeader);
+        moiregauge::fresh_run(1 + seed / moiregauge::kOneInSoMany % 2).substr(moiregauge::kUntouched);
     if (fresh.size() <= most) {
       std::copy(fresh.begin(), fresh.end(), data);
       return fresh.size();

@@ -13,8 +13,6 @@ namespace {
 
 using simulator::Scenario;
 
-constexpr double kMinusOnePercent = -0.0225;  // k1 of the rig's lens, by its distortion at the full sensor's corner
-
 // The rig under 0.1 degree about x, of one instant, its target at rest, the optical axis through the board's middle.
 Scenario small_turn(double pivot_behind_mm) {
   auto scenario = *simulator::built_in("rig-0.1x");
@@ -55,9 +53,10 @@ double radial_error_mm(double k1, double shift_mm, double x_mm, double y_mm, dou
 TEST(ClosedForms, CirclesAloneLeaveKSRSquaredOfTheCircles) {
   for (const auto& [x, y] : {std::pair{380.0, 28.0}, {150.0, 45.0}, {200.0, 100.0}, {100.0, 100.0}}) {
     auto scenario = small_turn(0.0);
-    scenario.camera.k1 = kMinusOnePercent;
+    scenario.camera.k1 = test::kMinusOnePercent;
     place_references(scenario, x, 0.9 * x, y);
-    const double expected = radial_error_mm(kMinusOnePercent, shift_mm(scenario), x, y, scenario.mount.distance_mm);
+    const double expected =
+        radial_error_mm(test::kMinusOnePercent, shift_mm(scenario), x, y, scenario.mount.distance_mm);
     EXPECT_NEAR(error_mm(scenario, test::Stages::kCirclesOnly) / expected, 1.0, 0.02) << x << " x " << y;
   }
 }
@@ -68,10 +67,10 @@ TEST(ClosedForms, CirclesAloneLeaveKSRSquaredOfTheCircles) {
 TEST(ClosedForms, TheSecondStageLeavesKSRSquaredOfTheGratings) {
   for (const auto& [circle, grating] : {std::pair{380.0, 340.0}, {300.0, 340.0}, {200.0, 180.0}}) {
     auto scenario = small_turn(0.0);
-    scenario.camera.k1 = kMinusOnePercent;
+    scenario.camera.k1 = test::kMinusOnePercent;
     place_references(scenario, circle, grating, 28.0);
     const double expected =
-        radial_error_mm(kMinusOnePercent, shift_mm(scenario), grating, 28.0, scenario.mount.distance_mm);
+        radial_error_mm(test::kMinusOnePercent, shift_mm(scenario), grating, 28.0, scenario.mount.distance_mm);
     EXPECT_NEAR(error_mm(scenario, test::Stages::kBoth) / expected, 1.0, 0.02) << circle << ", " << grating;
   }
 }

@@ -7,6 +7,9 @@
 
 namespace moiregauge::test {
 
+// k1 of the rig's lens, by its distortion at the full sensor's corner.
+inline constexpr double kMinusOnePercent = -0.0225;
+
 enum class Stages { kCirclesOnly, kBoth };
 
 // Error of the target's displacement (mm) of the published method at `frame`, the reference frame being `reference_frame`:

@@ -10,8 +10,6 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kMinusOnePercent = -0.0225;  // k1 of the rig's lens, by its distortion at the full sensor's corner
-
 simulator::Scenario with_lens(const char* name, double k1) {
   auto scenario = *simulator::built_in(name);
   scenario.camera.k1 = k1;
@@ -21,7 +19,7 @@ simulator::Scenario with_lens(const char* name, double k1) {
 
 TEST(TwoStageThroughALens, TheResidualIsThatOfTheExactPoints) {
   for (const auto& [name, reference] : {std::pair{"rig-1x", 0L}, {"rig-8xyz", 80L}}) {
-    const auto scenario = with_lens(name, kMinusOnePercent);
+    const auto scenario = with_lens(name, test::kMinusOnePercent);
     test::RunPlan plan;
     plan.grain = test::Grain::kNoiseFree;
     plan.step = 10;
@@ -50,7 +48,7 @@ TEST(TwoStageThroughALens, WhatItCannotAbsorbIsInItsUncertainty) {
     test::RunPlan plan;
     plan.step = 8;
     plan.reference_frame = reference;
-    const auto run = test::measured(with_lens(name, kMinusOnePercent), plan);
+    const auto run = test::measured(with_lens(name, test::kMinusOnePercent), plan);
     ASSERT_TRUE(run.problem.empty()) << run.problem;
     long lies = 0;  // DESIGN 5: `ok`, and off by more than 5 u and 0.5 um
     std::size_t k = 0;

@@ -21,7 +21,7 @@ using simulator::Scenario;
 
 // A seventh of what is asked for (0.002 px). The simulator's pictures are good to 5e-5 of the contrast in the worst
 // pixel; what the spline leaves of a fringe of 5 px between the pixels is 2e-4 rad of phase, 0.00016 px.
-constexpr double kGate_px = 0.0003;
+constexpr double kPatternGate_px = 0.0003;
 
 constexpr double kMillimetresPerPixel = 1200.0 / 3478.26;  // of a face-on board
 constexpr double kPrint_px = 87.0;  // three pitches of 29: the least a window of 2 T leaves a region of
@@ -79,7 +79,7 @@ Image<std::uint16_t> picture_of(const Scenario& scenario) {
   return fine;
 }
 
-View exact_view(const Scenario& scenario) {
+View view_of_target(const Scenario& scenario) {
   std::vector<BoardPoint> board;
   std::vector<IdealPoint> ideal;
   for (const double x : {-15.0, 0.0, 15.0}) {
@@ -102,7 +102,7 @@ Worst worst_of(const Sight& v) {
   Worst worst;
   const Scenario at_rest = scene(v, {});
   const Grating& grating = *at_rest.markers[0].print.grating;
-  const View view = exact_view(at_rest);
+  const View view = view_of_target(at_rest);
   const double px = view.mm_per_px(grating.centre);
   const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
   EXPECT_TRUE(plan) << v;
@@ -145,8 +145,8 @@ TEST_P(EveryPattern, IsReadWhereItIs) {
       inverted = !inverted;
       const Sight v{pattern, pitch_px, tilt_deg, about_y, inverted, lie};
       const Worst here = worst_of(v);
-      EXPECT_LE(here.phase_px, kGate_px) << v;
-      EXPECT_LE(here.displacement_px, kGate_px) << v;
+      EXPECT_LE(here.phase_px, kPatternGate_px) << v;
+      EXPECT_LE(here.displacement_px, kPatternGate_px) << v;
       worst.phase_px = std::max(worst.phase_px, here.phase_px);
       worst.displacement_px = std::max(worst.displacement_px, here.displacement_px);
     }
@@ -176,7 +176,7 @@ TEST(EveryPatternOfLines, TurnedAgainstTheAxesKnowsNeither) {
   const auto told = [](double turned_deg) {
     const Sight v{Pattern::kLinesX, 12.0, 0.0, false, false, {0.0, turned_deg}};
     const Scenario at_rest = scene(v, {}), moved = scene(v, {0.0, 1.0});
-    const View view = exact_view(at_rest);
+    const View view = view_of_target(at_rest);
     const Grating& grating = *at_rest.markers[0].print.grating;
     const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
     PatchWorkspace work;
@@ -185,7 +185,7 @@ TEST(EveryPatternOfLines, TurnedAgainstTheAxesKnowsNeither) {
     return displacement_between(*plan, then, now);
   };
   const auto upright = told(0.0), oblique = told(5.0);
-  EXPECT_NEAR(upright.x, 0.0, kGate_px * kMillimetresPerPixel);
+  EXPECT_NEAR(upright.x, 0.0, kPatternGate_px * kMillimetresPerPixel);
   EXPECT_TRUE(std::isnan(upright.y));
   EXPECT_TRUE(std::isnan(oblique.x) && std::isnan(oblique.y));
 }
@@ -197,7 +197,7 @@ TEST(EveryPatternOfLines, AreReadWhileAPartOfThemIsInTheWindow) {
     const double across_px = 1.3;
     const Scenario at_rest = scene(v, {});
     const Scenario moved = scene(v, {across_px * kMillimetresPerPixel, along_px * kMillimetresPerPixel});
-    const View view = exact_view(at_rest);
+    const View view = view_of_target(at_rest);
     const Grating& grating = *at_rest.markers[0].print.grating;
     const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
     PatchWorkspace work;

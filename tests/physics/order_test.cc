@@ -17,7 +17,7 @@ simulator::Track sway(double amplitude_mm, double frequency_hz, double phase_deg
   return track;
 }
 
-test::MeasuredRun precisely(const simulator::Scenario& scenario, long step = 1, long frames = 40) {
+test::MeasuredRun precisely_by_steps(const simulator::Scenario& scenario, long step = 1, long frames = 40) {
   test::RunPlan plan;
   plan.method = "precise";
   plan.step = step;
@@ -54,7 +54,7 @@ TEST(Order, IsRightForATargetThatWalksSixPitchesSixTenthsOfAPitchPerFrame) {
     // 30 mm x 2 pi x 0.33 Hz / 10 fps = 6.3 mm at most in a frame.
     target_of(scenario).dy = sway(30.0, 0.33, 0.0);
     target_of(scenario).dx = sway(12.0, 0.5, 0.0);
-    expect_every_order_right(precisely(scenario), word_for(pattern));
+    expect_every_order_right(precisely_by_steps(scenario), word_for(pattern));
   }
 }
 
@@ -63,7 +63,7 @@ TEST(Order, IsRightForATargetThatJumpsSeveralPitchesBetweenFrames) {
   // Every 7th frame at 10 fps of a sway of 0.33 Hz: up to 40 mm apart.
   target_of(scenario).dy = sway(30.0, 0.33, 0.0);
   target_of(scenario).dx = sway(15.0, 0.47, 0.0);
-  expect_every_order_right(precisely(scenario, 7, 23), "jumps");
+  expect_every_order_right(precisely_by_steps(scenario, 7, 23), "jumps");
 }
 
 }  // namespace

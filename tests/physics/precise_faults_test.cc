@@ -12,7 +12,7 @@
 namespace moiregauge {
 namespace {
 
-simulator::Scenario scene(const char* name) {
+simulator::Scenario scene_named(const char* name) {
   auto scenario = *simulator::built_in(name);
   scenario.camera.k1 = -0.37;  // -1 % at the picture's corner
   return scenario;
@@ -25,10 +25,6 @@ test::MeasuredRun precisely(const simulator::Scenario& scenario, test::RunPlan p
   return run;
 }
 
-bool notes(const test::MeasuredRun& run, const char* what) {
-  return std::ranges::any_of(run.solution.notes, [&](const std::string& n) { return n.find(what) != std::string::npos; });
-}
-
 Camera known(const simulator::Scenario& s) {
   Camera lens;
   lens.width = s.camera.width, lens.height = s.camera.height;
@@ -38,7 +34,7 @@ Camera known(const simulator::Scenario& s) {
 }
 
 TEST(PreciseFaults, OfSixReferencesTheOneThatSlipsIsNamedAndLeftOut) {
-  const auto slipping = scene("small-six-slip");
+  const auto slipping = scene_named("small-six-slip");
   auto without_it = slipping;
   std::erase_if(without_it.markers, [](const auto& marker) { return marker.print.name == "NE"; });
   const test::RunPlan plan{.first = 60, .step = 2, .frames = 24, .reference_frame = 60};
@@ -52,12 +48,12 @@ TEST(PreciseFaults, OfSixReferencesTheOneThatSlipsIsNamedAndLeftOut) {
 }
 
 TEST(PreciseFaults, FourReferencesCannotVerifyEachOther) {
-  EXPECT_FALSE(precisely(scene("small-1xyz"), {.frames = 12}).solution.references_verified);
+  EXPECT_FALSE(precisely(scene_named("small-1xyz"), {.frames = 12}).solution.references_verified);
 }
 
 // NE is covered in frames 40 to 59, the target in 90 to 99.
 test::MeasuredRun covered(bool camera_known) {
-  auto scenario = scene("small-covered");
+  auto scenario = scene_named("small-covered");
   test::RunPlan plan{.first = 30, .step = 2, .frames = 40, .reference_frame = 30};
   if (camera_known) plan.lens = known(scenario);
   return precisely(scenario, plan);
@@ -88,7 +84,7 @@ TEST(PreciseFaults, WithAKnownCameraThreeReferencesCarryOn) { expect_only_lost(c
 // A sheet's paper is 10 mm wide to each side of the print: of the target's 60 mm a share of 0.17 hides no print.
 TEST(PreciseFaults, ATargetOfWhichALittleIsCoveredIsMeasuredByTheRestAndSaysSo) {
   for (const double share : {0.19, 0.22, 0.3}) {
-    auto scenario = scene("small-1xyz");
+    auto scenario = scene_named("small-1xyz");
     auto& target = *std::ranges::find(scenario.markers, "mid", [](const auto& m) { return m.print.name; });
     target.cover.frames = {{4, 8}};
     target.cover.share = share;
@@ -108,7 +104,7 @@ TEST(PreciseFaults, ATargetOfWhichALittleIsCoveredIsMeasuredByTheRestAndSaysSo) 
 TEST(PreciseFaults, AMarkerThatWasCoveredInTheReferenceFrameNeverLies) {
   for (const char* name : {"mid", "NE"}) {
     for (const double share : {0.22, 0.3, 0.4}) {
-      auto scenario = scene("small-1xyz");
+      auto scenario = scene_named("small-1xyz");
       auto& marker = *std::ranges::find(scenario.markers, name, [](const auto& m) { return m.print.name; });
       marker.cover.frames = {{0, 1}};
       marker.cover.share = share;
@@ -122,7 +118,7 @@ TEST(PreciseFaults, AMarkerThatWasCoveredInTheReferenceFrameNeverLies) {
 }
 
 TEST(PreciseFaults, ARollingShutterIsNamedAndSolved) {
-  auto scenario = scene("small-1xyz");
+  auto scenario = scene_named("small-1xyz");
   scenario.sensor.readout_s = 0.02;
   // 0.3 deg at 5 Hz: 9 deg/s, in a readout 0.19 deg.
   scenario.mount.rotation_z.amplitude = 0.3, scenario.mount.rotation_z.frequency_hz = 4.7;
@@ -138,13 +134,13 @@ TEST(PreciseFaults, ARollingShutterIsNamedAndSolved) {
 
 TEST(PreciseFaults, FootageThatShowsNothingOfTheLensSaysSo) {
   constexpr const char* kNote = "is not to be used for other footage";
-  EXPECT_TRUE(notes(precisely(scene("small-still"), {.frames = 12}), kNote));
-  EXPECT_FALSE(notes(precisely(scene("small-spread-1"), {.frames = 12}), kNote));
+  EXPECT_TRUE(notes(precisely(scene_named("small-still"), {.frames = 12}), kNote));
+  EXPECT_FALSE(notes(precisely(scene_named("small-spread-1"), {.frames = 12}), kNote));
 }
 
 TEST(PreciseFaults, AFlatLayoutIsToldWhatItCannotShow) {
   constexpr const char* kNote = "the references span 0.";
-  auto flat = scene("small-1xyz");
+  auto flat = scene_named("small-1xyz");
   EXPECT_FALSE(notes(precisely(flat, {.frames = 4}), kNote));
   for (auto& marker : flat.markers) {
     if (marker.print.role != Role::kReference) continue;
@@ -158,7 +154,7 @@ TEST(PreciseFaults, AFlatLayoutIsToldWhatItCannotShow) {
 }
 
 TEST(PreciseFaults, ReferencesOnALineAreRefused) {
-  auto line = scene("small-still");
+  auto line = scene_named("small-still");
   std::array<double, 4> x{-110.0, -38.0, 38.0, 110.0};
   std::size_t next = 0;
   for (auto& marker : line.markers) {

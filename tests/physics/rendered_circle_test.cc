@@ -14,9 +14,9 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kGate_px = 0.005;
+constexpr double kCircleGate_px = 0.005;
 
-simulator::Scenario tilted(double x_deg, double y_deg) {
+simulator::Scenario tilted_by(double x_deg, double y_deg) {
   simulator::Scenario s = *simulator::built_in("small-0.1x");
   s.mount.board_x_deg = x_deg;
   s.mount.board_y_deg = y_deg;
@@ -42,7 +42,7 @@ ImagePoint exact_ellipse_centre(const simulator::Scenario& scenario, const Circl
 TEST(RenderedCircle, TheCentreFoundIsTheImagedEllipsesCentre) {
   for (const double tilt : {0.0, 8.0, 20.0, 40.0}) {
     for (const bool sideways : {false, true}) {
-      const auto scenario = tilted(sideways ? 0.0 : tilt, sideways ? tilt : 0.0);
+      const auto scenario = tilted_by(sideways ? 0.0 : tilt, sideways ? tilt : 0.0);
       const Image<double> light = render_ideal(scenario, 0, {0, simulator::Area::kMarkersOnly});
       Image<std::uint16_t> fine(light.width(), light.height());
       for (int y = 0; y < light.height(); ++y) {
@@ -55,15 +55,15 @@ TEST(RenderedCircle, TheCentreFoundIsTheImagedEllipsesCentre) {
         const ImagePoint exact = exact_ellipse_centre(scenario, *marker.circle, centre);
         double nearest = 1e9;
         for (const SeenCircle& seen : search.circles) nearest = std::min(nearest, length(seen.centre - exact));
-        EXPECT_LE(nearest, kGate_px) << marker.name << " at " << tilt << " deg; the ellipse's centre is "
-                                     << length(exact - centre) << " px from the centre's image";
+        EXPECT_LE(nearest, kCircleGate_px) << marker.name << " at " << tilt << " deg; the ellipse's centre is "
+                                           << length(exact - centre) << " px from the centre's image";
       }
     }
   }
 }
 
 TEST(RenderedCircle, TheClosedFormOfTheEllipsesCentreIsTheSimulators) {
-  const auto scenario = tilted(40.0, 0.0);
+  const auto scenario = tilted_by(40.0, 0.0);
   std::vector<BoardPoint> board;
   std::vector<ImagePoint> image;
   for (const double x : {-100.0, 100.0}) {

@@ -15,7 +15,7 @@ namespace {
 
 using simulator::Scenario;
 
-constexpr double kGate_px = 0.001;
+constexpr double kPhaseGate_px = 0.001;
 
 Scenario tilted(double x_deg, double y_deg, double k1, double p1, Pattern pattern) {
   Scenario s = *simulator::built_in("small-0.1x");
@@ -85,8 +85,8 @@ TEST(RenderedPhase, AGratingSeenAtAnAngleThroughALensReadsWhereItIs) {
       for (const double tilt : {0.0, 8.0, 20.0, 40.0}) {
         for (const bool sideways : {false, true}) {
           const double worst = worst_phase_px(tilted(sideways ? 0.0 : tilt, sideways ? tilt : 0.0, k1, p1, pattern));
-          EXPECT_LE(worst, kGate_px) << word_for(pattern) << ", k1 " << k1 << ", p1 " << p1 << ", tilt " << tilt
-                                     << (sideways ? " about y" : " about x");
+          EXPECT_LE(worst, kPhaseGate_px) << word_for(pattern) << ", k1 " << k1 << ", p1 " << p1 << ", tilt " << tilt
+                                          << (sideways ? " about y" : " about x");
           RecordProperty(std::string(word_for(pattern)) + "_k1_" + std::to_string(k1) + "_tilt_" + std::to_string(tilt),
                          std::to_string(worst));
         }

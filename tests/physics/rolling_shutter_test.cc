@@ -33,7 +33,7 @@ simulator::Scenario hand_held() {
   return s;
 }
 
-test::MeasuredRun precisely(const simulator::Scenario& scenario, std::optional<double> readout_s = {}) {
+test::MeasuredRun precisely_by_rows(const simulator::Scenario& scenario, std::optional<double> readout_s = {}) {
   test::RunPlan plan{.method = "precise", .frames = 24};
   plan.solve.readout_s = readout_s;
   auto run = test::measured(scenario, plan);
@@ -59,17 +59,13 @@ long ok_rows(const test::MeasuredRun& run) {
   return std::ranges::count_if(run.samples, [](const Sample& s) { return s.status == Status::kOk; });
 }
 
-bool notes(const test::MeasuredRun& run, const char* what) {
-  return std::ranges::any_of(run.solution.notes, [&](const std::string& n) { return n.find(what) != std::string::npos; });
-}
-
 // The same hand before a global shutter: what frames of this noise are worth. With the readout free and the path known
 // to the frames only, u is wider; twice that scatter in dy (the strong axis) and three times in dx is what METHOD's
 // study found for a spline (26 / 13 um for 322 / 71 um, of its own noise of 3.1 / 0.7 um, is far above).
 TEST(RollingShutter, OfAHandHeldTelephoneIsSolvedFromItsFootage) {
   auto at_once = hand_held();
   at_once.sensor.readout_s = 0.0;
-  const auto yardstick = precisely(at_once), run = precisely(hand_held());
+  const auto yardstick = precisely_by_rows(at_once), run = precisely_by_rows(hand_held());
   ASSERT_TRUE(run.solution.scene && run.solution.scene->solved);
   EXPECT_NEAR(run.solution.scene->readout_s, kReadout, 5.0 * run.solution.scene->u_readout_s);
   EXPECT_LT(run.solution.scene->u_readout_s, 0.2 * kReadout);
@@ -84,7 +80,7 @@ TEST(RollingShutter, OfAHandHeldTelephoneIsSolvedFromItsFootage) {
 }
 
 TEST(RollingShutter, GivenIsAsGoodAsSolved) {
-  const auto run = precisely(hand_held(), kReadout);
+  const auto run = precisely_by_rows(hand_held(), kReadout);
   ASSERT_TRUE(run.solution.scene && run.solution.scene->solved);
   // 3 % is what a given readout is taken to be known to.
   EXPECT_NEAR(run.solution.scene->readout_s, kReadout, 0.06 * kReadout);
@@ -110,7 +106,7 @@ TEST(RollingShutter, AVibrationAboveTheFrameRateIsNoSilentLie) {
   auto shaken = hand_held();
   for (auto* track : {&shaken.mount.rotation_x, &shaken.mount.rotation_y, &shaken.mount.rotation_z})
     track->amplitude = 0.02, track->frequency_hz = 40.0;
-  EXPECT_EQ(silent_lies(precisely(shaken)), 0);
+  EXPECT_EQ(silent_lies(precisely_by_rows(shaken)), 0);
 }
 
 // The target's own movement between its row's time and the frame's: 2 pi 3 Hz 1 mm = 19 mm/s over the delay of its
@@ -122,7 +118,7 @@ TEST(RollingShutter, ATargetThatMovesIsSetBackToItsFramesTime) {
   target.print.grating->centre = {0.0, 55.0};
   target.dy = {};
   target.dy.amplitude = 1.0, target.dy.frequency_hz = 3.0;
-  const auto run = precisely(moving, kReadout);
+  const auto run = precisely_by_rows(moving, kReadout);
   EXPECT_EQ(silent_lies(run), 0);
   EXPECT_LT(test::rms(run.error_y_um), 75.0 / 20.0 + 3.0 * test::rms(run.u_y_um));
   EXPECT_LT(test::rms(run.u_y_um), 10.0);

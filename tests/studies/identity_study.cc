@@ -27,7 +27,7 @@ void count(const IdentityVerdict& v, Counts& counts) {
     counts.worst_error_mm = std::max(counts.worst_error_mm, v.error_mm);
 }
 
-void print(const char* name, const Counts& c) {
+void print_counts(const char* name, const Counts& c) {
   std::printf("| %s | %d | %d | %d | %d | %.3f mm | %d |\n", name, c.of_verdict[0], c.of_verdict[1], c.of_verdict[2],
               c.of_verdict[3], c.worst_error_mm, c.not_measured);
 }
@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
       first, first + scenes - 1);
   int wrong = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    print(kNames[i], counts[i]);
+    print_counts(kNames[i], counts[i]);
     wrong += counts[i].of_verdict[static_cast<std::size_t>(Verdict::kWrong)];
   }
   return wrong == 0 ? 0 : 1;

@@ -6,20 +6,19 @@
 
 #include <fmt/format.h>
 
+#include "studies/dice.h"
+
 namespace moiregauge::study {
 namespace {
 
 using simulator::Scenario;
 using simulator::SceneMarker;
-using Dice = std::mt19937_64;
 
 constexpr double kMargin_mm = 2.0;                     // of white paper round a print
 constexpr double kReach = 2.2;                         // pitches to every side
 constexpr double kRoomX_mm = 105.0, kRoomY_mm = 72.0;  // to either side of the middle
 
-double uniform(Dice& dice, double low, double high) { return std::uniform_real_distribution<double>(low, high)(dice); }
-
-SceneMarker reference_at(double x, double y) {
+SceneMarker corner_reference(double x, double y) {
   SceneMarker m;
   m.print.name = fmt::format("{}{}", y > 0.0 ? 'N' : 'S', x > 0.0 ? 'E' : 'W');
   m.print.circle = Circle{{x, y > 0.0 ? y - 26.0 : y + 26.0}, 16.0};
@@ -79,7 +78,7 @@ Scenario jumping_targets(const JumpKind& kind, int number) {
   s.mount.rotation_z = {.random = 1.0, .random_seed = 10 * s.seed + 3};
   s.markers.clear();
   for (const double y : {62.0, -62.0}) {
-    for (const double x : {-132.0, 132.0}) s.markers.push_back(reference_at(x, y));
+    for (const double x : {-132.0, 132.0}) s.markers.push_back(corner_reference(x, y));
   }
   Dice dice(s.seed * 7919);
   const double cell = kind.pitch_mm * (kind.pitches + 2.0 * kReach) + 2.0 * kMargin_mm;

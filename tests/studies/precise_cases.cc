@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "studies/lens.h"
+
 namespace moiregauge::study {
 namespace {
 
@@ -13,12 +15,6 @@ using simulator::Scenario;
 using simulator::Track;
 
 Scenario scene(const char* name) { return *simulator::built_in(name); }
-
-// Radial distortion `percent` at the picture's own corner.
-void bend(Scenario& s, double percent) {
-  const double corner = 0.5 * std::hypot(s.camera.width, s.camera.height) / s.camera.fx;
-  s.camera.k1 = 0.01 * percent / (corner * corner);
-}
 
 void set_pattern(Scenario& s, Pattern pattern) {
   for (auto& marker : s.markers) marker.print.grating->pattern = pattern;

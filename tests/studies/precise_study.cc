@@ -14,6 +14,7 @@
 
 #include "common/simulated_run.h"
 #include "moiregauge/simulator/settings.h"
+#include "studies/lens.h"
 #include "studies/precise_bounds.h"
 #include "studies/precise_cases.h"
 
@@ -44,20 +45,20 @@ bool apply(const std::string& assignment, simulator::Scenario& scenario) {
 
 constexpr double kUmPerPitch = 10000.0;
 
-struct Axis {
+struct AxisErrors {
   std::vector<double> about_mean, raw, u, bound;
   int inside = 0;
 };
 
 // What was seen over many runs of one case.
-struct Tally {
-  Axis x, y;
+struct CaseTally {
+  AxisErrors x, y;
   int rows = 0, ok = 0, wrong_orders = 0, lies = 0, covered_ok = 0, problems = 0, runs = 0;
   std::map<std::string, int> models, statuses;
   std::map<std::string, std::vector<double>> budget_y, budget_x;
 };
 
-void add_axis(Axis& axis, const std::vector<double>& errors, const std::vector<double>& u) {
+void add_axis(AxisErrors& axis, const std::vector<double>& errors, const std::vector<double>& u) {
   double mean = 0.0;
   for (const double e : errors) mean += e / static_cast<double>(errors.size());
   for (std::size_t k = 0; k < errors.size(); ++k) {
@@ -76,7 +77,7 @@ bool is_covered(const simulator::Scenario& s, const test::MeasuredRun& run, cons
   return false;
 }
 
-void add_run(Tally& tally, const simulator::Scenario& s, const test::MeasuredRun& run) {
+void add_run(CaseTally& tally, const simulator::Scenario& s, const test::MeasuredRun& run) {
   ++tally.runs;
   tally.problems += !run.problem.empty();
   std::vector<double> ex, ey, ux, uy;
@@ -110,10 +111,6 @@ void add_run(Tally& tally, const simulator::Scenario& s, const test::MeasuredRun
   ++tally.models[run.solution.scene ? run.solution.scene->solved ? run.solution.scene->model.name() : "unsolved" : "-"];
 }
 
-Camera lens_of(const simulator::Camera& c) {
-  return {c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
-}
-
 test::RunPlan plan_of(const PreciseCase& c, const Words& words) {
   test::RunPlan plan;
   plan.method = words.method;
@@ -127,7 +124,7 @@ test::RunPlan plan_of(const PreciseCase& c, const Words& words) {
   return plan;
 }
 
-void tell(const simulator::Scenario& s, const test::MeasuredRun& run) {
+void tell_case(const simulator::Scenario& s, const test::MeasuredRun& run) {
   std::fprintf(stderr, "  seed %llu: scatter %.3f %.3f raw %.3f %.3f u %.3f %.3f ",
                static_cast<unsigned long long>(s.seed), test::scatter(run.error_x_um), test::scatter(run.error_y_um),
                test::rms(run.error_x_um), test::rms(run.error_y_um), test::rms(run.u_x_um), test::rms(run.u_y_um));
@@ -145,14 +142,14 @@ void tell(const simulator::Scenario& s, const test::MeasuredRun& run) {
 
 // Long runs: positions drawn, prints exact, so that what is left is the method's own. The bound is that of the frames
 // measured; the full bound costs four pictures per marker, so it is taken of every tenth.
-Tally long_runs(const PreciseCase& c, const Words& words) {
-  Tally tally;
+CaseTally long_runs(const PreciseCase& c, const Words& words) {
+  CaseTally tally;
   const int runs = words.runs >= 0 ? words.runs : c.runs;
   for (int n = 0; n < runs; ++n) {
     simulator::Scenario s = drawn_anew(c.scenario, words.seed + n);
     s.draw.position = !words.no_draw;
     const test::MeasuredRun run = test::measured(s, plan_of(c, words));
-    if (words.verbose) tell(s, run);
+    if (words.verbose) tell_case(s, run);
     add_run(tally, s, run);
     const bool full = c.bound == Bound::kFull;
     for (std::size_t k = 0; k < run.samples.size(); k += full ? 10 : 1) {
@@ -165,8 +162,8 @@ Tally long_runs(const PreciseCase& c, const Words& words) {
 }
 
 // Short runs: all that [known_to] speaks of is drawn.
-Tally short_runs(const PreciseCase& c, const Words& words) {
-  Tally tally;
+CaseTally short_runs(const PreciseCase& c, const Words& words) {
+  CaseTally tally;
   const int runs = words.coverage >= 0 ? words.coverage : c.coverage_runs;
   for (int n = 0; n < runs; ++n) {
     simulator::Scenario s = drawn_anew(c.scenario, 100000 + words.seed + n);
@@ -175,13 +172,13 @@ Tally short_runs(const PreciseCase& c, const Words& words) {
     plan.frames = c.coverage_frames;
     plan.step = c.coverage_step;
     const test::MeasuredRun run = test::measured(s, plan);
-    if (words.verbose) tell(s, run);
+    if (words.verbose) tell_case(s, run);
     add_run(tally, s, run);
   }
   return tally;
 }
 
-std::string models_of(const Tally& tally) {
+std::string models_of(const CaseTally& tally) {
   std::string text;
   for (const auto& [name, count] : tally.models) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
   return text;
@@ -191,7 +188,7 @@ std::string share(int part, std::size_t whole) {
   return whole == 0 ? "-" : fmt::format("{:.1f}", 100.0 * part / static_cast<double>(whole));
 }
 
-void print_budget(const char* what, const Tally& tally) {
+void print_budget(const char* what, const CaseTally& tally) {
   std::fprintf(stderr, "  %s budget x / y, rms um:", what);
   for (const BudgetPart& part : kBudgetParts) {
     const auto x = tally.budget_x.find(part.name), y = tally.budget_y.find(part.name);
@@ -203,7 +200,7 @@ void print_budget(const char* what, const Tally& tally) {
 }
 
 void print_row(const PreciseCase& c, const Words& words) {
-  const Tally run = long_runs(c, words), brief = short_runs(c, words);
+  const CaseTally run = long_runs(c, words), brief = short_runs(c, words);
   const double bx = test::rms(run.x.bound), by = test::rms(run.y.bound);
   const double sx = test::rms(run.x.about_mean), sy = test::rms(run.y.about_mean);
   fmt::print(

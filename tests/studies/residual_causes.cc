@@ -28,7 +28,7 @@ Cause lens(const char* name, double k1) {
 }
 
 // The target alone stands off the references' plane; the pivot is that far behind the lens.
-Cause off_plane(double behind_mm, double pivot_mm) {
+Cause off_plane_cause(double behind_mm, double pivot_mm) {
   return {fmt::format("target {:.0f} mm behind the plane, pivot {:.0f} mm behind the lens", behind_mm, pivot_mm),
           [=](Scenario& s) {
             s.mount.pivot_z_mm = -pivot_mm;
@@ -63,11 +63,11 @@ std::vector<Cause> causes() {
              s.camera.p1 = 5e-4;
              s.camera.p2 = 5e-4;
            }},
-          off_plane(1, 100),
-          off_plane(10, 100),
-          off_plane(30, 100),
-          off_plane(30, 0),
-          off_plane(100, 170),
+          off_plane_cause(1, 100),
+          off_plane_cause(10, 100),
+          off_plane_cause(30, 100),
+          off_plane_cause(30, 0),
+          off_plane_cause(100, 170),
           references_moved("references +-3 mm off their plane, by diagonals", 0, 0, 3),
           references_moved("references 0.3 mm beside the site's places, by diagonals", 0.3, 0.3, 0)};
 }

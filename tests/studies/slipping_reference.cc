@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/observation/print_model.h"
+#include "studies/dice.h"
 #include "studies/trust_scenarios.h"
 
 namespace moiregauge::study {
@@ -16,15 +17,12 @@ namespace {
 
 using simulator::Scenario;
 using simulator::SceneMarker;
-using Dice = std::mt19937_64;
 
 constexpr long kFrames = 17;  // the reference frame among them
 constexpr double kMmPerPx = 1200.0 / 3478.26;
 constexpr double kReference = 30.0, kTarget = 40.0, kCircle = 16.0;  // mm
 constexpr double kCircleBeside = 26.0;                               // to the right of a reference's grating, mm
 constexpr simulator::RenderOptions kOneThread{1, simulator::Area::kMarkersOnly};
-
-double uniform(Dice& dice, double low, double high) { return std::uniform_real_distribution<double>(low, high)(dice); }
 
 SceneMarker reference_at(std::size_t k, BoardPoint centre) {
   SceneMarker m;

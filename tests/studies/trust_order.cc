@@ -17,24 +17,24 @@ namespace {
 
 constexpr double kWrong = 0.25;  // of a pitch
 
-struct Row {
+struct OrderRow {
   const char* name;
   JumpKind kind;
   double share;  // of all samples
 };
 
 constexpr std::array kRows{
-    Row{"grid, 29 px", {.pattern = Pattern::kGrid, .pitch_mm = 10.0, .pitches = 3}, 0.03},
-    Row{"grid, 14 px", {.pattern = Pattern::kGrid, .pitch_mm = 5.0}, 0.12},
-    Row{"grid, 10 px", {.pattern = Pattern::kGrid, .pitch_mm = 3.5}, 0.15},
-    Row{"squares, 10 px, 6 pitches", {.pattern = Pattern::kSquares, .pitch_mm = 3.5, .pitches = 6}, 0.1},
-    Row{"dots, 10 px", {.pattern = Pattern::kDots, .pitch_mm = 3.5}, 0.15},
-    Row{"checkerboard, 14 px", {.pattern = Pattern::kCheckerboard, .pitch_mm = 5.0, .noise = 3.0}, 0.1},
-    Row{"cosine, 10 px, noise 3", {.pattern = Pattern::kCosine, .pitch_mm = 3.5, .noise = 3.0}, 0.1},
-    Row{"grid, 14 px, blur 2 px", {.pattern = Pattern::kGrid, .pitch_mm = 5.0, .noise = 3.0, .psf_px = 2.0}, 0.1},
-    Row{"grid, 10 px, half of them covered at times",
-        {.pattern = Pattern::kGrid, .pitch_mm = 3.5, .covered = 0.5},
-        0.15},
+    OrderRow{"grid, 29 px", {.pattern = Pattern::kGrid, .pitch_mm = 10.0, .pitches = 3}, 0.03},
+    OrderRow{"grid, 14 px", {.pattern = Pattern::kGrid, .pitch_mm = 5.0}, 0.12},
+    OrderRow{"grid, 10 px", {.pattern = Pattern::kGrid, .pitch_mm = 3.5}, 0.15},
+    OrderRow{"squares, 10 px, 6 pitches", {.pattern = Pattern::kSquares, .pitch_mm = 3.5, .pitches = 6}, 0.1},
+    OrderRow{"dots, 10 px", {.pattern = Pattern::kDots, .pitch_mm = 3.5}, 0.15},
+    OrderRow{"checkerboard, 14 px", {.pattern = Pattern::kCheckerboard, .pitch_mm = 5.0, .noise = 3.0}, 0.1},
+    OrderRow{"cosine, 10 px, noise 3", {.pattern = Pattern::kCosine, .pitch_mm = 3.5, .noise = 3.0}, 0.1},
+    OrderRow{"grid, 14 px, blur 2 px", {.pattern = Pattern::kGrid, .pitch_mm = 5.0, .noise = 3.0, .psf_px = 2.0}, 0.1},
+    OrderRow{"grid, 10 px, half of them covered at times",
+             {.pattern = Pattern::kGrid, .pitch_mm = 3.5, .covered = 0.5},
+             0.15},
 };
 
 struct Count {
@@ -76,13 +76,13 @@ Count count_of(const JumpKind& kind, int number, bool verbose) {
   return count;
 }
 
-void add(Count& sum, const Count& one) {
+void add_count(Count& sum, const Count& one) {
   sum.samples += one.samples, sum.ok += one.ok, sum.wrong += one.wrong;
   sum.wrong_with_numbers += one.wrong_with_numbers, sum.refused += one.refused;
   for (const auto& [word, n] : one.words) sum.words[word] += n;
 }
 
-void print(const char* name, int targets, const Count& c) {
+void print_order(const char* name, int targets, const Count& c) {
   std::string words;
   for (const auto& [word, n] : c.words) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, word);
   fmt::print("| {} | {} | {} | {} | {} | {} | {} |\n", name, targets, c.samples, c.ok, c.wrong, c.wrong_with_numbers,
@@ -97,19 +97,19 @@ void print_orders(int samples, const std::string& only, bool verbose) {
       "| print | targets | samples | ok | ok and off by over P/4 | off and not called ok | not ok "
       "|\n|---|---|---|---|---|---|---|\n");
   Count all;
-  for (const Row& row : kRows) {
+  for (const OrderRow& row : kRows) {
     if (!std::string(row.name).starts_with(only)) continue;
     const auto markers = jumping_targets(row.kind, 0).markers.size();
     const int targets = static_cast<int>(markers) - 4;
     const int runs = static_cast<int>(std::ceil(samples * row.share / static_cast<double>(targets * kJumps)));
     Count sum;
     for (const Count& c : in_parallel(row.name, runs, [&](int n) { return count_of(row.kind, n, verbose); }))
-      add(sum, c);
-    print(row.name, targets, sum);
-    add(all, sum);
+      add_count(sum, c);
+    print_order(row.name, targets, sum);
+    add_count(all, sum);
   }
   all.words.clear();
-  print("all", 0, all);
+  print_order("all", 0, all);
 }
 
 }  // namespace moiregauge::study

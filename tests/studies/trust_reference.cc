@@ -32,14 +32,14 @@ Outcome outcome_of(const Slip& slip, const std::optional<Solution>& solution) {
   return out;
 }
 
-struct Row {
+struct ReferenceRow {
   std::string name;
   SlipKind kind;
   double draws = 1.0;  // of those asked for
 };
 
-std::vector<Row> table() {
-  std::vector<Row> all;
+std::vector<ReferenceRow> table() {
+  std::vector<ReferenceRow> all;
   const auto add = [&](int references, Layout layout, bool lens_known, double slip_px, Footage footage, double draws) {
     all.push_back({fmt::format("{} {}, lens {}{}{}", references, layout == Layout::kRows ? "in two rows" : "strewn",
                                lens_known ? "known" : "unknown", slip_px > 0.0 ? "" : ", none slips",
@@ -65,7 +65,7 @@ void print_reference_faults(int draws, const std::string& only, bool verbose) {
   fmt::print(
       "| references | draws | noticed, % | right one named, % | another named, % | \"verified\", % "
       "|\n|---|---|---|---|---|---|\n");
-  for (const Row& row : table()) {
+  for (const ReferenceRow& row : table()) {
     if (!row.name.starts_with(only)) continue;
     const int count = std::max(1, static_cast<int>(draws * row.draws));
     const auto outcomes = in_parallel(row.name.c_str(), count, [&](int n) {

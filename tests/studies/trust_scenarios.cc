@@ -6,6 +6,7 @@
 #include <random>
 
 #include "moiregauge/calibration/bundle.h"
+#include "studies/lens.h"
 
 namespace moiregauge::study {
 namespace {
@@ -15,12 +16,6 @@ using simulator::SceneMarker;
 
 constexpr long kMeasuredFrames = 5;     // besides the reference frame
 constexpr double kCentreWithin = 0.02;  // of the picture's larger side: where an unknown lens has its centre
-
-// Radial distortion `percent` at the picture's own corner.
-void bend(Scenario& s, double percent) {
-  const double corner = 0.5 * std::hypot(s.camera.width, s.camera.height) / s.camera.fx;
-  s.camera.k1 = 0.01 * percent / (corner * corner);
-}
 
 // The same rig seen by a sensor of larger pixels: pitches of 29 px become 29 / times.
 Scenario coarser(Scenario s, double times) {
@@ -126,10 +121,6 @@ void draw_camera(simulator::Camera& c, const std::array<double, kCameraParameter
   c.cx += u[1] * normal(dice), c.cy += u[2] * normal(dice);
   c.k1 += u[3] * normal(dice), c.k2 += u[4] * normal(dice);
   c.p1 += u[5] * normal(dice), c.p2 += u[6] * normal(dice);
-}
-
-Camera lens_of(const simulator::Camera& c) {
-  return {c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
 }
 
 }  // namespace
