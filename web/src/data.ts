@@ -75,10 +75,10 @@ const textOf = (id: string): string => document.getElementById(id)?.textContent?
 export const report = (): Report => JSON.parse(textOf('report')) as Report;
 export const run = (): Run => JSON.parse(textOf('run')) as Run;
 
-// The picture as a data URL; empty where there is none.
+// The picture as a data URL, JPEG (ff d8 ff) or PNG; empty where there is none.
 export function overlay(): string {
   const base64 = textOf('overlay');
-  return base64 ? `data:image/png;base64,${base64}` : '';
+  return base64 ? `data:image/${base64.startsWith('/9j/') ? 'jpeg' : 'png'};base64,${base64}` : '';
 }
 
 function bytesOf(base64: string): Uint8Array<ArrayBuffer> {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "moiregauge/report/packed_columns.h"
+#include "moiregauge/report/page_picture.h"
 #include "moiregauge/report/report_words.h"
 #include "moiregauge/version.h"
 
@@ -222,7 +223,7 @@ std::string report_page(const Measurement& m, const MeasureOptions& options, con
          for_script(json.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
   out += "<script type=\"application/json\" id=\"run\">" + for_script(run_json) + "</script>\n";
   out += "<script type=\"text/plain\" id=\"samples\">" + columns.base64() + "</script>\n";
-  out += "<script type=\"text/plain\" id=\"overlay\">" + base64_of(overlay) + "</script>";
+  out += "<script type=\"text/plain\" id=\"overlay\">" + base64_of(page_picture(overlay)) + "</script>";
   out += page.substr(data + kDataMark.size());
   return out;
 }
