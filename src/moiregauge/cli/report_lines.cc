@@ -58,6 +58,9 @@ std::string next_after_measure(const Measurement& m, const std::string& output) 
   const bool untrusted = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kUntrusted; });
   const bool moved = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kCameraMoved; });
   if (moved) return "next: the camera moved, which `conventional` cannot take out: measure with --method two-stage";
+  if (untrusted && m.scene)
+    return fmt::format("next: the references do not fit one rigid scene: {}/report.html shows from which frame on, the warnings what is known of it",
+                       output);
   if (untrusted)
     return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE with the "
            "lens's calibration";

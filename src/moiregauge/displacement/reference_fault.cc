@@ -25,6 +25,7 @@ constexpr double kClearlyMoves = 3.0;
 struct Suspect {
   std::size_t marker = 0;
   double fall = 0.0;  // of chi2, in units of the most likely one's
+  long since = 0;     // frame, if it steps
 };
 
 // The two that lower chi2 most, if each in turn may move as `fall` has it; nothing from `least` on.
@@ -36,6 +37,7 @@ std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<st
     if (best != nullptr && !(fall(slip) > fall(*best))) continue;
     best = &slip;
     first.marker = marker;
+    first.since = slip.first;
   }
   if (best == nullptr || !(fall(*best) > least * best->unit())) return std::nullopt;
   double second = 0.0;
@@ -64,8 +66,8 @@ ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> 
     if (site.markers[i].role == Role::kReference && 2 * seen > static_cast<long>(frames.size()))
       references.push_back(i);
   }
-  if (references.size() < 5) return verdict;
-  verdict.verified = references.size() >= 6 || camera_known;
+  if (references.size() < 4) return verdict;
+  verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
   std::vector<BundleFrame> few;
   for (const std::size_t k : key_frames(frames, kMostFrames)) few.push_back(frames[k]);
   const BundleSolution all = solve_bundle(site, few, prior, model);
@@ -81,9 +83,10 @@ ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> 
   };
   const auto step = [](const ReferenceSlip& s) { return s.step_fall; };
   const auto way = [](const ReferenceSlip& s) { return s.free_fall / static_cast<double>(std::max(1L, s.free_rows)); };
-  if (const auto slipped = suspect(slips, step, kSlips))
+  if (const auto slipped = suspect(slips, step, kSlips)) {
     judge(slipped->first.marker, slipped->first.fall - slipped->second > kClearly);
-  else if (const auto moved = suspect(slips, way, kMoves))
+    verdict.since = slipped->first.since;
+  } else if (const auto moved = suspect(slips, way, kMoves))
     judge(moved->first.marker, moved->first.fall > kClearlyMoves * moved->second);
   return verdict;
 }

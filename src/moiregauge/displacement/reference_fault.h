@@ -16,10 +16,12 @@ struct ReferenceVerdict {
   bool verified = false;             // enough of them to name one that moves
   std::optional<std::size_t> moved;  // that reference (index in the site)
   bool doubtful = false;             // one of them moves, and it cannot be told which
+  std::optional<long> since;         // frame from which on it stands elsewhere, if it moves by a step
 };
 
-// Six references show it, or five with a known camera; five without one may show that something is wrong. A reference
-// counts when it is seen in most frames.
+// Six references show it, or five with a known camera. Four, or five without one, may show that one moves, not which:
+// four leave two coordinates of eight after a frame's pose, and a slip that a pose and the lens imitate is not seen. A
+// reference counts when it is seen in most frames.
 [[nodiscard]] ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> frames,
                                                const ScenePrior& prior, const SceneModel& model, bool camera_known);
 

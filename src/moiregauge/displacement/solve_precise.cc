@@ -202,9 +202,10 @@ class Precise {
     if (given && !shutter.problem.empty()) solution_.notes.push_back("--readout is not used: " + shutter.problem);
     if (!shutter.problem.empty() || (!given && !pays(shutter, at_once))) return at_once;
     if (given && at_once.bundle.scene.solved && fits_worse(shutter.calibration.shutter, at_once.shutter))
-      solution_.notes.push_back(fmt::format(
-          "with rows read over {:.2f} ms the frames fit worse than with all rows at once: check --readout, or leave it out",
-          1e3 * *given));
+      solution_.notes.push_back(
+          fmt::format("with rows read over {:.2f} ms the frames fit worse than with all rows at once: check --readout, "
+                      "or leave it out",
+                      1e3 * *given));
     frames = shutter.frames;
     Calibration calibration = std::move(shutter.calibration);
     shutter_ = std::move(shutter);
@@ -241,9 +242,11 @@ class Precise {
     solution_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) {
       doubtful_ = true;
-      solution_.notes.emplace_back(
-          "one of the references moves against the others, and the layout does not show which: "
-          "no row is trusted: give --camera, or six references");
+      solution_.notes.push_back(fmt::format(
+          "one of the references moves against the others{}, and the layout does not show which: no row is trusted: "
+          "{}six references name it",
+          verdict.since ? fmt::format(" (from frame {} on)", *verdict.since) : "",
+          verdict.since && *verdict.since > reference_.seen.frame ? "measure the frames before by themselves; " : ""));
     }
     if (!verdict.moved) return;
     frames = without(read, *verdict.moved);
@@ -256,7 +259,8 @@ class Precise {
                     reference_.site.markers[*verdict.moved].name, went.mm, went.u_mm));
   }
 
-  void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place, const Calibration& calibration) {
+  void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place,
+               const Calibration& calibration) {
     const Site& site = reference_.site;
     solution_.scene->full_covariance = scene_covariance(site, calibration.fits, calibration.prior, kEverything);
     if (!lens_given_) note(still_camera_note(*solution_.scene, calibration.bundle.frames));
@@ -353,7 +357,7 @@ class Precise {
   PrintError print_error_;
   CodecHistory codec_;
   std::vector<BundleFrame> by_noise_;  // of compressed footage: its frames without the codec's error
-  std::optional<Shutter> shutter_;  // that rolls
+  std::optional<Shutter> shutter_;     // that rolls
   double taken_out_mm_ = 0.0;
   Solution solution_;
 };
