@@ -14,11 +14,6 @@ namespace {
 
 constexpr double kFigureDotsPerPoint = 300.0 / 72.0;
 
-cairo_status_t append_bytes(void* closure, const unsigned char* data, unsigned int length) {
-  static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
-  return CAIRO_STATUS_SUCCESS;
-}
-
 void draw_on(cairo_surface_t* surface, const Figure& figure, double scale) {
   const Context context(cairo_create(surface), cairo_destroy);
   cairo_scale(context.get(), scale, scale);

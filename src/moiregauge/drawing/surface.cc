@@ -2,6 +2,7 @@
 #include "moiregauge/drawing/surface.h"
 
 #include <cstddef>
+#include <string>
 
 namespace moiregauge {
 
@@ -17,6 +18,11 @@ Surface grey_surface(ImageView<std::uint8_t> picture) {
   }
   cairo_surface_mark_dirty(surface.get());
   return surface;
+}
+
+cairo_status_t append_bytes(void* text, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
 }
 
 }  // namespace moiregauge

@@ -17,4 +17,7 @@ using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 // The picture in grey, one pixel for each of its own; without pixels when there is no memory (cairo_surface_status).
 [[nodiscard]] Surface grey_surface(ImageView<std::uint8_t> picture);
 
+// Cairo's write function for a file in memory: `text` is the std::string behind which it puts the bytes.
+[[nodiscard]] cairo_status_t append_bytes(void* text, const unsigned char* data, unsigned int length);
+
 }  // namespace moiregauge

@@ -19,11 +19,6 @@ namespace {
 
 constexpr double kPointsPerMm = 72.0 / 25.4;
 
-cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {
-  static_cast<std::string*>(closure)->append(reinterpret_cast<const char*>(data), length);
-  return CAIRO_STATUS_SUCCESS;
-}
-
 // A file may not be called anything.
 std::string file_name(const std::string& name) {
   std::string plain;
@@ -42,7 +37,7 @@ struct Page {
 
 std::string pdf_of(const std::vector<Page>& pages, const std::string& title, const std::string& created) {
   std::string bytes;
-  const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, 72.0, 72.0), cairo_surface_destroy);
+  const Surface surface(cairo_pdf_surface_create_for_stream(append_bytes, &bytes, 72.0, 72.0), cairo_surface_destroy);
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, title.c_str());
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE,
                                  created.empty() ? nullptr : created.c_str());
@@ -82,7 +77,7 @@ std::string renumbered(const std::string& svg) {
 // The page's unit is the millimetre, for whoever opens it in a drawing program or cuts it with a laser.
 std::string svg_of(const Page& page) {
   std::string text;
-  const Surface surface(cairo_svg_surface_create_for_stream(append, &text, page.paper.width_mm, page.paper.height_mm),
+  const Surface surface(cairo_svg_surface_create_for_stream(append_bytes, &text, page.paper.width_mm, page.paper.height_mm),
                         cairo_surface_destroy);
   cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_MM);
   {
