@@ -14,7 +14,8 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kWidth = 64, kHeight = 48, kFrames = 6;
+// Not smaller: of pictures of 64 x 48 px x264's widest instructions read beyond the end, and its bytes are chance.
+constexpr int kWidth = 256, kHeight = 192, kFrames = 6;
 constexpr double kTimes[kFrames] = {0.2, 0.25, 0.31, 0.32, 0.5, 0.6};  // nothing even about them
 
 // A wave that moves, and some noise of a fixed kind.
