@@ -27,12 +27,12 @@ simulator::Scenario scenario_of(const Size& size) {
   return scenario;
 }
 
-struct Rows {
+struct MarkerRows {
   int begin = 0;
   int end = 0;
 };
 
-Rows rows_of_markers(const simulator::Scenario& scenario, const std::vector<Shot>& shots, double margin_px) {
+MarkerRows rows_of_markers(const simulator::Scenario& scenario, const std::vector<Shot>& shots, double margin_px) {
   double top = scenario.camera.height, bottom = 0.0;
   for (const Shot& shot : shots) {
     for (const auto& marker : scenario.markers) {
@@ -94,7 +94,7 @@ std::vector<Shot> Recording::cold_copies() const {
   const double share =
       kBeyondCache * static_cast<double>(last_level_cache_bytes()) / static_cast<double>(window_bytes());
   const auto rounds = static_cast<std::size_t>(std::ceil(share / static_cast<double>(ring_.size())));
-  const Rows rows =
+  const MarkerRows rows =
       rows_of_markers(scenario_, ring_, kMarginDiameters * diameter_px(reference_, reference_.circles.front()));
   std::vector<Shot> shots;
   for (std::size_t n = 0; n < std::max<std::size_t>(rounds, 1) * ring_.size(); ++n) {
