@@ -14,10 +14,10 @@
 namespace moiregauge::cli {
 namespace {
 
-// Four points fit any homography: whichever of them moved, it would go unnoticed.
+// Four points fit any homography, and a pose most of what one of them may do: that none moved is not proved.
 std::string check_of(const Measurement& m) {
   if (m.references_verified) return "";
-  return m.reference->circles.size() <= 4 ? "; references not verified: four cannot check each other, six can"
+  return m.reference->circles.size() <= 4 ? "; references not verified: that none moves takes six to prove"
                                           : "; references not verified";
 }
 
@@ -27,9 +27,10 @@ std::string found_line(const Measurement& m, const MeasureOptions& options) {
   std::string targets;
   for (const TargetSummary& t : m.targets)
     targets += fmt::format("{}{}", targets.empty() ? "" : ", ", site_of(m, options).markers[t.marker].name);
-  return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}{}", references,
-                     m.targets.size() == 1 ? "1 target" : fmt::format("{} targets", m.targets.size()), targets,
-                     m.observations.size(), m.input.width, m.input.height, m.reference->seen.frame, options.method->name, check_of(m));
+  return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}{}",
+                     references, m.targets.size() == 1 ? "1 target" : fmt::format("{} targets", m.targets.size()),
+                     targets, m.observations.size(), m.input.width, m.input.height, m.reference->seen.frame,
+                     options.method->name, check_of(m));
 }
 
 // Expanded uncertainty, k = 2, with as many digits of the result as it deserves.
@@ -45,26 +46,39 @@ std::string result_line(const Measurement& m, const MeasureOptions& options) {
   std::string text;
   for (const TargetSummary& t : m.targets) {
     std::string counts;
-    for (const auto& [word, count] : t.status_counts) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, word);
-    text += fmt::format("{}{}: last {}; {}; rows: {}", text.empty() ? "result: " : "\n        ",
-                        site_of(m, options).markers[t.marker].name, axis("dx", t.lowest.x, t.highest.x, t.last.x, t.u.x),
-                        axis("dy", t.lowest.y, t.highest.y, t.last.y, t.u.y), counts);
+    for (const auto& [word, count] : t.status_counts)
+      counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, word);
+    // Of a refused run no number is stood by, and so none is told.
+    const std::string result = m.exit == Exit::kRefused
+                                   ? "no row to rely on"
+                                   : fmt::format("last {}; {}", axis("dx", t.lowest.x, t.highest.x, t.last.x, t.u.x),
+                                                 axis("dy", t.lowest.y, t.highest.y, t.last.y, t.u.y));
+    text += fmt::format("{}{}: {}; rows: {}", text.empty() ? "result: " : "\n        ",
+                        site_of(m, options).markers[t.marker].name, result, counts);
   }
   return text.empty() ? "result: none" : text;
 }
 
 std::string next_after_measure(const Measurement& m, const std::string& output) {
-  if (!m.reference) return fmt::format("next: look at {}/overlay.png: it shows what was seen; correct the site file or the view", output);
-  const bool untrusted = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kUntrusted; });
-  const bool moved = std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kCameraMoved; });
+  if (!m.reference)
+    return fmt::format("next: look at {}/overlay.png: it shows what was seen; correct the site file or the view",
+                       output);
+  const bool untrusted =
+      std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kUntrusted; });
+  const bool moved =
+      std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kCameraMoved; });
   if (moved) return "next: the camera moved, which `conventional` cannot take out: measure with --method two-stage";
   if (untrusted && m.scene)
-    return fmt::format("next: the references do not fit one rigid scene: {}/report.html shows from which frame on, the warnings what is known of it",
-                       output);
+    return fmt::format(
+        "next: the references do not fit one rigid scene: {}/report.html shows from which frame on, the warnings what "
+        "is known of it",
+        output);
   if (untrusted)
-    return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE with the "
+    return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE "
+           "with the "
            "lens's calibration";
-  if (m.exit == Exit::kIncomplete) return fmt::format("next: look for the rows that are not ok in {}/displacement.csv", output);
+  if (m.exit == Exit::kIncomplete)
+    return fmt::format("next: look for the rows that are not ok in {}/displacement.csv", output);
   return fmt::format("next: open {0}/report.html in a browser; {0}/displacement.csv holds every sample", output);
 }
 
@@ -77,8 +91,8 @@ std::string report_lines(const Measurement& measurement, const MeasureOptions& o
 
 int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words) {
   if (words.json) {
-    fmt::print("{}\n", run_json(measurement, options)
-                           .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    fmt::print("{}\n",
+               run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   } else if (!words.quiet) {
     fmt::print("{}", report_lines(measurement, options, words.output));
   }

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/follower.h"
 
-#include <cmath>
-
 namespace moiregauge {
-namespace {
-
-}  // namespace
 
 Follower::Follower(const Reference& reference) {
   prediction_.view = reference.seen.stage1;
@@ -14,7 +9,8 @@ Follower::Follower(const Reference& reference) {
   expect(prediction_.travel, prediction_.view);
 }
 
-void Follower::expect(const std::vector<Extent<frame::Board>>& last_travel, const std::optional<IdealFromBoard>& last_view) {
+void Follower::expect(const std::vector<Extent<frame::Board>>& last_travel,
+                      const std::optional<IdealFromBoard>& last_view) {
   prediction_.expected = prediction_.view;
   if (prediction_.view && last_view)
     prediction_.expected = *prediction_.view * (last_view->inverse() * *prediction_.view);

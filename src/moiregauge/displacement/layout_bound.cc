@@ -47,7 +47,7 @@ double reach_of(std::span<const ReadPlace> references, BoardPoint target) {
 Eigen::Vector2d own_variance(const Matrix2& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix2> eigen(information);
   const auto& strength = eigen.eigenvalues();
-  if (!(strength(1) > 0.0)) return {kNotBound, kNotBound};
+  if (!(strength(1) > 0.0)) return {kUndetermined, kUndetermined};
   const bool has_both = strength(0) > kNoInformation * strength(1);
   Eigen::Vector2d variance = eigen.eigenvectors().col(1).cwiseAbs2() / strength(1);
   for (int axis = 0; axis < 2; ++axis) {
@@ -55,7 +55,7 @@ Eigen::Vector2d own_variance(const Matrix2& information) {
     if (has_both)
       variance(axis) += along / strength(0);
     else if (along > kNoInformation)
-      variance(axis) = kNotBound;
+      variance(axis) = kUndetermined;
   }
   return variance;
 }
@@ -133,9 +133,9 @@ Extent<frame::Board> layout_bound(const Reference& reference, std::size_t target
       references.push_back({marker.grating->centre, *information});
   }
   const auto own = information_seen(reference, target, bound);
-  if (!own) return {kNotBound, kNotBound};
+  if (!own) return {kUndetermined, kUndetermined};
   const auto through = through_homography(references, reference.site.markers[target].grating->centre);
-  if (!through) return {kNotBound, kNotBound};
+  if (!through) return {kUndetermined, kUndetermined};
   const Eigen::Vector2d variance = own_variance(*own) + through->diagonal();
   return {std::sqrt(variance.x()), std::sqrt(variance.y())};
 }

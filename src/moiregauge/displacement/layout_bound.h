@@ -31,7 +31,7 @@ struct ReadPlace {
                                                   const Eigen::Vector3d& camera_centre);
 
 // Of a shift that nothing determines.
-inline constexpr double kNotBound = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kUndetermined = std::numeric_limits<double>::quiet_NaN();
 
 // Standard uncertainties (mm, k = 1) along the board's axes of a target's displacement in one frame like the reference
 // frame, from the shifts of whole prints over every pixel of their size, lens and places known, through a homography.

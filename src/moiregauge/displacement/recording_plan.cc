@@ -78,7 +78,7 @@ Extent<frame::Board> bound_of(const RecordingSetup& setup, std::size_t target, B
   }
   const Marker& marker = setup.site.markers[target];
   const auto through = through_homography(references, marker.grating->centre);
-  if (!through) return {kNotBound, kNotBound};
+  if (!through) return {kUndetermined, kUndetermined};
   const Matrix2 own = information_planned(setup, marker, within(setup, marker, clear_px), bound);
   const bool shows_x = marker.grating->pattern != Pattern::kLinesY,
              shows_y = marker.grating->pattern != Pattern::kLinesX;
@@ -86,8 +86,8 @@ Extent<frame::Board> bound_of(const RecordingSetup& setup, std::size_t target, B
     const Matrix2 variance = own.inverse() + *through;
     return {std::sqrt(variance(0, 0)), std::sqrt(variance(1, 1))};
   }
-  return {shows_x ? std::sqrt(1.0 / own(0, 0) + (*through)(0, 0)) : kNotBound,
-          shows_y ? std::sqrt(1.0 / own(1, 1) + (*through)(1, 1)) : kNotBound};
+  return {shows_x ? std::sqrt(1.0 / own(0, 0) + (*through)(0, 0)) : kUndetermined,
+          shows_y ? std::sqrt(1.0 / own(1, 1) + (*through)(1, 1)) : kUndetermined};
 }
 
 // Largest angle to either side up to which every corner stays in the picture.

@@ -34,9 +34,6 @@ constexpr double kRollingShare = 0.6;
 constexpr double kShownWithin = 0.25;  // pitches
 constexpr double kRestPlace = 100.0;   // mm: where a target rests is not known beforehand
 
-// u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does not
-// demand may yet be true.
-
 // A print of which pixels miss its template by more than this part of its contrast, rms, is not all there: a sixteenth
 // of it is hidden. Blur by half a pitch, contrast taken out, comes to 0.17.
 constexpr double kHiddenContrast = 0.25;
@@ -262,6 +259,8 @@ class Precise {
   void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place,
                const Calibration& calibration) {
     const Site& site = reference_.site;
+    // u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does
+    // not demand may yet be true.
     solution_.scene->full_covariance = scene_covariance(site, calibration.fits, calibration.prior, kEverything);
     if (!lens_given_) note(still_camera_note(*solution_.scene, calibration.bundle.frames));
     note(weak_axis_note(reference_));

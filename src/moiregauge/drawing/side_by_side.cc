@@ -12,11 +12,11 @@
 namespace moiregauge {
 namespace {
 
-constexpr int kWidest = 1920;    // px, of the whole: what every player can show
+constexpr int kWidest = 1920;     // px, of the whole: what every player can show
 constexpr int kBetweenParts = 4;  // px between the two
-constexpr int kMostSamples = 3;  // to a pixel's side; beyond it the filmed picture is sampled more thinly
-constexpr double kRing = 0.6;    // of a target's size
-constexpr double kStack = 2.0;   // width to height
+constexpr int kMostSamples = 3;   // to a pixel's side; beyond it the filmed picture is sampled more thinly
+constexpr double kRing = 0.6;     // of a target's size
+constexpr double kStack = 2.0;    // width to height
 constexpr std::uint8_t kNothing = 96, kGround = 24, kInk = 240;
 
 // Grey between pixels; outside the picture the nearest one's is no truth: black.

@@ -14,10 +14,10 @@ namespace moiregauge::markers_detail {
 namespace {
 
 constexpr int kOutlineLevels = 4;  // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
-constexpr int kMinOutlineContrast =
-    14;                                 // of 255: below it a neighbourhood is flat; > the range of 5 DN noise, smoothed
-constexpr double kFilledShare = 0.5;    // of full scale: a picture of more range is not stretched
-constexpr double kMinRangeShare = 0.1;  // of full scale: a picture of less range is not stretched further (noise)
+// Of 255: below it a neighbourhood is flat; more than the range of 5 DN noise, smoothed.
+constexpr int kMinOutlineContrast = 14;
+constexpr double kFilledShare = 0.5;     // of full scale: a picture of more range is not stretched
+constexpr double kMinRangeShare = 0.1;   // of full scale: a picture of less range is not stretched further (noise)
 constexpr double kMinLevelDiameter = 5;  // px of a level: fewer do not make an outline
 constexpr double kMaxLevelDiameter = 110;
 constexpr double kMinCircularity = 0.62;  // of the digitised outline; far below 0.84 since chain code errs by 5 - 10 %

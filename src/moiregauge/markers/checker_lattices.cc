@@ -19,13 +19,13 @@ using markers_detail::GrownLattice;
 using markers_detail::LatticeNode;
 using markers_detail::LocalModel;
 
-constexpr double kMinExplained = 0.85;      // of the grey levels' variance in the window
-constexpr double kMinSymmetric = 0.85;      // 0.98 and more of corners, 0.8 and less of what lies round a pattern
-constexpr double kMinWeakest = 0.5;         // of the contrast
-constexpr double kMaxUncertainty = 0.05;    // of the spacing
+constexpr double kMinExplained = 0.85;           // of the grey levels' variance in the window
+constexpr double kMinSymmetric = 0.85;           // 0.98 and more of corners, 0.8 and less of what lies round a pattern
+constexpr double kMinWeakest = 0.5;              // of the contrast
+constexpr double kMaxUncertainty = 0.05;         // of the spacing
 constexpr double kMinCornerContrastShare = 0.3;  // of its neighbour's
-constexpr std::size_t kTooManyFailed = 20;  // and half of those tried
-constexpr double kCornerReach = 0.15;       // of the spacing
+constexpr std::size_t kTooManyFailed = 20;       // and half of those tried
+constexpr double kCornerReach = 0.15;            // of the spacing
 
 // Is it light between one column on and one row on?
 bool light_between(const Eigen::Matrix2d& step, double light_rad) {

@@ -10,17 +10,17 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr double kMinBand = 2.0;      // px to either side of the edge
-constexpr double kMaxBand = 6.0;      // px
-constexpr double kBandInBlurs = 3.0;  // beyond three sigma a pixel knows nothing of the edge
-constexpr double kBandShare = 0.3;    // of the minor axis: neighbours may be close
+constexpr double kMinBand = 2.0;       // px to either side of the edge
+constexpr double kMaxBand = 6.0;       // px
+constexpr double kBandInBlurs = 3.0;   // beyond three sigma a pixel knows nothing of the edge
+constexpr double kBandShare = 0.3;     // of the minor axis: neighbours may be close
 constexpr double kMinDiscBlur = 0.25;  // px: a box pixel alone has 0.29
-constexpr double kMaxBlur = 4.0;      // px
-constexpr double kMaxStray = 0.5;     // px from the traced centre
+constexpr double kMaxBlur = 4.0;       // px
+constexpr double kMaxStray = 0.5;      // px from the traced centre
 constexpr std::size_t kMaxPixels = 6000;
 
-// The same disc must have the same centre however the outline was traced (in a window, in the whole picture, from 8 or 16
-// bits): the last passes run to convergence on a band of pixels that forgets the trace, being laid on a coarse grid.
+// The same disc must have the same centre however the outline was traced (in a window, in the whole picture, from 8 or
+// 16 bits): the last passes run to convergence on a band of pixels that forgets the trace, being laid on a coarse grid.
 constexpr double kSnap = 0.25;  // px
 constexpr int kCoarsePasses = 2;
 constexpr int kFinePasses = 4;

@@ -17,8 +17,8 @@ using markers_detail::GrownLattice;
 using markers_detail::LatticeNode;
 
 // A dot where a lattice says that one must be: place, size and contrast are known, so roundness has less to prove.
-constexpr double kDotReach = 0.12;         // of the spacing
-constexpr double kSizeSlack = 1.35;        // against its neighbours
+constexpr double kDotReach = 0.12;            // of the spacing
+constexpr double kSizeSlack = 1.35;           // against its neighbours
 constexpr double kMinDotContrastShare = 0.4;  // of its neighbour's
 constexpr double kMinDotCircularity = 0.78;
 constexpr double kEllipseSlack = 1.6;  // a square differs from an ellipse by two of the usual limits

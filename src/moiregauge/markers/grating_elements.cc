@@ -10,9 +10,9 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kCautious = 0.5;    // pitches that a print may reach beyond its patch's outline
-constexpr double kElementStep =
-    0.2;                             // pitches, from where the neighbour should be: lens and slant change little in one
+constexpr double kCautious = 0.5;  // pitches that a print may reach beyond its patch's outline
+// Pitches, from where the neighbour should be: lens and slant change little in one.
+constexpr double kElementStep = 0.2;
 constexpr double kOneElement = 0.2;  // relative difference of neighbours' diameters
 
 // px per pitch, along the print's x and y.

@@ -11,11 +11,11 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr double kWindowShare = 0.4;  // of the spacing: the neighbouring corners stay outside
-constexpr double kMinWindow = 2.5;    // px, radius
-constexpr double kMaxWindow = 12.0;   // px: beyond, a lens bends the edges more than the pixels tell
+constexpr double kWindowShare = 0.4;     // of the spacing: the neighbouring corners stay outside
+constexpr double kMinWindow = 2.5;       // px, radius
+constexpr double kMaxWindow = 12.0;      // px: beyond, a lens bends the edges more than the pixels tell
 constexpr double kMinSaddleBlur = 0.25;  // px: a box pixel alone has 0.29
-constexpr double kStartBlur = 1.0;    // px
+constexpr double kStartBlur = 1.0;       // px
 constexpr int kPasses = 10;
 constexpr double kMaxTurn = 0.2;  // rad in one pass
 

@@ -97,15 +97,15 @@ bool write_jpeg(cairo_surface_t* page, JpegBytes& out) {
 }  // namespace
 
 std::vector<std::uint8_t> page_picture(std::span<const std::uint8_t> png) {
-  const std::vector<std::uint8_t> as_it_is(png.begin(), png.end());
+  const auto as_it_is = [&] { return std::vector<std::uint8_t>(png.begin(), png.end()); };
   std::span<const std::uint8_t> left = png;
   const Surface picture(cairo_image_surface_create_from_png_stream(next_bytes, &left), cairo_surface_destroy);
-  if (cairo_surface_status(picture.get()) != CAIRO_STATUS_SUCCESS) return as_it_is;
+  if (cairo_surface_status(picture.get()) != CAIRO_STATUS_SUCCESS) return as_it_is();
   const Surface page = shrunk_to_page(picture.get());
-  if (cairo_surface_status(page.get()) != CAIRO_STATUS_SUCCESS) return as_it_is;
+  if (cairo_surface_status(page.get()) != CAIRO_STATUS_SUCCESS) return as_it_is();
   JpegBytes out;
   out.row.resize(static_cast<std::size_t>(3 * cairo_image_surface_get_width(page.get())));
-  if (!write_jpeg(page.get(), out) || out.size >= png.size()) return as_it_is;
+  if (!write_jpeg(page.get(), out) || out.size >= png.size()) return as_it_is();
   return {out.bytes, out.bytes + out.size};
 }
 

@@ -156,8 +156,7 @@ std::string sentence_of_rows(const WordedRun& run) {
 
 std::string sentence_of_references(const Measurement& m) {
   if (m.references_verified) return "The references were checked against each other: none of them moved.";
-  return m.reference->circles.size() <= 4 ? "The references could not be checked against each other: four fit any "
-                                            "movement of one of them, six do not."
+  return m.reference->circles.size() <= 4 ? "That none of the references moved is not proved: it takes six to prove it."
                                           : "The references could not be checked against each other.";
 }
 
