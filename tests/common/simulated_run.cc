@@ -49,7 +49,8 @@ void compare(const Scenario& scenario, const Sample& sample, long reference_fram
 MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   MeasuredRun run;
   const Shot first = shot(scenario, plan.reference_frame, plan);
-  auto reference = make_reference(first.view(), plan.site.value_or(simulator::site_of(scenario)), plan.lens, plan.observe);
+  auto reference =
+      make_reference(first.view(), plan.site.value_or(simulator::site_of(scenario)), plan.lens, plan.observe);
   if (!reference) {
     run.problem = reference.error().message;
     return run;
@@ -62,7 +63,8 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   Follower follower(run.reference);
   PatchWorkspace work;
   long count = 0;
-  for (long frame = plan.first; frame < scenario.frames && (plan.frames < 0 || count < plan.frames); frame += plan.step, ++count) {
+  for (long frame = plan.first; frame < scenario.frames && (plan.frames < 0 || count < plan.frames);
+       frame += plan.step, ++count) {
     const Shot now = shot(scenario, frame, plan);
     Observation seen = method->observe(now.view(), run.reference, follower.prediction(), work);
     seen.frame = frame;

@@ -22,11 +22,11 @@ struct RunPlan {
   long frames = -1;  // at most so many; -1: to the end
   long reference_frame = 0;
   bool all_targets = false;  // else the first one's samples are kept
-  int render_threads = 0;  // 0: as many as there are
+  int render_threads = 0;    // 0: as many as there are
   ObserveOptions observe{};
   SolveOptions solve{};
   std::optional<Site> site{};  // not given: the scenario's
-  Camera lens{};             // as --camera gives it; without distortion and of focal length 1: not given
+  Camera lens{};               // as --camera gives it; without distortion and of focal length 1: not given
 };
 
 struct MeasuredRun {

@@ -66,7 +66,8 @@ Extent<frame::Board> exact_error(const simulator::Scenario& scenario, long frame
     std::vector<Vector2d> refined;
     for (const Marker& m : site.markers) {
       if (m.role != Role::kReference) continue;
-      const Vector2d moved = print_point_at(scenario, reference_frame, m, then) - print_point_at(scenario, frame, m, now);
+      const Vector2d moved =
+          print_point_at(scenario, reference_frame, m, then) - print_point_at(scenario, frame, m, now);
       refined.push_back(vec(m.circle->centre) + moved);
     }
     now = four_point_map(refined, circles) * now;

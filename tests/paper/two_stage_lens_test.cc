@@ -33,8 +33,8 @@ TEST(TwoStageThroughALens, TheResidualIsThatOfTheExactPoints) {
       circles_only.push_back(1000.0 * test::exact_error(scenario, frame, reference, test::Stages::kCirclesOnly).y);
       difference.push_back(run.error_y_um[i] - exact.back());
     }
-    EXPECT_LE(test::rms(difference), 0.05 * test::rms(exact)) << name << ": measured " << test::rms(run.error_y_um)
-                                                              << " um, exact " << test::rms(exact);
+    EXPECT_LE(test::rms(difference), 0.05 * test::rms(exact))
+        << name << ": measured " << test::rms(run.error_y_um) << " um, exact " << test::rms(exact);
     // Leaving the second stage out is seen.
     const double factor = test::rms(circles_only) / test::rms(exact);
     EXPECT_GT(factor, 1.1) << name;

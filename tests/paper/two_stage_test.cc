@@ -74,7 +74,8 @@ TEST(TwoStageIdealLens, AStrongTargetMotionIsFollowedThroughManyPitches) {
   const auto run = test::measured(scenario, plan);
   ASSERT_TRUE(run.problem.empty()) << run.problem;
   ASSERT_EQ(run.error_y_um.size(), run.samples.size());
-  EXPECT_LE(test::largest(run.error_y_um), 12.0);  // a wrong turn would be 10 000 um; 6 um at rest, the far edge is noisier
+  EXPECT_LE(test::largest(run.error_y_um),
+            12.0);  // a wrong turn would be 10 000 um; 6 um at rest, the far edge is noisier
 }
 
 }  // namespace

@@ -101,7 +101,8 @@ Errors creeping(double speed_px, double step, bool told) {
   std::vector<Observation> observations;
   for (long frame = 1; frame < kFrames; ++frame) {
     last = coded(shot(scenario, frame), &last, step);
-    Observation seen = method.observe({last.view(), 8, rounding_of_step(step)}, *reference, follower.prediction(), work);
+    Observation seen =
+        method.observe({last.view(), 8, rounding_of_step(step)}, *reference, follower.prediction(), work);
     seen.frame = frame;
     if (told) say(seen, step);
     (void)follower.follow(*reference, seen);

@@ -3,8 +3,8 @@
 // centre: the difference is the textbook's, computed here from the outline's exact projections.
 #include <cmath>
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include "common/simulated_run.h"
 #include "moiregauge/geometry/conic.h"
@@ -36,7 +36,8 @@ ImagePoint exact_ellipse_centre(const simulator::Scenario& scenario, const Circl
   }
   const Eigen::Matrix<double, 5, 1> c = a.colPivHouseholderQr().solve(Eigen::Matrix<double, kRim, 1>::Ones());
   const double det = 4.0 * c(0) * c(2) - c(1) * c(1);
-  return {near.x + 10.0 * (c(1) * c(4) - 2.0 * c(2) * c(3)) / det, near.y + 10.0 * (c(1) * c(3) - 2.0 * c(0) * c(4)) / det};
+  return {near.x + 10.0 * (c(1) * c(4) - 2.0 * c(2) * c(3)) / det,
+          near.y + 10.0 * (c(1) * c(3) - 2.0 * c(0) * c(4)) / det};
 }
 
 TEST(RenderedCircle, TheCentreFoundIsTheImagedEllipsesCentre) {
@@ -46,7 +47,8 @@ TEST(RenderedCircle, TheCentreFoundIsTheImagedEllipsesCentre) {
       const Image<double> light = render_ideal(scenario, 0, {0, simulator::Area::kMarkersOnly});
       Image<std::uint16_t> fine(light.width(), light.height());
       for (int y = 0; y < light.height(); ++y) {
-        for (int x = 0; x < light.width(); ++x) fine.at(x, y) = static_cast<std::uint16_t>(std::lround(256.0 * light.at(x, y)));
+        for (int x = 0; x < light.width(); ++x)
+          fine.at(x, y) = static_cast<std::uint16_t>(std::lround(256.0 * light.at(x, y)));
       }
       const CircleSearch search = find_circles(fine.view(), {});
       for (const Marker& marker : simulator::site_of(scenario).markers) {

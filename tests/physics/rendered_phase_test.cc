@@ -54,7 +54,8 @@ double worst_phase_px(const Scenario& scenario) {
   const Image<double> light = render_ideal(scenario, 0, {0, simulator::Area::kMarkersOnly});
   Image<std::uint16_t> fine(light.width(), light.height());
   for (int y = 0; y < light.height(); ++y) {
-    for (int x = 0; x < light.width(); ++x) fine.at(x, y) = static_cast<std::uint16_t>(std::lround(256.0 * light.at(x, y)));
+    for (int x = 0; x < light.width(); ++x)
+      fine.at(x, y) = static_cast<std::uint16_t>(std::lround(256.0 * light.at(x, y)));
   }
   const View view = exact_view(scenario);
   PatchWorkspace work;

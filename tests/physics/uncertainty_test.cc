@@ -42,7 +42,8 @@ TEST(Uncertainty, TheStatedNoiseIsTheScatterOfRepeatedRecordings) {
     const auto run = test::measured(scenario, plan);
     ASSERT_TRUE(run.problem.empty()) << run.problem;
     scatter_y.push_back(test::scatter(run.error_y_um));
-    for (const Sample& s : run.samples) stated_y.push_back(1000.0 * std::hypot(s.budget.noise.y, s.budget.references.y));
+    for (const Sample& s : run.samples)
+      stated_y.push_back(1000.0 * std::hypot(s.budget.noise.y, s.budget.references.y));
   }
   // 290 degrees of freedom: relative standard error 1 / sqrt(580) = 4.2 %; four of them.
   EXPECT_NEAR(test::rms(scatter_y) / test::rms(stated_y), 1.0, 0.17);

@@ -18,7 +18,8 @@ namespace {
 
 using Case = test::PaperCase;
 // The 8 deg case is measured against the frame in which the camera faces the board, as the paper did.
-constexpr Case kCases[] = {{"rig-0.1x", "~0.02 mm", 0}, {"rig-1x", "0.248 mm", 0}, {"rig-1xyz", "0.311 mm", 0}, {"rig-8xyz", "1.861 mm", 80}};
+constexpr Case kCases[] = {
+    {"rig-0.1x", "~0.02 mm", 0}, {"rig-1x", "0.248 mm", 0}, {"rig-1xyz", "0.311 mm", 0}, {"rig-8xyz", "1.861 mm", 80}};
 
 struct Lens {
   const char* name;
@@ -35,8 +36,9 @@ std::string worst_status(const test::MeasuredRun& run) {
 }
 
 void noise_free() {
-  fmt::print("## Noise-free, ideal lens, two-stage\n\nLargest error over the run (every 4th frame), um. Gate: dy <= 1.5.\n\n"
-             "| case | dx | dy |\n|---|---|---|\n");
+  fmt::print(
+      "## Noise-free, ideal lens, two-stage\n\nLargest error over the run (every 4th frame), um. Gate: dy <= 1.5.\n\n"
+      "| case | dx | dy |\n|---|---|---|\n");
   for (const Case& c : kCases) {
     test::RunPlan plan;
     plan.grain = test::Grain::kNoiseFree;
@@ -48,12 +50,15 @@ void noise_free() {
 }
 
 void with_noise(int seeds) {
-  fmt::print("\n## The rig's noise (1.5 DN), ideal lens, two-stage\n\n"
-             "Scatter about each run's mean over {} seeds x 40 frames, um, and its ratio to the bound of the method's own "
-             "averaged regions; raw rms and largest error relative to the reference frame. Gates: dy ratio <= 1.3 (8 deg: 1.8), "
-             "largest dy <= 6 um.\n\n"
-             "| case | dx scatter | ratio | dy scatter | ratio | dy raw rms | largest dy | u_dy |\n|---|---|---|---|---|---|---|---|\n",
-             seeds);
+  fmt::print(
+      "\n## The rig's noise (1.5 DN), ideal lens, two-stage\n\n"
+      "Scatter about each run's mean over {} seeds x 40 frames, um, and its ratio to the bound of the method's own "
+      "averaged regions; raw rms and largest error relative to the reference frame. Gates: dy ratio <= 1.3 (8 deg: "
+      "1.8), "
+      "largest dy <= 6 um.\n\n"
+      "| case | dx scatter | ratio | dy scatter | ratio | dy raw rms | largest dy | u_dy "
+      "|\n|---|---|---|---|---|---|---|---|\n",
+      seeds);
   for (const Case& c : kCases) {
     std::vector<double> sx, sy, bx, by, raw, u;
     double most = 0.0;
@@ -75,17 +80,20 @@ void with_noise(int seeds) {
       }
     }
     fmt::print("| {} | {:.2f} | {:.2f} | {:.3f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", c.scenario, test::rms(sx),
-               test::rms(sx) / test::rms(bx), test::rms(sy), test::rms(sy) / test::rms(by), test::rms(raw), most, test::rms(u));
+               test::rms(sx) / test::rms(bx), test::rms(sy), test::rms(sy) / test::rms(by), test::rms(raw), most,
+               test::rms(u));
   }
 }
 
 void through_lenses() {
-  fmt::print("\n## Through a lens: the paper's cases\n\n"
-             "Two-stage, the rig's noise, every 8th frame. `exact` is the published pairing (a patch's displacement added at its "
-             "circle) on exact points; `circles only` leaves the second stage out. rms of dy, um; u is the stated standard "
-             "uncertainty (rms).\n\n"
-             "| case | paper | lens | conventional, largest | circles only, exact | exact | two-stage | u_dy | statuses |\n"
-             "|---|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "\n## Through a lens: the paper's cases\n\n"
+      "Two-stage, the rig's noise, every 8th frame. `exact` is the published pairing (a patch's displacement added at "
+      "its "
+      "circle) on exact points; `circles only` leaves the second stage out. rms of dy, um; u is the stated standard "
+      "uncertainty (rms).\n\n"
+      "| case | paper | lens | conventional, largest | circles only, exact | exact | two-stage | u_dy | statuses |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
   for (const Case& c : kCases) {
     for (const Lens& lens : kLenses) {
       auto scenario = *simulator::built_in(c.scenario);
@@ -100,7 +108,8 @@ void through_lenses() {
       scenario.sensor.exposure_s = 1e-6;  // the exact points are those of one instant
       for (const Sample& s : run.samples) {
         exact.push_back(1000.0 * test::exact_error(scenario, s.frame, c.reference_frame, test::Stages::kBoth).y);
-        circles.push_back(1000.0 * test::exact_error(scenario, s.frame, c.reference_frame, test::Stages::kCirclesOnly).y);
+        circles.push_back(1000.0 *
+                          test::exact_error(scenario, s.frame, c.reference_frame, test::Stages::kCirclesOnly).y);
       }
       fmt::print("| {} | {} | {} | {:.0f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", c.scenario, c.paper, lens.name,
                  test::largest(still.error_y_um), test::rms(circles), test::rms(exact), test::rms(run.error_y_um),
@@ -110,13 +119,16 @@ void through_lenses() {
 }
 
 void photographs() {
-  fmt::print("\n## Real photographs (rigid boards: the truth is zero)\n\n| set | method | null of the target, px | um | u_dx, u_dy, um | status |\n"
-             "|---|---|---|---|---|---|\n");
+  fmt::print(
+      "\n## Real photographs (rigid boards: the truth is zero)\n\n| set | method | null of the target, px | um | u_dx, "
+      "u_dy, um | status |\n"
+      "|---|---|---|---|---|---|\n");
   for (const char* set : {"board-checker", "board-dots"}) {
     const Measurement run = test::real_run(set, "two-stage");
     const Sample& s = test::second_view(run);
     fmt::print("| {} | two-stage | {:.3f} | {:.1f} | {:.1f}, {:.1f} | {} |\n", set, test::null_px(run),
-               1000.0 * std::hypot(s.displacement.x, s.displacement.y), 1000.0 * s.u.x, 1000.0 * s.u.y, word_for(s.status));
+               1000.0 * std::hypot(s.displacement.x, s.displacement.y), 1000.0 * s.u.x, 1000.0 * s.u.y,
+               word_for(s.status));
   }
 }
 
@@ -125,9 +137,10 @@ void photographs() {
 
 int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::stoi(argv[1]) : 10;
-  fmt::print("# Accuracy\n\nMade by `tools/accuracy`; do not edit. Simulated figures are for the rig of docs/cli/simulate.md "
-             "(0.345 mm/px, 10 mm pitch); the simulator shares no projection code with the instrument. Seeds are 1 to {}.\n\n",
-             seeds);
+  fmt::print(
+      "# Accuracy\n\nMade by `tools/accuracy`; do not edit. Simulated figures are for the rig of docs/cli/simulate.md "
+      "(0.345 mm/px, 10 mm pitch); the simulator shares no projection code with the instrument. Seeds are 1 to {}.\n\n",
+      seeds);
   moiregauge::noise_free();
   std::fflush(stdout);
   moiregauge::with_noise(seeds);

@@ -21,9 +21,9 @@ struct PreciseCase {
   bool lens_known = false;
   std::optional<FrameRange> rest{};
   std::optional<double> readout_s{};  // as --readout gives it
-  long frames = 60;          // of a run, the reference frame among them
-  long step = 1;             // every step-th frame of the scenario
-  long coverage_frames = 8;  // of a short run, likewise
+  long frames = 60;                   // of a run, the reference frame among them
+  long step = 1;                      // every step-th frame of the scenario
+  long coverage_frames = 8;           // of a short run, likewise
   long coverage_step = 6;
   int runs = 10;  // unless --runs says otherwise
   int coverage_runs = 200;

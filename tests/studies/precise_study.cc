@@ -242,7 +242,8 @@ Words words_of(int argc, char** argv) {
       *text->second = argv[++i];
     } else {
       std::fprintf(stderr,
-                   "error: bad option: %s: --cases WORD, --runs N, --coverage N, --seed S, --method M, --template WORD, --noise-free or "
+                   "error: bad option: %s: --cases WORD, --runs N, --coverage N, --seed S, --method M, --template "
+                   "WORD, --noise-free or "
                    "--verbose\n",
                    word.c_str());
       std::exit(2);

@@ -47,9 +47,9 @@ struct Bundle::Footage {
         const bool shifts = site.markers[i].role != Role::kReference && !frames[k].at_rest;
         patches.push_back({k, i, shifts, PatchResidual(*frames[k].points[i], *site.markers[i].grating)});
         if (frames[k].rows) {
-          patches.back().rows = std::make_shared<const BundlePatch::Rows>(
-              BundlePatch::Rows{patches.back().residual.root() * frames[k].rows->by_marker[i].leftCols<kMotionParameters>(),
-                                frames[k].rows->information});
+          patches.back().rows = std::make_shared<const BundlePatch::Rows>(BundlePatch::Rows{
+              patches.back().residual.root() * frames[k].rows->by_marker[i].leftCols<kMotionParameters>(),
+              frames[k].rows->information});
         }
         rows += PatchResidual::kSize - (shifts ? 2 : 0);
       }

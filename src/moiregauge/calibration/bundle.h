@@ -20,7 +20,7 @@ namespace moiregauge {
 inline constexpr int kMotionParameters = 12;
 struct RowDesign {
   using Columns = Eigen::Matrix<double, 2 * kPatchPoints, kMotionParameters + 1>;
-  std::vector<Columns> by_marker;  // one per site marker
+  std::vector<Columns> by_marker;                                           // one per site marker
   Eigen::Matrix<double, kMotionParameters, kMotionParameters> information;  // prior about zero
 };
 using Motion = Eigen::Matrix<double, kMotionParameters, 1>;

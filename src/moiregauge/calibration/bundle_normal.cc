@@ -10,7 +10,7 @@ namespace moiregauge {
 namespace {
 
 constexpr int kSceneColumns = kCommonParameters + kShapeParameters;  // of a patch's columns: those of the scene
-constexpr int kPlace = PatchColumn::kShape + MarkerShape::kX;  // a shift has these two columns
+constexpr int kPlace = PatchColumn::kShape + MarkerShape::kX;        // a shift has these two columns
 
 using Matrix2 = Eigen::Matrix2d;
 constexpr int kAtOnce = PatchColumn::kColumns;  // without those of the motion

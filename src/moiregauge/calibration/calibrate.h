@@ -14,15 +14,15 @@ struct ShutterTest {
   double chi2_dof = 0.0;
   double share = 0.0;  // of chi2
   long dof = 0;
-  bool asks = false;   // for a solution with rows read one after the other: more than chance, and more than noise gives
+  bool asks = false;  // for a solution with rows read one after the other: more than chance, and more than noise gives
 };
 
 struct Calibration {
-  ScenePrior prior;             // as it was given, or wider where the prints are stretched more than it allows
-  bool stretched = false;       // that they are
-  BundleSolution bundle;        // of the model chosen, with its covariance
-  std::vector<FrameFit> fits;   // of the bundle's frames against its scene
-  PrintError print_error;  // added to the patches' noise; other frames need it too (with_print_error)
+  ScenePrior prior;            // as it was given, or wider where the prints are stretched more than it allows
+  bool stretched = false;      // that they are
+  BundleSolution bundle;       // of the model chosen, with its covariance
+  std::vector<FrameFit> fits;  // of the bundle's frames against its scene
+  PrintError print_error;      // added to the patches' noise; other frames need it too (with_print_error)
   ShutterTest shutter;
 };
 

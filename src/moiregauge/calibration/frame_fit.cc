@@ -117,7 +117,8 @@ void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int fi
   fit.readout_information = n.bb + n.fb.dot(fit.by_readout);
   fit.readout_slope = n.rb + n.rf.dot(fit.by_readout);
   // As many degrees of freedom go as the patches tell of the motion beyond what was expected of it.
-  const auto known = (rows.information * fit.covariance.bottomRightCorner<kMotionParameters, kMotionParameters>()).trace();
+  const auto known =
+      (rows.information * fit.covariance.bottomRightCorner<kMotionParameters, kMotionParameters>()).trace();
   fit.dof -= std::lround(kMotionParameters - known);
 }
 

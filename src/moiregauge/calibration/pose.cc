@@ -24,7 +24,8 @@ std::optional<IdealFromBoard> rough_view(const std::vector<BoardPoint>& board, c
   std::array<IdealPoint, 4> to;
   for (std::size_t corner = 0; corner < outermost.size(); ++corner)
     from[corner] = board[outermost[corner]], to[corner] = ideal[outermost[corner]];
-  auto h = fit_homography<frame::Ideal, frame::Board>(std::span<const BoardPoint>(from), std::span<const IdealPoint>(to));
+  auto h =
+      fit_homography<frame::Ideal, frame::Board>(std::span<const BoardPoint>(from), std::span<const IdealPoint>(to));
   if (!h) h = fit_homography<frame::Ideal, frame::Board>(board, ideal);
   return h ? std::optional(IdealFromBoard(*h)) : std::nullopt;
 }

@@ -120,8 +120,7 @@ double share_of_row(ImagePoint p, const Camera& picture, RowsRun run) {
 }
 
 PathPlace path_place(const Pose& pose, const Pose& reference) {
-  const Vector3d turn =
-      turn_of(TurnedPose(pose).rotation * TurnedPose(reference).rotation.transpose());
+  const Vector3d turn = turn_of(TurnedPose(pose).rotation * TurnedPose(reference).rotation.transpose());
   PathPlace out;
   out << turn, pose.shift[0] / pose.shift[2], pose.shift[1] / pose.shift[2], std::log(pose.shift[2]);
   return out;

@@ -21,7 +21,7 @@ struct MarkerShape {
 };
 inline constexpr int kShapeParameters = MarkerShape::kParameters;
 
-inline constexpr int kCameraParameters = 8;  // f cx cy k1 k2 p1 p2 k3
+inline constexpr int kCameraParameters = 8;   // f cx cy k1 k2 p1 p2 k3
 inline constexpr double kUnknownFocal = 1.0;  // relative: u of a focal length of which nothing is known
 // What all markers share: the camera, and how much longer every print is along its x than along its y (relative; half
 // of it on either axis). Printers feed paper and move ink by different means, and stretch both ways differently.

@@ -55,7 +55,8 @@ ScenePrior scene_prior(const Site& site, int width, int height, const std::optio
     prior.camera = *camera;
     prior.camera.fx = prior.camera.fy = 0.5 * (camera->fx + camera->fy);
   } else {
-    prior.camera = {width, height, kUsualFocal * side, kUsualFocal * side, 0.5 * (width - 1), 0.5 * (height - 1), 0, 0, 0, 0, 0};
+    prior.camera = {
+        width, height, kUsualFocal * side, kUsualFocal * side, 0.5 * (width - 1), 0.5 * (height - 1), 0, 0, 0, 0, 0};
   }
   const double rho = 0.5 * std::hypot(width, height) / prior.camera.fx;
   if (camera)

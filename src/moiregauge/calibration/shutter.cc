@@ -112,7 +112,8 @@ class Rounds {
     for (const std::size_t k : known) {
       time.push_back(read_[k].time_s);
       places.push_back(path_place(fits_[k].pose, read_.front().pose));
-      const double excess = fits_[k].dof > 0 ? std::max(1.0, fits_[k].chi2_sum / static_cast<double>(fits_[k].dof)) : 1.0;
+      const double excess =
+          fits_[k].dof > 0 ? std::max(1.0, fits_[k].chi2_sum / static_cast<double>(fits_[k].dof)) : 1.0;
       variances.push_back(excess * path_variance(fits_[k].pose, fits_[k].covariance));
     }
     for (int c = 0; c < kPathParameters; ++c) {
@@ -147,8 +148,8 @@ class Rounds {
         TargetMotion& t = motions_[known[n]].targets[i];
         t.rate.*axis = path[n].rate;
         t.acceleration.*axis = path[n].acceleration;
-        const double delay = out_.readout_s *
-                             share_of_row(read_[known[n]].points[i]->image[kPatchPoints / 2], prior_.camera, prior_.rows_run);
+        const double delay = out_.readout_s * share_of_row(read_[known[n]].points[i]->image[kPatchPoints / 2],
+                                                           prior_.camera, prior_.rows_run);
         const auto& c = path[n].covariance;
         out_.u_target[known[n]][i].*axis =
             std::abs(delay) * std::sqrt(std::max(0.0, c(0, 0) + 0.25 * delay * delay * c(1, 1)));

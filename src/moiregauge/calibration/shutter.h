@@ -18,12 +18,12 @@ struct Shutter {
   std::vector<BundleFrame> frames;  // all of them, points set back
   // What the targets' own motion leaves open at the time of their rows; by frame, then site marker, mm.
   std::vector<std::vector<Extent<frame::Board>>> u_target;
-  double readout_s = 0.0;           // below zero: rows are read from the picture's other end
+  double readout_s = 0.0;  // below zero: rows are read from the picture's other end
   double u_readout_s = 0.0;
   double motion_cost = 0.0;  // of the key frames: chi2 of the motions' prior
-  double interval_s = 0.0;  // between frames, median
-  bool bounded = false;     // no readout between the shortest and the time between frames fits best
-  std::string problem;      // why nothing was solved; then nothing else holds
+  double interval_s = 0.0;   // between frames, median
+  bool bounded = false;      // no readout between the shortest and the time between frames fits best
+  std::string problem;       // why nothing was solved; then nothing else holds
 };
 
 // Rounds of: every frame's pose in the scene; a spline through the poses (smooth_path), whose rates set the points back;

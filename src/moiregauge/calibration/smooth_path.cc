@@ -104,8 +104,7 @@ class Filter {
     for (int i = 0; i < kOrder; ++i) {
       for (int j = 0; j < kOrder; ++j) {
         const int p = 2 * kOrder - 1 - i - j;
-        m.noise(i, j) =
-            strength_ * std::pow(dt, p) / (p * std::tgamma(kOrder - i) * std::tgamma(kOrder - j));
+        m.noise(i, j) = strength_ * std::pow(dt, p) / (p * std::tgamma(kOrder - i) * std::tgamma(kOrder - j));
       }
     }
     m.mean = m.forth * m.mean;

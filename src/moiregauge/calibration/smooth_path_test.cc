@@ -62,7 +62,8 @@ TEST(SmoothPath, KnowsHowWellItKnows) {
     const Sampled s = sine(frequency, 60, kPathNoise);
     const auto path = smooth_path(s.time, s.value, s.variance);
     for (std::size_t i = 0; i < path.size(); ++i)
-      EXPECT_LT(std::abs(path[i].rate - s.rate[i]), 4.0 * std::sqrt(path[i].covariance(0, 0))) << frequency << " Hz, " << i;
+      EXPECT_LT(std::abs(path[i].rate - s.rate[i]), 4.0 * std::sqrt(path[i].covariance(0, 0)))
+          << frequency << " Hz, " << i;
   }
 }
 

@@ -95,8 +95,8 @@ tl::expected<void, std::string> write_inspection(const fs::path& output, const I
   std::error_code error;
   fs::create_directories(output, error);
   if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
-  const std::string caption = fmt::format("{}, frame {}: {} x {} px", report.input.path,
-                                          report.frame, report.seen.width, report.seen.height);
+  const std::string caption =
+      fmt::format("{}, frame {}: {} x {} px", report.input.path, report.frame, report.seen.width, report.seen.height);
   const auto overlay = draw_inspection({grey.view(), report.seen, report.expected, caption});
   const std::string path = (output / "overlay.png").string();
   if (overlay.empty()) return tl::unexpected(path + ": out of memory");
@@ -122,7 +122,8 @@ int run(const InspectWords& words) {
                 fmt::format("output folder is taken: {}: it holds something else than an inspection: choose "
                             "another with -o",
                             output));
-  const auto source = open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads, words.measure.max_pixels});
+  const auto source =
+      open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads, words.measure.max_pixels});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);
   if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
   const auto frame = frame_of(**source, words.frame, words.measure.quiet);

@@ -106,7 +106,8 @@ int run(const MeasureWords& words) {
   tl::expected<Measurement, InputError> measured;
   Overlay overlay;  // of `measured`, so it must not outlive it
   const RunPlace place = place_of_run(output);
-  RunDirectory directory(place, [&](const Measurement&) { return overlay.get(); }, report_page);
+  RunDirectory directory(
+      place, [&](const Measurement&) { return overlay.get(); }, report_page);
   directory.also(put_figures(*figures, words.quiet));
   // A taken folder is found before, not after, hours of measuring.
   if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
@@ -192,8 +193,9 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->type_name("on|off|auto");
   command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
   command
-      ->add_option("--readout", words->readout,
-                   "rolling shutter: first row's exposure to the last one's, e.g. 18ms; 0ms: none [told by the footage]")
+      ->add_option(
+          "--readout", words->readout,
+          "rolling shutter: first row's exposure to the last one's, e.g. 18ms; 0ms: none [told by the footage]")
       ->type_name("TIME");
   add_print_scale(*command, words->print_scale);
   command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");

@@ -142,15 +142,15 @@ int run(const SolveWords& words) {
   auto stored = run_in(words.run);
   if (!stored) return fail(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
-  for (const Done& done :
-       {choose_method(words, stored->options), choose_rest(words, stored->options),
-        choose_readout(words, stored->options), restate(words, *stored)}) {
+  for (const Done& done : {choose_method(words, stored->options), choose_rest(words, stored->options),
+                           choose_readout(words, stored->options), restate(words, *stored)}) {
     if (!done) return fail(Exit::kUsage, done.error().message);
   }
   const std::string output = words.output.empty() ? words.run : words.output;
   RunDirectory directory = RunDirectory::solved_from(place_of_run(output), words.run, report_page);
   directory.also(put_figures(*figures, words.quiet));
-  if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free) return fail_output(free.error());
+  if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free)
+    return fail_output(free.error());
   Measurement solved;
   static_cast<Seen&>(solved) = std::move(stored->seen);
   conclude(stored->options, solved);

@@ -4,10 +4,10 @@
 #include <cstdlib>
 #include <exception>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glog/logging.h>
+#include <CLI/CLI.hpp>
 
 #include "moiregauge/cli/command_help.h"
 #include "moiregauge/cli/commands.h"

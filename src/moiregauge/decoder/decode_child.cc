@@ -160,7 +160,8 @@ void Child::write_quantiser(const StreamQuantiser& quantiser, std::byte* out, Re
   record.has_blocks = quantiser.blocks().empty() ? 0 : 1;
   if (record.has_blocks == 0) return;
   const int across = blocks_across(shape_.width), down = blocks_across(shape_.height);
-  auto* to = reinterpret_cast<std::uint8_t*>(out + wire::picture_bytes(shape_.width, shape_.height, shape_.layout.bits));
+  auto* to =
+      reinterpret_cast<std::uint8_t*>(out + wire::picture_bytes(shape_.width, shape_.height, shape_.layout.bits));
   turn_clockwise(ImageView<std::uint8_t>{quantiser.blocks().data(), across, down, across}, shape_.rotation_deg, to);
 }
 

@@ -144,9 +144,9 @@ class VideoSource final : public FrameSource {
     frame.quantiser.whole = {is_step ? record.quantiser_step : kUnknownStep, record.predicted != 0};
     if (record.has_blocks != 0) {
       const int across = blocks_across(info_.width);
-      frame.quantiser.blocks = {reinterpret_cast<const std::uint8_t*>(
-                                    pixels + wire::picture_bytes(info_.width, info_.height, info_.bits)),
-                                across, blocks_across(info_.height), across};
+      frame.quantiser.blocks = {
+          reinterpret_cast<const std::uint8_t*>(pixels + wire::picture_bytes(info_.width, info_.height, info_.bits)),
+          across, blocks_across(info_.height), across};
     }
     const auto view = [&]<typename Grey>(const Grey* data) {
       frame.luma = ImageView<Grey>{data, info_.width, info_.height, info_.width};

@@ -352,7 +352,7 @@ TEST(VideoSource, AVideoThatNamesOtherFilesOpensNoneOfThem) {
   const TestFolder folder;
   make_video(folder, "real.ts", 8, "-c:v libx264 -pix_fmt yuv420p");
   put_text(folder / "list.mp4",
-             "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:1,\n" + folder / "real.ts" + "\n#EXT-X-ENDLIST\n");
+           "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:1,\n" + folder / "real.ts" + "\n#EXT-X-ENDLIST\n");
   put_text(folder / "concat.mp4", "ffconcat version 1.0\nfile '" + folder / "real.ts" + "'\n");
   EXPECT_EQ(refusal(folder / "list.mp4").kind, InputErrorKind::kUnsupported);
   EXPECT_NE(refusal(folder / "list.mp4").message.find("input type 'hls' is not allowed"), std::string::npos);

@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 
 namespace moiregauge {
-std::string shutter_note(const Scene& scene, bool given, double relative, double taken_out_mm,
-                         const Samples& samples) {
+std::string shutter_note(const Scene& scene, bool given, double relative, double taken_out_mm, const Samples& samples) {
   double worst = 0.0;
   long frame = 0;
   for (const Sample& s : samples) {
@@ -21,7 +20,8 @@ std::string shutter_note(const Scene& scene, bool given, double relative, double
           : fmt::format("{:.2f} ms ({}, u {:.2f} ms)", 1e3 * std::abs(scene.readout_s),
                         given ? "as --readout has it and the footage" : "solved", 1e3 * scene.u_readout_s);
   return fmt::format(
-      "rolling shutter: rows are read over {}: up to {:.3f} mm were taken out, {:.4f} mm are left in u at worst (frame {})",
+      "rolling shutter: rows are read over {}: up to {:.3f} mm were taken out, {:.4f} mm are left in u at worst (frame "
+      "{})",
       over, taken_out_mm, worst, frame);
 }
 

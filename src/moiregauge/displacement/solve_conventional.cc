@@ -37,9 +37,9 @@ void measure_phase(const Reference& reference, const Observation& seen, const Co
   sample.budget.reference_frame = noise_mm(plan, then);
   if (codec.is_lossy()) {
     const std::size_t i = sample.marker;
-    sample.budget.codec = hypot3(
-        codec_mm(reference, i, now, codec.at(n, i), Lag::kOwn),
-        codec_mm(reference, i, then, codec.in_reference_frame(i), codec.lag_in_reference_frame(i)), {});
+    sample.budget.codec =
+        hypot3(codec_mm(reference, i, now, codec.at(n, i), Lag::kOwn),
+               codec_mm(reference, i, then, codec.in_reference_frame(i), codec.lag_in_reference_frame(i)), {});
   }
   sample.u = hypot3(sample.budget.noise, sample.budget.reference_frame, sample.budget.codec);
   sample.status = moved ? Status::kCameraMoved : quality(plan, then, now);

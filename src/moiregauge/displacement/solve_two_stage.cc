@@ -72,7 +72,8 @@ BoardExtent codec_part(const RunEvidence& run, std::size_t n, const Observation&
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
     now.push_back(codec_mm(reference, i, seen.markers[i].patch, run.codec.at(n, i), Lag::kShared));
-    then.push_back(codec_mm(reference, i, reference.seen.markers[i].patch, run.codec.in_reference_frame(i), Lag::kShared));
+    then.push_back(
+        codec_mm(reference, i, reference.seen.markers[i].patch, run.codec.in_reference_frame(i), Lag::kShared));
   }
   const BoardExtent references = hypot3(through_references(weights, now), through_references(weights, then), {});
   return hypot3(references, codec_mm(reference, target, seen.markers[target].patch, run.codec.at(n, target), Lag::kOwn),
@@ -100,8 +101,7 @@ void measure_against_references(const RunEvidence& run, const Observation& seen,
   budget.model =
       hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained), parallax_bound(reference, seen, i));
   budget.codec = codec_part(run, n, seen, i, weights);
-  const BoardExtent noise =
-      hypot3(hypot3(budget.noise, budget.references, budget.reference_frame), budget.codec, {});
+  const BoardExtent noise = hypot3(hypot3(budget.noise, budget.references, budget.reference_frame), budget.codec, {});
   sample.u = hypot3(noise, budget.model, {});
   const double floor = kNoiseFloorPitches * plan.pitch_mm;
   const bool beyond =
@@ -113,7 +113,10 @@ void measure_against_references(const RunEvidence& run, const Observation& seen,
 
 Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations,
                          const SolveOptions&) {
-  RunEvidence run{reference, lens_evidence(reference, observations), {}, reference_noise(reference, reference.seen),
+  RunEvidence run{reference,
+                  lens_evidence(reference, observations),
+                  {},
+                  reference_noise(reference, reference.seen),
                   CodecHistory(reference, observations)};
   for (const CirclePoint& point : reference.circles) run.circles.push_back(point.board);
   Follower follower(reference);

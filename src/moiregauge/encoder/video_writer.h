@@ -26,7 +26,7 @@ struct VideoFormat {
   int gop = 250;               // x264: frames from one key frame to the next at most; 1: key frames only
   int width = 0, height = 0;   // px; even for x264 and mjpeg
   int bits = 8;
-  double fps = 30.0;  // nominal
+  double fps = 30.0;       // nominal
   bool faststart = false;  // mp4: its index before its pictures, so that it plays while it loads
 };
 

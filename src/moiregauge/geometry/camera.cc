@@ -7,8 +7,8 @@ namespace moiregauge {
 namespace {
 
 struct Bent {
-  double x, y;                     // distorted, in units of the focal length
-  double dxx, dxy, dyx, dyy;       // their derivatives by the ideal coordinates
+  double x, y;                // distorted, in units of the focal length
+  double dxx, dxy, dyx, dyy;  // their derivatives by the ideal coordinates
 };
 
 Bent bend(const Camera& c, double x, double y) {

@@ -10,7 +10,7 @@
 namespace moiregauge {
 
 struct Camera {
-  int width = 0;   // px; 0: not stated
+  int width = 0;  // px; 0: not stated
   int height = 0;
   double fx = 1.0, fy = 1.0, cx = 0.0, cy = 0.0;
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/geometry/homography.h"
@@ -84,8 +84,8 @@ TEST(Homography, TheJacobianIsTheDerivative) {
 TEST(Homography, TurningTheCameraDoesNotMoveTheBoard) {
   const Matrix3 camera = (Matrix3() << 3478.26, 0, 2059.3, 0, 3478.26, 494.3, 0, 0, 1).finished();
   const double a = 4.0 * 3.14159265358979323846 / 180.0;
-  const Matrix3 turn = (Eigen::AngleAxisd(a, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(a, Eigen::Vector3d::UnitY()) *
-                        Eigen::AngleAxisd(a, Eigen::Vector3d::UnitZ()))
+  const Matrix3 turn = (Eigen::AngleAxisd(a, Eigen::Vector3d::UnitX()) *
+                        Eigen::AngleAxisd(a, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(a, Eigen::Vector3d::UnitZ()))
                            .toRotationMatrix();
   const Homography<frame::Image, frame::Ideal> now_from_then(camera * turn * camera.inverse());
   const std::array<IdealPoint, 4> then{{{960, 420}, {3160, 420}, {960, 580}, {3160, 580}}};
@@ -139,7 +139,8 @@ TEST(Pose, DoesNotFollowFromThreePointsOnALine) {
   const Pose pose{{0.02, -0.10, 0.05}, {-12.0, 5.0, 1200.0}};
   const std::array<BoardPoint, 3> board{{{-100, 0}, {0, 0}, {100, 0}}};
   std::array<IdealPoint, 3> seen;
-  for (std::size_t i = 0; i < 3; ++i) seen[i] = view_of(pose, camera)(board[i]) + Extent<frame::Ideal>{0.5, i == 1 ? 0.2 : 0.0};
+  for (std::size_t i = 0; i < 3; ++i)
+    seen[i] = view_of(pose, camera)(board[i]) + Extent<frame::Ideal>{0.5, i == 1 ? 0.2 : 0.0};
   EXPECT_FALSE(view_of_three(board, seen, camera, view_of(pose, camera)));
 }
 

@@ -48,7 +48,8 @@ tl::expected<Matrix3, HomographyFailure> direct_linear_solution(Points from, Poi
     a.block<1, 3>(r + 1, 6) = -to[i].y() * p;
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeFullV);
-  if (svd.singularValues()(7) < kDegenerate * svd.singularValues()(0)) return tl::unexpected(HomographyFailure::kDegenerate);
+  if (svd.singularValues()(7) < kDegenerate * svd.singularValues()(0))
+    return tl::unexpected(HomographyFailure::kDegenerate);
   const Eigen::VectorXd h = svd.matrixV().col(8);
   Matrix3 m;
   m << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), h(8);

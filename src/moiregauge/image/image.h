@@ -18,9 +18,7 @@ struct ImageView {
   int height = 0;             // pixels
   std::ptrdiff_t stride = 0;  // elements from one row to the next
 
-  [[nodiscard]] std::span<const Grey> row(int y) const {
-    return {data + y * stride, static_cast<std::size_t>(width)};
-  }
+  [[nodiscard]] std::span<const Grey> row(int y) const { return {data + y * stride, static_cast<std::size_t>(width)}; }
   [[nodiscard]] Grey at(int x, int y) const { return data[y * stride + x]; }
   // The part with top-left pixel (x0, y0); the caller keeps it inside the picture.
   [[nodiscard]] ImageView part(int x0, int y0, int part_width, int part_height) const {
@@ -34,17 +32,23 @@ class Image {
  public:
   Image() = default;
   Image(int width, int height, Grey fill = Grey{})
-      : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
+      : width_(width),
+        height_(height),
+        pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] std::span<Grey> row(int y) { return {pixels_.data() + offset(y), static_cast<std::size_t>(width_)}; }
-  [[nodiscard]] std::span<const Grey> row(int y) const { return {pixels_.data() + offset(y), static_cast<std::size_t>(width_)}; }
+  [[nodiscard]] std::span<const Grey> row(int y) const {
+    return {pixels_.data() + offset(y), static_cast<std::size_t>(width_)};
+  }
   [[nodiscard]] Grey& at(int x, int y) { return pixels_[offset(y) + static_cast<std::size_t>(x)]; }
   [[nodiscard]] Grey at(int x, int y) const { return pixels_[offset(y) + static_cast<std::size_t>(x)]; }
   [[nodiscard]] ImageView<Grey> view() const { return {pixels_.data(), width_, height_, width_}; }
 
  private:
-  [[nodiscard]] std::size_t offset(int y) const { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_); }
+  [[nodiscard]] std::size_t offset(int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  }
   int width_ = 0;
   int height_ = 0;
   std::vector<Grey> pixels_;

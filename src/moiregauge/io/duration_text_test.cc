@@ -15,7 +15,8 @@ TEST(DurationText, ReadsMillisecondsSecondsAndMicroseconds) {
 
 TEST(DurationText, RefusesWhatHasNoUnitAndWhatIsNoTime) {
   EXPECT_NE(duration_s("18").error().find("write 18ms"), std::string::npos);
-  for (const char* text : {"", "ms", "-1ms", "nan ms", "inf s", "18 min", "1,8ms", "18ms18"}) EXPECT_FALSE(duration_s(text)) << text;
+  for (const char* text : {"", "ms", "-1ms", "nan ms", "inf s", "18 min", "1,8ms", "18ms18"})
+    EXPECT_FALSE(duration_s(text)) << text;
 }
 
 }  // namespace

@@ -20,9 +20,9 @@ namespace moiregauge {
 
 struct Picture {
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;  // empty where the file shows it in place
-  int bits = 8;          // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
-  int rotation_deg = 0;  // clockwise, already applied
-  std::string codec;     // "png", "jpeg", "tiff"
+  int bits = 8;           // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
+  int rotation_deg = 0;   // clockwise, already applied
+  std::string codec;      // "png", "jpeg", "tiff"
   Quantiser quantiser{};  // of a lossy one
   // A picture that lies in its file as it was is not copied: a window on the file's pages, which `file` holds.
   std::optional<LumaView> in_place = std::nullopt;

@@ -79,7 +79,8 @@ TEST(PictureSource, APictureOfAnotherSizeEndsTheInputThere) {
     const auto frame = source->next();
     ASSERT_FALSE(frame);
     EXPECT_EQ(frame.error().kind, InputErrorKind::kDamaged);
-    EXPECT_NE(frame.error().message.find("frame size changed 4x2 of 8 bit -> 5x2 of 8 bit at frame "), std::string::npos);
+    EXPECT_NE(frame.error().message.find("frame size changed 4x2 of 8 bit -> 5x2 of 8 bit at frame "),
+              std::string::npos);
   }
 }
 

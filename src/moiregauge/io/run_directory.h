@@ -44,7 +44,8 @@ class RunDirectory : public ResultSink {
   // The input's fingerprint takes a pass over all its bytes: it is asked for only where a run stands already.
   [[nodiscard]] tl::expected<void, OutputError> check(const std::function<std::string()>& input_sha256) const;
   // What a run that was interrupted has so far stays in DIR.unfinished where a finished run stands in DIR.
-  [[nodiscard]] tl::expected<void, OutputError> write(const Measurement& measurement, const MeasureOptions& options) override;
+  [[nodiscard]] tl::expected<void, OutputError> write(const Measurement& measurement,
+                                                      const MeasureOptions& options) override;
   // After write(): where the results are, as the user would type it.
   [[nodiscard]] std::string results() const { return place_.shown + (is_unfinished_ ? ".unfinished" : ""); }
 

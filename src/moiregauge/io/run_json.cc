@@ -54,7 +54,8 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
   config["axes"] = options.axes == BoardAxes::kPrint ? "print" : "image";
   config["template"] = std::string(word_for(options.observe.template_use));
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
-  if (options.observe.raster.sampling_pitch_px > 0) config["sampling_pitch_px"] = options.observe.raster.sampling_pitch_px;
+  if (options.observe.raster.sampling_pitch_px > 0)
+    config["sampling_pitch_px"] = options.observe.raster.sampling_pitch_px;
   return config;
 }
 
@@ -62,7 +63,8 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
 Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
   const bool solved = measurement.scene && has_solved_lens(*measurement.scene);
   if (solved) camera = measurement.scene->camera;
-  Json json{{"model", camera ? "brown" : "none"}, {"width", measurement.input.width}, {"height", measurement.input.height}};
+  Json json{
+      {"model", camera ? "brown" : "none"}, {"width", measurement.input.width}, {"height", measurement.input.height}};
   const Camera c = camera.value_or(Camera{});
   const std::pair<const char*, double> keys[] = {{"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"k1", c.k1},
                                                  {"k2", c.k2}, {"p1", c.p1}, {"p2", c.p2}, {"k3", c.k3}};
@@ -107,8 +109,7 @@ void add_solved(const Site& site, const Scene& scene, std::size_t i, Json& json)
   add("y_mm", at.y, u.value[MarkerShape::kY]);
   add("z_mm", scene.markers[i].value[MarkerShape::kHeight], u.value[MarkerShape::kHeight]);
   if (!solved.grating) return;
-  add("angle_deg", degrees_from_radians(solved.grating->angle_rad),
-      degrees_from_radians(u.value[MarkerShape::kTurn]));
+  add("angle_deg", degrees_from_radians(solved.grating->angle_rad), degrees_from_radians(u.value[MarkerShape::kTurn]));
   add("pitch_mm", solved.grating->pitch_mm, site.markers[i].grating->pitch_mm * u.value[MarkerShape::kScale]);
 }
 
@@ -190,7 +191,8 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
     json["markers"].push_back(measured_marker_json(measurement, site, i));
   json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
-  for (std::size_t k = 0; k < measurement.targets.size(); ++k) json["targets"].push_back(target_json(measurement, site, k));
+  for (std::size_t k = 0; k < measurement.targets.size(); ++k)
+    json["targets"].push_back(target_json(measurement, site, k));
   json["references_verified"] = measurement.references_verified;
   json["warnings"] = measurement.warnings;
   json["exit_code"] = static_cast<int>(measurement.exit);

@@ -78,7 +78,8 @@ TEST(Uff58, AGapIsRefusedOrSplitNeverFilled) {
   const auto split = uff58(table_of(kTwo), Gaps::kSplit);
   ASSERT_TRUE(split);
   std::size_t datasets = 0;
-  for (std::size_t at = split->find("\n    58\n"); at != std::string::npos; at = split->find("\n    58\n", at + 1)) ++datasets;
+  for (std::size_t at = split->find("\n    58\n"); at != std::string::npos; at = split->find("\n    58\n", at + 1))
+    ++datasets;
   EXPECT_EQ(datasets, 6u);  // a: x and y; b: two stretches of each
 }
 
@@ -86,7 +87,8 @@ TEST(Uff58, AGapIsRefusedOrSplitNeverFilled) {
 TEST(Uff58, FramesLeftOutEvenlyAreNoGap) {
   const auto written = uff58(table_of("0,0.0,a,1,1,0,0,ok\n2,0.2,a,2,2,0,0,ok\n4,0.4,a,3,3,0,0,ok\n"), Gaps::kRefuse);
   ASSERT_TRUE(written) << written.error();
-  EXPECT_NE(written->find("         4         3         1  0.00000E+00  2.00000E-01  0.00000E+00"), std::string::npos) << *written;
+  EXPECT_NE(written->find("         4         3         1  0.00000E+00  2.00000E-01  0.00000E+00"), std::string::npos)
+      << *written;
 }
 
 TEST(Uff58, WithoutTimeThereIsNoSeries) {

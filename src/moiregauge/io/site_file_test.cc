@@ -112,7 +112,9 @@ TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPlace) {
 
 // toml11's own explanation of such a string read beyond the text.
 TEST(SiteFile, LettersThatAreNotUtf8AreNamedWithTheirLine) {
-  for (const char* line : {"name = 'Br\xfc" "cke'", "name = \"\xc3\"", "# \xff", "t =' \xf0\x9f own'"}) {
+  for (const char* line : {"name = 'Br\xfc"
+                           "cke'",
+                           "name = \"\xc3\"", "# \xff", "t =' \xf0\x9f own'"}) {
     EXPECT_EQ(all(parse_site(fmt::format("# Brücke\n{}\n", line), "s")),
               "s:2:1: a letter is not UTF-8: save the file as UTF-8\n");
   }

@@ -45,7 +45,8 @@ TEST(SolvedScene, APrintSeenByTheOldSiteAndItsShapeIsSeenByTheSolvedSiteAlone) {
   Scene s = scene();
   for (const std::size_t i : {0, 1, 2}) know(s, i, MarkerShape::kHeight, 0.1);
   const Site before = site(), after = solved_site(before, s);
-  const double camera[]{1000.0, 500.0, 400.0, -0.1, 0.02, 0.0, 0.0, 0.0, s.stretch}, pose[]{0.1, -0.2, 0.3, 5.0, 6.0, 1200.0};
+  const double camera[]{1000.0, 500.0, 400.0, -0.1, 0.02, 0.0, 0.0, 0.0, s.stretch},
+      pose[]{0.1, -0.2, 0.3, 5.0, 6.0, 1200.0};
   // Nine points that no board shows: residuals far from zero, and equal.
   PatchFit fit;
   for (std::size_t n = 0; n < kPatchPoints; ++n) {

@@ -20,7 +20,7 @@ constexpr double kShapeSpreadPx = 0.35;  // px of diameter
 constexpr double kLensSpread = 0.015;    // of the layout's size in the picture, positions
 constexpr double kPositionSlack = 0.05;  // of the layout's size: farther off is another circle
 constexpr double kPositionSlackPx = 3.0;
-constexpr double kPositionSpreads = 3.0;  // of the places stated in the site, allowed beside it
+constexpr double kPositionSpreads = 3.0;      // of the places stated in the site, allowed beside it
 constexpr double kMaxMisfitPerCircle = 15.0;  // size, and two of shape: three numbers of unit spread; beyond 1 in 500
 constexpr double kMissing = 25.0;             // misfit of a reference that is not seen (five spreads)
 constexpr double kDistanceSlack = 0.25;       // of a distance measured in neighbouring circles' sizes: perspective
@@ -121,7 +121,8 @@ class Searcher {
       if (!sizes_stated_ && depth == 1) continue;
       const double told = gauged_distance(gauges_[base[k]][picked[k]], b) / unit;
       const double stated = length(references_[j].centre - references_[base[k]].centre);
-      if (std::abs(told - stated) > kDistanceSlack * stated + kPositionSpreads * std::sqrt(2.0) * position_mm_) return false;
+      if (std::abs(told - stated) > kDistanceSlack * stated + kPositionSpreads * std::sqrt(2.0) * position_mm_)
+        return false;
     }
     return true;
   }

@@ -12,29 +12,29 @@
 namespace moiregauge {
 
 struct CircleOptions {
-  double min_circularity = 0.84;      // W = 4 pi S / L^2, seed paper Eq. (6); 1 for a circle, 0.785 for a square
-  double min_diameter_px = 7.0;       // geometric mean of the axes
+  double min_circularity = 0.84;  // W = 4 pi S / L^2, seed paper Eq. (6); 1 for a circle, 0.785 for a square
+  double min_diameter_px = 7.0;   // geometric mean of the axes
   double max_diameter_px = 400.0;
 };
 
 // An outline that looks like a circle seen at an angle: an ellipse.
 struct SeenCircle {
-  ImagePoint centre;             // px, centre of the imaged ellipse
-  double u_centre_px = 0.0;      // standard uncertainty of each coordinate
-  double diameter_px = 0.0;      // geometric mean of the ellipse's axes
-  double axis_ratio = 1.0;       // minor / major
-  double angle_rad = 0.0;        // of the major axis, from image x towards image y
-  double circularity = 0.0;      // W
-  double ellipse_residual = 0.0; // rms distance of the outline from the ellipse / diameter
-  double contrast = 0.0;         // grey levels, inside minus outside
-  double background = 0.0;       // grey level just outside
+  ImagePoint centre;              // px, centre of the imaged ellipse
+  double u_centre_px = 0.0;       // standard uncertainty of each coordinate
+  double diameter_px = 0.0;       // geometric mean of the ellipse's axes
+  double axis_ratio = 1.0;        // minor / major
+  double angle_rad = 0.0;         // of the major axis, from image x towards image y
+  double circularity = 0.0;       // W
+  double ellipse_residual = 0.0;  // rms distance of the outline from the ellipse / diameter
+  double contrast = 0.0;          // grey levels, inside minus outside
+  double background = 0.0;        // grey level just outside
 };
 
 struct RejectedOutline {
   ImagePoint centre;
   double diameter_px = 0.0;
   double circularity = 0.0;
-  std::string why;               // "W = 0.79, need 0.84", "not an ellipse: ...", ...
+  std::string why;  // "W = 0.79, need 0.84", "not an ellipse: ...", ...
 };
 
 struct CircleSearch {

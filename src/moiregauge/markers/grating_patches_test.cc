@@ -109,7 +109,8 @@ TEST(GratingPatches, RoughnessIsNoGrating) {
   }
   EXPECT_TRUE(patches_in(picture).empty());
   // And it hides none.
-  for (int y = 40; y < 224; ++y) std::fill(picture.row(y).begin() + 56, picture.row(y).begin() + 200, std::uint8_t{210});
+  for (int y = 40; y < 224; ++y)
+    std::fill(picture.row(y).begin() + 56, picture.row(y).begin() + 200, std::uint8_t{210});
   testing::paint(squares(), picture);
   EXPECT_EQ(patches_in(picture).size(), 1U);
 }

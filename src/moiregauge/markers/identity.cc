@@ -169,7 +169,8 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
   if (n < 4) return fail(n, text_of("the site has %d reference circles, needs 4", n));
   if (seen.size() < 4) {
     const auto found = static_cast<int>(seen.size());
-    return fail(found, text_of("found %d of %d reference circles (%s)", found, n, best_rejected_outline(search).c_str()));
+    return fail(found,
+                text_of("found %d of %d reference circles (%s)", found, n, best_rejected_outline(search).c_str()));
   }
   const std::vector<bool> crowd = crowd_of(seen);
   AssignmentSearch options =

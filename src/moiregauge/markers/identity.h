@@ -16,7 +16,7 @@ namespace moiregauge {
 
 // Index into `seen` for every marker of the site that has a circle; -1 where it is not seen.
 struct Identified {
-  std::vector<int> circle_of_marker;                      // one per site marker
+  std::vector<int> circle_of_marker;                        // one per site marker
   Homography<frame::Image, frame::Board> image_from_board;  // from the identified reference circles
 };
 

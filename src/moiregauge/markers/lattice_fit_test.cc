@@ -54,7 +54,8 @@ TEST(LatticeFit, TheSlantOfAPrintIsTold) {
   testing::paint(print, picture);
   LatticeModel model = begun(print);
   model.lattice.k = 1.002 * print.k;
-  ASSERT_TRUE(fit_lattice(floats(picture), {{-4.5, -4.5}, {4.5, 4.5}}, Eigen::Matrix2d::Identity(), {3, true, 100000}, model));
+  ASSERT_TRUE(
+      fit_lattice(floats(picture), {{-4.5, -4.5}, {4.5, 4.5}}, Eigen::Matrix2d::Identity(), {3, true, 100000}, model));
   EXPECT_LT((model.lattice.q - print.q).norm(), 0.02 * print.q.norm());
   EXPECT_LT((model.lattice.k - print.k).norm() / print.k.norm(), 2e-4);
   const Eigen::Vector2d s(4.0, -3.0);

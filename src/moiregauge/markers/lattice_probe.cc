@@ -11,9 +11,9 @@
 namespace moiregauge {
 namespace {
 
-constexpr std::size_t kSide = 16;  // places along each axis
+constexpr std::size_t kSide = 16;    // places along each axis
 constexpr double kProbeReach = 1.1;  // periods
-constexpr int kMostTerms = 9;      // mean, (1, 0), (0, 1), (1, 1), (1, -1)
+constexpr int kMostTerms = 9;        // mean, (1, 0), (0, 1), (1, 1), (1, -1)
 
 const std::array<Eigen::Vector2d, kSide * kSide>& places() {
   static const auto list = [] {

@@ -20,9 +20,10 @@ struct LikeSheet {
 // How far a grating's edge may be from the circle it belongs to, in diameters of the circle.
 inline constexpr double kGratingReach = 3.0;
 
+inline constexpr double kRoundPx = 0.7;  // px of diameter: two spreads of a seen circle's shape
+
 // ln(major / minor) of the circle on the grating's plane, as the grating's lattice shows it: 0 where the circle is
 // round and on that plane. Of lines, which do not show the plane, 0.
-inline constexpr double kRoundPx = 0.7;  // px of diameter: two spreads of a seen circle's shape
 [[nodiscard]] double out_of_round(const SeenCircle& circle, const SeenPatch& patch);
 
 // The largest set of circles, each with the grating nearest to it, that agree in the circle's size and contrast and in

@@ -17,6 +17,7 @@ namespace moiregauge {
 
 // The points of the part that is free; nothing when that is too little, or has something over it still.
 [[nodiscard]] std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel& model,
-                                                  const PatchFit& at_rest, const PatchFit& fit, const BlockSet& covered);
+                                                  const PatchFit& at_rest, const PatchFit& fit,
+                                                  const BlockSet& covered);
 
 }  // namespace moiregauge

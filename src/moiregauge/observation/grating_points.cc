@@ -14,9 +14,9 @@ namespace moiregauge {
 namespace {
 
 constexpr double kLatticeReach = 1.25;  // pitches to either side of a point: what its lattice is fitted to
-constexpr double kExplained = 0.7;  // of the grey levels round a point
-constexpr double kAsMuch = 0.95;    // of what is explained in the middle: less where the print ends within reach
-constexpr double kNodeFarOff = 0.15;  // pitches from where the neighbour expects it
+constexpr double kExplained = 0.7;      // of the grey levels round a point
+constexpr double kAsMuch = 0.95;        // of what is explained in the middle: less where the print ends within reach
+constexpr double kNodeFarOff = 0.15;    // pitches from where the neighbour expects it
 constexpr double kNoise =
     1e-3;  // pitches, roughly: how far a point's own pixels tell it. The scatter of many says more
 // All of a print's pixels: strewn ones would alias with its sharp edges.

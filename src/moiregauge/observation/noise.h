@@ -7,8 +7,8 @@
 namespace moiregauge {
 
 struct PixelNoise {
-  double sigma = 0.0;           // grey levels, one pixel, including the rounding to whole grey levels
-  double clipped_share = 0.0;   // of pixels at 0 or at the highest grey level of `bits`
+  double sigma = 0.0;          // grey levels, one pixel, including the rounding to whole grey levels
+  double clipped_share = 0.0;  // of pixels at 0 or at the highest grey level of `bits`
 };
 
 // Robust scale (1.4826 x the median magnitude, over 6) of the mask [1 -2 1; -2 4 -2; 1 -2 1], which is blind to planes and

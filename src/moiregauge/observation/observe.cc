@@ -62,7 +62,8 @@ Located as_before(const Reference& reference, const CircleSearch& near, const Id
   return located(reference, near, who);
 }
 
-Located locate(const GreyPicture& picture, const Reference& reference, const Prediction& prediction, std::size_t least) {
+Located locate(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
+               std::size_t least) {
   const IdealFromBoard& last = prediction.view ? *prediction.view : reference.seen.stage1;
   const PreviousCircles previous{Homography<frame::Image, frame::Board>(last.matrix()), 0.0};
   CircleSearch near;
@@ -132,7 +133,8 @@ std::optional<IdealFromBoard> second_view(const Reference& reference, const std:
     if (now.loss != Loss::kNone) continue;
     Extent<frame::Board> moved;
     if (reference.site.markers[point.marker].grating)
-      moved = displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, now.patch);
+      moved =
+          displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, now.patch);
     then.push_back(point.board);
     refined.push_back(seen.stage1(point.board + known_part(moved)));
   }
@@ -169,7 +171,8 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   observation.reference_problem = now.problem;
   const auto first = first_view(reference, now.points, prediction);
   if (!first) {
-    if (observation.reference_problem.empty()) observation.reference_problem = too_few(least, "reference circles are seen");
+    if (observation.reference_problem.empty())
+      observation.reference_problem = too_few(least, "reference circles are seen");
     return observation;
   }
   observation.stage1 = observation.stage2 = *first;

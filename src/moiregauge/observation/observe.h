@@ -12,8 +12,8 @@ namespace moiregauge {
 // What the past says about this frame. Only a hint for where to look: a wrong one costs time, not truth; but `travel`
 // decides the whole pitches of a target that has left its first half pitch.
 struct Prediction {
-  std::optional<IdealFromBoard> view;          // how the last frame saw the board
-  std::vector<Extent<frame::Board>> travel;    // of each site marker since the reference frame, mm
+  std::optional<IdealFromBoard> view;        // how the last frame saw the board
+  std::vector<Extent<frame::Board>> travel;  // of each site marker since the reference frame, mm
   // The same for this frame, at constant velocity; nothing when the last frame was lost.
   std::optional<IdealFromBoard> expected;
   std::vector<Extent<frame::Board>> travel_expected;

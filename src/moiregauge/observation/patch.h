@@ -42,7 +42,8 @@ inline constexpr double kLostModulation = 0.15;
 inline constexpr double kBentLattice = 0.001;       // of the pitch, rms
 inline constexpr double kStretchedLattice = 0.003;  // relative
 // lag_mm: by how much a lossy codec may leave parts of it behind.
-[[nodiscard]] bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now, double lag_mm = 0.0);
+[[nodiscard]] bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now,
+                           double lag_mm = 0.0);
 
 // False for lines that lie askew to both board axes: what they show is neither dx nor dy.
 [[nodiscard]] bool shows_an_axis(const RasterPlan& plan);

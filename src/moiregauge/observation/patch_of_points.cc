@@ -20,8 +20,7 @@ constexpr double kStripMisses = 0.1;
 // Where points seem to be on the board, less where the site has them: a plane about the grating's middle.
 PrintMotion off_the_site(const Reference& reference, const View& view, std::size_t i, const PatchFit& fit) {
   const Grating& grating = *reference.site.markers[i].grating;
-  const auto board_from_print =
-      print_from_board(grating, {}).inverse() * reference.prints[i]->correction.inverse();
+  const auto board_from_print = print_from_board(grating, {}).inverse() * reference.prints[i]->correction.inverse();
   const auto board_from_ideal = view.ideal_from_board.inverse();
   Eigen::Matrix<double, kPatchPoints, 3> plane;
   Eigen::Matrix<double, kPatchPoints, 2> off;
@@ -64,7 +63,8 @@ PatchReading patch_of_points(const Reference& reference, std::size_t i, const Pa
     patch.phase_rad[a] = wrapped(then.patch.phase_rad[a] - kTurn * along[a] / plan.pitch_mm);
     patch.u_phase_rad[a] = u_of_shift(fit.information, static_cast<int>(a)) * kTurn * pitch_mm / plan.pitch_mm;
     patch.modulation[a] *= fit.fundamental[a] / then.points->fundamental[a];
-    for (std::size_t b = 0; b < 2; ++b) patch.gradient[a][b] += bent(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+    for (std::size_t b = 0; b < 2; ++b)
+      patch.gradient[a][b] += bent(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
   }
   patch.noise_sigma = fit.sigma;
   patch.valid = true;
@@ -72,8 +72,10 @@ PatchReading patch_of_points(const Reference& reference, std::size_t i, const Pa
 }
 
 double clipped_share(const GreyPicture& picture, const PatchFit& fit) {
-  const auto [left, right] = std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.x < q.x; });
-  const auto [top, bottom] = std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.y < q.y; });
+  const auto [left, right] =
+      std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.x < q.x; });
+  const auto [top, bottom] =
+      std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.y < q.y; });
   return clipped_share(picture.luma, picture.bits, static_cast<int>(left->x), static_cast<int>(top->y),
                        static_cast<int>(right->x - left->x), static_cast<int>(bottom->y - top->y));
 }

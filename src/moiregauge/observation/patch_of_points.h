@@ -16,9 +16,8 @@ struct PrintMotion {
                                            const PatchFit& points);
 
 // As read in a window shifted by `shift`; its clipped share is that of the reference frame.
-[[nodiscard]] PatchReading patch_of_points(const Reference& reference, std::size_t i,
-                                           const PatchFit& points, const PrintMotion& motion,
-                                           Extent<frame::Board> shift);
+[[nodiscard]] PatchReading patch_of_points(const Reference& reference, std::size_t i, const PatchFit& points,
+                                           const PrintMotion& motion, Extent<frame::Board> shift);
 
 // Of the pixels between the outer points.
 [[nodiscard]] double clipped_share(const GreyPicture& picture, const PatchFit& points);

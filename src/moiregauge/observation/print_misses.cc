@@ -12,9 +12,9 @@ namespace moiregauge {
 namespace {
 
 constexpr double kThrice = 3.0;
-constexpr double kBeyondNoise = 6.0;      // standard deviations
-constexpr double kLeastFree = 0.4;        // of the window
-constexpr int kLeastPixels = 30;          // in a block, for its mean square to mean something
+constexpr double kBeyondNoise = 6.0;  // standard deviations
+constexpr double kLeastFree = 0.4;    // of the window
+constexpr int kLeastPixels = 30;      // in a block, for its mean square to mean something
 
 // What a pixel at `p` should show.
 class Expected {
@@ -117,7 +117,8 @@ std::optional<PatchWindow> free_window(const PatchWindow& window, const BlockSet
       for (int y1 = y0 + 1; y1 <= kMissBlocks; ++y1) {
         for (int x1 = x0 + 1; x1 <= kMissBlocks; ++x1) {
           const int area = (x1 - x0) * (y1 - y0);
-          if (area > best && is_free(x0, y0, x1, y1)) best = area, best_x0 = x0, best_y0 = y0, best_x1 = x1, best_y1 = y1;
+          if (area > best && is_free(x0, y0, x1, y1))
+            best = area, best_x0 = x0, best_y0 = y0, best_x1 = x1, best_y1 = y1;
         }
       }
     }

@@ -154,7 +154,7 @@ std::optional<PrintFromImage> local_map(const View& view, const Grating& grating
   std::array<ImagePoint, 4> image;
   std::ranges::transform(print, image.begin(), [&](PrintPoint p) { return view(board_from_print(p)); });
   const auto h = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(image),
-                                                          std::span<const PrintPoint>(print));
+                                                            std::span<const PrintPoint>(print));
   if (!h) return std::nullopt;
   return *h;
 }

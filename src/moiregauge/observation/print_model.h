@@ -23,8 +23,8 @@ enum class TemplateUse { kAuto, kOn, kOff };
 
 struct PrintModel {
   PrintTemplate print = PrintTemplate::cosine(0.0, 0.0);
-  PatchWindow window;       // pitches
-  PatchFitOptions options;  // axes, and the rows that the first passes look at
+  PatchWindow window;                  // pitches
+  PatchFitOptions options;             // axes, and the rows that the first passes look at
   std::optional<PatchAtRest> at_rest;  // as it was learned
   std::optional<Outline> outline;
   // From the print coordinates that the site gives through a view to those found: where the site's places are off by

@@ -20,7 +20,8 @@ struct ObserveOptions {
 struct GreyPicture {
   LumaView luma;
   int bits = 8;
-  double rounding = 0.0;  // grey levels, rms: by how much a lossy codec may have any pixel wrong; 0: it is as the sensor had it
+  double rounding =
+      0.0;  // grey levels, rms: by how much a lossy codec may have any pixel wrong; 0: it is as the sensor had it
 };
 
 // A circle's centre as a point of the homography: the lens and the perspective offset of the ellipse's centre taken

@@ -10,7 +10,7 @@ namespace moiregauge {
 struct Reference;
 
 // Values that differ by more than this are a wrong site file, not a printer's stretch or a tape measure's.
-inline constexpr double kSiteTolerance = 0.02;     // relative
+inline constexpr double kSiteTolerance = 0.02;  // relative
 // A target that stands off the references' plane shows its pitch larger or smaller: 100 mm at a metre.
 inline constexpr double kTargetTolerance = 0.1;    // relative
 inline constexpr double kDiameterTolerance = 1.0;  // px, a circle's edge is not known better

@@ -52,7 +52,9 @@ std::vector<double> tabulated(const std::vector<Complex>& series, int order, int
     double* const row = table.data() + static_cast<std::size_t>(j) * points;
     for (int n = 0; n <= order; ++n) {
       const Complex t = turn[static_cast<std::size_t>((n * j) % side)];
-      const double *const a = re.data() + static_cast<std::size_t>(n) * points, *const b = im.data() + static_cast<std::size_t>(n) * points;
+      const double *const a = re.data() + static_cast<std::size_t>(n) * points, *const b = im.data() +
+                                                                                           static_cast<std::size_t>(n) *
+                                                                                               points;
       for (std::size_t i = 0; i < points; ++i) row[i] += a[i] * t.real() - b[i] * t.imag();
     }
   }
@@ -86,7 +88,8 @@ PrintNodes nodes_of(const std::vector<Complex>& series, int order) {
     for (int j = 0; j < wide; ++j) {
       for (int i = 0; i < wide; ++i) {
         const int from = ((j - 1 + side) % side) * side + (i - 1 + side) % side;
-        const auto whole = static_cast<std::int32_t>(std::lround(table[static_cast<std::size_t>(from)] / most * kFullScale));
+        const auto whole =
+            static_cast<std::int32_t>(std::lround(table[static_cast<std::size_t>(from)] / most * kFullScale));
         auto& word = nodes.words[static_cast<std::size_t>((j * wide + i) * PrintNodes::kWords) + k / 2];
         word |= static_cast<std::int32_t>(static_cast<std::uint32_t>(whole & 0xffff) << (k % 2 == 0 ? 0 : 16));
       }

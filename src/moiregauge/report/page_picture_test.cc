@@ -27,7 +27,9 @@ std::vector<std::uint8_t> noisy_png(int width, int height) {
   return png_of(surface.get());
 }
 
-bool is_jpeg(const std::vector<std::uint8_t>& bytes) { return bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8; }
+bool is_jpeg(const std::vector<std::uint8_t>& bytes) {
+  return bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8;
+}
 
 // 1600 x 390 px at no more than two bits each.
 TEST(PagePicture, OfALargeCameraIsSmall) {

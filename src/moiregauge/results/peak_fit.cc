@@ -20,11 +20,11 @@ constexpr double kSlowCycles = 4.0;       // between the knots of what moves slo
 constexpr int kSlowPasses = 3;            // a sine leaves 1 / (2 pi 4)^2 of itself in it, then that of that
 constexpr double kSignificant =
     5.0;  // standard uncertainties of lambda; chosen at 3 the chosen would be too large by half of one
-constexpr double kMostLeft = 0.01;     // of the oscillation's power about its frequency
-constexpr double kStandsOut = 6.0;     // times the level around: chance makes 8 averaged ordinates so high in 1e-7
-constexpr double kMisfit = 3.0;        // so much more of it at the peak is not noise, and counts
-constexpr double kFurthestBack = 3.0;  // times the amplitude at its start: so far a decay is run backwards
-constexpr std::size_t kNear = 3;       // ordinates to each side that are the peak
+constexpr double kMostLeft = 0.01;        // of the oscillation's power about its frequency
+constexpr double kStandsOut = 6.0;        // times the level around: chance makes 8 averaged ordinates so high in 1e-7
+constexpr double kMisfit = 3.0;           // so much more of it at the peak is not noise, and counts
+constexpr double kFurthestBack = 3.0;     // times the amplitude at its start: so far a decay is run backwards
+constexpr std::size_t kNear = 3;          // ordinates to each side that are the peak
 constexpr std::size_t kNoiseAround = 40;  // and beyond them, that tell the noise at its frequency
 
 struct Gathered {

@@ -16,9 +16,9 @@ namespace {
 
 // Chance alone makes one of 10^7 ordinates stand out so far (5.2 standard deviations of a normal distribution).
 constexpr double kOneOfMany = 5.2;
-constexpr double kQuartile = -0.6745;   // as a normal deviate
-constexpr double kLeastRatio = 3.0;     // and a hill that is no higher than this is no peak
-constexpr double kLeastCycles = 3.0;    // in the record; slower is drift
+constexpr double kQuartile = -0.6745;     // as a normal deviate
+constexpr double kLeastRatio = 3.0;       // and a hill that is no higher than this is no peak
+constexpr double kLeastCycles = 3.0;      // in the record; slower is drift
 constexpr std::size_t kLevelAround = 25;  // ordinates to each side that tell the level about one
 constexpr double kResolvedWidth = 4.0;  // half-power width in units of 1 / duration, below which it is the window's own
 constexpr double kCrumb = 0.05;         // of the strongest peak's amplitude

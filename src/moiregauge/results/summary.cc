@@ -28,9 +28,7 @@ class Rms {
     sum.squares += v * v;
     ++sum.count;
   }
-  static double of(const Sum& sum) {
-    return sum.count > 0 ? std::sqrt(sum.squares / double(sum.count)) : kNotMeasured;
-  }
+  static double of(const Sum& sum) { return sum.count > 0 ? std::sqrt(sum.squares / double(sum.count)) : kNotMeasured; }
   Sum x_, y_;
 };
 

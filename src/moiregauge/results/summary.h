@@ -11,14 +11,14 @@
 namespace moiregauge {
 
 struct TargetSummary {
-  std::size_t marker = 0;                    // index in the site
-  long frames = 0;                           // rows
-  long ok = 0;                               // rows with status ok, the reference frame's included
-  std::map<std::string, long> status_counts; // by word, only those that occur
-  Extent<frame::Board> u;                    // mm, rms over the measured rows; NaN when there are none
-  Budget budget;                             // mm, rms over the measured rows
-  Extent<frame::Board> lowest, highest;      // mm, of the measured rows; NaN when there are none
-  Extent<frame::Board> last;                 // mm, the last measured row
+  std::size_t marker = 0;                     // index in the site
+  long frames = 0;                            // rows
+  long ok = 0;                                // rows with status ok, the reference frame's included
+  std::map<std::string, long> status_counts;  // by word, only those that occur
+  Extent<frame::Board> u;                     // mm, rms over the measured rows; NaN when there are none
+  Budget budget;                              // mm, rms over the measured rows
+  Extent<frame::Board> lowest, highest;       // mm, of the measured rows; NaN when there are none
+  Extent<frame::Board> last;                  // mm, the last measured row
   Status last_status = Status::kLost;
 };
 

@@ -18,16 +18,16 @@ namespace moiregauge {
 // run.json's `input` block.
 struct InputInfo {
   std::string path;
-  std::string sha256;        // of the file's bytes; of a folder: over the pictures' bytes in order. A source leaves it
-                             // empty: it is taken beside the measuring, not before it (cli/fingerprint.h)
-  long frames = -1;          // number of frames in the input; -1: not known before the end
-  int width = 0;             // px, as displayed
-  int height = 0;            // px, as displayed
-  int bits = 8;              // grey-level depth
-  double fps = 0.0;          // nominal; NaN when unknown
-  std::string codec;         // "png", "jpeg", "tiff", "ffv1", "h264" ...
-  int rotation_deg = 0;      // quarter turns clockwise that were applied to show the picture upright
-  std::string time_source;   // "stream", "fps-option", "none"
+  std::string sha256;       // of the file's bytes; of a folder: over the pictures' bytes in order. A source leaves it
+                            // empty: it is taken beside the measuring, not before it (cli/fingerprint.h)
+  long frames = -1;         // number of frames in the input; -1: not known before the end
+  int width = 0;            // px, as displayed
+  int height = 0;           // px, as displayed
+  int bits = 8;             // grey-level depth
+  double fps = 0.0;         // nominal; NaN when unknown
+  std::string codec;        // "png", "jpeg", "tiff", "ffv1", "h264" ...
+  int rotation_deg = 0;     // quarter turns clockwise that were applied to show the picture upright
+  std::string time_source;  // "stream", "fps-option", "none"
   std::vector<std::string> warnings;
 };
 
@@ -43,7 +43,7 @@ enum class InputErrorKind { kUnreadable, kUnsupported, kDamaged };
 
 struct InputError {
   InputErrorKind kind = InputErrorKind::kUnreadable;
-  std::string message;       // "what: where: what to do"
+  std::string message;  // "what: where: what to do"
 };
 [[nodiscard]] inline tl::unexpected<InputError> input_failure(InputErrorKind kind, std::string message) {
   return tl::unexpected(InputError{kind, std::move(message)});
@@ -60,9 +60,9 @@ class FrameSource {
 };
 
 struct InputOptions {
-  std::optional<double> fps;  // --fps: time stamps of pictures; also overrides a stream's
-  bool sequence = false;      // --sequence: the path is a printf pattern
-  int threads = 0;            // --threads: that read pictures ahead; 0: as many as there are cores, 1: none
+  std::optional<double> fps;             // --fps: time stamps of pictures; also overrides a stream's
+  bool sequence = false;                 // --sequence: the path is a printf pattern
+  int threads = 0;                       // --threads: that read pictures ahead; 0: as many as there are cores, 1: none
   std::int64_t max_pixels = 64'000'000;  // --max-pixels: a picture that claims more is not decoded
 };
 

@@ -37,8 +37,8 @@ tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& pictur
   if (!found) return tl::unexpected(std::move(found.error()));
   found->site = with_prints_scaled(std::move(found->site), {1.0, options.print_scale.u, options.print_scale.spread});
   auto made = needs_circles ? make_reference(picture, found->site, lens, options.observe)
-                            : make_reference_in_view(picture, found->site, {found->view, lens}, std::move(found->search),
-                                                     options.observe);
+                            : make_reference_in_view(picture, found->site, {found->view, lens},
+                                                     std::move(found->search), options.observe);
   if (made) notes = std::move(found->notes);
   return made;
 }
@@ -125,9 +125,10 @@ class Run {
   }
   [[nodiscard]] std::optional<std::string> note_on_repeats() const {
     if (repeated_ == 0) return std::nullopt;
-    return fmt::format("{} of {} frames repeat{} the one before to the last bit (the first is frame {}): a dropped frame or "
-                       "an unchanging source; the time of a repeated frame is not that of what it shows",
-                       repeated_, out_.observations.size(), repeated_ == 1 ? "s" : "", first_repeated_);
+    return fmt::format(
+        "{} of {} frames repeat{} the one before to the last bit (the first is frame {}): a dropped frame or "
+        "an unchanging source; the time of a repeated frame is not that of what it shows",
+        repeated_, out_.observations.size(), repeated_ == 1 ? "s" : "", first_repeated_);
   }
   [[nodiscard]] bool hopeless() const { return hopeless_; }
   [[nodiscard]] bool can_go_on() const { return journal_ == nullptr || journal_->good(); }
@@ -196,7 +197,8 @@ tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number
       run.keep_picture(**frame);
     else if ((*frame)->damaged)
       out.refusal = fmt::format("reference frame {} is damaged", number);
-    else if (!run.refer_to(**frame)) out.refusal = fmt::format("reference frame {}: {}", number, out.refusal);
+    else if (!run.refer_to(**frame))
+      out.refusal = fmt::format("reference frame {}: {}", number, out.refusal);
     return {};
   }
 }
@@ -212,8 +214,8 @@ long selected(const FrameRange& range, long frames) {
   return std::max(0L, (end - range.first + range.step - 1) / range.step);
 }
 
-tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, Run& run, Measurement& out,
-                                           const OnProgress& on_progress) {
+tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, Run& run,
+                                           Measurement& out, const OnProgress& on_progress) {
   const long expected = selected(options.frames, source.info().frames);
   bool any = false;
   while (true) {
@@ -239,7 +241,9 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     }
   }
   if (run.is_kept()) return tl::unexpected(not_the_same(source.info().path));
-  if (!any) return tl::unexpected(InputError{InputErrorKind::kUnreadable, "no pictures: " + source.info().path + ": give a video or a folder of pictures"});
+  if (!any)
+    return tl::unexpected(InputError{InputErrorKind::kUnreadable,
+                                     "no pictures: " + source.info().path + ": give a video or a folder of pictures"});
   return {};
 }
 
@@ -287,8 +291,8 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   }
   std::string list;
   for (const auto& [word, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, word);
-  out.refusal = counts.empty() ? "only the reference frame was measured; two frames are needed"
-                               : "no row is ok (" + list + ")";
+  out.refusal =
+      counts.empty() ? "only the reference frame was measured; two frames are needed" : "no row is ok (" + list + ")";
 }
 
 tl::expected<Measurement, InputError> watch(const OpenInput& open, const MeasureOptions& options,
@@ -296,7 +300,8 @@ tl::expected<Measurement, InputError> watch(const OpenInput& open, const Measure
   Measurement out;
   Run run(options, out, std::move(doors));
   if (options.reference_frame) {
-    if (auto done = refer_to_frame(open, *options.reference_frame, run, out); !done) return tl::unexpected(done.error());
+    if (auto done = refer_to_frame(open, *options.reference_frame, run, out); !done)
+      return tl::unexpected(done.error());
   }
   auto source = open();
   if (!source) return tl::unexpected(source.error());

@@ -54,7 +54,7 @@ struct Seen {
 struct Measurement : Seen {
   Samples samples;
   std::vector<double> chi2_dof;  // as Solution has it
-  std::optional<Scene> scene;  // of a method that solves one
+  std::optional<Scene> scene;    // of a method that solves one
   bool references_verified = false;
   std::vector<TargetSummary> targets;
   std::vector<TargetSpectra> spectra;  // in the order of targets

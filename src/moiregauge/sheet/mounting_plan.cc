@@ -58,7 +58,8 @@ void draw_axes(Canvas& canvas, const Scale& scale) {
                  tip,
                  {tip.x - 1.5 * dx + 0.8 * dy, tip.y - 1.5 * dy + 0.8 * dx}},
                 {kBlack, 0.3});
-    canvas.text({tip.x + 1.6 * dx - 0.8, tip.y + 1.6 * dy + 0.9}, name, {Align::kLeft, kBlack, false, 0.0, kPlanSmall_mm});
+    canvas.text({tip.x + 1.6 * dx - 0.8, tip.y + 1.6 * dy + 0.9}, name,
+                {Align::kLeft, kBlack, false, 0.0, kPlanSmall_mm});
   };
   arrow(1.0, 0.0, "x");
   arrow(0.0, -1.0, "y");
@@ -118,9 +119,9 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
   const double columns[] = {kLeft, kLeft + 17.0, kLeft + 39.0, kLeft + 72.0, kLeft + 105.0, kLeft + 125.0};
   const auto row = [&](double y, const std::vector<std::string>& cells, bool bold) {
     for (std::size_t i = 0; i < cells.size(); ++i)
-      canvas.text(
-          {columns[i], y}, cells[i],
-          fitted(canvas, cells[i], {Align::kLeft, kBlack, bold, 0.0, kPlanSmall_mm}, columns[i + 1] - columns[i] - 1.0));
+      canvas.text({columns[i], y}, cells[i],
+                  fitted(canvas, cells[i], {Align::kLeft, kBlack, bold, 0.0, kPlanSmall_mm},
+                         columns[i + 1] - columns[i] - 1.0));
   };
   row(top, {"name", "role", "circle at x, y mm", "grating at x, y mm", "size mm"}, true);
   canvas.line({{kLeft, top + 1.3}, {kLeft + 122.0, top + 1.3}}, {kGrey, 0.2});

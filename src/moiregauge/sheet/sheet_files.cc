@@ -77,8 +77,9 @@ std::string renumbered(const std::string& svg) {
 // The page's unit is the millimetre, for whoever opens it in a drawing program or cuts it with a laser.
 std::string svg_of(const Page& page) {
   std::string text;
-  const Surface surface(cairo_svg_surface_create_for_stream(append_bytes, &text, page.paper.width_mm, page.paper.height_mm),
-                        cairo_surface_destroy);
+  const Surface surface(
+      cairo_svg_surface_create_for_stream(append_bytes, &text, page.paper.width_mm, page.paper.height_mm),
+      cairo_surface_destroy);
   cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_MM);
   {
     const Context context(cairo_create(surface.get()), cairo_destroy);

@@ -20,11 +20,11 @@ struct Circle {
 
 // A periodic print. pitch_mm is the period along x (and y): line to line, centre to centre, TWO squares of a checkerboard.
 struct Grating {
-  BoardPoint centre;             // mm, a symmetry point of the print
-  double width_mm = 0.0;         // extent of the print along its own x
-  double height_mm = 0.0;        // and y
+  BoardPoint centre;       // mm, a symmetry point of the print
+  double width_mm = 0.0;   // extent of the print along its own x
+  double height_mm = 0.0;  // and y
   double pitch_mm = 0.0;
-  double angle_rad = 0.0;        // counter-clockwise from the board's x to the print's x
+  double angle_rad = 0.0;  // counter-clockwise from the board's x to the print's x
   Pattern pattern = Pattern::kAuto;
 };
 

@@ -7,9 +7,9 @@
 namespace moiregauge {
 
 namespace frame {
-struct Image;    // px, the picture as displayed: (0,0) is the centre of the top-left pixel, x right, y down
-struct Ideal;    // px, the same picture through a lens without distortion
-struct Board;    // mm, the board's plane: x right, y up, z towards the camera
+struct Image;  // px, the picture as displayed: (0,0) is the centre of the top-left pixel, x right, y down
+struct Ideal;  // px, the same picture through a lens without distortion
+struct Board;  // mm, the board's plane: x right, y up, z towards the camera
 }  // namespace frame
 
 // The difference of two points of one frame.
