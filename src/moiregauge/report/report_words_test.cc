@@ -66,6 +66,17 @@ TEST(ReportWords, WhatMovedIsToldWithItsInterval) {
   EXPECT_TRUE(words.advice.empty());
 }
 
+// The row furthest from zero is the reference frame's, whose u is zero, or any other: what moved less was not seen in any.
+TEST(ReportWords, WhatStoodStillDidSoWithinTheWidestInterval) {
+  BridgeRun run;
+  run.measurement.samples[3].u = {0.02, 0.01};  // end in the second frame
+  const Words words = run.words();
+  EXPECT_TRUE(says(words.summary,
+                   "end did not move: up and down it did not move by more than its uncertainty of "
+                   "± 0.020 mm; sideways it did not move by more than its uncertainty of ± 0.039 mm"))
+      << words.summary.at(1);
+}
+
 TEST(ReportWords, DownAndLeftHaveTheirWords) {
   EXPECT_EQ(with_interval(-0.5, 0.01, "up", "down"), "0.500 mm down (± 0.020 mm)");
   EXPECT_EQ(with_interval(12.0, 0.5, "up", "down"), "12.00 mm up (± 0.98 mm)");
