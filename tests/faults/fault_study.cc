@@ -21,13 +21,13 @@
 namespace moiregauge::faults {
 namespace {
 
-constexpr int kRuns = 7;
+constexpr int kLeastRuns = 7;
 // Of every mode: with nine rows each, one row in a hundred is four rows, not a single sequence's bad luck.
-constexpr int kSequences = 42;
+constexpr int kLeastSequences = 42;
 
 struct Words {
   std::string modes;
-  int runs = 0;  // of every strength; 0: kRuns, or more where kSequences take more
+  int runs = 0;  // of every strength; 0: the least
   int seed = 0;
   int threads = 2;
   bool strengths = false;
@@ -57,7 +57,7 @@ std::vector<Task> tasks_of(const Words& words) {
   for (const Mode& mode : modes()) {
     if (!is_wanted(mode.name, words.modes)) continue;
     const int strengths = static_cast<int>(mode.strengths.size());
-    const int runs = words.runs > 0 ? words.runs : std::max(kRuns, (kSequences + strengths - 1) / strengths);
+    const int runs = words.runs > 0 ? words.runs : std::max(kLeastRuns, (kLeastSequences + strengths - 1) / strengths);
     for (std::size_t strength = 0; strength < mode.strengths.size(); ++strength) {
       for (int run = 0; run < runs; ++run) tasks.push_back({&mode, strength, words.seed + run});
     }

@@ -70,13 +70,12 @@ std::string next_after_measure(const Measurement& m, const std::string& output) 
   if (moved) return "next: the camera moved, which `conventional` cannot take out: measure with --method two-stage";
   if (untrusted && m.scene)
     return fmt::format(
-        "next: the references do not fit one rigid scene: {}/report.html shows from which frame on, the warnings what "
-        "is known of it",
+        "next: the references do not fit one rigid scene: {}/report.html shows from which frame on, the warnings "
+        "what is known of it",
         output);
   if (untrusted)
     return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE "
-           "with the "
-           "lens's calibration";
+           "with the lens's calibration";
   if (m.exit == Exit::kIncomplete)
     return fmt::format("next: look for the rows that are not ok in {}/displacement.csv", output);
   return fmt::format("next: open {0}/report.html in a browser; {0}/displacement.csv holds every sample", output);

@@ -29,8 +29,8 @@ struct SolveOptions {
 
 struct Solution {
   Samples samples;
-  std::vector<double>
-      chi2_dof;  // of each observation against the scene, NaN where not fitted; empty: no scene was solved
+  // Of each observation against the scene, NaN where not fitted; empty: no scene was solved.
+  std::vector<double> chi2_dof;
   std::optional<Scene> scene;        // of a method that solves one
   bool references_verified = false;  // they were enough to be tested against each other, and were
   std::vector<std::string> notes;    // what the user should know

@@ -19,10 +19,11 @@ std::string shutter_note(const Scene& scene, bool given, double relative, double
           ? fmt::format("{:.2f} of the time between frames", std::abs(relative))
           : fmt::format("{:.2f} ms ({}, u {:.2f} ms)", 1e3 * std::abs(scene.readout_s),
                         given ? "as --readout has it and the footage" : "solved", 1e3 * scene.u_readout_s);
-  return fmt::format(
-      "rolling shutter: rows are read over {}: up to {:.3f} mm were taken out, {:.4f} mm are left in u at worst (frame "
-      "{})",
-      over, taken_out_mm, worst, frame);
+  // Of rows that are not trusted there is none at worst.
+  const std::string left =
+      worst > 0.0 ? fmt::format(", {:.4f} mm are left in u at worst (frame {})", worst, frame) : "";
+  return fmt::format("rolling shutter: rows are read over {}: up to {:.3f} mm were taken out{}", over, taken_out_mm,
+                     left);
 }
 
 }  // namespace moiregauge

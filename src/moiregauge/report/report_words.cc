@@ -24,13 +24,14 @@ struct Furthest {
 
 Furthest furthest(const Samples& samples, std::size_t marker, double Extent<frame::Board>::*axis) {
   Furthest far;
+  double widest_u = 0.0;
   for (const Sample& s : samples) {
     if (s.marker != marker || s.status != Status::kOk || std::isnan(s.displacement.*axis)) continue;
-    const double widest_u = std::max(far.widest_u, s.u.*axis);
-    if (!(std::abs(s.displacement.*axis) <= std::abs(far.value)))  // true of the first: NaN
-      far = {s.displacement.*axis, s.u.*axis, s.time_s, s.frame, 0.0};
-    far.widest_u = widest_u;
+    widest_u = std::max(widest_u, s.u.*axis);
+    if (std::abs(s.displacement.*axis) <= std::abs(far.value)) continue;  // false of the first, which is NaN
+    far = {s.displacement.*axis, s.u.*axis, s.time_s, s.frame};
   }
+  far.widest_u = widest_u;
   return far;
 }
 
@@ -38,7 +39,7 @@ std::string at(const Furthest& far) {
   return std::isnan(far.time_s) ? fmt::format("in frame {}", far.frame) : fmt::format("at {:.2f} s", far.time_s);
 }
 
-// "2.000 mm up (± 0.002 mm) at 3.10 s", or within what it stayed where it was.
+// "2.000 mm up (± 0.002 mm) at 3.10 s", or the interval within which it stayed where it was.
 std::string movement(const Furthest& far, const char* above, const char* below, const char* along) {
   if (std::isnan(far.value)) return fmt::format("{} it could not be measured", along);
   if (std::abs(far.value) <= kCover95 * far.u || far.value == 0.0)

@@ -66,7 +66,7 @@ TEST(ReportWords, WhatMovedIsToldWithItsInterval) {
   EXPECT_TRUE(words.advice.empty());
 }
 
-// The row furthest from zero is the reference frame's, whose u is zero, or any other: what moved less was not seen in any.
+// Not within the interval of the row that happens to be furthest from zero: here the reference frame's, whose u is zero.
 TEST(ReportWords, WhatStoodStillDidSoWithinTheWidestInterval) {
   BridgeRun run;
   run.measurement.samples[3].u = {0.02, 0.01};  // end in the second frame
