@@ -41,13 +41,12 @@ TEST(Trust, FourReferencesAreNeverCalledVerified) {
   EXPECT_FALSE(solution->references_verified);
 }
 
-// Twelve like prints, of which each may stand where its neighbour was a frame ago.
-TEST(Trust, ATargetIsNotMistakenForItsLikeNeighbour) {
-  const JumpKind kind{.pattern = Pattern::kGrid, .pitch_mm = 5.0};
-  test::RunPlan plan{.method = "precise", .first = 1, .frames = 6};
+// Counts the samples that are ok, and expects each to be its own print's.
+std::size_t ok_and_its_own(const JumpKind& kind, int number, long frames, std::size_t& samples) {
+  test::RunPlan plan{.method = "precise", .first = 1, .frames = frames};
   plan.all_targets = true;
-  const auto run = test::measured(jumping_targets(kind, 0), plan);
-  ASSERT_EQ(run.problem, "");
+  const auto run = test::measured(jumping_targets(kind, number), plan);
+  EXPECT_EQ(run.problem, "");
   std::size_t k = 0, ok = 0;
   for (const Sample& sample : run.samples) {
     if (!has_numbers(sample.status)) continue;
@@ -57,7 +56,23 @@ TEST(Trust, ATargetIsNotMistakenForItsLikeNeighbour) {
     ++ok;
     EXPECT_LT(off_um, 250.0 * kind.pitch_mm) << "frame " << sample.frame << " marker " << sample.marker;
   }
-  EXPECT_GT(ok, run.samples.size() / 2) << "jumps of a pitch or two are followed";
+  samples = run.samples.size();
+  return ok;
+}
+
+// Twelve like prints, of which each may stand where its neighbour was a frame ago.
+TEST(Trust, ATargetIsNotMistakenForItsLikeNeighbour) {
+  std::size_t samples = 0;
+  const std::size_t ok = ok_and_its_own({.pattern = Pattern::kGrid, .pitch_mm = 5.0}, 0, 6, samples);
+  EXPECT_GT(ok, samples / 2) << "jumps of a pitch or two are followed";
+}
+
+// Where a print cannot be told for some frames, its place must not walk off by the phase of what else is there: its
+// neighbour of 24 would pass for it. In draw 29 one did, in frame 18.
+TEST(Trust, ATargetThatCouldNotBeToldDoesNotGiveUpItsPlace) {
+  std::size_t samples = 0;
+  const std::size_t ok = ok_and_its_own({.pattern = Pattern::kDots, .pitch_mm = 3.5}, 29, 18, samples);
+  EXPECT_GT(ok, samples / 2) << "jumps of a pitch or two are followed";
 }
 
 // Draws in which a lens solved without the heights ended at two thirds of its focal length.

@@ -2,6 +2,16 @@
 #include "moiregauge/displacement/follower.h"
 
 namespace moiregauge {
+namespace {
+
+// A print whose outline is not where its phase would have it may be another print, or none: from such readings its
+// place would walk off by up to half a pitch a frame. It is looked for where it was last sure.
+bool has_left_its_outline(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
+  const bool has_outline = i < reference.prints.size() && reference.prints[i] && reference.prints[i]->outline;
+  return has_outline && seen.order == Order::kContradicted;
+}
+
+}  // namespace
 
 Follower::Follower(const Reference& reference) {
   prediction_.view = reference.seen.stage1;
@@ -36,6 +46,7 @@ std::vector<Extent<frame::Board>> Follower::follow(const Reference& reference, c
     // The window stands where the last frame left the target, or on this frame's first reading of it; the phase gives
     // the rest within half a pitch.
     travel[i] = displacement_at(plan, reference.seen.markers[i].patch, seen.patch, seen.window_shift);
+    if (has_left_its_outline(reference, seen, i)) continue;
     prediction_.travel[i] = {or_zero(travel[i].x), or_zero(travel[i].y)};
   }
   expect(last_travel, last_view);

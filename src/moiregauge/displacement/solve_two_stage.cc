@@ -135,7 +135,7 @@ Solution solve_two_stage(const Reference& reference, const std::vector<Observati
           sample.status = Status::kReferenceLost;
         else if (seen.markers[i].loss != Loss::kNone)
           sample.status = status_of_loss(seen.markers[i].loss);
-        else if (doubtful)
+        else if (doubtful || seen.markers[i].order == Order::kContradicted)
           sample.status = Status::kOrderUnproven;
         else
           measure_against_references(run, seen, n, travel[i], sample);
