@@ -14,8 +14,11 @@ namespace {
 using simulator::Scenario;
 using simulator::SceneMarker;
 
-constexpr long kMeasuredFrames = 5;     // besides the reference frame
-constexpr double kCentreWithin = 0.02;  // of the picture's larger side: where an unknown lens has its centre
+constexpr long kMeasuredFrames = 5;  // besides the reference frame
+// Of an unknown lens: where it has its centre, of the picture's larger side; and by how much it bends the picture's
+// corner to one side, of half the diagonal. Both are as wide as the instrument takes them to be.
+constexpr double kCentreWithin = 0.02;
+constexpr double kTangentialWithin = 0.005;
 
 // The same rig seen by a sensor of larger pixels: pitches of 29 px become 29 / times.
 Scenario coarser(Scenario s, double times) {
@@ -153,6 +156,9 @@ DrawnRun drawn_run(const TrustScenario& kind, int number) {
   } else {
     s.camera.cx += kCentreWithin * s.camera.width * normal(dice);
     s.camera.cy += kCentreWithin * s.camera.width * normal(dice);
+    const double rho = 0.5 * std::hypot(s.camera.width, s.camera.height) / s.camera.fx;
+    s.camera.p1 = kTangentialWithin / rho * normal(dice);
+    s.camera.p2 = kTangentialWithin / rho * normal(dice);
   }
   return run;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Twelve kinds of footage on which the stated uncertainty is held against the truth. In every run the truth is drawn
 // anew from what the instrument is told: places, turns, heights and print scales as wide as [known_to], a given camera
-// as wide as its stated u. A site said to be exact is told so by a small [known_to].
+// as wide as its stated u, an unknown one's centre and tangential distortion as wide as the instrument's prior. A site
+// said to be exact is told so by a small [known_to].
 #pragma once
 
 #include <optional>

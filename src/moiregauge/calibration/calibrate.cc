@@ -121,7 +121,7 @@ PrintError print_error_of(const Site& site, const BundleSolution& solution, std:
   const auto fits = fits_of(site, largest);
   PrintError error;
   error.wander_mm = wander_mm(site, largest.scene, largest.frames, fits, prior, last.wander_mm);
-  const auto wandering = with_print_error(site, noise_alone, {0.0, error.wander_mm});
+  const auto wandering = with_print_error(site, noise_alone, {.wander_mm = error.wander_mm});
   error.points_mm = print_error_mm(site, largest.scene, wandering, fits, prior);
   return error;
 }

@@ -18,6 +18,7 @@ using Vector18 = Eigen::Matrix<double, kSize, 1>;
 
 constexpr double kMostError_pitches = 0.05;  // beyond, the points are not those of this print
 constexpr int kHalvings = 40;
+constexpr double kBelieved = 100.0;  // degrees of freedom: noise is what the pixels' residuals say
 
 // Of an error of `own` in each coordinate of each point, and of `common` in each of all together.
 Matrix18 covariance_of(double own, double common) {
@@ -72,14 +73,17 @@ double determined(const Site& site, std::span<const FrameFit> fits, const SceneP
 std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
                                           const PrintError& error) {
   std::vector<BundleFrame> out(frames.begin(), frames.end());
-  if (!(error.points_mm > 0.0 || error.wander_mm > 0.0)) return out;
+  const bool is_rough = error.points_mm > 0.0 || error.wander_mm > 0.0;
   for (BundleFrame& frame : out) {
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
       if (!frame.points[i] || !site.markers[i].grating) continue;
+      PatchInformation& information = frame.points[i]->information;
+      if (error.noise < 1.0) information /= error.noise * error.noise;
+      if (!is_rough) continue;
       const double pitch = site.markers[i].grating->pitch_mm;
       const Matrix18 covariance =
           covariance_of(error.points_mm / pitch, std::hypot(error.points_mm, error.wander_mm) / pitch);
-      frame.points[i]->information = inflated(frame.points[i]->information, covariance);
+      information = inflated(information, covariance);
     }
   }
   return out;
@@ -110,6 +114,15 @@ double print_error_mm(const Site& site, const Scene& scene, std::span<const Bund
     (chi2(middle) > dof ? low : high) = middle;
   }
   return 0.5 * (low + high);
+}
+
+double noise_share(const Site& site, const SceneModel& model, std::span<const FrameFit> fits, const ScenePrior& prior) {
+  double chi2 = 0.0, dof = -determined(site, fits, prior, model);
+  for (const FrameFit& fit : fits) {
+    if (fit.ok) chi2 += fit.chi2_sum, dof += static_cast<double>(fit.dof);
+  }
+  if (!(dof > 0.0)) return 1.0;
+  return std::sqrt(std::min(1.0, (chi2 + kBelieved) / (dof + kBelieved)));
 }
 
 }  // namespace moiregauge

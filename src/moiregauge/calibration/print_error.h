@@ -15,9 +15,10 @@ struct PrintError {
   double points_mm = 0.0;  // u (k = 1) in each coordinate of each of the nine points, and once more in common to the
                            // nine: what is wrong with a print is wrong in its neighbourhood too
   double wander_mm = 0.0;  // in common to the nine alone: where the print hangs in one frame (wander.h)
+  double noise = 1.0;      // u of the points' noise, relative to what the pixels' residuals have it (noise_share)
 };
 
-// The patches of frames with that added to their covariance.
+// The patches of frames with that in their covariance.
 [[nodiscard]] std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
                                                         const PrintError& error);
 
@@ -29,5 +30,11 @@ struct PrintError {
 // prior    of the scene's parameters: those that the footage determines cost degrees of freedom
 [[nodiscard]] double print_error_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
                                     std::span<const FrameFit> fits, const ScenePrior& prior);
+
+// What part (1 or less, of u) of the noise that the pixels' residuals amount to scatters from frame to frame: they hold
+// what the template misses at every edge too, which is much the same in all frames. chi2 is then less than its degrees
+// of freedom. A hundred degrees more are taken to say that noise is all there is.
+[[nodiscard]] double noise_share(const Site& site, const SceneModel& model, std::span<const FrameFit> fits,
+                                 const ScenePrior& prior);
 
 }  // namespace moiregauge

@@ -108,12 +108,32 @@ TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
   const Truth t = truth();
   const auto frames = views(t, 0.01, 0.01);
   double chi2 = 0.0, dof = 0.0;
-  for (const BundleFrame& frame : with_print_error(t.site, frames, {0.01, 0.0})) {
+  for (const BundleFrame& frame : with_print_error(t.site, frames, {.points_mm = 0.01})) {
     const FrameFit fit = fit_frame(t.site, t.scene, frame);
     chi2 += fit.chi2_sum;
     dof += static_cast<double>(fit.dof);
   }
   EXPECT_NEAR(chi2 / dof, 1.0, 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
+}
+
+// Pixels that miss the template by as much as noise alone would in every frame: of their residuals half the variance
+// scatters. 984 degrees of freedom, a hundred more that say 1; the share's scatter is a quarter of sqrt(2 / 984).
+TEST(PrintError, OfResidualsThatAreTheSameInAllFramesIsNotTakenForNoise) {
+  const Truth t = truth();
+  auto frames = views(t, 0.0, 0.0);
+  for (BundleFrame& frame : frames) {
+    for (auto& points : frame.points) points->information *= 0.5;
+  }
+  const auto fits = fits_of(t, frames);
+  double dof = 0.0;
+  for (const FrameFit& fit : fits) dof += static_cast<double>(fit.dof);
+  const double share = noise_share(t.site, t.scene.model, fits, known(t));
+  EXPECT_NEAR(share, std::sqrt((0.5 * dof + 100.0) / (dof + 100.0)), 4.0 * 0.35 * std::sqrt(2.0 / dof))
+      << "seed " << kPrintSeed;
+  double chi2 = 0.0;
+  for (const FrameFit& fit : fits_of(t, with_print_error(t.site, frames, {.noise = share}))) chi2 += fit.chi2_sum;
+  EXPECT_GT(chi2 / dof, 0.8) << "nearly all that chi2 was short of";
+  EXPECT_LT(chi2 / dof, 1.0 + 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
 }
 
 TEST(Wander, OfMarkersThatStandStillIsNone) {
@@ -131,7 +151,7 @@ TEST(Wander, IsToldThoughThePosesTakeUpMostOfIt) {
 
 TEST(Wander, StaysAsItIsOnceTheWeightsAllowForIt) {
   const Truth t = truth();
-  const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {0.0, 0.03});
+  const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {.wander_mm = 0.03});
   EXPECT_NEAR(wander(t, frames, 0.03) / 0.03, 1.0, 0.2) << "seed " << kPrintSeed;
 }
 
@@ -141,7 +161,7 @@ TEST(PrintError, LeavesUnknownWhatThePrintDoesNotShow) {
   auto frames = views(t, 0.0, 0.0);
   auto& information = frames.front().points.front()->information;
   information.bottomRightCorner<kPatchPoints, kPatchPoints>().setZero();
-  const auto with = with_print_error(t.site, frames, {0.01, 0.0});
+  const auto with = with_print_error(t.site, frames, {.points_mm = 0.01});
   const auto& kept = with.front().points.front()->information;
   EXPECT_LT((kept.bottomRows<kPatchPoints>().cwiseAbs().maxCoeff()), 1e-9);
   // One point of nine: its own 1 and 10 um, and 10 um in common.

@@ -180,6 +180,7 @@ class Precise {
                        reference_);
     solution_.scene = calibration.bundle.scene;
     print_error_ = calibration.print_error;
+    take_noise_for_what_it_is(calibration);
     if (shutter_) count_taken_out(read);
     measure(frames, place, calibration);
     if (shutter_) tell_shutter();
@@ -207,6 +208,17 @@ class Precise {
     Calibration calibration = std::move(shutter.calibration);
     shutter_ = std::move(shutter);
     return calibration;
+  }
+
+  // Where noise is all there is: a codec's error, the camera's motion between rows and rough prints are told apart from
+  // it by what scatters beyond it.
+  void take_noise_for_what_it_is(Calibration& calibration) {
+    if (codec_.is_lossy() || shutter_ || print_error_.points_mm > 0.0 || print_error_.wander_mm > 0.0) return;
+    const Site& site = reference_.site;
+    print_error_.noise = noise_share(site, calibration.bundle.scene.model, calibration.fits, calibration.prior);
+    const auto frames = with_print_error(site, calibration.bundle.frames, print_error_);
+    for (std::size_t k = 0; k < frames.size(); ++k)
+      calibration.fits[k] = fit_frame(site, calibration.bundle.scene, frames[k]);
   }
 
   void tell_shutter() {
