@@ -38,7 +38,7 @@ constexpr std::array kRows{
 };
 
 struct Count {
-  int samples = 0, ok = 0, wrong = 0, wrong_with_numbers = 0, refused = 0;
+  int samples = 0, ok = 0, wrong = 0, wrong_with_numbers = 0;
   std::map<std::string, int> words;
 };
 
@@ -53,7 +53,8 @@ Count count_of(const JumpKind& kind, int number, bool verbose) {
   Count count;
   const auto run = run_of(jumping_targets(kind, number));
   if (!run.problem.empty()) {
-    ++count.refused, ++count.words[run.problem];
+    ++count.words["runs refused"];
+    if (verbose) std::fprintf(stderr, "  run %d refused: %s\n", number, run.problem.c_str());
     return count;
   }
   if (run.solution.scene && !run.solution.scene->solved) ++count.words[run.solution.scene->problem];
@@ -78,7 +79,7 @@ Count count_of(const JumpKind& kind, int number, bool verbose) {
 
 void add_count(Count& sum, const Count& one) {
   sum.samples += one.samples, sum.ok += one.ok, sum.wrong += one.wrong;
-  sum.wrong_with_numbers += one.wrong_with_numbers, sum.refused += one.refused;
+  sum.wrong_with_numbers += one.wrong_with_numbers;
   for (const auto& [word, n] : one.words) sum.words[word] += n;
 }
 
@@ -108,7 +109,6 @@ void print_orders(int samples, const std::string& only, bool verbose) {
     print_order(row.name, targets, sum);
     add_count(all, sum);
   }
-  all.words.clear();
   print_order("all", 0, all);
 }
 
