@@ -68,6 +68,32 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, BundleSolutio
   return best;
 }
 
+// From so many u on a print's scale is no print's: the steps took for it what is a height.
+constexpr double kOddScale = 5.0;
+
+// A print that hangs nearer looks larger. From far off the steps may take the one for the other, and end in a valley in
+// which scales are many u from what is known of them (a reference 30 mm nearer than the site has it: 48 u, f 35 % off).
+// The other valley is looked for from where heights say what such scales did.
+BundleSolution without_odd_scales(const Bundle& bundle, const ScenePrior& prior, BundleSolution best, int side) {
+  Scene start = best.scene;
+  bool odd = false;
+  const double distance_mm = best.frames.front().pose.shift[2];
+  for (std::size_t i = 0; i < start.markers.size(); ++i) {
+    auto& value = start.markers[i].value;
+    const double off = value[MarkerShape::kScale] - prior.markers[i].value[MarkerShape::kScale];
+    if (!(std::abs(off) > kOddScale * prior.u_markers[i].value[MarkerShape::kScale])) continue;
+    odd = true;
+    value[MarkerShape::kScale] -= off;
+    value[MarkerShape::kHeight] += off * distance_mm;
+  }
+  if (!odd) return best;
+  SceneModel model = best.scene.model;
+  model.heights = model.depth = true;
+  BundleSolution other = bundle.solve(model, start, best.frames);
+  const bool is_lower = other.scene.penalised_cost < best.scene.penalised_cost;
+  return is_sane(other.scene, side) && is_lower ? other : best;
+}
+
 // A model whose first step should gain no more than this part of its price is not solved.
 constexpr double kLeastPrediction = 0.25;
 
@@ -98,7 +124,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return with_shapes(bundle, site, std::move(best), side, price, prints);
+  return without_odd_scales(bundle, prior, with_shapes(bundle, site, std::move(best), side, price, prints), side);
 }
 
 std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {
