@@ -47,51 +47,52 @@ long rows_of(std::span<const BundleFrame> frames) {
 // 2.6), and are solved only where they pay.
 enum class Prints { kPerfect, kRough };
 
-// Heights and depths cost nothing beyond what their priors ask, which is in the cost: left out where they are true they
-// bend the lens, and u, which is stated with them, would be about another scene. Solved from all there is, a scene
-// also leaves a valley into which too small a model has led it; of rough prints too, where every parameter has its
-// price.
-BundleSolution with_shapes(const Bundle& bundle, const Site& site, BundleSolution best, int side, double price,
-                           Prints prints) {
-  BundleSolution all = bundle.solve(kEverything, best.scene, best.frames);
-  SceneModel model = best.scene.model;
-  model.heights = model.depth = true;
-  BundleSolution same_lens = bundle.solve(model, all.scene, all.frames);
-  const auto due = [&](const SceneModel& m) {
-    return price * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
-                                             : count(free_common(m)) - count(free_common(best.scene.model)));
-  };
-  for (BundleSolution* larger : {&same_lens, &all}) {
-    const double gain = best.scene.penalised_cost - larger->scene.penalised_cost;
-    if (is_sane(larger->scene, side) && gain > due(larger->scene.model)) best = std::move(*larger);
-  }
-  return best;
-}
-
 // From so many u on a print's scale is no print's: the steps took for it what is a height.
 constexpr double kOddScale = 5.0;
 
 // A print that hangs nearer looks larger. From far off the steps may take the one for the other, and end in a valley in
 // which scales are many u from what is known of them (a reference 30 mm nearer than the site has it: 48 u, f 35 % off).
-// The other valley is looked for from where heights say what such scales did.
-BundleSolution without_odd_scales(const Bundle& bundle, const ScenePrior& prior, BundleSolution best, int side) {
-  Scene start = best.scene;
+// The scene from which another valley is looked for: heights say what such scales did. Nothing where there are none.
+std::optional<Scene> with_heights_for_scales(const ScenePrior& prior, const BundleSolution& best) {
+  Scene scene = best.scene;
   bool odd = false;
   const double distance_mm = best.frames.front().pose.shift[2];
-  for (std::size_t i = 0; i < start.markers.size(); ++i) {
-    auto& value = start.markers[i].value;
+  for (std::size_t i = 0; i < scene.markers.size(); ++i) {
+    auto& value = scene.markers[i].value;
     const double off = value[MarkerShape::kScale] - prior.markers[i].value[MarkerShape::kScale];
     if (!(std::abs(off) > kOddScale * prior.u_markers[i].value[MarkerShape::kScale])) continue;
     odd = true;
     value[MarkerShape::kScale] -= off;
     value[MarkerShape::kHeight] += off * distance_mm;
   }
-  if (!odd) return best;
-  SceneModel model = best.scene.model;
-  model.heights = model.depth = true;
-  BundleSolution other = bundle.solve(model, start, best.frames);
-  const bool is_lower = other.scene.penalised_cost < best.scene.penalised_cost;
-  return is_sane(other.scene, side) && is_lower ? other : best;
+  return odd ? std::optional(std::move(scene)) : std::nullopt;
+}
+
+// Heights and depths cost nothing beyond what their priors ask, which is in the cost: left out where they are true they
+// bend the lens, and u, which is stated with them, would be about another scene. Solved from all there is, a scene
+// also leaves a valley into which too small a model has led it; of rough prints too, where every parameter has its
+// price.
+BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePrior& prior, BundleSolution best,
+                           double price, Prints prints) {
+  const int side = std::max(prior.camera.width, prior.camera.height);
+  const auto due = [&](const SceneModel& m) {
+    return price * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
+                                             : count(free_common(m)) - count(free_common(best.scene.model)));
+  };
+  const auto take_if_better = [&](BundleSolution larger) {
+    const double gain = best.scene.penalised_cost - larger.scene.penalised_cost;
+    if (is_sane(larger.scene, side) && gain > due(larger.scene.model)) best = std::move(larger);
+  };
+  const auto with_heights = [](SceneModel model) {
+    model.heights = model.depth = true;
+    return model;
+  };
+  BundleSolution all = bundle.solve(kEverything, best.scene, best.frames);
+  take_if_better(bundle.solve(with_heights(best.scene.model), all.scene, all.frames));
+  take_if_better(std::move(all));
+  if (const auto start = with_heights_for_scales(prior, best))
+    take_if_better(bundle.solve(with_heights(best.scene.model), *start, best.frames));
+  return best;
 }
 
 // A model whose first step should gain no more than this part of its price is not solved.
@@ -124,7 +125,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return without_odd_scales(bundle, prior, with_shapes(bundle, site, std::move(best), side, price, prints), side);
+  return with_shapes(bundle, site, prior, std::move(best), price, prints);
 }
 
 std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {

@@ -74,11 +74,12 @@ std::vector<BundleFrame> with_print_error(const Site& site, std::span<const Bund
                                           const PrintError& error) {
   std::vector<BundleFrame> out(frames.begin(), frames.end());
   const bool is_rough = error.points_mm > 0.0 || error.wander_mm > 0.0;
+  if (!is_rough && !(error.noise_share < 1.0)) return out;
   for (BundleFrame& frame : out) {
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
       if (!frame.points[i] || !site.markers[i].grating) continue;
       PatchInformation& information = frame.points[i]->information;
-      if (error.noise < 1.0) information /= error.noise * error.noise;
+      information /= error.noise_share * error.noise_share;
       if (!is_rough) continue;
       const double pitch = site.markers[i].grating->pitch_mm;
       const Matrix18 covariance =

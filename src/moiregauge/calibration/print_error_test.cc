@@ -117,7 +117,7 @@ TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
 }
 
 // Pixels that miss the template by as much as noise alone would in every frame: of their residuals half the variance
-// scatters. 984 degrees of freedom, a hundred more that say 1; the share's scatter is a quarter of sqrt(2 / 984).
+// scatters. 984 degrees of freedom, a hundred more that say 1; of 0.74 the scatter is 0.5 sqrt(2 / 984) / (2 * 0.74).
 TEST(PrintError, OfResidualsThatAreTheSameInAllFramesIsNotTakenForNoise) {
   const Truth t = truth();
   auto frames = views(t, 0.0, 0.0);
@@ -131,7 +131,7 @@ TEST(PrintError, OfResidualsThatAreTheSameInAllFramesIsNotTakenForNoise) {
   EXPECT_NEAR(share, std::sqrt((0.5 * dof + 100.0) / (dof + 100.0)), 4.0 * 0.35 * std::sqrt(2.0 / dof))
       << "seed " << kPrintSeed;
   double chi2 = 0.0;
-  for (const FrameFit& fit : fits_of(t, with_print_error(t.site, frames, {.noise = share}))) chi2 += fit.chi2_sum;
+  for (const FrameFit& fit : fits_of(t, with_print_error(t.site, frames, {.noise_share = share}))) chi2 += fit.chi2_sum;
   EXPECT_GT(chi2 / dof, 0.8) << "nearly all that chi2 was short of";
   EXPECT_LT(chi2 / dof, 1.0 + 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
 }

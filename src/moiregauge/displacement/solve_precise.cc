@@ -215,7 +215,8 @@ class Precise {
   void take_noise_for_what_it_is(Calibration& calibration) {
     if (codec_.is_lossy() || shutter_ || print_error_.points_mm > 0.0 || print_error_.wander_mm > 0.0) return;
     const Site& site = reference_.site;
-    print_error_.noise = noise_share(site, calibration.bundle.scene.model, calibration.fits, calibration.prior);
+    print_error_.noise_share = noise_share(site, calibration.bundle.scene.model, calibration.fits, calibration.prior);
+    if (!(print_error_.noise_share < 1.0)) return;
     const auto frames = with_print_error(site, calibration.bundle.frames, print_error_);
     for (std::size_t k = 0; k < frames.size(); ++k)
       calibration.fits[k] = fit_frame(site, calibration.bundle.scene, frames[k]);
