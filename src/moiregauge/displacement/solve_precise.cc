@@ -170,7 +170,7 @@ class Precise {
                       "the prints of four references could not be learned from the reference frame");
     const std::vector<BundleFrame> read = frames;
     Calibration calibration = solve_scene(frames);
-    if (calibration.bundle.scene.solved) leave_out_what_moves(read, frames, calibration);
+    if (calibration.bundle.scene.solved && !judged_) leave_out_what_moves(read, frames, calibration);
     if (!calibration.bundle.scene.solved)
       return fallback(reference_, observations_, options_, calibration.bundle.scene.problem);
     if (shutter_rolls(calibration.shutter))
@@ -195,6 +195,9 @@ class Precise {
     Calibration at_once = calibrate(reference_.site, key_frames_of(frames), prior_);
     const auto given = options_.readout_s;
     if (given == 0.0 || (!given && at_once.bundle.scene.solved && !at_once.shutter.asks)) return at_once;
+    if (!given && at_once.bundle.scene.solved) {
+      if (auto rest = explained_by_a_reference(frames, at_once)) return *std::move(rest);
+    }
     if (given && !timed()) solution_.notes.emplace_back("--readout is not used: the frames have no times: give --fps");
     Shutter shutter = solve_shutter(reference_.site, frames, key, prior_, timed() ? given : std::nullopt);
     if (given && !shutter.problem.empty()) solution_.notes.push_back("--readout is not used: " + shutter.problem);
@@ -207,6 +210,22 @@ class Precise {
     frames = shutter.frames;
     Calibration calibration = std::move(shutter.calibration);
     shutter_ = std::move(shutter);
+    return calibration;
+  }
+
+  // What asks for a rolling shutter may be a reference that slipped, and is if nothing asks any more once it is left out.
+  // That is looked for first: it costs a part of what the shutter's rounds do, and a path can be bent to a slip.
+  std::optional<Calibration> explained_by_a_reference(std::vector<BundleFrame>& frames, const Calibration& at_once) {
+    if (judged_) return std::nullopt;
+    const Site& site = reference_.site;
+    const auto verdict = test_references(site, frames, prior_, at_once.bundle.scene.model, lens_given_);
+    if (!verdict.moved) return std::nullopt;
+    auto rest = without(frames, *verdict.moved);
+    Calibration calibration = calibrate(site, key_frames_of(rest), prior_);
+    if (!calibration.bundle.scene.solved || calibration.shutter.asks) return std::nullopt;
+    tell_movement(calibration.bundle.scene, frames, *verdict.moved);
+    judged_ = solution_.references_verified = true;
+    frames = std::move(rest);
     return calibration;
   }
 
@@ -249,6 +268,7 @@ class Precise {
   void leave_out_what_moves(const std::vector<BundleFrame>& read, std::vector<BundleFrame>& frames,
                             Calibration& calibration) {
     const auto verdict = test_references(reference_.site, frames, prior_, calibration.bundle.scene.model, lens_given_);
+    judged_ = true;
     solution_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) {
       doubtful_ = true;
@@ -262,11 +282,14 @@ class Precise {
     frames = without(read, *verdict.moved);
     shutter_.reset();
     calibration = solve_scene(frames);
-    if (!calibration.bundle.scene.solved) return;
-    const Movement went = movement_of(reference_.site, calibration.bundle.scene, read, *verdict.moved);
+    if (calibration.bundle.scene.solved) tell_movement(calibration.bundle.scene, read, *verdict.moved);
+  }
+
+  void tell_movement(const Scene& scene, const std::vector<BundleFrame>& read, std::size_t marker) {
+    const Movement went = movement_of(reference_.site, scene, read, marker);
     solution_.notes.push_back(
         fmt::format("reference '{}' moves by up to {:.3f} mm (u {:.4f} mm) against the others and is left out",
-                    reference_.site.markers[*verdict.moved].name, went.mm, went.u_mm));
+                    reference_.site.markers[marker].name, went.mm, went.u_mm));
   }
 
   void measure(const std::vector<BundleFrame>& frames, const std::vector<std::size_t>& place,
@@ -365,6 +388,7 @@ class Precise {
   const SolveOptions& options_;
   ScenePrior prior_;
   bool lens_given_ = false;
+  bool judged_ = false;  // the references have been tested against each other
   bool doubtful_ = false;
   PrintError print_error_;
   CodecHistory codec_;
