@@ -27,7 +27,9 @@ TABLE = {
     ],
     "measure": [
         ("measure", 2, "INPUT"),
-        ("measure clip.avi", 2, "--pitch 10mm"),
+        ("measure empty", 2, "--pitch 10mm"),
+        ("measure clip.avi", 2, "--site site.toml"),
+        ("measure scene/", 2, "--site scene/site.toml"),
         ("measure clip.avi --pich 10mm", 2, "did you mean --pitch"),
         ("measure clip.avi --pitch", 2, "--pitch"),
         ("measure clip.avi --pitch 10", 2, "10mm"),
@@ -175,6 +177,8 @@ def prepare(work):
     (work / "text.mp4").write_text("not a video\n")
     (work / "clip.avi").write_text("not a video either\n")
     (work / "site.toml").write_text("[grating]\n")
+    (work / "scene").mkdir()
+    (work / "scene" / "site.toml").write_text("[grating]\n")
 
 
 def mistakes_of(done, exit_code, named):

@@ -43,18 +43,16 @@ int main(int argc, char** argv) {
     fmt::print(
         "Made by `tools/trust-study`. The small rig, markers only, raw footage.\n\n"
         "**Coverage.** Runs of a reference frame and five more; in each, all that the instrument is told is drawn anew "
-        "as "
-        "wide as it is told: places, turns, heights, print scales, a given camera. How often the truth lies inside "
-        "1.96 u; "
-        "after the +-, by how much that scatters by chance (from run to run, for frames of one run share what was "
+        "as wide as it is told: places, turns, heights, print scales, a given camera. How often the truth lies inside "
+        "1.96 u; after the +-, by how much that scatters by chance (from run to run, for frames of one run share what "
+        "was "
         "drawn).\n\n");
-    print_coverage(runs > 0 ? runs : 400, only, verbose);
+    print_coverage(runs > 0 ? runs : 200, only, verbose);
   }
   if (order || all) {
     fmt::print(
         "\n**Whole pitches.** Like prints all over a sheet jump by whole pitches, halves or anything, up to 4.4 "
-        "pitches "
-        "from frame to frame, before a camera that turns by up to 1 deg; lens unknown.\n\n");
+        "pitches from frame to frame, before a camera that turns by up to 1 deg; lens unknown.\n\n");
     print_orders(runs > 0 ? runs : 100000, only, verbose);
   }
   if (reference || all) {

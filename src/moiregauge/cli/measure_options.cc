@@ -36,6 +36,21 @@ tl::expected<void, UsageError> is_there(const std::string& kind, const std::stri
   return usage(fmt::format("no {}: {}: check the name", kind, path));
 }
 
+// A site file often lies beside the pictures: in a simulated recording's folder, or beside a clip. It is named, not taken:
+// what scales a bridge's millimetres is said, never found.
+UsageError no_scale(const std::string& input) {
+  namespace fs = std::filesystem;
+  std::string site = "a site file (docs/file-formats.md)";
+  for (const fs::path& beside : {fs::path(input) / "site.toml", fs::path(input).parent_path() / "site.toml"}) {
+    std::error_code error;
+    if (!fs::is_regular_file(beside, error)) continue;
+    site = fmt::format("the site file beside it: --site {}", beside.string());
+    break;
+  }
+  return {
+      fmt::format("no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or {}", site)};
+}
+
 }  // namespace
 
 tl::expected<const Method*, UsageError> method_of(const std::string& word) {
@@ -188,10 +203,7 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", words.pitch, pitch.error()));
     options.pitch_mm = *pitch;
   }
-  if (words.site.empty() && words.pitch.empty())
-    return usage(
-        "no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or a site file "
-        "(docs/file-formats.md)");
+  if (words.site.empty() && words.pitch.empty()) return tl::unexpected(no_scale(words.input));
   if (!words.site.empty()) {
     auto site = site_of_file(words.site);
     if (!site) return tl::unexpected(site.error());
