@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "moiregauge/displacement/reference_fault.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::size_t kMostKeyFrames = 120;
+constexpr double kRollingShare = 0.6;  // of chi2, that goes when the camera may turn
+
+// The reference frame leads.
+std::vector<std::size_t> key_of(const std::vector<BundleFrame>& frames) {
+  std::vector<std::size_t> key{0};
+  for (const std::size_t k : key_frames(frames, kMostKeyFrames)) {
+    if (k > 0) key.push_back(k);
+  }
+  return key;
+}
+
+std::vector<BundleFrame> key_frames_of(const std::vector<BundleFrame>& frames) {
+  std::vector<BundleFrame> key;
+  for (const std::size_t k : key_of(frames)) key.push_back(frames[k]);
+  return key;
+}
+
+// chi2 beyond its own scatter.
+bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
+  return rolling.chi2_dof > at_once.chi2_dof + 3.0 * std::sqrt(2.0 / static_cast<double>(std::max(1L, at_once.dof)));
+}
+
+class SceneSolver {
+ public:
+  SceneSolver(const Reference& reference, const std::vector<BundleFrame>& read, const ScenePrior& prior,
+              const SolveOptions& options)
+      : reference_(reference), site_(reference.site), read_(read), prior_(prior), options_(options) {
+    out_.frames = read;
+  }
+
+  PreciseScene solved(bool lossy) {
+    solve();
+    if (is_solved() && !judged_) leave_out_what_moves();
+    const ShutterTest& shutter = out_.calibration.shutter;
+    out_.rolls = shutter.chi2_dof > kRollingChi2 && shutter.share > kRollingShare;
+    if (!is_solved())
+      out_.problem = out_.calibration.bundle.scene.problem;
+    else if (out_.rolls)
+      out_.problem =
+          "the camera turns while the rows of a frame are read (a rolling shutter), no path of the camera explains it, "
+          "and no row is trusted";
+    out_.print_error = out_.calibration.print_error;
+    if (out_.problem.empty() && !lossy && !out_.shutter) take_noise_for_what_it_is();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] bool is_solved() const { return out_.calibration.bundle.scene.solved; }
+  [[nodiscard]] bool timed() const { return std::isfinite(reference_.seen.time_s); }
+  void note(std::string line) { out_.notes.push_back(std::move(line)); }
+
+  // With a rolling shutter where one is given, or where the footage asks for it and it pays; then the frames are set
+  // back.
+  void solve() {
+    const auto given = options_.readout_s;
+    Calibration& at_once = out_.calibration = calibrate(site_, key_frames_of(out_.frames), prior_);
+    if (given == 0.0 || (!given && is_solved() && !at_once.shutter.asks)) return;
+    if (!given && is_solved() && is_explained_by_a_reference()) return;
+    if (given && !timed()) note("--readout is not used: the frames have no times: give --fps");
+    Shutter shutter = solve_shutter(site_, out_.frames, key_of(out_.frames), prior_, timed() ? given : std::nullopt);
+    if (given && !shutter.problem.empty()) note("--readout is not used: " + shutter.problem);
+    if (!shutter.problem.empty() || (!given && !pays(shutter, at_once))) return;
+    if (given && is_solved() && fits_worse(shutter.calibration.shutter, at_once.shutter))
+      note(
+          fmt::format("with rows read over {:.2f} ms the frames fit worse than with all rows at once: check --readout, "
+                      "or leave it out",
+                      1e3 * *given));
+    out_.frames = shutter.frames;
+    out_.calibration = std::move(shutter.calibration);
+    out_.shutter = std::move(shutter);
+  }
+
+  // What asks for a rolling shutter may be a reference that slipped, and is if nothing asks any more once it is left out.
+  // That is looked for first: it costs a part of what the shutter's rounds do, and a path can be bent to a slip.
+  bool is_explained_by_a_reference() {
+    if (judged_) return false;
+    const auto verdict = tested();
+    if (!verdict.moved) return false;
+    auto rest = without(out_.frames, *verdict.moved);
+    Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
+    if (!calibration.bundle.scene.solved || calibration.shutter.asks) return false;
+    judged_ = out_.references_verified = true;
+    out_.frames = std::move(rest);
+    out_.calibration = std::move(calibration);
+    tell_movement(*verdict.moved);
+    return true;
+  }
+
+  // What of a reference's movement passed for a rolling shutter goes with it: the frames are taken as they were read.
+  void leave_out_what_moves() {
+    const auto verdict = tested();
+    judged_ = true;
+    out_.references_verified = verdict.verified && !verdict.doubtful;
+    if (verdict.doubtful) {
+      out_.doubtful = true;
+      note(fmt::format(
+          "one of the references moves against the others{}, and the layout does not show which: no row is trusted: "
+          "{}six references name it",
+          verdict.since ? fmt::format(" (from frame {} on)", *verdict.since) : "",
+          verdict.since && *verdict.since > reference_.seen.frame ? "measure the frames before by themselves; " : ""));
+    }
+    if (!verdict.moved) return;
+    out_.frames = without(read_, *verdict.moved);
+    out_.shutter.reset();
+    solve();
+    if (is_solved()) tell_movement(*verdict.moved);
+  }
+
+  // The test takes the model that all references together chose: to find a fault it need not be the last word.
+  [[nodiscard]] ReferenceVerdict tested() const {
+    return test_references(site_, out_.frames, prior_, out_.calibration.bundle.scene.model, reference_.knows_camera());
+  }
+
+  void tell_movement(std::size_t marker) {
+    const Movement went = movement_of(site_, out_.calibration.bundle.scene, read_, marker);
+    note(fmt::format("reference '{}' moves by up to {:.3f} mm (u {:.4f} mm) against the others and is left out",
+                     site_.markers[marker].name, went.mm, went.u_mm));
+  }
+
+  // Where noise is all there is: a codec's error, the camera's motion between rows and rough prints are told apart from
+  // it by what scatters beyond it.
+  void take_noise_for_what_it_is() {
+    Calibration& calibration = out_.calibration;
+    PrintError& error = out_.print_error;
+    if (error.points_mm > 0.0 || error.wander_mm > 0.0) return;
+    error.noise_share = noise_share(site_, calibration.bundle.scene.model, calibration.fits, calibration.prior);
+    if (!(error.noise_share < 1.0)) return;
+    const auto frames = with_print_error(site_, calibration.bundle.frames, error);
+    for (std::size_t k = 0; k < frames.size(); ++k)
+      calibration.fits[k] = fit_frame(site_, calibration.bundle.scene, frames[k]);
+  }
+
+  const Reference& reference_;
+  const Site& site_;
+  const std::vector<BundleFrame>& read_;
+  const ScenePrior& prior_;
+  const SolveOptions& options_;
+  bool judged_ = false;  // the references have been tested against each other
+  PreciseScene out_;
+};
+
+}  // namespace
+
+PreciseScene precise_scene(const Reference& reference, const std::vector<BundleFrame>& read, const ScenePrior& prior,
+                           const SolveOptions& options, bool lossy) {
+  return SceneSolver(reference, read, prior, options).solved(lossy);
+}
+
+}  // namespace moiregauge

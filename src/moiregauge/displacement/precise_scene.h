@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scene of one run, solved from its frames: who of the references moves, whether rows are read one after the other,
+// what the prints miss.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "moiregauge/calibration/print_error.h"
+#include "moiregauge/calibration/shutter.h"
+#include "moiregauge/displacement/method.h"
+
+namespace moiregauge {
+
+// Beyond this chi2 per degree of freedom, most of which goes when the camera may turn while rows are read, the shutter
+// rolls.
+inline constexpr double kRollingChi2 = 4.0;
+
+struct PreciseScene {
+  Calibration calibration;  // of the key frames, the reference frame first
+  std::string problem;      // why the run cannot be measured in it
+  bool rolls = false;  // rows are read one after the other, no path explains it: no row of any method is to be trusted
+
+  std::vector<BundleFrame> frames;  // the footage in that scene: without a reference that moves, and set back
+  std::optional<Shutter> shutter;   // that rolls, and was solved
+  PrintError print_error;           // belongs in the covariance of `frames`
+
+  bool references_verified = false;
+  bool doubtful = false;           // one of the references moves, and it cannot be told which
+  std::vector<std::string> notes;  // what the user should know
+};
+
+// read    the reference frame first, with the codec's error if there is one
+// lossy   that there is one
+[[nodiscard]] PreciseScene precise_scene(const Reference& reference, const std::vector<BundleFrame>& read,
+                                         const ScenePrior& prior, const SolveOptions& options, bool lossy);
+
+}  // namespace moiregauge
