@@ -27,7 +27,7 @@ TABLE = {
     ],
     "measure": [
         ("measure", 2, "INPUT"),
-        ("measure empty", 2, "--pitch 10mm"),
+        ("measure empty/clip.avi", 2, "--pitch 10mm, or a site file (docs/file-formats.md)"),
         ("measure clip.avi", 2, "--site site.toml"),
         ("measure scene/", 2, "--site scene/site.toml"),
         ("measure clip.avi --pich 10mm", 2, "did you mean --pitch"),

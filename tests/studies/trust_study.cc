@@ -45,8 +45,7 @@ int main(int argc, char** argv) {
         "**Coverage.** Runs of a reference frame and five more; in each, all that the instrument is told is drawn anew "
         "as wide as it is told: places, turns, heights, print scales, a given camera. How often the truth lies inside "
         "1.96 u; after the +-, by how much that scatters by chance (from run to run, for frames of one run share what "
-        "was "
-        "drawn).\n\n");
+        "was drawn).\n\n");
     print_coverage(runs > 0 ? runs : 200, only, verbose);
   }
   if (order || all) {

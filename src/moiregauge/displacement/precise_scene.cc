@@ -55,7 +55,13 @@ class SceneSolver {
           "the camera turns while the rows of a frame are read (a rolling shutter), no path of the camera explains it, "
           "and no row is trusted";
     out_.print_error = out_.calibration.print_error;
-    if (out_.problem.empty() && !lossy && !out_.shutter) take_noise_for_what_it_is();
+    if (!out_.problem.empty()) return std::move(out_);
+    if (!lossy && !out_.shutter) take_noise_for_what_it_is();
+    // u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does
+    // not demand may yet be true.
+    Calibration& calibration = out_.calibration;
+    calibration.bundle.scene.full_covariance =
+        scene_covariance(site_, calibration.fits, calibration.prior, kEverything);
     return std::move(out_);
   }
 
@@ -89,21 +95,21 @@ class SceneSolver {
   // That is looked for first: it costs a part of what the shutter's rounds do, and a path can be bent to a slip.
   bool is_explained_by_a_reference() {
     if (judged_) return false;
-    const auto verdict = tested();
-    if (!verdict.moved) return false;
-    auto rest = without(out_.frames, *verdict.moved);
+    at_once_ = tested();
+    if (!at_once_->moved) return false;
+    auto rest = without(out_.frames, *at_once_->moved);
     Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
     if (!calibration.bundle.scene.solved || calibration.shutter.asks) return false;
     judged_ = out_.references_verified = true;
     out_.frames = std::move(rest);
     out_.calibration = std::move(calibration);
-    tell_movement(*verdict.moved);
+    tell_movement(*at_once_->moved);
     return true;
   }
 
   // What of a reference's movement passed for a rolling shutter goes with it: the frames are taken as they were read.
   void leave_out_what_moves() {
-    const auto verdict = tested();
+    const ReferenceVerdict verdict = at_once_ && !out_.shutter ? *at_once_ : tested();
     judged_ = true;
     out_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) {
@@ -150,7 +156,8 @@ class SceneSolver {
   const std::vector<BundleFrame>& read_;
   const ScenePrior& prior_;
   const SolveOptions& options_;
-  bool judged_ = false;  // the references have been tested against each other
+  bool judged_ = false;  // the references have been tested against each other, and that is done with
+  std::optional<ReferenceVerdict> at_once_;  // on the frames as read
   PreciseScene out_;
 };
 

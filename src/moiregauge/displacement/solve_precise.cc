@@ -98,23 +98,16 @@ double taken_out_mm(const Reference& reference, const Scene& scene, const std::v
   return most;
 }
 
-// The rows of one run, in its scene.
-class Rows {
+// One run's frames, measured in its scene.
+class FramesInScene {
  public:
   // by_noise: of compressed footage, its frames without the codec's error
-  Rows(const Reference& reference, const PreciseScene& scene, std::vector<BundleFrame> by_noise)
+  FramesInScene(const Reference& reference, const PreciseScene& scene, std::vector<BundleFrame> by_noise)
       : reference_(reference),
         site_(reference.site),
         solved_(scene),
-        by_noise_(std::move(by_noise)),
-        scene_(scene.calibration.bundle.scene) {
-    // u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does
-    // not demand may yet be true.
-    const Calibration& calibration = scene.calibration;
-    scene_.full_covariance = scene_covariance(site_, calibration.fits, calibration.prior, kEverything);
-  }
-
-  [[nodiscard]] const Scene& scene() const { return scene_; }
+        scene_(scene.calibration.bundle.scene),
+        by_noise_(std::move(by_noise)) {}
 
   void measure(const std::vector<Observation>& observations, const std::vector<std::size_t>& place,
                Solution& solution) const {
@@ -181,8 +174,8 @@ class Rows {
   const Reference& reference_;
   const Site& site_;
   const PreciseScene& solved_;
+  const Scene& scene_;
   std::vector<BundleFrame> by_noise_;
-  Scene scene_;
 };
 
 void tell(Solution& solution, std::optional<std::string> line) {
@@ -199,7 +192,8 @@ void tell_shutter(Solution& solution, const Reference& reference, const Shutter&
                                         taken_out_mm(reference, scene, read, shutter), solution.samples));
 }
 
-Solution solved(const Reference& reference, const std::vector<Observation>& observations, const SolveOptions& options) {
+Solution measured_in_scene(const Reference& reference, const std::vector<Observation>& observations,
+                           const SolveOptions& options) {
   const bool lens_given = reference.knows_camera();
   const ScenePrior prior = precise_prior(reference, options);
   const CodecHistory codec(reference, observations);
@@ -214,15 +208,15 @@ Solution solved(const Reference& reference, const std::vector<Observation>& obse
     Solution instead = fallback(reference, observations, options, scene.problem);
     return scene.rolls ? untrusted(std::move(instead), reference) : instead;
   }
-  const Rows rows(reference, scene, codec.is_lossy() ? std::move(seen.frames) : std::vector<BundleFrame>{});
   Solution solution;
-  solution.scene = rows.scene();
+  solution.scene = scene.calibration.bundle.scene;
   solution.references_verified = scene.references_verified;
   solution.notes = scene.notes;
-  if (!lens_given) tell(solution, still_camera_note(rows.scene(), scene.calibration.bundle.frames));
+  if (!lens_given) tell(solution, still_camera_note(*solution.scene, scene.calibration.bundle.frames));
   tell(solution, weak_axis_note(reference));
   tell(solution, stretched_prints_note(reference.site, scene.calibration));
-  rows.measure(observations, seen.place, solution);
+  FramesInScene(reference, scene, codec.is_lossy() ? std::move(seen.frames) : std::vector<BundleFrame>{})
+      .measure(observations, seen.place, solution);
   if (scene.shutter) tell_shutter(solution, reference, *scene.shutter, read, options.readout_s.has_value());
   return solution;
 }
@@ -231,7 +225,7 @@ Solution solved(const Reference& reference, const std::vector<Observation>& obse
 
 Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
                        const SolveOptions& options) {
-  Solution solution = solved(reference, observations, options);
+  Solution solution = measured_in_scene(reference, observations, options);
   tell(solution, fine_pitch_note(reference.site, reference.view));
   return solution;
 }
