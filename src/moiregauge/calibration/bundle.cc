@@ -69,9 +69,7 @@ struct Bundle::Footage {
       const auto is_free = free_shape(model, site.markers[i].role);
       for (std::size_t k = 0; k < MarkerShape::kParameters; ++k) {
         const double u = prior.u_markers[i].value[k];
-        if (is_free[k] && u > 0.0)
-          out.push_back(
-              {static_cast<int>(kCommonParameters + i * MarkerShape::kParameters + k), prior.markers[i].value[k], u});
+        if (is_free[k] && u > 0.0) out.push_back({shape_row(i, static_cast<int>(k)), prior.markers[i].value[k], u});
       }
     }
     return out;

@@ -63,8 +63,7 @@ Eigen::VectorXd dense_step(const NormalCase& f) {
     const auto design = p.residual.design(f.at.common, f.at.markers[p.marker], TurnedPose(f.at.poses[p.frame]), {});
     Eigen::MatrixXd j = Eigen::MatrixXd::Zero(PatchResidual::kSize, size);
     j.leftCols<kCommonParameters>() = design.leftCols<kCommonParameters>();
-    j.middleCols<kShapeParameters>(kCommonParameters + kShapeParameters * static_cast<int>(p.marker)) =
-        design.middleCols<kShapeParameters>(PatchColumn::kShape);
+    j.middleCols<kShapeParameters>(shape_row(p.marker, 0)) = design.middleCols<kShapeParameters>(PatchColumn::kShape);
     const Eigen::Index own = kScene + kOfFrame * static_cast<Eigen::Index>(p.frame);
     j.middleCols<6>(own) = design.middleCols<6>(PatchColumn::kPose);
     if (p.shifts) j.middleCols<2>(own + 6) = design.middleCols<2>(PatchColumn::kShape);

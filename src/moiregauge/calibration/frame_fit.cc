@@ -124,7 +124,7 @@ void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int fi
 
 }  // namespace
 
-int scene_parameters(std::size_t markers) { return kCommonParameters + kShapeParameters * static_cast<int>(markers); }
+int scene_parameters(std::size_t markers) { return shape_row(markers, 0); }
 
 FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame) {
   const std::size_t markers = site.markers.size();
@@ -223,8 +223,7 @@ Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> fra
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const auto shape = free_shape(model, site.markers[i].role);
     for (int k = 0; k < kShapeParameters; ++k)
-      take(kCommonParameters + kShapeParameters * static_cast<int>(i) + k, shape[static_cast<std::size_t>(k)],
-           prior.u_markers[i].value[static_cast<std::size_t>(k)]);
+      take(shape_row(i, k), shape[static_cast<std::size_t>(k)], prior.u_markers[i].value[static_cast<std::size_t>(k)]);
   }
   const auto n = static_cast<Eigen::Index>(used.size());
   Eigen::MatrixXd small(n, n);

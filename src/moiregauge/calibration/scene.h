@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,11 @@ inline constexpr double kUnknownFocal = 1.0;  // relative: u of a focal length o
 // of it on either axis). Printers feed paper and move ink by different means, and stretch both ways differently.
 inline constexpr int kCommonParameters = kCameraParameters + 1, kStretchParameter = kCameraParameters;
 
+// Where a marker's parameter stands among a scene's: behind what all share.
+[[nodiscard]] constexpr int shape_row(std::size_t marker, int parameter) {
+  return kCommonParameters + kShapeParameters * static_cast<int>(marker) + parameter;
+}
+
 // How much of the lens and the markers is solved, in ascending order.
 struct SceneModel {
   bool radial = false;      // k1, k2
@@ -45,6 +51,10 @@ struct Scene {
   Eigen::MatrixXd covariance;
   // The same with all of them free within their priors, as the samples' u has it; empty where it was not made.
   Eigen::MatrixXd full_covariance;
+  // What uncertainties are stated by: a parameter that the footage does not demand may yet be there.
+  [[nodiscard]] const Eigen::MatrixXd& stated_covariance() const {
+    return full_covariance.size() > 0 ? full_covariance : covariance;
+  }
   SceneModel model;
   double chi2_dof = 0.0;        // of the data
   double penalised_cost = 0.0;  // data plus priors

@@ -57,7 +57,7 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
     c.by_frame.block<2, kPose>(row, 0) = along.middleCols<kPose>(PatchColumn::kPose);
     c.by_shift.block<2, 2>(row, row) = along.middleCols<2>(PatchColumn::kShape);
     c.by_scene.block<2, kCommonParameters>(row, 0) = along.leftCols<kCommonParameters>();
-    c.by_scene.block<2, kShapeParameters>(row, kCommonParameters + kShapeParameters * static_cast<Eigen::Index>(i)) =
+    c.by_scene.block<2, kShapeParameters>(row, shape_row(i, 0)) =
         along.middleCols<kShapeParameters>(PatchColumn::kShape);
   }
   c.by_scene += c.by_frame * fit.sensitivity(solved, Eigen::all);

@@ -23,9 +23,8 @@ Eigen::RowVectorXd turn_of_places(const Site& site, Eigen::Index parameters) {
     const Marker& m = site.markers[i];
     if (m.role != Role::kReference || !m.grating) continue;
     const double dx = m.grating->centre.x - x / n, dy = m.grating->centre.y - y / n;
-    const auto at = kCommonParameters + MarkerShape::kParameters * static_cast<Eigen::Index>(i);
-    row(at + MarkerShape::kX) = -dy;
-    row(at + MarkerShape::kY) = dx;
+    row(shape_row(i, MarkerShape::kX)) = -dy;
+    row(shape_row(i, MarkerShape::kY)) = dx;
     sum += dx * dx + dy * dy;
   }
   return sum > 0.0 ? Eigen::RowVectorXd(row / sum) : row;
@@ -63,13 +62,12 @@ PreciseBudget::Share PreciseBudget::share(const Eigen::RowVectorXd& k, std::size
   s.axis = std::min(whole, u_axis_rad_ * u_axis_rad_ * across_mm * across_mm);
   whole -= s.axis;
   Eigen::RowVectorXd lens = Eigen::RowVectorXd::Zero(k.size()), scale = lens, place = lens, rest = lens;
-  const auto own = kCommonParameters + MarkerShape::kParameters * static_cast<Eigen::Index>(marker);
   for (Eigen::Index i = 0; i < k.size(); ++i) {
     const bool is_lens = i < kCameraParameters;
     const bool is_scale =
         i == kStretchParameter ||
         (i >= kCommonParameters && (i - kCommonParameters) % MarkerShape::kParameters == MarkerShape::kScale);
-    const bool is_rest = i == own + MarkerShape::kX || i == own + MarkerShape::kY;
+    const bool is_rest = i == shape_row(marker, MarkerShape::kX) || i == shape_row(marker, MarkerShape::kY);
     (is_lens ? lens : is_scale ? scale : is_rest ? rest : place)(i) = k(i);
   }
   const double a = variance(lens, scene_), b = variance(place, scene_), c = variance(scale, scene_),

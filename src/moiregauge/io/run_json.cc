@@ -90,7 +90,7 @@ Json scene_json(const Measurement& measurement) {
           {"readout_s", number(scene.readout_s)},
           {"u_readout_s", number(scene.u_readout_s)},
           {"print_stretch", number(scene.stretch)},
-          {"u_print_stretch", number(std::sqrt(scene.covariance(kStretchParameter, kStretchParameter)))}};
+          {"u_print_stretch", number(std::sqrt(scene.stated_covariance()(kStretchParameter, kStretchParameter)))}};
 }
 
 BoardPoint place_of(const Marker& marker) { return marker.grating ? marker.grating->centre : marker.circle->centre; }

@@ -10,26 +10,17 @@
 namespace moiregauge {
 namespace {
 
-int row_of(std::size_t marker, int parameter) {
-  return kCameraParameters + MarkerShape::kParameters * static_cast<int>(marker) + parameter;
-}
-
 BoardPoint turned_about(BoardPoint middle, BoardPoint p, double angle_rad, double scale) {
   const auto d = p - middle;
   const double c = scale * std::cos(angle_rad), s = scale * std::sin(angle_rad);
   return middle + Extent<frame::Board>{c * d.x - s * d.y, s * d.x + c * d.y};
 }
 
-// What uncertainties are stated by: a parameter that the footage does not demand may yet be there.
-const Eigen::MatrixXd& stated(const Scene& scene) {
-  return scene.full_covariance.size() > 0 ? scene.full_covariance : scene.covariance;
-}
-
 // The width of the narrowest ball that holds the covariance of these parameters, or `given` where none was solved.
 double width_over(const Scene& scene, const std::vector<int>& rows, double given) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   if (n == 0) return given;
-  const Eigen::MatrixXd& covariance = stated(scene);
+  const Eigen::MatrixXd& covariance = scene.stated_covariance();
   Eigen::MatrixXd block(n, n);
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b)
@@ -40,7 +31,7 @@ double width_over(const Scene& scene, const std::vector<int>& rows, double given
 }
 
 bool is_solved(const Scene& scene, std::size_t marker, int parameter) {
-  return scene.covariance(row_of(marker, parameter), row_of(marker, parameter)) > 0.0;
+  return scene.covariance(shape_row(marker, parameter), shape_row(marker, parameter)) > 0.0;
 }
 
 // A height is written when it was solved to what the site's own heights are good for; a target whose depth stays open
@@ -56,15 +47,17 @@ bool has_solved_lens(const Scene& scene) { return scene.solved && scene.model.ra
 
 std::array<double, kCameraParameters> u_of_camera(const Scene& scene) {
   std::array<double, kCameraParameters> u;
-  for (int k = 0; k < kCameraParameters; ++k) u[static_cast<std::size_t>(k)] = std::sqrt(stated(scene)(k, k));
+  for (int k = 0; k < kCameraParameters; ++k)
+    u[static_cast<std::size_t>(k)] = std::sqrt(scene.stated_covariance()(k, k));
   return u;
 }
 
 MarkerShape u_of_marker(const Scene& scene, std::size_t marker) {
   MarkerShape u;
   for (int k = 0; k < MarkerShape::kParameters; ++k) {
-    const int row = row_of(marker, k);
-    if (is_solved(scene, marker, k)) u.value[static_cast<std::size_t>(k)] = std::sqrt(stated(scene)(row, row));
+    const int row = shape_row(marker, k);
+    if (is_solved(scene, marker, k))
+      u.value[static_cast<std::size_t>(k)] = std::sqrt(scene.stated_covariance()(row, row));
   }
   return u;
 }
@@ -96,12 +89,12 @@ Site solved_site(const Site& site, const Scene& scene) {
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     solved.markers.push_back(solved_marker(site, scene, i));
     for (const int k : {MarkerShape::kX, MarkerShape::kY}) {
-      if (is_solved(scene, i, k)) places.push_back(row_of(i, k));
+      if (is_solved(scene, i, k)) places.push_back(shape_row(i, k));
     }
-    if (is_solved(scene, i, MarkerShape::kTurn)) turns.push_back(row_of(i, MarkerShape::kTurn));
-    if (is_solved(scene, i, MarkerShape::kScale)) scales.push_back(row_of(i, MarkerShape::kScale));
+    if (is_solved(scene, i, MarkerShape::kTurn)) turns.push_back(shape_row(i, MarkerShape::kTurn));
+    if (is_solved(scene, i, MarkerShape::kScale)) scales.push_back(shape_row(i, MarkerShape::kScale));
     if (has_new_height(site, scene, i))
-      heights.push_back(row_of(i, MarkerShape::kHeight));
+      heights.push_back(shape_row(i, MarkerShape::kHeight));
     else
       stated_only |= site.markers[i].role == Role::kReference || site.markers[i].z_mm.has_value();
   }

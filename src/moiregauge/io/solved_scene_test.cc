@@ -12,10 +12,6 @@
 namespace moiregauge {
 namespace {
 
-constexpr int row_of(std::size_t marker, int parameter) {
-  return kCameraParameters + MarkerShape::kParameters * static_cast<int>(marker) + parameter;
-}
-
 // Two references and a target of which no height is stated.
 Site site() {
   Site s;
@@ -38,7 +34,7 @@ Scene scene() {
 }
 
 void know(Scene& s, std::size_t marker, int parameter, double u) {
-  s.covariance(row_of(marker, parameter), row_of(marker, parameter)) = u * u;
+  s.covariance(shape_row(marker, parameter), shape_row(marker, parameter)) = u * u;
 }
 
 TEST(SolvedScene, APrintSeenByTheOldSiteAndItsShapeIsSeenByTheSolvedSiteAlone) {
@@ -82,7 +78,7 @@ TEST(SolvedScene, KnownToCoversWhatTheMarkersShare) {
   // Every scale off by the same 0.0002, and nothing else: three independent ones must be allowed that together.
   for (const std::size_t i : {0, 1, 2}) {
     for (const std::size_t j : {0, 1, 2})
-      s.covariance(row_of(i, MarkerShape::kScale), row_of(j, MarkerShape::kScale)) = 0.0002 * 0.0002;
+      s.covariance(shape_row(i, MarkerShape::kScale), shape_row(j, MarkerShape::kScale)) = 0.0002 * 0.0002;
   }
   // Places independent: the least known one counts.
   know(s, 0, MarkerShape::kX, 0.1);

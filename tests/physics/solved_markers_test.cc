@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where `precise` says that the prints hang, they hang, within the standard uncertainties that run.json and the written
+// site.toml state.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/simulated_run.h"
+#include "moiregauge/io/solved_scene.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::uint64_t kFirstSeed = 41, kLastSeed = 46;
+
+// As MarkerShape has it.
+MarkerShape true_shape(const simulator::Scenario& scenario, std::size_t marker) {
+  const auto place = simulator::true_place(scenario, scenario.markers[marker]);
+  return {{place.x_mm, place.y_mm, radians_from_degrees(place.rotation_deg), place.print_scale, place.z_mm}};
+}
+
+TEST(SolvedMarkers, HangWithinTheirStatedUncertaintyOfWhereTheyAre) {
+  for (std::uint64_t seed = kFirstSeed; seed <= kLastSeed; ++seed) {
+    simulator::Scenario scenario = *simulator::built_in("small-1xyz");
+    scenario.seed = seed;
+    scenario.draw = {.position = true, .rotation = true, .height = true, .print_scale = true};
+    const auto run = test::measured(scenario, {.method = "precise", .step = 8});
+    ASSERT_EQ(run.problem, "") << "seed " << seed;
+    ASSERT_TRUE(run.solution.scene) << "seed " << seed;
+    const Scene& scene = *run.solution.scene;
+    const Site& site = run.reference.site;
+    for (std::size_t i = 0; i < site.markers.size(); ++i) {
+      const MarkerShape truth = true_shape(scenario, i), u = u_of_marker(scene, i);
+      for (std::size_t k = 0; k < MarkerShape::kParameters; ++k) {
+        if (!(u.value[k] > 0.0)) continue;
+        // 4.5 u: once in 150 000.
+        EXPECT_LT(std::abs(scene.markers[i].value[k] - truth.value[k]), 4.5 * u.value[k])
+            << "seed " << seed << ", marker " << site.markers[i].name << ", parameter " << k;
+      }
+      if (site.markers[i].role != Role::kReference) continue;
+      // Footage takes no knowledge away.
+      const KnownTo& known = site.known_to;
+      const double most[]{known.position_mm, known.position_mm, known.rotation_rad};
+      for (std::size_t k = 0; k < std::size(most); ++k) {
+        EXPECT_GT(u.value[k], 0.0) << "seed " << seed << ", marker " << site.markers[i].name << ", parameter " << k;
+        EXPECT_LE(u.value[k], most[k]) << "seed " << seed << ", marker " << site.markers[i].name << ", parameter " << k;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace moiregauge
