@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "moiregauge/displacement/follower.h"
+#include "moiregauge/simulator/recorder.h"
 
 namespace moiregauge::test {
 namespace {
@@ -27,10 +28,13 @@ struct Shot {
   [[nodiscard]] GreyPicture view() const { return {simulator::view_of(picture), bits}; }
 };
 
-Shot shot(const Scenario& scenario, long frame, const RunPlan& plan) {
-  const simulator::RenderOptions markers{plan.render_threads, simulator::Area::kMarkersOnly};
-  if (plan.grain == Grain::kNoiseFree) return {finely_quantised(render_ideal(scenario, frame, markers)), 16};
-  return {render(scenario, frame, markers), scenario.sensor.bits};
+simulator::RenderOptions options_of(const RunPlan& plan) {
+  return {plan.render_threads, simulator::Area::kMarkersOnly};
+}
+
+Shot shot(const Scenario& scenario, long frame, const RunPlan& plan, simulator::Recorder& recorder) {
+  if (plan.grain == Grain::kNoiseFree) return {finely_quantised(render_ideal(scenario, frame, options_of(plan))), 16};
+  return {recorder.frame(frame), scenario.sensor.bits};
 }
 
 void compare(const Scenario& scenario, const Sample& sample, long reference_frame, MeasuredRun& run) {
@@ -48,7 +52,8 @@ void compare(const Scenario& scenario, const Sample& sample, long reference_fram
 
 MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   MeasuredRun run;
-  const Shot first = shot(scenario, plan.reference_frame, plan);
+  simulator::Recorder recorder(scenario, options_of(plan));
+  const Shot first = shot(scenario, plan.reference_frame, plan, recorder);
   auto reference =
       make_reference(first.view(), plan.site.value_or(simulator::site_of(scenario)), plan.lens, plan.observe);
   if (!reference) {
@@ -65,7 +70,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   long count = 0;
   for (long frame = plan.first; frame < scenario.frames && (plan.frames < 0 || count < plan.frames);
        frame += plan.step, ++count) {
-    const Shot now = shot(scenario, frame, plan);
+    const Shot now = shot(scenario, frame, plan, recorder);
     Observation seen = method->observe(now.view(), run.reference, follower.prediction(), work);
     seen.frame = frame;
     seen.time_s = simulator::time_of(scenario, frame);
@@ -85,8 +90,8 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
 }
 
 bool notes(const MeasuredRun& run, const std::string& what) {
-  return std::ranges::any_of(run.solution.notes,
-                             [&](const std::string& n) { return n.find(what) != std::string::npos; });
+  const auto says = [&](const std::string& n) { return n.find(what) != std::string::npos; };
+  return std::ranges::any_of(run.solution.notes, says) || std::ranges::any_of(run.solution.findings, says);
 }
 
 double rms(const std::vector<double>& values) {

@@ -72,5 +72,7 @@ void add_blur(std::vector<Mode>& all);
 void add_light(std::vector<Mode>& all);
 void add_timing(std::vector<Mode>& all);
 void add_codecs(std::vector<Mode>& all);
+// fault_modes_processing.cc
+void add_processing(std::vector<Mode>& all);
 
 }  // namespace moiregauge::faults

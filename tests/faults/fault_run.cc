@@ -12,6 +12,7 @@
 #include "moiregauge/decoder/video_source.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/run/measure.h"
+#include "moiregauge/simulator/recorder.h"
 
 namespace moiregauge::faults {
 namespace {
@@ -23,7 +24,7 @@ constexpr simulator::RenderOptions kMarkers{.threads = 1, .area = simulator::Are
 // The frames as the sensor stores them, without a file.
 class SimulatedSource : public FrameSource {
  public:
-  explicit SimulatedSource(const Scenario& scenario) : scenario_(scenario) {
+  explicit SimulatedSource(const Scenario& scenario) : scenario_(scenario), recorder_(scenario, kMarkers) {
     info_.path = scenario.name;
     info_.frames = scenario.frames;
     info_.width = scenario.camera.width;
@@ -32,17 +33,21 @@ class SimulatedSource : public FrameSource {
     info_.fps = scenario.sensor.fps;
     info_.codec = "simulated";
     info_.time_source = "stream";
+    // As of a picture of 8 bits that says what it holds, or does not.
+    info_.tone = simulator::stores_light(scenario) ? Tone{{}, ToneSource::kTag}
+                                                   : Tone{{.kind = ToneCurve::Kind::kSrgb}, ToneSource::kAssumed};
   }
   [[nodiscard]] const InputInfo& info() const override { return info_; }
   [[nodiscard]] tl::expected<std::optional<Frame>, InputError> next() override {
     if (next_ >= scenario_.frames) return std::nullopt;
-    picture_ = render(scenario_, next_, kMarkers);
+    picture_ = recorder_.frame(next_);
     const double time = simulator::stamp_of(scenario_, next_) - simulator::stamp_of(scenario_, 0);
     return Frame{next_++, time, false, simulator::view_of(picture_)};
   }
 
  private:
   const Scenario& scenario_;
+  simulator::Recorder recorder_;
   InputInfo info_;
   long next_ = 0;
   simulator::Picture picture_;
@@ -54,9 +59,12 @@ class Recording {
   Recording(const Sequence& sequence, const std::string& folder) {
     static std::atomic<int> count{0};
     path_ = fmt::format("{}/{}-{}", folder, count++, file_name_for(sequence.video->codec));
-    auto writer = VideoWriter::create(path_, *sequence.video);
+    VideoFormat format = *sequence.video;
+    format.is_linear = simulator::stores_light(sequence.scenario);
+    auto writer = VideoWriter::create(path_, format);
+    simulator::Recorder recorder(sequence.scenario, kMarkers);
     for (long frame = 0; writer && frame < sequence.scenario.frames; ++frame) {
-      const auto picture = render(sequence.scenario, frame, kMarkers);
+      const auto picture = recorder.frame(frame);
       if (auto added = (*writer)->add(simulator::view_of(picture), simulator::stamp_of(sequence.scenario, frame));
           !added)
         problem_ = added.error();

@@ -120,12 +120,24 @@ def views(work):
     put("identity", "grid", b"\4" + circles((60 * i, 60 * k) for i in range(6) for k in range(5)))
 
 
+def hevc(work):
+    """The first byte says how many bytes of extradata follow; then comes one packet."""
+    params = ["-c:v", "libx265", "-pix_fmt", "yuv420p", "-x265-params", "log-level=none:qp=30:slices=2:weightb=1:info=0"]
+    put("hevc_headers", "start-codes", bytes([0]) + film(work, "film.hevc", *params, frames=3))
+    boxes = film(work, "film.mp4", *params, frames=3)
+    at = boxes.index(b"hvcC")
+    extradata = boxes[at + 4:at - 4 + int.from_bytes(boxes[at - 4:at], "big")]
+    packets = run("ffmpeg", "-loglevel", "error", "-i", "film.mp4", "-map", "0:v", "-c", "copy", "-f", "data", "-", cwd=work)
+    put("hevc_headers", "lengths", bytes([len(extradata)]) + extradata + packets)
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
         texts(pathlib.Path(sys.argv[1]).resolve(), work)
         pictures(work)
         views(work)
+        hevc(work)
 
 
 if __name__ == "__main__":

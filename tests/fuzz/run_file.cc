@@ -27,7 +27,7 @@ std::string written(const StoredRun& run) {
     if (run.seen.reference && i == before) file += reference_bytes(*run.seen.reference, run.seen.notes);
     if (i < frames.size()) file += frame_bytes(frames[i]);
   }
-  return file + end_bytes(run.seen);
+  return file + end_bytes(run.seen, run.options);
 }
 
 template <typename Parse>

@@ -55,7 +55,7 @@ std::string fresh_run(std::size_t count) {
   }
   std::string file = head_bytes(run.start, run.options) + reference_bytes(*run.seen.reference, run.seen.notes);
   for (const Observation& seen : run.seen.observations) file += frame_bytes(seen);
-  return file + end_bytes(run.seen);
+  return file + end_bytes(run.seen, run.options);
 }
 
 }  // namespace

@@ -50,5 +50,45 @@ TEST(Conventional, BeyondHalfAPitchThePhaseJumps) {
   EXPECT_GT(test::largest(run.error_y_um), 5000.0);  // 23 mm of apparent motion, read within half a pitch of 10 mm
 }
 
+simulator::Scenario still_camera(std::vector<simulator::Knot> dy) {
+  auto scenario = *simulator::built_in("small-still");
+  scenario.markers.back().dy = simulator::Track{};
+  scenario.markers.back().dy.knots = std::move(dy);
+  return scenario;
+}
+
+// 12 mm up at 0.5 mm a frame: continuity gives the fringe order of every frame.
+TEST(Conventional, TravelBeyondHalfAPitchIsFollowedFromFrameToFrame) {
+  const auto scenario = still_camera({{0.0, 0.0}, {2.4, 12.0}, {4.0, 12.0}});
+  for (const long reference : {0L, 30L}) {
+    test::RunPlan plan{.method = "conventional", .frames = 32, .reference_frame = reference};
+    const auto run = test::measured(scenario, plan);
+    ASSERT_TRUE(run.problem.empty()) << run.problem;
+    long ok = 0;
+    std::size_t k = 0;
+    for (const Sample& s : run.samples) {
+      EXPECT_NE(s.status, Status::kOrderUnproven) << "frame " << s.frame;
+      if (!has_numbers(s.status)) continue;
+      // Near the print's edge the window reads a little beside it; a wrong order would be 10 000 um.
+      EXPECT_LT(std::abs(run.error_y_um[k++]), 200.0) << "frame " << s.frame;
+      ok += s.status == Status::kOk && std::abs(s.displacement.y) > 5.0;
+    }
+    EXPECT_GT(ok, 4) << "beyond half a pitch, reference frame " << reference;
+  }
+}
+
+// Half a pitch and a bit between two frames looks like a bit less in the other direction.
+TEST(Conventional, AfterALeapOfHalfAPitchTheOrderIsUnproven) {
+  for (const double leap_mm : {3.0, 5.6}) {
+    const auto scenario = still_camera({{0.0, 0.0}, {0.45, 0.0}, {0.46, leap_mm}, {4.0, leap_mm}});
+    test::RunPlan plan{.method = "conventional", .frames = 10};
+    const auto run = test::measured(scenario, plan);
+    for (const Sample& s : run.samples) {
+      EXPECT_EQ(s.status, s.frame < 5 ? Status::kOk : Status::kOrderUnproven)
+          << "frame " << s.frame << ", " << leap_mm << " mm";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace moiregauge

@@ -173,7 +173,7 @@ def check_measured(browser, run, work):
     insist(page.value("document.documentElement.dataset.state") == "ready", "the page is drawn")
     look_at_plots(page, 8)
     text = page.value("document.body.innerText")
-    for words in ["mid moved", "1.70", "95 % interval", "steady, driven", "Welch", "What the camera did", "pan, to the right",
+    for words in ["mid moved", "1.70", "95 % interval", "steady, driven", "Welch", "What the camera did",
                   "print", "SHA-256", "Where the uncertainty comes from"]:
         insist(words in text, f"'{words}' is on the page")
     insist(page.value("[...document.querySelectorAll('#picture img')].every((i) => i.naturalWidth > 100)"), "the picture is there")

@@ -11,7 +11,8 @@ SCHEMA = json.loads((pathlib.Path(__file__).resolve().parents[2] / "docs/schema/
 RUN = {
     "moiregauge": "0.1.0", "schema": 1,
     "input": {"path": "bridge.mp4", "sha256": "0" * 64, "frames": 2, "width": 1024, "height": 512, "bits": 8, "fps": None,
-              "codec": "png", "rotation_deg": 0, "time_source": "none"},
+              "codec": "png", "rotation_deg": 0, "time_source": "none",
+              "tone": "linear", "tone_source": "tag"},
     "config": {}, "method": "two-stage", "reference_frame": 0,
     "camera": {"model": "none", "width": None, "height": None, "fx": None, "fy": None, "cx": None, "cy": None, "k1": None,
                "k2": None, "p1": None, "p2": None, "k3": None, "u": {}},

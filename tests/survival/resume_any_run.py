@@ -27,7 +27,7 @@ RUNS = {
     "without a site": [frames, "--pitch", "10mm", "--axes", "image"],
     "a selection": [frames, "--site", site, "--frames", "2:11:2", "--reference-frame", "1"],
     "the last frame as reference": [frames, "--site", site, "--reference-frame", FRAMES - 1],
-    "a camera and rest": [frames, "--site", site, "--camera", camera, "--rest", "0:3"],
+    "a camera and rest": [frames, "--site", site, "--camera", camera, "--rest", "0:1"],
     "frames before the reference frame": [late, "--pitch", "10mm"],
     "those, with a site": [late, "--site", site, "--method", "two-stage"],
     "a video": [clip, "--site", site],

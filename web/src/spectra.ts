@@ -96,6 +96,7 @@ export function spectraOf(target: Target, columns: Float64Array[], zoom: Zoom | 
   const rows = there.flatMap(({ name, spectrum }) => spectrum.peaks.map((peak) => peakRow(name[0]!, peak)));
   element.append(rows.length > 0
     ? table(`Peaks of ${target.name}; \u00b1 is a 95 % interval`, ['Axis', 'Frequency (Hz)', 'Damping ratio (%)', 'Amplitude (mm)', 'Kind', 'Told from'], rows)
-    : el('p', {}, 'No peak stands out of the noise.'));
+    : el('p', {}, `No frequency is named: no peak above ${brief(1.5 * there[0]!.spectrum.resolution_hz)} Hz exceeds the noise by more than chance, ` +
+      'and slower vibration needs a longer record.'));
   return { element, plots };
 }

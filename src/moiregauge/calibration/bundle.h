@@ -58,6 +58,9 @@ struct ScenePrior {
 // Nothing known of the lens but the picture's size; of the markers what the site says. A calibrated camera narrows it.
 [[nodiscard]] ScenePrior scene_prior(const Site& site, int width, int height, const std::optional<Camera>& camera);
 
+// The same with a camera of which nothing is known but where it is to be looked for: about the given one.
+[[nodiscard]] ScenePrior with_unknown_lens(ScenePrior prior);
+
 struct BundleSolution {
   Scene scene;
   std::vector<BundleFrame> frames;  // poses and shifts as solved

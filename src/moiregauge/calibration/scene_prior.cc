@@ -48,6 +48,14 @@ std::array<double, kCommonParameters> uncertainties_of(const ScenePrior& prior) 
   return u;
 }
 
+ScenePrior with_unknown_lens(ScenePrior prior) {
+  const Camera& camera = prior.camera;
+  const auto given = prior.u_camera;
+  unknown_lens(prior, std::max(camera.width, camera.height), 0.5 * std::hypot(camera.width, camera.height) / camera.fx);
+  for (std::size_t k = 0; k < given.size(); ++k) prior.u_camera[k] = std::max(prior.u_camera[k], given[k]);
+  return prior;
+}
+
 ScenePrior scene_prior(const Site& site, int width, int height, const std::optional<Camera>& camera) {
   ScenePrior prior;
   const double side = std::max(width, height);

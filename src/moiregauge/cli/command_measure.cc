@@ -42,7 +42,7 @@ std::vector<std::uint8_t> overlay_of(const ImageView<std::uint8_t>& picture, con
 // Of a refused run the picture shows all that was seen instead, as `inspect` does: what is missing is in the eye then.
 std::vector<std::uint8_t> overlay_of_refusal(const Measurement& m, const MeasureOptions& options) {
   const ImageView<std::uint8_t> picture = m.picture.grey.view();
-  if (picture.width == 0) return draw_overlay({picture, nullptr, m.refusal});
+  if (picture.width == 0) return {};
   InspectOptions looked_at;
   if (options.pitch_mm)
     looked_at.pitch_mm = options.pitch_mm;
@@ -88,6 +88,18 @@ int ended(const Measurement& measured, const MeasureOptions& options, const Repo
   if (!measured.interrupted) return exit;
   return fail(Exit::kInterrupted, fmt::format("stopped at frame {}: the results so far are in {}: go on with --resume",
                                               measured.observations.back().frame, words.output));
+}
+
+// A statement that the frames contradict gives no results, and costs no frames: `solve` and --resume go on with them.
+int kept_without_results(const Measurement& measured, MeasureOptions options, UnfinishedRun& journal,
+                         const RunPlace& place) {
+  if (measured.observations.empty()) return fail(Exit::kUsage, measured.contradiction);
+  options.solve.rest.reset();
+  if (const auto ended = journal.end(measured, options); !ended) return fail_output(ended.error());
+  return fail(Exit::kUsage,
+              fmt::format("{}: give other frames or leave it out: all {} frames are kept, `moiregauge solve "
+                          "{}.unfinished -o {}` needs no video",
+                          measured.contradiction, measured.observations.size(), place.shown, place.shown));
 }
 
 int run(const MeasureWords& words) {
@@ -146,11 +158,12 @@ int run(const MeasureWords& words) {
   }
   if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
   measured->input.sha256 = fingerprint.hex();
+  if (!measured->contradiction.empty()) return kept_without_results(*measured, *options, journal, place);
   // Of a run that is stopped they are made when it goes on: then they are all there.
   const tl::expected<void, OutputError> pictures =
       stabilised && !measured->interrupted ? stabilised->finish() : tl::expected<void, OutputError>{};
   if (!pictures) measured->exit = Exit::kOutputUnwritable;  // the results are kept all the same
-  const auto written = journal.end(*measured).and_then([&] { return directory.write(*measured, *options); });
+  const auto written = journal.end(*measured, *options).and_then([&] { return directory.write(*measured, *options); });
   if (!written) return fail_output(written.error());
   const int exit = ended(*measured, *options, {words.input, directory.results(), words.quiet, words.json});
   return pictures ? exit : fail_output(pictures.error());
@@ -185,6 +198,12 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->type_name("N");
   command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")
       ->type_name("A:B:STEP");
+  command
+      ->add_option(
+          "--tone", words->tone,
+          "tone curve of the grey levels: auto (as the input says, or its prints show), linear, srgb, bt709, hlg, "
+          "pq or gamma:2.2 [auto]")
+      ->type_name("auto|linear|srgb|bt709|gamma:G");
   command
       ->add_option(
           "--template", words->template_use,

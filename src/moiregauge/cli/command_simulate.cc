@@ -96,6 +96,7 @@ Expected<std::optional<VideoFormat>> video_of(const SimulateWords& words, const 
     return tl::unexpected(fmt::format("no such codec: --codec {}: choose one of ffv1, x264, mjpeg", words.codec));
   if (words.gop && *codec != VideoCodec::kX264) return tl::unexpected(std::string("--gop is for x264: leave it out"));
   VideoFormat format{*codec, words.quality};
+  format.is_linear = simulator::stores_light(scenario);
   format.gop = words.gop.value_or(format.gop);
   format.width = scenario.camera.width;
   format.height = scenario.camera.height;

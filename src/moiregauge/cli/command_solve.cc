@@ -104,6 +104,10 @@ Done restate(const SolveWords& words, StoredRun& run) {
 
 Done choose_rest(const SolveWords& words, MeasureOptions& options) {
   if (words.rest.empty()) return {};
+  if (words.rest == "none") {
+    options.solve.rest.reset();
+    return {};
+  }
   const auto rest = rest_frames(words.rest);
   if (!rest) return tl::unexpected(rest.error());
   options.solve.rest = *rest;
@@ -154,6 +158,8 @@ int run(const SolveWords& words) {
   Measurement solved;
   static_cast<Seen&>(solved) = std::move(stored->seen);
   conclude(stored->options, solved);
+  if (!solved.contradiction.empty())
+    return fail(Exit::kUsage, solved.contradiction + ": give other frames, or --rest none: nothing was written");
   if (const auto written = directory.write(solved, stored->options); !written) return fail_output(written.error());
   return report(solved, stored->options, {words.run, output, words.quiet, words.json});
 }
@@ -167,7 +173,10 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--site", words->site, "site.toml with better places, turns, heights or known_to")
       ->type_name("FILE");
   command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
-  command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
+  command
+      ->add_option("--rest", words->rest,
+                   "frames in which no target moves, half open: A:B; none: take back the run's own")
+      ->type_name("A:B|none");
   command->add_option("--readout", words->readout, "rolling shutter: first row's exposure to the last one's, e.g. 18ms")
       ->type_name("TIME");
   add_print_scale(*command, words->print_scale);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/drawing/inspection_words.h"
+#include "moiregauge/observation/scale_check.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::cli {
@@ -100,6 +101,14 @@ std::string who_lines(const InspectReport& report) {
   return text;
 }
 
+std::string scale_line(const Inspection& seen) {
+  if (!seen.reference) return "";
+  const ScaleCheck check = scale_check(*seen.reference);
+  const char* unit = word_for(seen.unit);
+  return fmt::format("scale: {:.3g} {}/px, {} (check with a tape)\n", check.mm_per_px / seen.pitch_of_unit, unit,
+                     tape_words(check, seen.reference->site, seen.pitch_of_unit, unit));
+}
+
 std::string next_after_inspect(const InspectReport& report) {
   if (!report.seen.reference) {
     return report.seen.patches.empty()
@@ -125,7 +134,7 @@ std::string inspect_lines(const InspectReport& report) {
   return fmt::format("picture: {}, frame {}: {} x {} px, {} bits\n", report.input.path, report.frame, report.seen.width,
                      report.seen.height, report.input.bits) +
          circle_lines(report.seen) + rejected_lines(report.seen) + patch_lines(report.seen) +
-         lattice_lines(report.seen) + who_lines(report) + next_after_inspect(report);
+         lattice_lines(report.seen) + who_lines(report) + scale_line(report.seen) + next_after_inspect(report);
 }
 
 }  // namespace moiregauge::cli

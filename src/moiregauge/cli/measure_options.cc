@@ -239,6 +239,13 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
     if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", words.template_use));
     options.observe.template_use = *use;
   }
+  if (!words.tone.empty() && words.tone != "auto") {
+    options.tone = tone_curve_named(words.tone);
+    if (!options.tone)
+      return usage(fmt::format(
+          "unknown tone curve: --tone {}: choose one of auto, linear, srgb, bt709, hlg, pq, gamma:2.2 (0.2 to 5)",
+          words.tone));
+  }
   if (words.exaggeration && !words.video)
     return usage("--exaggerate without --video: it belongs to the video: add --video, or leave it out");
   if (words.exaggeration && !(*words.exaggeration >= 1.0 && *words.exaggeration <= 1e5))

@@ -33,6 +33,7 @@ struct MeasureWords {
   std::string readout;
   PrintScaleWords print_scale;
   std::string template_use;
+  std::string tone;
   std::string output;
   std::string stabilised;
   std::string figures;

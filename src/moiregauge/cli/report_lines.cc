@@ -10,6 +10,7 @@
 
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/io/run_json.h"
+#include "moiregauge/observation/scale_check.h"
 
 namespace moiregauge::cli {
 namespace {
@@ -21,16 +22,23 @@ std::string check_of(const Measurement& m) {
                                           : "; references not verified";
 }
 
+// A wrong pitch shows in nothing else.
+std::string scale_of_run(const Reference& reference) {
+  const ScaleCheck check = scale_check(reference);
+  return fmt::format("scale {:.3g} mm/px, {} (check with a tape)", check.mm_per_px,
+                     tape_words(check, reference.site, 1.0, "mm"));
+}
+
 std::string found_line(const Measurement& m, const MeasureOptions& options) {
   if (!m.reference) return fmt::format("found: {}", m.refusal);
   const auto references = m.reference->circles.size();
   std::string targets;
   for (const TargetSummary& t : m.targets)
     targets += fmt::format("{}{}", targets.empty() ? "" : ", ", site_of(m, options).markers[t.marker].name);
-  return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}{}",
+  return fmt::format("found: {} references and {} ({}) in {} frames of {} x {} px; reference frame {}, method {}; {}{}",
                      references, m.targets.size() == 1 ? "1 target" : fmt::format("{} targets", m.targets.size()),
                      targets, m.observations.size(), m.input.width, m.input.height, m.reference->seen.frame,
-                     options.method->name, check_of(m));
+                     options.method->name, scale_of_run(*m.reference), check_of(m));
 }
 
 // Expanded uncertainty, k = 2, with as many digits of the result as it deserves.
@@ -59,10 +67,11 @@ std::string result_line(const Measurement& m, const MeasureOptions& options) {
   return text.empty() ? "result: none" : text;
 }
 
-std::string next_after_measure(const Measurement& m, const std::string& output) {
+std::string next_after_measure(const Measurement& m, const MeasureOptions& options, const std::string& output) {
   if (!m.reference)
     return fmt::format("next: look at {}/overlay.png: it shows what was seen; correct the site file or the view",
                        output);
+  if (!m.remedy.empty()) return "next: " + m.remedy;
   const bool untrusted =
       std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kUntrusted; });
   const bool moved =
@@ -73,6 +82,9 @@ std::string next_after_measure(const Measurement& m, const std::string& output) 
         "next: the references do not fit one rigid scene: {}/report.html shows from which frame on, the warnings "
         "what is known of it",
         output);
+  if (untrusted && options.camera)
+    return "next: the references show that four points do not absorb this view although --camera is given: check that "
+           "file, or measure with --method precise";
   if (untrusted)
     return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE "
            "with the lens's calibration";
@@ -85,7 +97,7 @@ std::string next_after_measure(const Measurement& m, const std::string& output) 
 
 std::string report_lines(const Measurement& measurement, const MeasureOptions& options, const std::string& output) {
   return found_line(measurement, options) + "\n" + result_line(measurement, options) + "\n" +
-         next_after_measure(measurement, output) + "\n";
+         next_after_measure(measurement, options, output) + "\n";
 }
 
 int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words) {
@@ -100,8 +112,9 @@ int report(const Measurement& measurement, const MeasureOptions& options, const 
     if (!words.quiet) fmt::print(stderr, "{}{}\n", is_note ? "" : "warning: ", warning);
   }
   if (measurement.exit == Exit::kRefused)
-    return fail(Exit::kRefused,
-                fmt::format("refused: {}: {}: see {}/overlay.png", words.input, measurement.refusal, words.output));
+    return fail(Exit::kRefused, fmt::format("refused: {}: {}: {}", words.input, measurement.refusal,
+                                            measurement.remedy.empty() ? fmt::format("see {}/overlay.png", words.output)
+                                                                       : measurement.remedy));
   return static_cast<int>(measurement.exit);
 }
 

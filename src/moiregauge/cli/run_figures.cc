@@ -57,7 +57,8 @@ tl::expected<std::vector<std::string>, UsageError> figure_formats(const std::str
 PutMore put_figures(std::vector<std::string> formats, bool quiet) {
   return [formats = std::move(formats), quiet](const fs::path& folder, const Measurement& m) -> Written {
     if (formats.empty() || !m.reference) return {};
-    const auto drawn = figure::run_figures({*m.reference, m.observations, m.samples, m.scene, m.picture.grey.view()});
+    const auto drawn =
+        figure::run_figures({*m.reference, m.observations, m.samples, stated_scene(m), m.picture.grey.view()});
     for (const std::string& why : drawn.left_out)
       if (!quiet) fmt::print(stderr, "note: no figure of the {}\n", why);
     return put_all(folder / "figures", drawn, formats);

@@ -16,6 +16,7 @@
 #include "moiregauge/decoder/confinement.h"
 #include "moiregauge/decoder/luma_plane.h"
 #include "moiregauge/decoder/margin.h"
+#include "moiregauge/decoder/stream_tone.h"
 #include "moiregauge/decoder/video_stream.h"
 #include "moiregauge/decoder/wire.h"
 #include "moiregauge/image/quarter_turn.h"
@@ -33,6 +34,7 @@ struct Shape {
   int format = -1;
   LumaLayout layout;
   int rotation_deg = 0;
+  Tone tone;
 };
 
 class Child {
@@ -98,7 +100,7 @@ tl::expected<void, VideoProblem> Child::settle_shape(const VideoStream& stream) 
   }
   if (frame.width <= 0 || frame.height <= 0 || frame.width > max_pixels_ / frame.height)
     return tl::unexpected(too_many_pixels(frame.width, frame.height, max_pixels_));
-  shape_ = {frame.width, frame.height, frame.format, *layout, *rotation};
+  shape_ = {frame.width, frame.height, frame.format, *layout, *rotation, tone_of(frame)};
   return {};
 }
 
@@ -111,6 +113,10 @@ bool Child::make_slots(const VideoStream& stream) {
   opened.height = lies ? shape_.width : shape_.height;
   opened.bits = shape_.layout.bits;
   opened.rotation_deg = shape_.rotation_deg;
+  opened.tone_kind = static_cast<std::int32_t>(shape_.tone.curve.kind);
+  opened.tone_gamma = shape_.tone.curve.gamma;
+  opened.tone_is_tagged = shape_.tone.source == ToneSource::kTag ? 1 : 0;
+  opened.is_full_range = shape_.tone.curve.is_full_range ? 1 : 0;
   opened.frames = stream.frames();
   opened.fps = stream.fps();
   wire::put(opened.what, stream.codec());

@@ -8,11 +8,15 @@
 
 extern "C" {
 #include <libavcodec/codec_desc.h>
+#include <libavutil/pixdesc.h>
 #include <libavutil/video_enc_params.h>
 }
 
 namespace moiregauge {
 namespace {
+
+// An allowance: parameters by which a print's blocks may be coarser than their slice. Only decoding tells the blocks' own.
+constexpr int kCoarserBlocks = 3;
 
 // VP9's table of luma steps, in eighths of a grey level: near enough to 8 % (a step's uncertainty is far larger).
 double step_of_vp9(int index) {
@@ -23,6 +27,13 @@ double step_of_vp9(int index) {
 // Lossless blocks of H.264: nothing is transformed (7.4.2.1.1, qpprime_y_zero_transform_bypass_flag).
 bool is_bypassed(const AVCodecContext& decoder, int parameter) {
   return parameter <= 0 && decoder.profile == FF_PROFILE_H264_HIGH_444_PREDICTIVE;
+}
+
+// In grey levels of 8 bits. The scale is H.264's (H.265, 8.6.2); where blocks differ, adaptive quantisation makes those coarser
+// that have contrast, as a print has.
+double step_of_hevc(const std::optional<HevcQuantiser>& quantiser) {
+  if (!quantiser) return kUnknownStep;
+  return step_of_parameter(quantiser->parameter + (quantiser->varies ? kCoarserBlocks : 0));
 }
 
 double step_of_block(const AVCodecContext& decoder, const AVVideoEncParams& all, const AVVideoBlockParams& block) {
@@ -79,18 +90,32 @@ void StreamQuantiser::ask(AVCodecContext& decoder) {
   decoder.export_side_data |= AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS;
 }
 
-void StreamQuantiser::note_packet(const AVCodecContext& decoder, const AVPacket& packet) {
-  if (decoder.codec_id != AV_CODEC_ID_MJPEG || packet.data == nullptr || packet.size <= 0) return;
-  packet_step_ = step_of_jpeg({packet.data, static_cast<std::size_t>(packet.size)});
+void StreamQuantiser::begin(const AVCodecContext& decoder) {
+  steps_.fill(kUnknownStep);
+  if (decoder.codec_id == AV_CODEC_ID_HEVC && decoder.extradata != nullptr && decoder.extradata_size > 0)
+    hevc_.read_extradata({decoder.extradata, static_cast<std::size_t>(decoder.extradata_size)});
 }
 
-void StreamQuantiser::note_frame(const AVCodecContext& decoder, const AVFrame& frame) {
+void StreamQuantiser::note_packet(const AVCodecContext& decoder, const AVPacket& packet, std::int64_t number) {
+  if (packet.data == nullptr || packet.size <= 0) return;
+  const std::span bytes(packet.data, static_cast<std::size_t>(packet.size));
+  if (decoder.codec_id == AV_CODEC_ID_MJPEG) packet_step_ = step_of_jpeg(bytes);
+  if (decoder.codec_id == AV_CODEC_ID_HEVC)
+    steps_[static_cast<std::size_t>(number) % steps_.size()] = step_of_hevc(hevc_.read_packet(bytes));
+}
+
+void StreamQuantiser::note_frame(const AVCodecContext& decoder, const AVFrame& frame, std::int64_t number) {
   blocks_.clear();
   const AVCodecDescriptor* about = avcodec_descriptor_get(decoder.codec_id);
   const int properties = about == nullptr ? AV_CODEC_PROP_LOSSY : about->props;
   whole_ = {kUnknownStep, (properties & AV_CODEC_PROP_INTRA_ONLY) == 0};
   if ((properties & AV_CODEC_PROP_LOSSY) == 0) whole_.step = 0.0;
   if (decoder.codec_id == AV_CODEC_ID_MJPEG) whole_.step = packet_step_;
+  if (decoder.codec_id == AV_CODEC_ID_HEVC) {
+    const AVPixFmtDescriptor* pixels = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+    const int more_bits = pixels == nullptr ? 0 : pixels->comp[0].depth - 8;
+    whole_.step = std::ldexp(steps_[static_cast<std::size_t>(number) % steps_.size()], more_bits);
+  }
   const AVFrameSideData* side = av_frame_get_side_data(&frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
   if (side == nullptr) return;
   const auto& all = *reinterpret_cast<const AVVideoEncParams*>(side->data);

@@ -70,6 +70,41 @@ TEST(StreamQuantiser, ALongerWordHasALongerStep) {
   for (const Quantiser& q : quantisers(path)) EXPECT_DOUBLE_EQ(q.step, 4.0 * step_of_parameter(30 - 12));
 }
 
+// With B pictures and several slices: headers have all their parts, and frames leave the decoder in another order.
+TEST(StreamQuantiser, HevcHasTheStepOfItsSlices) {
+  const TestFolder folder;
+  const char* kinds[] = {"yuv420p", "yuv422p10le", "yuv444p"};
+  const char* more[] = {"bframes=0", "bframes=3:ref=4:slices=2:weightb=1",
+                        "no-sao=1:no-temporal-mvp=1:scaling-list=default"};
+  for (const int parameter : {18, 30, 42}) {
+    for (const char* container : {"a.mkv", "a.mp4", "a.ts"}) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto path = moving_stripes(
+            folder, container, 8,
+            fmt::format("-c:v libx265 -pix_fmt {} -x265-params log-level=none:qp={}:ipratio=1:pbratio=1:aq-mode=0:{}",
+                        kinds[k], parameter, more[k]));
+        const auto all = quantisers(path);
+        ASSERT_EQ(all.size(), 6u);
+        for (const Quantiser& q : all) {
+          EXPECT_TRUE(q.predicted);
+          EXPECT_DOUBLE_EQ(q.step, step_of_parameter(parameter) * (k == 1 ? 4.0 : 1.0)) << container << " " << more[k];
+        }
+      }
+    }
+  }
+}
+
+TEST(StreamQuantiser, EveryHevcFrameHasItsOwnStep) {
+  const TestFolder folder;
+  const auto path = moving_stripes(folder, "a.mkv", 8,
+                                   "-c:v libx265 -pix_fmt yuv420p -x265-params "
+                                   "log-level=none:qp=30:aq-mode=0:bframes=0:keyint=3:ipratio=2");
+  const auto all = quantisers(path);
+  ASSERT_EQ(all.size(), 6u);
+  for (const std::size_t key : {0, 3}) EXPECT_DOUBLE_EQ(all[key].step, step_of_parameter(24));  // half of 30's step
+  for (const std::size_t other : {1, 2, 4, 5}) EXPECT_DOUBLE_EQ(all[other].step, step_of_parameter(30));
+}
+
 TEST(StreamQuantiser, MotionJpegHasItsTablesStep) {
   const TestFolder folder;
   double last = 0.0;

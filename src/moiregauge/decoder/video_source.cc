@@ -68,6 +68,9 @@ class VideoSource final : public FrameSource {
     info_.height = record->height;
     info_.bits = record->bits;
     info_.rotation_deg = record->rotation_deg;
+    const bool is_tagged = record->tone_is_tagged != 0;
+    info_.tone = {{static_cast<ToneCurve::Kind>(record->tone_kind), record->tone_gamma, record->is_full_range != 0},
+                  is_tagged ? ToneSource::kTag : ToneSource::kAssumed};
     info_.codec = wire::get(record->what);
     info_.fps = fps_.value_or(record->fps);
     info_.time_source = fps_ ? "fps-option" : "stream";
@@ -110,7 +113,8 @@ class VideoSource final : public FrameSource {
   [[nodiscard]] static bool is_sane(const Record& record) {
     return record.kind == Kind::kOpened && record.width > 0 && record.height > 0 &&
            record.width <= wire::kMostPixels / record.height && record.bits >= 8 && record.bits <= 16 &&
-           record.slots > 0 && record.slots <= wire::kMostSlots;
+           record.tone_kind >= 0 && record.tone_kind <= static_cast<std::int32_t>(ToneCurve::Kind::kGamma) &&
+           record.tone_gamma > 0.0 && record.slots > 0 && record.slots <= wire::kMostSlots;
   }
 
   [[nodiscard]] std::string place() const { return fmt::format("{} at frame {}", info_.path, number_); }

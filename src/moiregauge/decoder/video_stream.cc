@@ -184,7 +184,9 @@ bool VideoStream::open_decoder() {
   decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // marked by us, not swallowed: the others keep their numbers
   StreamQuantiser::ask(*decoder_);
   decoder_->max_pixels = decoders_limit(max_pixels_);
-  return avcodec_open2(decoder_, codec, nullptr) >= 0;
+  if (avcodec_open2(decoder_, codec, nullptr) < 0) return false;
+  quantiser_.begin(*decoder_);
+  return true;
 }
 
 void VideoStream::note_complaints(std::int64_t packet) {
@@ -235,7 +237,7 @@ void VideoStream::note_extent() {
 
 bool VideoStream::send_packet() {
   decoder_->reordered_opaque = packets_;
-  quantiser_.note_packet(*decoder_, *packet_);
+  quantiser_.note_packet(*decoder_, *packet_, packets_);
   const int sent = avcodec_send_packet(decoder_, packet_);
   note_complaints(packets_);
   if (sent >= 0) return true;
@@ -260,7 +262,7 @@ Decoded VideoStream::next() {
       damaged_ =
           damage_.touches(packet) || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;
       note_time();
-      quantiser_.note_frame(*decoder_, *frame_);
+      quantiser_.note_frame(*decoder_, *frame_, packet);
       return Decoded::kFrame;
     }
     if (received == AVERROR_EOF) return Decoded::kEnd;

@@ -59,7 +59,11 @@ struct Record {
   std::int32_t has_blocks = 0;  // the slot holds their quantisers behind its pixels
   // kFailed
   std::int32_t error = 0;  // an InputErrorKind
-  std::int32_t unused = 0;
+  // kOpened: the tone curve of its grey levels
+  std::int32_t tone_kind = 0;  // a ToneCurve::Kind
+  std::int32_t tone_is_tagged = 0;
+  std::int32_t is_full_range = 1;
+  double tone_gamma = 1.0;
   Text what{};    // kOpened: the codec; kWarning, kFailed: what is wrong
   Text advice{};  // kFailed: what to do
 };

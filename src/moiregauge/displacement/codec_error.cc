@@ -73,6 +73,7 @@ CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observa
     is_target_.push_back(reference.site.markers[i].role == Role::kTarget);
     then_.push_back(reference.seen.markers[i].quantiser);
     note(then_.back());
+    then_.back().step = reference.step_of(i, then_.back());
   }
   for (const Observation& seen : observations) {
     for (const MarkerObservation& marker : seen.markers) note(marker.quantiser);
@@ -82,7 +83,7 @@ CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observa
   for (std::size_t i = 0; i < markers; ++i) {
     std::vector<double> all;
     for (const Observation& seen : observations) {
-      if (i < seen.markers.size()) all.push_back(step_or_usual(seen.markers[i].quantiser.step));
+      if (i < seen.markers.size()) all.push_back(reference.step_of(i, seen.markers[i].quantiser));
     }
     if (all.size() != observations.size()) continue;
     std::vector<double> sorted = all;
@@ -99,9 +100,7 @@ CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observa
 
 Quantiser CodecHistory::at(std::size_t n, std::size_t marker) const { return lossy_ ? steps_[n][marker] : Quantiser{}; }
 
-Quantiser CodecHistory::in_reference_frame(std::size_t marker) const {
-  return {step_or_usual(then_[marker].step), then_[marker].predicted};
-}
+Quantiser CodecHistory::in_reference_frame(std::size_t marker) const { return then_[marker]; }
 
 BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,
                              std::optional<std::size_t> observation) {

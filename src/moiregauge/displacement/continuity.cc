@@ -8,15 +8,13 @@
 namespace moiregauge {
 namespace {
 
-constexpr double kSure = 0.25;  // pitches
-
 bool outruns(const Marker& target, std::span<const BundleFrame> frames, std::size_t i) {
   const BundleFrame* before = nullptr;
   for (const BundleFrame& frame : frames) {
     if (!frame.points[i]) continue;
     if (before != nullptr) {
       const auto went = frame.shift[i] - before->shift[i];
-      if (std::max(std::abs(went.x), std::abs(went.y)) > kSure * target.grating->pitch_mm) return true;
+      if (std::max(std::abs(went.x), std::abs(went.y)) > kSureOfOrder * target.grating->pitch_mm) return true;
     }
     before = &frame;
   }
@@ -39,7 +37,7 @@ void doubt_after_leaps(const Site& site, std::span<Sample> samples) {
   std::vector<bool> leapt(site.markers.size(), false);
   for (Sample& sample : samples) {
     if (!has_numbers(sample.status)) continue;
-    const double sure = kSure * site.markers[sample.marker].grating->pitch_mm;
+    const double sure = kSureOfOrder * site.markers[sample.marker].grating->pitch_mm;
     if (const auto& before = last[sample.marker]) {
       const auto went = sample.displacement - *before;
       if (std::abs(went.x) > sure || std::abs(went.y) > sure) leapt[sample.marker] = true;

@@ -10,6 +10,9 @@
 
 namespace moiregauge {
 
+// Pitches from one reading to the next up to which continuity gives the whole pitch.
+inline constexpr double kSureOfOrder = 0.25;
+
 // One per site marker: does a target go more than a quarter of a pitch between any two frames that show it? Then it may
 // as well go more than half of one, which continuity takes for less in the other direction.
 [[nodiscard]] std::vector<bool> outruns_continuity(const Site& site, std::span<const BundleFrame> frames);

@@ -27,6 +27,14 @@ struct SolveOptions {
   int rotation_deg = 0;  // by which the picture is shown turned: rows of the sensor may be columns
 };
 
+// A target that moves in frames in which the user says it is at rest.
+struct MovedAtRest {
+  std::size_t marker = 0;  // index in the site
+  long from = 0, to = 0;   // the two frames of the rest between which it moves furthest
+  double mm = 0.0;
+  double u_mm = 0.0;  // of both frames' noise
+};
+
 struct Solution {
   Samples samples;
   // Of each observation against the scene, NaN where not fitted; empty: no scene was solved.
@@ -34,9 +42,13 @@ struct Solution {
   std::optional<Scene> scene;        // of a method that solves one
   bool references_verified = false;  // they were enough to be tested against each other, and were
   std::vector<std::string> notes;    // what the user should know
+  std::string remedy;  // what to do where no row is trusted, as an order; empty where nothing is known to help
+  std::vector<std::string> findings;  // what was found out about camera and prints: not to be told of a refused run
+  std::optional<MovedAtRest> moved_at_rest;  // contradicts SolveOptions::rest, without which the samples are then made
 };
 
-// Seed paper 2.1. Displacements stay wrapped within half a pitch, as published.
+// Seed paper 2.1, with travel followed beyond half a pitch. Behind a camera that moved displacements stay wrapped within
+// half a pitch, as published.
 [[nodiscard]] Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations,
                                           const SolveOptions& options);
 

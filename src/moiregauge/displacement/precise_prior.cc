@@ -35,6 +35,18 @@ void widen_scales(const Reference& reference, ScenePrior& prior) {
   }
 }
 
+// A place is known no better than the symmetry point it is stated for.
+void widen_places(const Reference& reference, ScenePrior& prior) {
+  for (std::size_t i = 0; i < reference.site.markers.size() && i < reference.prints.size(); ++i) {
+    if (is_target(reference, i) || !reference.prints[i] || !reference.site.markers[i].grating) continue;
+    const double u_mm = reference.prints[i]->u_origin * reference.site.markers[i].grating->pitch_mm;
+    for (const int axis : {MarkerShape::kX, MarkerShape::kY}) {
+      double& u = prior.u_markers[i].value[static_cast<std::size_t>(axis)];
+      u = std::hypot(u, u_mm);
+    }
+  }
+}
+
 }  // namespace
 
 ScenePrior precise_prior(const Reference& reference, const SolveOptions& options) {
@@ -45,6 +57,7 @@ ScenePrior precise_prior(const Reference& reference, const SolveOptions& options
     if (std::isfinite((*options.u_camera)[k])) prior.u_camera[k] = (*options.u_camera)[k];
   }
   widen_scales(reference, prior);
+  widen_places(reference, prior);
   prior.rows_run = rows_run(options.rotation_deg);
   for (std::size_t i = 0; options.rest && i < reference.site.markers.size(); ++i) {
     auto& u = prior.u_markers[i].value;

@@ -2,7 +2,7 @@
 // What `precise` knows of a run's scene before it has looked at the footage.
 #pragma once
 
-#include "moiregauge/calibration/scene.h"
+#include "moiregauge/calibration/bundle.h"
 #include "moiregauge/displacement/method.h"
 
 namespace moiregauge {

@@ -7,12 +7,17 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/displacement/camera_claim.h"
 #include "moiregauge/displacement/reference_fault.h"
 
 namespace moiregauge {
 namespace {
 
 constexpr std::size_t kMostKeyFrames = 120;
+// px at the print's edge per e-fold of distance, standard uncertainty: what a change of distance makes of an edge's shape
+// beyond what a fit allows for (blur, contrast, width of lines). A wall at 8 m, prints of 8 pitches of 21 px, without
+// noise: 0.002 px of light; behind curves of gamma 1.5 to 2.6 and sharpened 0.002 to 0.003 px (tools/light-study).
+constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
 constexpr double kRollingShare = 0.6;  // of chi2, that goes when the camera may turn
 
 // The reference frame leads.
@@ -56,12 +61,14 @@ class SceneSolver {
           "and no row is trusted";
     out_.print_error = out_.calibration.print_error;
     if (!out_.problem.empty()) return std::move(out_);
+    if (reference_.knows_camera() && !out_.doubtful) test_camera();
     if (!lossy && !out_.shutter) take_noise_for_what_it_is();
     // u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does
     // not demand may yet be true.
     Calibration& calibration = out_.calibration;
     calibration.bundle.scene.full_covariance =
         scene_covariance(site_, calibration.fits, calibration.prior, kEverything);
+    if (!options_.rest) allow_for_apparent_size(lossy);
     return std::move(out_);
   }
 
@@ -109,17 +116,10 @@ class SceneSolver {
 
   // What of a reference's movement passed for a rolling shutter goes with it: the frames are taken as they were read.
   void leave_out_what_moves() {
-    const ReferenceVerdict verdict = at_once_ && !out_.shutter ? *at_once_ : tested();
+    const ReferenceVerdict verdict = blaming_camera(at_once_ && !out_.shutter ? *at_once_ : tested());
     judged_ = true;
     out_.references_verified = verdict.verified && !verdict.doubtful;
-    if (verdict.doubtful) {
-      out_.doubtful = true;
-      note(fmt::format(
-          "one of the references moves against the others{}, and the layout does not show which: no row is trusted: "
-          "{}six references name it",
-          verdict.since ? fmt::format(" (from frame {} on)", *verdict.since) : "",
-          verdict.since && *verdict.since > reference_.seen.frame ? "measure the frames before by themselves; " : ""));
-    }
+    if (verdict.doubtful) tell_doubt(verdict);
     if (!verdict.moved) return;
     out_.frames = without(read_, *verdict.moved);
     out_.shutter.reset();
@@ -127,15 +127,66 @@ class SceneSolver {
     if (is_solved()) tell_movement(*verdict.moved);
   }
 
+  void tell_doubt(const ReferenceVerdict& verdict) {
+    out_.doubtful = true;
+    const bool slips_later = verdict.since && *verdict.since > reference_.seen.frame;
+    out_.remedy = slips_later ? fmt::format("measure the frames before it with --frames {}:{}, or use six references",
+                                            reference_.seen.frame, *verdict.since)
+                              : "use six references, which name the one that moves";
+    note(fmt::format(
+        "no row is trusted, because one of the references moves against the others{}, and the layout does not show "
+        "which: {}",
+        verdict.since ? fmt::format(" (from frame {} on)", *verdict.since) : "", out_.remedy));
+  }
+
   // The test takes the model that all references together chose: to find a fault it need not be the last word.
   [[nodiscard]] ReferenceVerdict tested() const {
     return test_references(site_, out_.frames, prior_, out_.calibration.bundle.scene.model, reference_.knows_camera());
+  }
+
+  // Another lens than the one given looks like a reference that moves, until the lens may be any: then the camera is to
+  // blame.
+  ReferenceVerdict blaming_camera(const ReferenceVerdict& verdict) {
+    if (!reference_.knows_camera() || !(verdict.moved || verdict.doubtful)) return verdict;
+    const ReferenceVerdict of_any_lens =
+        test_references(site_, out_.frames, with_unknown_lens(prior_), kEverything, false);
+    if (of_any_lens.moved || of_any_lens.doubtful) return verdict;
+    test_camera();
+    return out_.camera_contradicted ? of_any_lens : verdict;
   }
 
   void tell_movement(std::size_t marker) {
     const Movement went = movement_of(site_, out_.calibration.bundle.scene, read_, marker);
     note(fmt::format("reference '{}' moves by up to {:.3f} mm (u {:.4f} mm) against the others and is left out",
                      site_.markers[marker].name, went.mm, went.u_mm));
+  }
+
+  // A target's depth is read from how its print's size changes with distance. What a camera makes of an edge changes with
+  // distance too, the same way in all frames: no number of them lowers that share. At rest parallax shows the depth.
+  void allow_for_apparent_size(bool lossy) {
+    Scene& scene = out_.calibration.bundle.scene;
+    const bool is_light = reference_.light_per_grey.empty() && !lossy;
+    const double edge_px = is_light ? kEdgeOfLight : kEdgeOfGrey;
+    const double distance_mm = out_.calibration.bundle.frames.front().pose.shift[2];
+    for (std::size_t i = 0; i < site_.markers.size(); ++i) {
+      const Marker& marker = site_.markers[i];
+      if (marker.role != Role::kTarget || !marker.grating) continue;
+      const double half_px = 0.5 * std::min(marker.grating->width_mm, marker.grating->height_mm) /
+                             reference_.view.mm_per_px(marker.grating->centre);
+      const double prior = out_.calibration.prior.u_markers[i].value[MarkerShape::kHeight];
+      double& variance = scene.full_covariance(shape_row(i, MarkerShape::kHeight), shape_row(i, MarkerShape::kHeight));
+      const double room = std::max(0.0, prior * prior - variance);
+      variance += std::min(room, std::pow(distance_mm * edge_px / half_px, 2));
+    }
+  }
+
+  void test_camera() {
+    if (out_.camera_contradicted) return;
+    const auto found = camera_contradiction(site_, key_frames_of(out_.frames), prior_, out_.calibration);
+    if (!found) return;
+    out_.camera_contradicted = true;
+    out_.remedy = "measure without --camera, or calibrate it again";
+    note(camera_contradiction_note(*found) + ": " + out_.remedy);
   }
 
   // Where noise is all there is: a codec's error, the camera's motion between rows and rough prints are told apart from

@@ -27,8 +27,10 @@ struct PreciseScene {
   PrintError print_error;           // belongs in the covariance of `frames`
 
   bool references_verified = false;
-  bool doubtful = false;           // one of the references moves, and it cannot be told which
-  std::vector<std::string> notes;  // what the user should know
+  bool doubtful = false;             // one of the references moves, and it cannot be told which
+  bool camera_contradicted = false;  // the camera that was given is not the one that filmed
+  std::vector<std::string> notes;    // what the user should know
+  std::string remedy;  // what to do where no row is trusted, as an order; empty where nothing is known to help
 };
 
 // read    the reference frame first, with the codec's error if there is one

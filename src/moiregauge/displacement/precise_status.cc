@@ -18,7 +18,7 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
   if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
   if (seen.cover != Cover::kNone) return Status::kPartlyCovered;
   const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i],
-                                          rounding_of_step(step_or_usual(seen.quantiser.step)));
+                                          rounding_of_step(reference.step_of(i, seen.quantiser)));
   return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;
 }
 

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "moiregauge/displacement/codec_error.h"
+#include "moiregauge/displacement/continuity.h"
+#include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/sample_parts.h"
 
@@ -25,6 +30,55 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
     if (std::abs(moved.y) > allowed + kCameraMovedNoise * std::sqrt(2.0) * u.y) return true;
   }
   return false;
+}
+
+// Temporal phase unwrapping of one target: every reading is brought into the fringe order nearest to the last one. A
+// reading further than a quarter of a pitch from the last one leaves the order open, for the target may as well have
+// gone the other way. It stays open from there on.
+class UnwrappedPhase {
+ public:
+  explicit UnwrappedPhase(const RasterPlan& plan) : plan_(plan) {}
+  void follow(Sample& sample) {
+    // Behind a camera that moves the target's own movement is unknown: as published it is read within half a pitch.
+    if (!has_numbers(sample.status) || sample.status == Status::kCameraMoved) return;
+    const auto wrapped = sample.displacement;
+    auto along = raster_from_board(plan_, {or_zero(wrapped.x), or_zero(wrapped.y)});
+    std::array<double, 2> whole{};
+    bool leaps = false;
+    for (std::size_t k = 0; k < along.size(); ++k) {
+      whole[k] = plan_.pitch_mm * std::round((last_[k] - along[k]) / plan_.pitch_mm);
+      along[k] += whole[k];
+      leaps = leaps || std::abs(along[k] - last_[k]) > kSureOfOrder * plan_.pitch_mm;
+    }
+    // Something before the print may show any phase.
+    if (sample.status != Status::kPartlyCovered) {
+      last_ = along;
+      is_open_ = is_open_ || leaps;
+    }
+    sample.displacement = wrapped + board_from_raster(plan_, whole[0], whole[1]);
+    if (!is_open_) return;
+    sample.status = Status::kOrderUnproven;
+    sample.displacement = sample.u = {kNotMeasured, kNotMeasured};
+  }
+
+ private:
+  const RasterPlan& plan_;
+  std::array<double, 2> last_{};  // mm along the raster's axes
+  bool is_open_ = false;
+};
+
+// Of one target, in both directions from the reference frame, where it is at zero.
+void follow_orders(const Reference& reference, std::size_t target, Samples& samples) {
+  std::vector<Sample*> before, after;
+  for (Sample& sample : samples) {
+    if (sample.marker == target && sample.frame != reference.seen.frame)
+      (sample.frame < reference.seen.frame ? before : after).push_back(&sample);
+  }
+  std::reverse(before.begin(), before.end());
+  for (const auto& way : {before, after}) {
+    UnwrappedPhase order(reference.plans[target]);
+    for (Sample* sample : way) order.follow(*sample);
+  }
 }
 
 void measure_phase(const Reference& reference, const Observation& seen, const CodecHistory& codec, std::size_t n,
@@ -67,6 +121,9 @@ Solution solve_conventional(const Reference& reference, const std::vector<Observ
       }
       solution.samples.push_back(sample);
     }
+  }
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    if (is_target(reference, i)) follow_orders(reference, i, solution.samples);
   }
   return solution;
 }

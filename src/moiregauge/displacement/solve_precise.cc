@@ -4,6 +4,7 @@
 #include <span>
 
 #include "moiregauge/calibration/pose.h"
+#include "moiregauge/displacement/apparent_size.h"
 #include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/continuity.h"
@@ -12,6 +13,7 @@
 #include "moiregauge/displacement/precise_prior.h"
 #include "moiregauge/displacement/precise_scene.h"
 #include "moiregauge/displacement/precise_status.h"
+#include "moiregauge/displacement/rest_claim.h"
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/displacement/shutter_lines.h"
 #include "moiregauge/observation/fine_pitch.h"
@@ -19,9 +21,6 @@
 namespace moiregauge {
 namespace {
 
-// A frame whose patches lie this many times further from the scene than their noise explains is no longer an
-// uncertainty one can state: something moved, or the shutter rolls.
-constexpr double kUntrustedChi2 = 25.0;
 // An axis that the print does not show has no uncertainty to speak of.
 constexpr double kShownWithin = 0.25;  // pitches
 
@@ -135,7 +134,8 @@ class FramesInScene {
           if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
           if (has_numbers(sample.status)) fill(sample, *site_.markers[i].grating, budget, now, by_noise);
           if (solved_.shutter && has_numbers(sample.status)) widen_by_target(sample, *solved_.shutter, place[n]);
-          if (solved_.doubtful && sample.status == Status::kOk) sample.status = Status::kUntrusted;
+          if ((solved_.doubtful || solved_.camera_contradicted) && sample.status == Status::kOk)
+            sample.status = Status::kUntrusted;
         }
         solution.samples.push_back(sample);
       }
@@ -178,8 +178,8 @@ class FramesInScene {
   std::vector<BundleFrame> by_noise_;
 };
 
-void tell(Solution& solution, std::optional<std::string> line) {
-  if (line) solution.notes.push_back(*std::move(line));
+void add_to(std::vector<std::string>& notes, std::optional<std::string> line) {
+  if (line) notes.push_back(*std::move(line));
 }
 
 void tell_shutter(Solution& solution, const Reference& reference, const Shutter& shutter,
@@ -188,22 +188,37 @@ void tell_shutter(Solution& solution, const Reference& reference, const Shutter&
   Scene& scene = *solution.scene;
   scene.readout_s = timed ? shutter.readout_s : kNotTimed;
   scene.u_readout_s = timed ? shutter.u_readout_s : kNotTimed;
-  solution.notes.push_back(shutter_note(scene, given, shutter.readout_s / shutter.interval_s,
-                                        taken_out_mm(reference, scene, read, shutter), solution.samples));
+  solution.findings.push_back(shutter_note(scene, given, shutter.readout_s / shutter.interval_s,
+                                           taken_out_mm(reference, scene, read, shutter), solution.samples));
+}
+
+// A run's footage and the scene solved from it.
+struct SolvedRun {
+  BundleFrames seen;
+  std::vector<BundleFrame> read;  // the same frames with the codec's error
+  bool lossy = false;             // that there is one
+  PreciseScene scene;
+};
+
+SolvedRun solved_run(const Reference& reference, const std::vector<Observation>& observations,
+                     const SolveOptions& options) {
+  SolvedRun run;
+  const ScenePrior prior = precise_prior(reference, options);
+  const CodecHistory codec(reference, observations);
+  run.lossy = codec.is_lossy();
+  run.seen = bundle_frames(reference, observations, prior.camera, options,
+                           reference.knows_camera() ? kLeastForPose : kLeastForHomography);
+  run.read = with_codec_error(run.seen, codec);
+  if (references_in(reference.site, run.read.front()) < kLeastForHomography)
+    run.scene.problem = "the prints of four references could not be learned from the reference frame";
+  else
+    run.scene = precise_scene(reference, run.read, prior, options, run.lossy);
+  return run;
 }
 
 Solution measured_in_scene(const Reference& reference, const std::vector<Observation>& observations,
-                           const SolveOptions& options) {
-  const bool lens_given = reference.knows_camera();
-  const ScenePrior prior = precise_prior(reference, options);
-  const CodecHistory codec(reference, observations);
-  BundleFrames seen =
-      bundle_frames(reference, observations, prior.camera, options, lens_given ? kLeastForPose : kLeastForHomography);
-  const std::vector<BundleFrame> read = with_codec_error(seen, codec);
-  if (references_in(reference.site, read.front()) < kLeastForHomography)
-    return fallback(reference, observations, options,
-                    "the prints of four references could not be learned from the reference frame");
-  const PreciseScene scene = precise_scene(reference, read, prior, options, codec.is_lossy());
+                           const SolveOptions& options, SolvedRun run) {
+  const PreciseScene& scene = run.scene;
   if (!scene.problem.empty()) {
     Solution instead = fallback(reference, observations, options, scene.problem);
     return scene.rolls ? untrusted(std::move(instead), reference) : instead;
@@ -212,12 +227,32 @@ Solution measured_in_scene(const Reference& reference, const std::vector<Observa
   solution.scene = scene.calibration.bundle.scene;
   solution.references_verified = scene.references_verified;
   solution.notes = scene.notes;
-  if (!lens_given) tell(solution, still_camera_note(*solution.scene, scene.calibration.bundle.frames));
-  tell(solution, weak_axis_note(reference));
-  tell(solution, stretched_prints_note(reference.site, scene.calibration));
-  FramesInScene(reference, scene, codec.is_lossy() ? std::move(seen.frames) : std::vector<BundleFrame>{})
-      .measure(observations, seen.place, solution);
-  if (scene.shutter) tell_shutter(solution, reference, *scene.shutter, read, options.readout_s.has_value());
+  solution.remedy = scene.remedy;
+  if (!reference.knows_camera())
+    add_to(solution.findings, still_camera_note(*solution.scene, scene.calibration.bundle.frames));
+  add_to(solution.notes, weak_axis_note(reference));
+  add_to(solution.findings, stretched_prints_note(reference.site, scene.calibration));
+  for (std::string& line : apparent_size_notes(reference.site, scene.calibration))
+    solution.findings.push_back(std::move(line));
+  FramesInScene(reference, scene, run.lossy ? std::move(run.seen.frames) : std::vector<BundleFrame>{})
+      .measure(observations, run.seen.place, solution);
+  if (scene.shutter) tell_shutter(solution, reference, *scene.shutter, run.read, options.readout_s.has_value());
+  return solution;
+}
+
+// Solved without the statement of rest first; with it only where that scene does not contradict it.
+Solution measured_with_rest(const Reference& reference, const std::vector<Observation>& observations,
+                            const SolveOptions& options) {
+  SolveOptions without_rest = options;
+  without_rest.rest.reset();
+  SolvedRun run = solved_run(reference, observations, without_rest);
+  std::optional<MovedAtRest> moved;
+  if (run.scene.problem.empty() && !run.scene.doubtful)
+    moved = moved_at_rest(reference, observations, run.seen.place, run.scene, *options.rest);
+  Solution solution =
+      moved ? measured_in_scene(reference, observations, without_rest, std::move(run))
+            : measured_in_scene(reference, observations, options, solved_run(reference, observations, options));
+  solution.moved_at_rest = moved;
   return solution;
 }
 
@@ -225,8 +260,10 @@ Solution measured_in_scene(const Reference& reference, const std::vector<Observa
 
 Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
                        const SolveOptions& options) {
-  Solution solution = measured_in_scene(reference, observations, options);
-  tell(solution, fine_pitch_note(reference.site, reference.view));
+  Solution solution =
+      options.rest ? measured_with_rest(reference, observations, options)
+                   : measured_in_scene(reference, observations, options, solved_run(reference, observations, options));
+  add_to(solution.notes, fine_pitch_note(reference.site, reference.view));
   return solution;
 }
 

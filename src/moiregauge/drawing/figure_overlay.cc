@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/drawing/scale_bar.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::figure {
@@ -79,12 +80,6 @@ void outlined_words(Canvas& canvas, Spot at, const std::string& words, Letters l
     canvas.text({at.x + x, at.y + y}, words, letters);
   letters.colour = ink;
   canvas.text(at, words, letters);
-}
-
-// 1, 2 or 5 times a power of ten, about a quarter of the width.
-double round_length(double mm) {
-  const double power = std::pow(10.0, std::floor(std::log10(mm)));
-  return power * (mm >= 5.0 * power ? 5.0 : mm >= 2.0 * power ? 2.0 : 1.0);
 }
 
 struct Contents {

@@ -5,11 +5,24 @@
 
 #include "moiregauge/drawing/overlay_pen.h"
 #include "moiregauge/drawing/png_bytes.h"
+#include "moiregauge/drawing/scale_bar.h"
 
 namespace moiregauge {
 namespace {
 
 using namespace overlay;
+
+// Labels and scale bar go next to what is drawn, not onto it.
+void reserve_markers(Pen& pen, const Reference& reference) {
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const Marker& marker = reference.site.markers[i];
+    const auto& circle = reference.seen.markers[i].circle;
+    if (marker.circle && circle) pen.keep_free(pen.page_box(corners_round(circle->centre, circle->diameter_px)));
+    if (!marker.grating) continue;
+    const Grating& g = *marker.grating;
+    pen.keep_free(pen.page_box(outline(reference.view, g.centre, g.width_mm, g.height_mm, g.angle_rad)));
+  }
+}
 
 void draw_markers(Pen& pen, const Reference& reference, const Box& page) {
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
@@ -48,11 +61,15 @@ std::vector<std::uint8_t> draw_overlay(const OverlayContents& contents) {
   const Context context(cairo_create(surface.get()), cairo_destroy);
   const Box page{0.0, 0.0, static_cast<double>(width), static_cast<double>(height)};
   Pen pen(context.get(), std::max(1.0, std::max(width, height) / 1400.0));  // lines and letters grow with the picture
+  if (contents.reference != nullptr) reserve_markers(pen, *contents.reference);
   if (!contents.caption.empty()) {
     pen.colour(kWhite);
     pen.label(8.0 * pen.unit(), 16.0 * pen.unit(), contents.caption, page);
   }
-  if (contents.reference != nullptr) draw_markers(pen, *contents.reference, page);
+  if (contents.reference != nullptr) {
+    draw_markers(pen, *contents.reference, page);
+    draw_scale_bar(pen, *contents.reference, 1.0, "mm", page);
+  }
   return png_of(surface.get());
 }
 

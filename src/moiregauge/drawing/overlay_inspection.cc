@@ -11,6 +11,7 @@
 #include "moiregauge/drawing/inspection_words.h"
 #include "moiregauge/drawing/overlay_pen.h"
 #include "moiregauge/drawing/png_bytes.h"
+#include "moiregauge/drawing/scale_bar.h"
 
 namespace moiregauge {
 namespace {
@@ -51,6 +52,7 @@ class InspectionDrawing {
     draw_circles();
     draw_axes();
     name_markers();
+    draw_scale();
     name_the_rest();
   }
 
@@ -148,6 +150,11 @@ class InspectionDrawing {
       pen_.letters(kLetterSize, true);
       pen_.label_beside(about, words, picture_);
     }
+  }
+  void draw_scale() {
+    if (!seen_.reference) return;
+    pen_.letters(kLetterSize, false);
+    draw_scale_bar(pen_, *seen_.reference, seen_.pitch_of_unit, word_for(seen_.unit), picture_);
   }
   [[nodiscard]] BoardPoint place_of(std::size_t i) const {
     const Marker& m = seen_.reference->site.markers[i];

@@ -120,6 +120,25 @@ void Pen::dot(ImagePoint p, double radius_units) {
   cairo_fill(cr_);
 }
 
+void Pen::bar(double x0, double x1, double y, double width_units, double end_units) {
+  for (const double x : {x0, x1}) {
+    cairo_move_to(cr_, x, y - end_units * unit_);
+    cairo_line_to(cr_, x, y + end_units * unit_);
+  }
+  stroke();
+  const double before = std::exchange(width_, width_units);
+  cairo_move_to(cr_, x0, y);
+  cairo_line_to(cr_, x1, y);
+  stroke();
+  width_ = before;
+}
+
+double Pen::covered(const Box& box) const {
+  double area = 0.0;
+  for (const Box& other : taken_) area += box.shared_with(other);
+  return area;
+}
+
 void Pen::stroke() {
   const double dashes[] = {4.0 * unit_, 3.0 * unit_};
   cairo_set_dash(cr_, dashes, dashed_ ? 2 : 0, 0.0);
@@ -188,8 +207,8 @@ void Pen::label_beside(const std::vector<ImagePoint>& corners, const std::string
   std::pair<double, double> best = places[0];
   for (const auto& place : places) {
     const Box box{place.first, place.second, size.width, size.height};
-    double covered = size.width * size.height - box.shared_with(within);  // what would have to be pushed inside
-    for (const Box& other : taken_) covered += box.shared_with(other);
+    // What would have to be pushed inside counts too.
+    const double covered = size.width * size.height - box.shared_with(within) + this->covered(box);
     double away = 1e300;
     for (const ImagePoint& p : corners) away = std::min(away, box.distance_to(page_x(p.x), page_y(p.y)));
     const double cost = covered + 0.2 * line_height() * away;

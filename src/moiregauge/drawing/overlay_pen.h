@@ -51,6 +51,8 @@ class Pen {
   void line(ImagePoint a, ImagePoint b);
   void arrow(ImagePoint a, ImagePoint b);
   void dot(ImagePoint p, double radius_units);
+  // A level bar with ends, from x to x at y (page px).
+  void bar(double x0, double x1, double y, double width_units, double end_units);
 
   // Text on a dark plate, its first letter's foot at p (page px), kept inside `within`. Several lines are parted by
   // '\n'.
@@ -61,6 +63,7 @@ class Pen {
                     double most_covered = 1e9);
   // Marks a part of the page that labels should leave free.
   void keep_free(const Box& box) { taken_.push_back(box); }
+  [[nodiscard]] double covered(const Box& box) const;  // area that is not free, page px^2
   void letters(double units, bool bold);
 
   [[nodiscard]] double text_width(const std::string& line) const;

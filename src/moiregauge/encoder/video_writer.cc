@@ -108,6 +108,7 @@ class LibavWriter : public VideoWriter {
     encoder_->time_base = {1, kTicksPerSecond};
     encoder_->framerate = av_d2q(format_.fps, 1000000);
     encoder_->gop_size = format_.gop;
+    if (format_.is_linear) encoder_->color_trc = AVCOL_TRC_LINEAR;
     encoder_->thread_count = 1;  // x264's decisions depend on how its threads share the frames
     encoder_->flags |= AV_CODEC_FLAG_BITEXACT;
     encoder_->log_level_offset = AV_LOG_INFO - AV_LOG_ERROR;  // errors only: x264 is proud of every file

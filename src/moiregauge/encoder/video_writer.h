@@ -27,6 +27,7 @@ struct VideoFormat {
   int width = 0, height = 0;   // px; even for x264 and mjpeg
   int bits = 8;
   double fps = 30.0;       // nominal
+  bool is_linear = false;  // the stream says that its grey levels are light
   bool faststart = false;  // mp4: its index before its pictures, so that it plays while it loads
 };
 

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/observation/scale_check.h"
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
 
@@ -212,6 +213,20 @@ Json expected_json(const Inspection& seen, const ExpectedUncertainty& e) {
       .json();
 }
 
+// Lengths are null without a pitch.
+Json scale_of_picture_json(const Inspection& seen) {
+  const ScaleCheck check = scale_check(*seen.reference);
+  const auto& markers = seen.reference->site.markers;
+  const auto mm = [&](double value) { return seen.unit == BoardUnit::kMillimetre ? value : kNotMeasured; };
+  Facts facts;
+  facts.number("mm_per_px", mm(check.mm_per_px), kNoPitch).put("from", markers[check.from].name);
+  if (check.from == check.to)
+    facts.null("to", "one marker is all there is: the length is its print's width");
+  else
+    facts.put("to", markers[check.to].name);
+  return facts.number("distance_mm", mm(check.distance_mm), kNoPitch).json();
+}
+
 }  // namespace
 
 Json inspect_json(const InspectReport& report) {
@@ -234,6 +249,7 @@ Json inspect_json(const InspectReport& report) {
   for (std::size_t i = 0; seen.reference && i < seen.reference->site.markers.size(); ++i)
     json["markers"].push_back(seen_marker_json(seen, i));
   for (const ExpectedUncertainty& e : report.expected) json["expected"].push_back(expected_json(seen, e));
+  if (seen.reference) json["scale"] = scale_of_picture_json(seen);
   json["measurable"] = seen.reference.has_value();
   json["missing"] = seen.missing;
   json["notes"] = seen.notes;

@@ -130,6 +130,7 @@ PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
     return input_failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem.data()));
   }
   Picture picture{std::move(in.image), 8, 0, "jpeg", in.quantiser};
+  picture.tone.curve.kind = ToneCurve::Kind::kSrgb;  // ISO/IEC 10918-5
   turn(picture, *rotation);
   return picture;
 }

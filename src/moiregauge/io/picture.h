@@ -24,6 +24,7 @@ struct Picture {
   int rotation_deg = 0;   // clockwise, already applied
   std::string codec;      // "png", "jpeg", "tiff"
   Quantiser quantiser{};  // of a lossy one
+  Tone tone{};            // as the file says, or as is usual for its kind
   // A picture that lies in its file as it was is not copied: a window on the file's pages, which `file` holds.
   std::optional<LumaView> in_place = std::nullopt;
   std::shared_ptr<const MappedFile> file = nullptr;

@@ -145,6 +145,7 @@ InputInfo info_of(const std::string& path, const PictureSet& set, const Picture&
   info.bits = first.bits;
   info.fps = options.fps.value_or(std::numeric_limits<double>::quiet_NaN());
   info.codec = first.codec;
+  info.tone = first.tone;
   info.rotation_deg = first.rotation_deg;
   info.time_source = options.fps ? "fps-option" : "none";
   return info;

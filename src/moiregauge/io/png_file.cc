@@ -36,7 +36,7 @@ void pack(std::span<const std::uint16_t> row, std::vector<png_byte>& bytes) {
 
 // False after any complaint of libpng, which leaves by longjmp: nothing with a destructor is born in here.
 template <typename Grey>
-bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view, int bits,
+bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view, int bits, PngTone tone,
                 std::vector<png_byte>& bytes) {
   if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
   png_init_io(writer.png, file);
@@ -48,6 +48,7 @@ bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view,
   png_color_8 significant{};
   significant.gray = static_cast<png_byte>(bits);
   if (bits != 8 * static_cast<int>(sizeof(Grey))) png_set_sBIT(writer.png, writer.info, &significant);
+  if (tone == PngTone::kLinear) png_set_gAMA(writer.png, writer.info, 1.0);
   png_write_info(writer.png, writer.info);
   for (int y = 0; y < view.height; ++y) {
     pack(view.row(y), bytes);
@@ -59,7 +60,7 @@ bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view,
 
 }  // namespace
 
-tl::expected<void, std::string> write_png(const std::string& path, const LumaView& picture, int bits) {
+tl::expected<void, std::string> write_png(const std::string& path, const LumaView& picture, int bits, PngTone tone) {
   const std::string unfinished = path + ".part";
   const auto failed = [&] {
     const std::string why = std::strerror(errno);
@@ -70,8 +71,9 @@ tl::expected<void, std::string> write_png(const std::string& path, const LumaVie
   if (file == nullptr) return failed();
   PngWriter writer;
   std::vector<png_byte> bytes;
-  const bool wrote = writer.info != nullptr &&
-                     std::visit([&](const auto& view) { return write_rows(writer, file, view, bits, bytes); }, picture);
+  const bool wrote =
+      writer.info != nullptr &&
+      std::visit([&](const auto& view) { return write_rows(writer, file, view, bits, tone, bytes); }, picture);
   const bool closed = std::fclose(file) == 0;
   if (!wrote || !closed || std::rename(unfinished.c_str(), path.c_str()) != 0) return failed();
   return {};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -43,7 +44,21 @@ struct PngHead {
   int bits = 8;       // significant
   int word_bits = 8;  // stored: 8 or 16
   int channels = 1;   // 1 or 3 after the conversions below
+  Tone tone;
 };
+
+// The tone curve that the file states (PNG 11.3.2: sRGB, gAMA), or the usual one: sRGB of 8 bits, linear of more.
+Tone tone_of(PngFile& in, int word_bits) {
+  int intent = 0;
+  double file_gamma = 0.0;
+  if (png_get_sRGB(in.png, in.info, &intent) != 0) return {{.kind = ToneCurve::Kind::kSrgb}, ToneSource::kTag};
+  if (png_get_gAMA(in.png, in.info, &file_gamma) != 0 && file_gamma > 0.2 && file_gamma < 5.0) {
+    if (std::abs(file_gamma - 1.0) < 0.005) return {{}, ToneSource::kTag};
+    if (std::abs(file_gamma - 0.45455) < 0.0005) return {{.kind = ToneCurve::Kind::kSrgb}, ToneSource::kTag};
+    return {{.kind = ToneCurve::Kind::kGamma, .gamma = 1.0 / file_gamma}, ToneSource::kTag};
+  }
+  return {{.kind = word_bits == 8 ? ToneCurve::Kind::kSrgb : ToneCurve::Kind::kLinear}, ToneSource::kAssumed};
+}
 
 // Significant bits of a 16-bit file.
 int significant_bits(PngFile& in) {
@@ -70,6 +85,7 @@ bool read_png_head(PngFile& in, PngHead& head) {
   if (type == PNG_COLOR_TYPE_GRAY) png_set_expand_gray_1_2_4_to_8(in.png);
   png_set_strip_alpha(in.png);
   head.bits = head.word_bits == 16 ? significant_bits(in) : 8;
+  head.tone = tone_of(in, head.word_bits);
   if (head.word_bits == 16) png_set_swap(in.png);  // PNG is big-endian, we are not
   png_set_interlace_handling(in.png);
   png_read_update_info(in.png, in.info);
@@ -127,6 +143,7 @@ PictureOrError read_png(const std::string& path, std::int64_t max_pixels) {
     return input_failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem));
   }
   Picture picture{{}, head.bits, 0, "png"};
+  picture.tone = head.tone;
   if (head.word_bits == 16)
     picture.grey = grey_from<std::uint16_t>(in, head);
   else

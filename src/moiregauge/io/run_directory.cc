@@ -59,16 +59,16 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
     if (auto done = put_file(dir / "displacement.csv", csv); !done) return done;
     if (auto done = put_file(dir / "displacement.h5", displacement_h5(measurement, options)); !done) return done;
   }
-  if (measurement.reference && measurement.scene && measurement.scene->solved) {
-    const Site solved = solved_site(measurement.reference->site, *measurement.scene);
+  const std::optional<Scene>& scene = stated_scene(measurement);
+  if (measurement.reference && scene) {
+    const Site solved = solved_site(measurement.reference->site, *scene);
     if (auto done = put_file(dir / "site.toml", write_site(solved)); !done) return done;
   }
-  if (measurement.scene && has_solved_lens(*measurement.scene)) {
-    Camera solved = measurement.scene->camera;
+  if (scene && determines_camera(*scene)) {
+    Camera solved = scene->camera;
     solved.width = measurement.input.width;
     solved.height = measurement.input.height;
-    if (auto done = put_file(dir / "camera.toml", write_camera(solved, u_of_camera(*measurement.scene))); !done)
-      return done;
+    if (auto done = put_file(dir / "camera.toml", write_camera(solved, u_of_camera(*scene))); !done) return done;
   }
   // What other people called their files is not always UTF-8; the JSON is.
   const std::string json =
@@ -107,9 +107,8 @@ tl::expected<void, std::string> RunDirectory::put_files(const fs::path& dir, con
                                                         const MeasureOptions& options) const {
   if (solved_from_.empty()) {
     const std::vector<std::uint8_t> overlay = draw_overlay_(measurement);
-    if (auto done = put_file(dir / "overlay.png", {reinterpret_cast<const char*>(overlay.data()), overlay.size()});
-        !done)
-      return done;
+    const std::string_view bytes{reinterpret_cast<const char*>(overlay.data()), overlay.size()};
+    if (auto done = bytes.empty() ? Done{} : put_file(dir / "overlay.png", bytes); !done) return done;
   } else if (auto done = keep_seen(dir, solved_from_, place_.results == place_of_run(solved_from_).results); !done) {
     return done;
   }

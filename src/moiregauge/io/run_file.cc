@@ -178,8 +178,9 @@ class RunReader {
   // that a frame which does not fit is not taken.
   bool take(const Record& record) {
     if (record.tag == kStartTag) return places_ == 0 && read_whole(record.payload, run_.start) && count_place();
-    if (record.tag == kOptionsTag) return places_ == 1 && take_options(record.payload) && count_place();
+    if (record.tag == kOptionsTag && places_ == 1) return take_options(record.payload) && count_place();
     if (places_ < 2 || end_) return false;
+    if (record.tag == kOptionsTag) return take_options(record.payload);
     if (record.tag == kReferenceTag) return take_reference(record.payload);
     if (record.tag == kNotesTag) return take_notes(record.payload);
     if (record.tag == kObservationTag) return take_frame(record.payload);
@@ -255,7 +256,8 @@ tl::expected<std::ifstream, std::string> opened_run(const std::string& path) {
 
 }  // namespace
 
-std::string head_bytes(const RunStart& start, const MeasureOptions& options) {
+std::string head_bytes(const RunStart& start, MeasureOptions options) {
+  options.solve.rest.reset();
   return header() + record(kStartTag, start) + record(kOptionsTag, options);
 }
 
@@ -265,8 +267,9 @@ std::string reference_bytes(const Reference& reference, const std::vector<std::s
 
 std::string frame_bytes(const Observation& seen) { return record(kObservationTag, seen); }
 
-std::string end_bytes(const Seen& seen) {
-  return record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.input_damaged, seen.interrupted,
+std::string end_bytes(const Seen& seen, const MeasureOptions& options) {
+  return (options.solve.rest ? record(kOptionsTag, options) : std::string{}) +
+         record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.input_damaged, seen.interrupted,
                                 seen.observations.size()});
 }
 
@@ -293,8 +296,9 @@ tl::expected<KeptRun, std::string> parse_kept_run(std::istream& file, const std:
   KeptRun kept;
   while (!run.has_end()) {
     const auto record = records.next();
+    const bool belongs_to_end = record && record->tag == kOptionsTag && run.has_head();
     if (!record || !run.take(*record)) break;
-    if (!run.has_end()) kept.bytes = records.place();
+    if (!run.has_end() && !belongs_to_end) kept.bytes = records.place();
   }
   if (!run.has_head()) {
     if (records.is_cut_short()) return KeptRun{};

@@ -16,7 +16,7 @@
 namespace moiregauge {
 
 // Raised when a stored field changes its meaning; a field more or less is noticed without it.
-inline constexpr std::uint32_t kRunFileVersion = 2;
+inline constexpr std::uint32_t kRunFileVersion = 3;
 inline constexpr std::string_view kRunFileName = "run.mgj";
 
 // What a run is of, known before its first frame: another one cannot go on with it.
@@ -35,11 +35,13 @@ struct StoredRun {
 };
 
 // The file's parts, in their order: head; frames, with the reference frame before the first one that is measured
-// against it (`notes`: what was noted when it was made); the end, which an unfinished run has not.
-[[nodiscard]] std::string head_bytes(const RunStart& start, const MeasureOptions& options);
+// against it (`notes`: what was noted when it was made); the end, which an unfinished run has not. A statement of rest
+// says nothing of how frames are looked at, and is known to be true only when all of them were: the head leaves it out,
+// and the options it belongs to come once more before the end.
+[[nodiscard]] std::string head_bytes(const RunStart& start, MeasureOptions options);
 [[nodiscard]] std::string reference_bytes(const Reference& reference, const std::vector<std::string>& notes);
 [[nodiscard]] std::string frame_bytes(const Observation& seen);
-[[nodiscard]] std::string end_bytes(const Seen& seen);
+[[nodiscard]] std::string end_bytes(const Seen& seen, const MeasureOptions& options);
 
 // All of it, or "what: where: what to do". Every byte is checked; nothing is believed of a file that is not whole.
 [[nodiscard]] tl::expected<StoredRun, std::string> read_run(const std::string& path);

@@ -64,7 +64,7 @@ std::string bytes_of(const StoredRun& run) {
   std::string bytes = head_bytes(run.start, run.options);
   if (run.seen.reference) bytes += reference_bytes(*run.seen.reference, run.seen.notes);
   for (const Observation& seen : run.seen.observations) bytes += frame_bytes(seen);
-  return bytes + end_bytes(run.seen);
+  return bytes + end_bytes(run.seen, run.options);
 }
 
 tl::expected<StoredRun, std::string> parsed(const std::string& bytes) {
@@ -134,7 +134,7 @@ TEST(RunFile, CutOffAnywhereIsAnError) {
 TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
   StoredRun run = filled_run(1);
   run.seen.observations.resize(3, run.seen.observations[0]);
-  const std::string whole = bytes_of(run), end = end_bytes(run.seen), frame = frame_bytes(run.seen.observations[0]);
+  const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options), frame = frame_bytes(run.seen.observations[0]);
   const std::size_t head = head_bytes(run.start, run.options).size();
   const std::size_t first = whole.size() - end.size() - 3 * frame.size();
   for (std::size_t size = 0; size <= whole.size(); size += size < head ? 1 : 7) {
@@ -158,7 +158,7 @@ TEST(RunFile, OfADamagedFileTheFramesBeforeTheDamageAreKept) {
   run.seen.observations.resize(3, run.seen.observations[0]);
   std::string bytes = bytes_of(run);
   const std::size_t frame = frame_bytes(run.seen.observations[0]).size();
-  bytes[bytes.size() - end_bytes(run.seen).size() - frame / 2] ^= 1;  // in the last frame
+  bytes[bytes.size() - end_bytes(run.seen, run.options).size() - frame / 2] ^= 1;  // in the last frame
   const auto kept = kept_of(bytes + "more");
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->run.seen.observations.size(), 2U);
@@ -179,7 +179,7 @@ TEST(RunFile, FramesMayGoByBeforeTheReferenceFrame) {
     seen.observations = {first, run.seen.observations[0]};
     return parsed(head_bytes(run.start, run.options) + frame_bytes(first) +
                   reference_bytes(*run.seen.reference, run.seen.notes) + frame_bytes(run.seen.observations[0]) +
-                  end_bytes(seen));
+                  end_bytes(seen, run.options));
   };
   const auto read = order(before);
   ASSERT_TRUE(read) << read.error();

@@ -33,12 +33,14 @@ std::optional<std::string> difference(const StoredRun& kept, const RunStart& sta
   if (!same(then.camera, options.camera) || !same(then.solve.u_camera, options.solve.u_camera))
     return "--camera says something else";
   if (!same(then.frames, options.frames)) return "--frames selects others";
-  if (!same(then.solve.rest, options.solve.rest)) return "--rest is another one";
   if (!same(then.reference_frame, options.reference_frame)) return "--reference-frame is another one";
   if (!same(then.observe.template_use, options.observe.template_use)) return "--template is another one";
+  if (!same(then.tone, options.tone)) return "--tone is another one";
   if (!same(kept.start.fps, start.fps)) return "--fps is another one";
   if (kept.start.sequence != start.sequence) return "--sequence was given once only";
-  if (!same(then, options)) return "its options are others";
+  MeasureOptions as_then = options;
+  as_then.solve.rest = then.solve.rest;  // frames are looked at alike whatever is said of their rest
+  if (!same(then, as_then)) return "its options are others";
   return std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 
 #include "moiregauge/displacement/layout_bound.h"
 #include "moiregauge/io/solved_scene.h"
+#include "moiregauge/observation/scale_check.h"
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
 
@@ -27,7 +28,9 @@ Json input_json(const InputInfo& input, long seen) {
           {"fps", number(input.fps)},
           {"codec", input.codec},
           {"rotation_deg", input.rotation_deg},
-          {"time_source", input.time_source}};
+          {"time_source", input.time_source},
+          {"tone", name_of(input.tone.curve)},
+          {"tone_source", std::string(name_of(input.tone.source))}};
 }
 
 Json range_json(const FrameRange& range) {
@@ -52,6 +55,7 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
   config["print_scale"] = {{"factor", options.print_scale.factor},
                            {"u", options.print_scale.u > 0.0 ? Json(options.print_scale.u) : Json(nullptr)}};
   config["axes"] = options.axes == BoardAxes::kPrint ? "print" : "image";
+  config["tone"] = options.tone ? name_of(*options.tone) : "auto";
   config["template"] = std::string(word_for(options.observe.template_use));
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
   if (options.observe.raster.sampling_pitch_px > 0)
@@ -61,8 +65,9 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
 
 // The camera solved from the footage, else the given one.
 Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
-  const bool solved = measurement.scene && has_solved_lens(*measurement.scene);
-  if (solved) camera = measurement.scene->camera;
+  const std::optional<Scene>& scene = stated_scene(measurement);
+  const bool solved = scene && determines_camera(*scene);
+  if (solved) camera = scene->camera;
   Json json{
       {"model", camera ? "brown" : "none"}, {"width", measurement.input.width}, {"height", measurement.input.height}};
   const Camera c = camera.value_or(Camera{});
@@ -72,7 +77,7 @@ Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
   json["u"] = Json::object();
   if (!solved) return json;
   const char* names[kCameraParameters] = {"fx", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
-  const auto u = u_of_camera(*measurement.scene);
+  const auto u = u_of_camera(*scene);
   for (std::size_t k = 0; k < u.size(); ++k) {
     if (u[k] > 0.0) json["u"][names[k]] = number(u[k]);
   }
@@ -84,13 +89,25 @@ Json scene_json(const Measurement& measurement) {
     return {{"model", "homography"},  {"chi2_dof", nullptr},      {"key_frames", Json::array()}, {"readout_s", nullptr},
             {"u_readout_s", nullptr}, {"print_stretch", nullptr}, {"u_print_stretch", nullptr}};
   const Scene& scene = *measurement.scene;
+  const auto stated = [&measurement](double value) { return stated_scene(measurement) ? number(value) : nullptr; };
   return {{"model", scene.model.name()},
           {"chi2_dof", number(scene.chi2_dof)},
           {"key_frames", scene.key_frames},
-          {"readout_s", number(scene.readout_s)},
-          {"u_readout_s", number(scene.u_readout_s)},
-          {"print_stretch", number(scene.stretch)},
-          {"u_print_stretch", number(std::sqrt(scene.stated_covariance()(kStretchParameter, kStretchParameter)))}};
+          {"readout_s", stated(scene.readout_s)},
+          {"u_readout_s", stated(scene.u_readout_s)},
+          {"print_stretch", stated(scene.stretch)},
+          {"u_print_stretch", stated(std::sqrt(scene.stated_covariance()(kStretchParameter, kStretchParameter)))}};
+}
+
+// What a tape can check.
+Json scale_json(const Measurement& measurement) {
+  if (!measurement.reference) return nullptr;
+  const ScaleCheck check = scale_check(*measurement.reference);
+  const auto& markers = measurement.reference->site.markers;
+  return {{"mm_per_px", number(check.mm_per_px)},
+          {"from", markers[check.from].name},
+          {"to", check.from == check.to ? Json(nullptr) : Json(markers[check.to].name)},
+          {"distance_mm", number(check.distance_mm)}};
 }
 
 BoardPoint place_of(const Marker& marker) { return marker.grating ? marker.grating->centre : marker.circle->centre; }
@@ -130,9 +147,11 @@ Json measured_marker_json(const Measurement& measurement, const Site& site, std:
     const Reference& reference = *measurement.reference;
     json["pitch_px"] = number(marker.grating->pitch_mm / reference.view.mm_per_px(at));
     const auto& modulation = reference.seen.markers[i].patch.modulation;
-    json["modulation"] = number(std::fmax(modulation[0], modulation[1]));
+    // In grey levels as stored, whatever was measured in.
+    const double per_grey = i < reference.light_per_grey.size() ? reference.light_per_grey[i] : 1.0;
+    json["modulation"] = number(std::fmax(modulation[0], modulation[1]) / per_grey);
   }
-  if (measurement.scene && measurement.scene->solved) add_solved(site, *measurement.scene, i, json);
+  if (const auto& scene = stated_scene(measurement)) add_solved(site, *scene, i, json);
   return json;
 }
 
@@ -189,6 +208,7 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
   const Site& site = site_of(measurement, options);
   for (std::size_t i = 0; i < site.markers.size(); ++i)
     json["markers"].push_back(measured_marker_json(measurement, site, i));
+  json["scale"] = scale_json(measurement);
   json["scene"] = scene_json(measurement);
   json["targets"] = Json::array();
   for (std::size_t k = 0; k < measurement.targets.size(); ++k)

@@ -31,23 +31,25 @@ template <> inline constexpr std::size_t kFields<PatchReading> = 10;
 template <> inline constexpr std::size_t kFields<PatchFit> = 10;
 
 // The reference frame.
-template <> inline constexpr std::size_t kFields<Reference> = 12;
+template <> inline constexpr std::size_t kFields<Reference> = 14;
+template <> inline constexpr std::size_t kFields<Tone> = 2;
+template <> inline constexpr std::size_t kFields<ToneCurve> = 3;
 template <> inline constexpr std::size_t kFields<CirclePoint> = 4;
 template <> inline constexpr std::size_t kFields<View> = 2;
 template <> inline constexpr std::size_t kFields<RasterPlan> = 10;
-template <> inline constexpr std::size_t kFields<PrintModel> = 7;
+template <> inline constexpr std::size_t kFields<PrintModel> = 8;
 template <> inline constexpr std::size_t kFields<PrintMisses> = 2;
 template <> inline constexpr std::size_t kFields<PatchAtRest> = 3;
 template <> inline constexpr std::size_t kFields<Outline> = 4;
 template <> inline constexpr std::size_t kFields<PatchWindow> = 3;
-template <> inline constexpr std::size_t kFields<PatchFitOptions> = 4;
+template <> inline constexpr std::size_t kFields<PatchFitOptions> = 5;
 template <> inline constexpr std::size_t kFields<CircleSearch> = 2;
 template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 
 // The run.
-template <> inline constexpr std::size_t kFields<InputInfo> = 11;
+template <> inline constexpr std::size_t kFields<InputInfo> = 12;
 template <> inline constexpr std::size_t kFields<FrameRange> = 3;
-template <> inline constexpr std::size_t kFields<MeasureOptions> = 10;
+template <> inline constexpr std::size_t kFields<MeasureOptions> = 11;
 template <> inline constexpr std::size_t kFields<PrintScale> = 3;
 template <> inline constexpr std::size_t kFields<SolveOptions> = 4;
 template <> inline constexpr std::size_t kFields<ObserveOptions> = 3;
@@ -57,6 +59,12 @@ template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
 // clang-format on
 
 // Enumerations: a switch, so that the compiler names a value that is missing.
+[[nodiscard]] constexpr bool is_known(ToneCurve::Kind kind) {
+  return kind >= ToneCurve::Kind::kLinear && kind <= ToneCurve::Kind::kGamma;
+}
+[[nodiscard]] constexpr bool is_known(ToneSource source) {
+  return source >= ToneSource::kAssumed && source <= ToneSource::kFootage;
+}
 [[nodiscard]] constexpr bool is_known(Role role) {
   switch (role) {
     case Role::kReference:

@@ -68,7 +68,9 @@ void read_scene_markers(const toml::value& list, simulator::Scenario& scenario, 
 // kind of draw.
 int turn_of(const Entry& entry) {
   if (entry.name.ends_with(".grating_mm")) return 0;
-  return entry.name.starts_with("grating.") || entry.name == "truth.draw_known_to" ? 1 : 2;
+  const bool is_for_several = entry.name.starts_with("grating.") || entry.name.starts_with("ink.") ||
+                              entry.name == "truth.draw_known_to" || entry.name == "site.surveyed";
+  return is_for_several ? 1 : 2;
 }
 
 // A scenario's settings by name; it must not gain or lose a marker while they are used.

@@ -43,8 +43,6 @@ bool has_new_height(const Site& site, const Scene& scene, std::size_t marker) {
 
 }  // namespace
 
-bool has_solved_lens(const Scene& scene) { return scene.solved && scene.model.radial; }
-
 std::array<double, kCameraParameters> u_of_camera(const Scene& scene) {
   std::array<double, kCameraParameters> u;
   for (int k = 0; k < kCameraParameters; ++k)

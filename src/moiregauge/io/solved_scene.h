@@ -9,9 +9,6 @@
 
 namespace moiregauge {
 
-// Did the footage tell the lens? A plane model holds it at what was given.
-[[nodiscard]] bool has_solved_lens(const Scene& scene);
-
 // A marker as the footage has it: print and circle moved and turned together, the pitch by the print's scale, the
 // height where one was solved.
 [[nodiscard]] Marker solved_marker(const Site& site, const Scene& scene, std::size_t marker);

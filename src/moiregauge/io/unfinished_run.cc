@@ -191,8 +191,9 @@ tl::expected<void, OutputError> UnfinishedRun::close() {
   return {};
 }
 
-tl::expected<void, OutputError> UnfinishedRun::end(const Seen& seen) {
-  if (const auto done = journal_->append(end_bytes(seen)); !done) return tl::unexpected(unwritable(done.error()));
+tl::expected<void, OutputError> UnfinishedRun::end(const Seen& seen, const MeasureOptions& options) {
+  if (const auto done = journal_->append(end_bytes(seen, options)); !done)
+    return tl::unexpected(unwritable(done.error()));
   is_whole_ = true;
   return {};
 }

@@ -37,8 +37,8 @@ class UnfinishedRun : public JournalSink {
   [[nodiscard]] bool good() const override { return journal_->good(); }
   // All that was added is on the disk. Fails with what to tell the user.
   [[nodiscard]] tl::expected<void, OutputError> close();
-  // After close(): the run is whole, `seen` is all of it.
-  [[nodiscard]] tl::expected<void, OutputError> end(const Seen& seen);
+  // After close(): the run is whole, `seen` is all of it. Results that were concluded from it had these options.
+  [[nodiscard]] tl::expected<void, OutputError> end(const Seen& seen, const MeasureOptions& options);
 
  private:
   // The journal, locked; of a run that was interrupted it may lie in DIR. No value: there is none.

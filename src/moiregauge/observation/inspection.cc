@@ -132,6 +132,8 @@ void name_the_seen(Inspection& inspection) {
 
 }  // namespace
 
+const char* word_for(BoardUnit unit) { return unit == BoardUnit::kMillimetre ? "mm" : "pitches"; }
+
 Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& options) {
   Inspection out;
   out.width = width_of(picture.luma);

@@ -40,6 +40,7 @@ struct InspectedPatch {
 
 // What a length on the board is counted in.
 enum class BoardUnit { kMillimetre, kPitch };
+[[nodiscard]] const char* word_for(BoardUnit unit);  // "mm", "pitches"
 
 struct Inspection {
   int width = 0;  // px

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "moiregauge/observation/cover.h"
 #include "moiregauge/observation/follow_marker.h"
@@ -107,13 +108,38 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
 
 }  // namespace
 
+namespace {
+
+// A site that knows its places this much better than the pitch means the symmetry points of its prints; one that does
+// not is served as well by the view through the circles.
+constexpr double kSurveyed = 0.05;  // pitches
+// What an unknown lens does to the way from a circle to its grating, relative, at most: 5 % at the picture's corner.
+constexpr double kLensAcross = 0.02;
+constexpr double kSureOfPlace = 3.0;  // u
+
+// mm from where the view puts a reference's grating, within which the print's symmetry point is the one that the site
+// means; 0 where the site does not say well enough.
+double origin_within(const Reference& reference, std::size_t i) {
+  const Marker& marker = reference.site.markers[i];
+  const double u = reference.site.known_to.position_mm;
+  if (marker.role != Role::kReference || !(u <= kSurveyed * marker.grating->pitch_mm)) return 0.0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const CirclePoint& circle : reference.circles)
+    nearest = std::min(nearest, length(circle.board - marker.grating->centre));
+  const double by_lens = std::isfinite(nearest) ? kLensAcross * nearest : 0.0;
+  return kSureOfPlace * std::hypot(u, by_lens, kSurveyed * marker.grating->pitch_mm);
+}
+
+}  // namespace
+
 void learn_prints(const GreyPicture& picture, Reference& reference) {
   reference.prints.assign(reference.site.markers.size(), std::nullopt);
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     MarkerObservation& seen = reference.seen.markers[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
-    auto learned = learn_print(picture.luma, reference.view, *reference.site.markers[i].grating, {},
-                               reference.options.template_use);
+    const Grating& grating = *reference.site.markers[i].grating;
+    auto learned = learn_print(picture.luma, reference.view, grating, reference.options.template_use,
+                               origin_within(reference, i) / grating.pitch_mm, reference.light_per_grey.empty());
     if (!learned) continue;
     reference.prints[i] = *std::move(learned);
     read(picture, reference, reference.view, i, seen);

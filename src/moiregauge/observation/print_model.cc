@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "moiregauge/observation/presence.h"
+#include "moiregauge/observation/print_origin.h"
 #include "moiregauge/phase/print_bins.h"
 
 namespace moiregauge {
@@ -175,8 +176,8 @@ namespace {
 // The state of learning, one round after the other.
 class Learning {
  public:
-  Learning(const LumaView& luma, const Grating& grating, PrintFromImage map, double mm_per_px)
-      : luma_(&luma), grating_(&grating), map_(std::move(map)), pixel_(mm_per_px / grating.pitch_mm) {
+  Learning(const LumaView& luma, const Grating& grating, PrintFromImage map, double mm_per_px, bool in_light)
+      : in_light_(in_light), luma_(&luma), grating_(&grating), map_(std::move(map)), pixel_(mm_per_px / grating.pitch_mm) {
     window_ = safe_window(grating, mm_per_px);
   }
 
@@ -191,7 +192,8 @@ class Learning {
     PatchFitOptions options;
     options.along_x = px > kNoSlope * py;
     options.along_y = py > kNoSlope * px;
-    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}, {}};
+    options.has_width = !in_light_ && print->order() > 1;
+    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}, {}, 0.0};
     auto fitted = fit_patch(*luma_, map_, window_, model_->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
     fit_ = std::move(fitted->fit);
@@ -240,6 +242,7 @@ class Learning {
   [[nodiscard]] const PrintModel& model() const { return *model_; }
 
  private:
+  bool in_light_;
   const LumaView* luma_;  // pointers, so that a state can be copied
   const Grating* grating_;
   PrintFromImage map_;
@@ -298,12 +301,40 @@ std::optional<TemplateUse> template_use_named(std::string_view word) {
   return std::nullopt;
 }
 
+namespace {
+
+// A print that shows no symmetry point: what the site means by its place is anywhere within about that, pitches.
+constexpr double kNoSymmetry = 0.25;
+// Nearer to half the way between two symmetry points it cannot be said which of them the site means.
+constexpr double kClearlyOne = 0.35;  // of their spacing
+
+void take_own_origin(PrintModel& model, double within) {
+  const auto origin = nearest_symmetry(model.print, model.options.along_x, model.options.along_y);
+  if (!origin) {
+    model.u_origin = kNoSymmetry;
+    return;
+  }
+  const double off = std::hypot(origin->at.x, origin->at.y);
+  if (off > within || off > kClearlyOne * origin->spacing) {
+    model.u_origin = off;
+    return;
+  }
+  model.u_origin = origin->u;
+  model.print = with_origin(model.print, origin->at);
+  model.window.centre = {model.window.centre.x - origin->at.x, model.window.centre.y - origin->at.y};
+  Matrix3 shift = Matrix3::Identity();
+  shift(0, 2) = -origin->at.x, shift(1, 2) = -origin->at.y;
+  model.correction = PrintFromPrint(shift) * model.correction;
+}
+
+}  // namespace
+
 tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                      Extent<frame::Board> moved, TemplateUse use) {
-  const auto map = local_map(view, grating, moved);
+                                                      TemplateUse use, double origin_within, bool in_light) {
+  const auto map = local_map(view, grating, {});
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
-  const auto start = lattice_seen(luma, view, grating, moved);
-  Learning learning(luma, grating, start * *map, view.mm_per_px(grating.centre + moved));
+  const auto start = lattice_seen(luma, view, grating, {});
+  Learning learning(luma, grating, start * *map, view.mm_per_px(grating.centre), in_light);
   if (const auto done = learning.until_it_stands_still(kFirstOrders); !done) return tl::unexpected(done.error());
   // A few harmonics leave so much over that an edge would pass for print: the window grows by all of them.
   if (const auto done = learning.round(kAllOrders); !done) return tl::unexpected(done.error());
@@ -312,9 +343,10 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   auto taken = chosen(std::move(learning), use);
   if (!taken) return tl::unexpected(taken.error());
   PrintModel model = taken->model();
-  const double pitch_px = grating.pitch_mm / view.mm_per_px(grating.centre + moved);
+  const double pitch_px = grating.pitch_mm / view.mm_per_px(grating.centre);
   model.options.row_step = std::clamp(static_cast<int>(pitch_px / kRowsPerPitch), 1, kMostRowStep);
   model.correction = taken->map() * map->inverse();
+  if (origin_within > 0.0) take_own_origin(model, origin_within);
   model.outline = learn_outline(luma, view, grating, model.window, model.correction);
   return model;
 }

@@ -30,7 +30,8 @@ struct PrintModel {
   // From the print coordinates that the site gives through a view to those found: where the site's places are off by
   // millimetres the view is stretched by per cents, the same in every frame, and a fit should not begin there.
   PrintFromPrint correction;
-  PrintMisses misses;  // in the reference frame
+  PrintMisses misses;     // in the reference frame
+  double u_origin = 0.0;  // pitches: of the template's origin against the symmetry point that the site means
 };
 
 // Kept clear of the print's edge: three sigma of a PSF with its pixel box, as the rasters do.
@@ -47,10 +48,13 @@ inline constexpr double kPrintEdgePx = 2.4;
 
 // Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, the fundamental first; template
 // and map in turn, beginning with the map as `view` or the phases have it, until the map stands still; or the
-// fundamental alone, as `use` says. Zero displacement is where the site and `moved` put the print.
+// fundamental alone, as `use` says. Zero displacement is where the site puts the print. With a positive `origin_within`
+// (pitches) it is the print's own symmetry point next to there, and `u_origin` is how well that is known. Where no such
+// point is so near, the origin stays, and `u_origin` is how far off the nearest one is. Grey levels that are `in_light` already
+// need no width of lines: there more blur moves no edge.
 [[nodiscard]] tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view,
-                                                                    const Grating& grating, Extent<frame::Board> moved,
-                                                                    TemplateUse use);
+                                                                    const Grating& grating, TemplateUse use,
+                                                                    double origin_within = 0.0, bool in_light = true);
 
 // The nine points of the marker in a picture; `moved` to within a tenth of a pitch.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view,

@@ -54,7 +54,7 @@ Image<std::uint8_t> seen(Grey grey, std::uint64_t seed) {
 }
 
 PrintModel learned(const Image<std::uint8_t>& picture, TemplateUse use) {
-  auto model = learn_print(picture.view(), upright(), print(), {}, use);
+  auto model = learn_print(picture.view(), upright(), print(), use);
   EXPECT_TRUE(model);
   return model.value();
 }

@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "moiregauge/image/tone.h"
 #include "moiregauge/observation/observation.h"
 
 namespace moiregauge {
@@ -46,10 +47,16 @@ struct Reference {
   std::vector<std::optional<PrintModel>> prints;  // of `precise`, one per site marker; empty: not learned
   std::vector<Loss> plan_loss;                    // kTooCoarse etc., one per marker
   CircleSearch search;                            // everything that looked like a circle, for the overlay
+  Tone tone;                                      // by which grey levels were mapped to light before all this
+  std::vector<double> light_per_grey;             // one per site marker, over its print; empty: no mapping
 
   // Of a reference's circle in another view, px.
   [[nodiscard]] double diameter_px(const CirclePoint& point, const View& in) const {
     return seen.markers[point.marker].circle->diameter_px * view.mm_per_px(point.board) / in.mm_per_px(point.board);
+  }
+  // The step of a codec's quantiser in the units that the marker's print was measured in: grey levels, or light.
+  [[nodiscard]] double step_of(std::size_t marker, const Quantiser& quantiser) const {
+    return step_or_usual(quantiser.step) * (marker < light_per_grey.size() ? light_per_grey[marker] : 1.0);
   }
   // Was a camera given? Then three references tell a pose where a homography needs four.
   [[nodiscard]] bool knows_camera() const { return !lens.is_distortion_free() || lens.fx != 1.0; }

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/scale_check.h"
 
 namespace moiregauge {
 namespace {
@@ -59,7 +60,67 @@ std::string pitch_words(const Marker& marker, double stretch) {
   return text;
 }
 
-// All references by the same part: the common pitch is wrong.
+// Along the board's x and y, in the mean over the references' prints.
+struct MeanStretch {
+  double x = 0.0, y = 0.0;
+  [[nodiscard]] double both() const { return 0.5 * (x + y); }
+  // A printer stretches its sheets along both; circles that are 5 % off along x stretch nothing along y.
+  [[nodiscard]] bool is_along_one() const { return std::abs(x - y) > std::max(kSiteTolerance, 0.5 * std::abs(both())); }
+};
+
+// Empty where a print is turned, or does not show both axes.
+std::optional<MeanStretch> mean_stretch(const Reference& reference) {
+  constexpr double kTurned = 0.1;  // rad
+  MeanStretch sum;
+  double count = 0.0;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const Marker& marker = reference.site.markers[i];
+    const PatchReading& patch = reference.seen.markers[i].patch;
+    if (marker.role != Role::kReference || !marker.grating || !patch.valid) continue;
+    if (std::abs(marker.grating->angle_rad) > kTurned) return std::nullopt;
+    if (std::isnan(patch.phase_rad[0]) || std::isnan(patch.phase_rad[1])) return std::nullopt;
+    sum.x += patch.gradient[0][0], sum.y += patch.gradient[1][1], count += 1.0;
+  }
+  if (!(count > 0.0)) return std::nullopt;
+  return MeanStretch{sum.x / count, sum.y / count};
+}
+
+// Two references that are far apart along that direction, and what the prints say of their distance there.
+std::string spacing_words(const Reference& reference, Extent<frame::Board> along, double stretch) {
+  const auto part = [&](Extent<frame::Board> d) { return std::abs(d.x * along.x + d.y * along.y); };
+  const CirclePoint *from = &reference.circles.front(), *to = from;
+  for (const CirclePoint& a : reference.circles) {
+    for (const CirclePoint& b : reference.circles) {
+      if (part(b.board - a.board) > 1.001 * part(to->board - from->board)) from = &a, to = &b;
+    }
+  }
+  const double stated = part(to->board - from->board);
+  const auto& markers = reference.site.markers;
+  char text[240];
+  std::snprintf(text, sizeof text, "'%s' and '%s' are %s apart and not %s", markers[from->marker].name.c_str(),
+                markers[to->marker].name.c_str(), short_length(stated / (1.0 + stretch), "mm").c_str(),
+                short_length(stated, "mm").c_str());
+  return text;
+}
+
+// Which of the two is wrong no picture shows; so both are named.
+std::string both_suspects(const Reference& reference, const Marker& first, double stretch) {
+  const auto mean = mean_stretch(reference);
+  const char* axis = "";
+  Extent<frame::Board> along{1.0, 0.0};
+  if (mean && mean->is_along_one()) {
+    const bool is_x = std::abs(mean->x) > std::abs(mean->y);
+    axis = is_x ? " along x" : " along y";
+    stretch = is_x ? mean->x : mean->y;
+    if (!is_x) along = {0.0, 1.0};
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "; either the prints are %.1f %% too %s%s, or ", 100.0 * std::abs(stretch),
+                stretch > 0.0 ? "large" : "small", axis);
+  return pitch_words(first, stretch) + text + spacing_words(reference, along, stretch) + axis;
+}
+
+// All references by the same part: the common pitch or the circles' places are wrong.
 std::optional<std::string> common_pitch_disagreement(const Reference& reference) {
   double sum = 0.0, noise = 0.0, count = 0.0;
   const Marker* first = nullptr;
@@ -73,7 +134,7 @@ std::optional<std::string> common_pitch_disagreement(const Reference& reference)
   if (count < 4.0) return std::nullopt;
   const double allowed = std::max(kSiteTolerance, kSure * scale_uncertainty(reference).mean) + 3.0 * noise / count;
   if (std::abs(sum / count) <= allowed) return std::nullopt;
-  return pitch_words(*first, sum / count);
+  return both_suspects(reference, *first, sum / count);
 }
 
 std::optional<std::string> pitch_disagreement(const Reference& reference, std::size_t i) {

@@ -34,6 +34,7 @@ struct Plane {
 
 struct Level {
   V t, tx, ty, bx, by;  // by nodes
+  V edge;               // tx^2 + ty^2
 };
 
 // PrintTemplate::at
@@ -67,8 +68,9 @@ struct Table {
       a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), scale[2 * w + 1]);
     }
     const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
-    return {plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5])),
-            plus(plus(a[1], u, bx), v, a[4]), plus(plus(a[2], v, by), u, a[4]), bx, by};
+    const V tx = plus(plus(a[1], u, bx), v, a[4]), ty = plus(plus(a[2], v, by), u, a[4]);
+    const V t = plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5]));
+    return {t, tx, ty, bx, by, plus(hn::Mul(tx, tx), ty, ty)};
   }
 };
 
@@ -95,13 +97,14 @@ template <typename Put>
 HWY_INLINE void expand(V one, const Level& l, V u, V v, const Put& put) {
   put(0, one), put(1, hn::Mul(one, u)), put(2, hn::Mul(one, v));
   put(3, l.t), put(4, hn::Mul(l.t, u)), put(5, hn::Mul(l.t, v));
-  put(6, l.bx), put(7, l.by);
+  put(6, l.bx), put(7, l.by), put(8, l.edge);
   expand_field<kBaseColumns>(l.tx, u, v, put);
   expand_field<kBaseColumns + kFieldColumns>(l.ty, u, v, put);
 }
 
 HWY_INLINE Level times(const Level& l, V f) {
-  return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f)};
+  return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f),
+          hn::Mul(l.edge, f)};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/phase/grating_for_tests.h"
+#include "moiregauge/phase/template_for_tests.h"
 
 namespace moiregauge {
 namespace {
@@ -251,6 +252,39 @@ TEST(PatchFit, FlatPaperIsNoPatternAndTheEdgeOfThePictureNoPatch) {
   const auto outside = fitted(flat.view(), off_by(truth, 2.0, 0.0, 0.0), kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_FALSE(outside);
   EXPECT_EQ(outside.error(), PatchFitFailure::kOutsidePicture);
+}
+
+// A camera's tone curve bends dark and bright ends of an edge differently: there more blur makes dark lines wider, on both
+// sides alike. With three periods in the window the outermost edges are of one kind, and a fit that has no term for the
+// width of lines reads a smaller print.
+double grey_of_grid(PrintPoint p, double sigma_px, double gamma) {
+  const double light = 0.15 + 0.7 * testing::blurred_bars(29.0 * p.x, 29.0, sigma_px) *
+                                  testing::blurred_bars(29.0 * p.y, 29.0, sigma_px);
+  return 255.0 * std::pow(light, 1.0 / gamma) - 125.0;
+}
+
+// By how much the print's edge at the right is read further to the right than that at the left, px.
+double growth_by_blur(double gamma) {
+  constexpr double kLearned = 0.757, kSeen = 0.777;  // px
+  const auto print = testing::template_of(13, [gamma](double x, double y) {
+    return grey_of_grid({x, y}, kLearned, gamma);
+  });
+  const auto truth = oblique(0.0);
+  const auto picture = seen(
+      truth, {}, [gamma](PrintPoint p) { return grey_of_grid(p, kSeen, gamma); }, 1);
+  const auto fit = fit_patch(picture.view(), truth, kWindow, print, {});
+  if (!fit) return INFINITY;
+  double growth = 0.0;
+  for (const std::size_t left : {0U, 3U, 6U}) {
+    const auto off = [&](std::size_t k) { return fit->fit.print[k].x - truth(fit->fit.image[k]).x; };
+    growth += 29.0 * (off(left + 2) - off(left)) / 3.0;
+  }
+  return growth;
+}
+
+TEST(PatchFit, MoreBlurBehindAToneCurveMakesNoPrintSmaller) {
+  // Each edge moves by 0.0025 px; what is left after the term for it is of second order in a change of blur by 2.6 %.
+  EXPECT_NEAR(growth_by_blur(2.2), growth_by_blur(1.0), 0.001);
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
   Level l = patch.table.at(plus(patch.x0, u, patch.half_x), plus(patch.y0, v, patch.half_y));
   const V left = hn::IfThenElseZero(in, hn::Sub(hn::Sub(grey, patch.light(u, v)), hn::Mul(patch.contrast(u, v), l.t)));
   const V gain = hn::Mul(patch.gain(u, v), patch.side), bend = hn::Mul(gain, patch.side);
-  l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend)};
+  l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend), hn::Mul(l.edge, bend)};
   const V inside = hn::IfThenElseZero(in, patch.one);
   if constexpr (kSum == Sum::kShift) {
     add_shift(left, inside, l, sums);

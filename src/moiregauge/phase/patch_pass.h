@@ -40,10 +40,12 @@ struct PixelBox {
 };
 
 // Unknowns in this order, in the window's own (u, v), each from -1 to 1: light b0 bu bv, contrast g0 gu gv, blur along
-// X and along Y, then dX of u^i v^j (i fastest, i, j <= 2), then dY.
+// X and along Y, width of the lines, then dX of u^i v^j (i fastest, i, j <= 2), then dY.
 inline constexpr int kLightColumns = 6;
 inline constexpr int kBlurColumns = 2;
-inline constexpr int kBaseColumns = kLightColumns + kBlurColumns;
+inline constexpr int kWidthColumns = 1;
+inline constexpr int kWidthColumn = kLightColumns + kBlurColumns;
+inline constexpr int kBaseColumns = kLightColumns + kBlurColumns + kWidthColumns;
 inline constexpr int kFieldColumns = 9;
 inline constexpr int kColumns = kBaseColumns + 2 * kFieldColumns;
 using NormalMatrix = Eigen::Matrix<double, kColumns, kColumns>;

@@ -109,7 +109,7 @@ TEST(PatchPass, SumsWhatItSaysItSums) {
       const double gain = plane(model.gain, u, v);
       NormalVector c;
       c << 1, u, v, level.t, level.t * u, level.t * v, gain * level.dxx, gain * level.dyy,
-          NormalVector::Zero().head<18>();
+          gain * (level.dx * level.dx + level.dy * level.dy), NormalVector::Zero().head<18>();
       for (int k = 0; k < kFieldColumns; ++k) {
         const double power = std::pow(u, k % 3) * std::pow(v, k / 3);
         c(kBaseColumns + k) = gain * level.dx * power;

@@ -35,8 +35,8 @@ PatchInformation at_points(const NormalMatrix& n, const PatchFitOptions& options
 }
 
 // A column that is not there: unit diagonal, nothing else.
-void silence(NormalMatrix& n, int first) {
-  for (int i = first; i < first + kFieldColumns; ++i) {
+void silence(NormalMatrix& n, int first, int columns) {
+  for (int i = first; i < first + columns; ++i) {
     n.row(i).setZero();
     n.col(i).setZero();
     n(i, i) = 1.0;
@@ -54,8 +54,9 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
   NormalMatrix n = normal;
   const double slopes = n(0, 0) + n(3, 3);
   for (int i = kLightColumns; i < kBaseColumns; ++i) n(i, i) = n(i, i) * (1.0 + kBlurRidge) + 1e-12 * slopes;
-  if (!options.along_x) silence(n, kBaseColumns);
-  if (!options.along_y) silence(n, kBaseColumns + kFieldColumns);
+  if (!options.along_x) silence(n, kBaseColumns, kFieldColumns);
+  if (!options.along_y) silence(n, kBaseColumns + kFieldColumns, kFieldColumns);
+  if (!options.has_width) silence(n, kWidthColumn, kWidthColumns);
   PatchSystem s;
   // Columns of unit length, or the pivots would compare grey levels with slopes.
   s.per_length_ = n.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -64,6 +65,7 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
     return std::nullopt;
   if (!options.along_x) s.per_length_.segment<kFieldColumns>(kBaseColumns).setZero();
   if (!options.along_y) s.per_length_.tail<kFieldColumns>().setZero();
+  if (!options.has_width) s.per_length_.segment<kWidthColumns>(kWidthColumn).setZero();
   s.information_ = at_points(n, options);
   s.normal_ = normal;
   s.pixels_ = pixels;

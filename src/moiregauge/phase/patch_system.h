@@ -20,6 +20,7 @@ struct PatchFitOptions {
   int row_step = 1;     // follow_patch moves the patch as a whole by every row_step-th row
   bool along_x = true;  // the print shows motion along its x
   bool along_y = true;
+  bool has_width = true;  // the width of lines is fitted: not of fundamentals alone, which have none
 };
 
 class PatchSystem {

@@ -196,7 +196,7 @@ void add_series(const Measurement& m, const CameraMotion& camera, Json& json, Pa
 std::string report_page(const Measurement& m, const MeasureOptions& options, const std::string& run_json,
                         const std::vector<std::uint8_t>& overlay) {
   CameraMotion camera;
-  if (m.reference) camera = camera_motion(*m.reference, m.observations, known_camera(*m.reference, m.scene));
+  if (m.reference) camera = camera_motion(*m.reference, m.observations, known_camera(*m.reference, stated_scene(m)));
   const Words words = words_of(WordedRun{m, options, camera});
   const std::string name = std::filesystem::path(m.input.path).filename().string();
   PackedColumns columns;

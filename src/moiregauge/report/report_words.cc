@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/observation/scale_check.h"
+
 namespace moiregauge {
 namespace {
 
@@ -133,11 +135,26 @@ std::string sentence_of_lens(const WordedRun& run) {
     return fmt::format("The lens was {}: it distorts the picture's corner by {}{:.2f} %.", how,
                        percent < 0.0 ? "−" : "+", std::abs(percent));
   };
-  const bool is_solved = m.scene && m.scene->solved;
-  if (is_solved && m.scene->model.radial) return told("solved from the footage", m.scene->camera);
+  const std::optional<Scene>& scene = stated_scene(m);
+  if (scene && determines_camera(*scene)) return told("solved from the footage", scene->camera);
+  if (scene && scene->model.radial && !run.options.camera)
+    return "The lens is corrected as far as the footage shows it; its focal length is not determined.";
   if (run.options.camera) return told("given", *run.options.camera);
-  if (is_solved) return "The footage asks for no lens distortion; what it leaves open is part of the uncertainty.";
+  if (scene) return "The footage asks for no lens distortion; what it leaves open is part of the uncertainty.";
   return "No lens is known: it is taken to be free of distortion.";
+}
+
+std::string sentence_of_scale(const Reference& reference) {
+  const ScaleCheck check = scale_check(reference);
+  const auto& markers = reference.site.markers;
+  const std::string size = short_length(check.distance_mm, "mm");
+  const std::string length = check.from == check.to
+                                 ? fmt::format("the print of {} is {} wide", markers[check.from].name, size)
+                                 : fmt::format("{} and {} are {} apart, centre to centre", markers[check.from].name,
+                                               markers[check.to].name, size);
+  return fmt::format(
+      "By this run one pixel shows {:.3g} mm, and {}. Check that with a tape: every result scales with it.",
+      check.mm_per_px, length);
 }
 
 std::string sentence_of_rows(const WordedRun& run) {
@@ -192,9 +209,11 @@ std::vector<std::string> advice_of(const Measurement& m) {
   std::vector<std::pair<Status, long>> by_count(counts.begin(), counts.end());
   std::stable_sort(by_count.begin(), by_count.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   for (const auto& [status, count] : by_count) {
-    if (status != Status::kOk)
-      advice.push_back(fmt::format("{} ({} row{}): {}. {}.", word_for(status), count, count == 1 ? "" : "s",
-                                   words_of(status).meaning, words_of(status).help));
+    if (status == Status::kOk) continue;
+    const bool is_remedied = status == Status::kUntrusted && !m.remedy.empty();
+    advice.push_back(fmt::format("{} ({} row{}): {}. {}.", word_for(status), count, count == 1 ? "" : "s",
+                                 words_of(status).meaning,
+                                 is_remedied ? begun_large(m.remedy) : std::string(words_of(status).help)));
   }
   return advice;
 }
@@ -226,7 +245,8 @@ StatusWords words_of(Status status) {
     case Status::kLost:
       return {"the target was not found", "It left the picture, or something hides it"};
     case Status::kReferenceLost:
-      return {"too few references were found", "Keep at least four in every picture"};
+      return {"too few references were found, or the frame comes before the reference frame",
+              "Keep at least four in every picture, or choose --reference-frame"};
     case Status::kOrderUnproven:
       return {"by how many whole pitches it moved cannot be told", "Take more frames per second, or a coarser print"};
     case Status::kDecodeError:
@@ -250,9 +270,13 @@ Words words_of(const WordedRun& run) {
     words.summary.push_back(sentence_of_target(run, m.targets[k]));
     add_vibration(name, m.spectra[k], words.summary);
   }
-  words.summary.push_back(sentence_of_camera(run));
-  words.summary.push_back(sentence_of_lens(run));
+  // Of a refused run nothing is determined.
+  if (m.exit != Exit::kRefused) {
+    words.summary.push_back(sentence_of_camera(run));
+    words.summary.push_back(sentence_of_lens(run));
+  }
   words.summary.push_back(sentence_of_rows(run));
+  words.summary.push_back(sentence_of_scale(*m.reference));
   words.summary.push_back(sentence_of_references(m));
   return words;
 }

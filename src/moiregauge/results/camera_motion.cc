@@ -55,9 +55,7 @@ CameraMotion camera_motion(const Reference& reference, const std::vector<Observa
 }
 
 std::optional<Camera> known_camera(const Reference& reference, const std::optional<Scene>& scene) {
-  // A scene without a lens has a focal length too, but one that the footage does not tell: an angle would be made of
-  // it.
-  if (scene && scene->solved && scene->model.radial) return scene->camera;
+  if (scene && determines_camera(*scene)) return scene->camera;
   if (reference.lens.fx != 1.0) return reference.lens;
   return std::nullopt;
 }

@@ -25,7 +25,7 @@ struct CameraMotion {
 [[nodiscard]] CameraMotion camera_motion(const Reference& reference, const std::vector<Observation>& observations,
                                          const std::optional<Camera>& camera);
 
-// The camera to give to it: the solved one, else the given one.
+// The camera to give to it: the solved one where the footage determines its focal length, else the given one.
 [[nodiscard]] std::optional<Camera> known_camera(const Reference& reference, const std::optional<Scene>& scene);
 
 }  // namespace moiregauge

@@ -72,6 +72,10 @@ TEST(KnownCamera, IsNotOneThatTheFootageDidNotTell) {
   scene.camera = camera_of_the_rig();
   EXPECT_FALSE(known_camera(reference, scene));
   scene.model.radial = true;
+  scene.covariance = Eigen::MatrixXd::Zero(kCommonParameters, kCommonParameters);
+  scene.covariance(0, 0) = 400.0 * 400.0;
+  EXPECT_FALSE(known_camera(reference, scene));  // known to 12 % only
+  scene.covariance(0, 0) = 3.0 * 3.0;
   EXPECT_EQ(known_camera(reference, scene).value().fx, 3478.0);
   reference.lens = camera_of_the_rig();
   EXPECT_EQ(known_camera(reference, std::nullopt).value().fx, 3478.0);

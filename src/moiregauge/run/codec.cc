@@ -10,27 +10,23 @@
 namespace moiregauge {
 namespace {
 
-// The rectangle round a marker's print, px.
-struct Rectangle {
-  double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
-  void add(ImagePoint p) {
-    x0 = std::min(x0, p.x), y0 = std::min(y0, p.y);
-    x1 = std::max(x1, p.x), y1 = std::max(y1, p.y);
-  }
-};
+void include(PixelRectangle& at, ImagePoint p) {
+  at.x0 = std::min(at.x0, p.x), at.y0 = std::min(at.y0, p.y);
+  at.x1 = std::max(at.x1, p.x), at.y1 = std::max(at.y1, p.y);
+}
 
-Rectangle round(const Marker& marker, Extent<frame::Board> shift, const View& view) {
-  Rectangle out;
+}  // namespace
+
+PixelRectangle rectangle_round(const Marker& marker, Extent<frame::Board> shift, const View& view) {
+  PixelRectangle out;
   const BoardPoint centre = (marker.grating ? marker.grating->centre : marker.circle->centre) + shift;
   const double across = marker.grating ? marker.grating->width_mm : marker.circle->diameter_mm;
   const double up = marker.grating ? marker.grating->height_mm : marker.circle->diameter_mm;
   for (const double x : {-0.5, 0.5}) {
-    for (const double y : {-0.5, 0.5}) out.add(view(centre + Extent<frame::Board>{x * across, y * up}));
+    for (const double y : {-0.5, 0.5}) include(out, view(centre + Extent<frame::Board>{x * across, y * up}));
   }
   return out;
 }
-
-}  // namespace
 
 void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Camera& lens, Observation& seen) {
   const View view{seen.stage2, lens};
@@ -39,24 +35,25 @@ void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Came
     marker.quantiser = quantiser.whole;
     if (!seen.references_seen || i >= site.markers.size() || marker.loss != Loss::kNone) continue;
     if (!site.markers[i].grating && !site.markers[i].circle) continue;
-    const Rectangle at = round(site.markers[i], marker.window_shift, view);
+    const PixelRectangle at = rectangle_round(site.markers[i], marker.window_shift, view);
     marker.quantiser = quantiser.within(at.x0, at.y0, at.x1, at.y1);
   }
 }
 
-double rounding_of(const QuantiserMap& quantiser, const Site& site, const Camera& lens, const Observation& last) {
+double rounding_of(const QuantiserMap& quantiser, const Reference& reference, const Observation& last) {
   if (quantiser.whole.is_lossless()) return 0.0;
   Observation there;
   there.references_seen = last.references_seen;
   there.stage2 = last.stage2;
   there.markers = last.markers;
-  note_quantisers(quantiser, site, lens, there);
-  return rounding_of(there);
+  note_quantisers(quantiser, reference.site, reference.lens, there);
+  return rounding_of(reference, there);
 }
 
-double rounding_of(const Observation& seen) {
+double rounding_of(const Reference& reference, const Observation& seen) {
   double step = 0.0;
-  for (const MarkerObservation& marker : seen.markers) step = std::max(step, step_or_usual(marker.quantiser.step));
+  for (std::size_t i = 0; i < seen.markers.size(); ++i)
+    step = std::max(step, reference.step_of(i, seen.markers[i].quantiser));
   return rounding_of_step(step);
 }
 

@@ -12,6 +12,7 @@
 
 #include "moiregauge/image/image.h"
 #include "moiregauge/image/quantiser.h"
+#include "moiregauge/image/tone.h"
 
 namespace moiregauge {
 
@@ -28,6 +29,7 @@ struct InputInfo {
   std::string codec;        // "png", "jpeg", "tiff", "ffv1", "h264" ...
   int rotation_deg = 0;     // quarter turns clockwise that were applied to show the picture upright
   std::string time_source;  // "stream", "fps-option", "none"
+  Tone tone;                // of its grey levels
   std::vector<std::string> warnings;
 };
 

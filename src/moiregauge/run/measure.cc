@@ -11,6 +11,7 @@
 #include "moiregauge/image/upper_bits.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
+#include "moiregauge/run/light.h"
 #include "moiregauge/run/repeated_frames.h"
 
 namespace moiregauge {
@@ -43,6 +44,9 @@ tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& pictur
   return made;
 }
 
+// A template learned by a wrong tone curve shows the right one roughly: each round leaves a third of its error or less.
+constexpr int kMaxToneRounds = 5;
+
 // The run's state while frames go by.
 class Run {
  public:
@@ -50,6 +54,7 @@ class Run {
   Run(const MeasureOptions& options, Measurement& out, WatchDoors doors)
       : options_(options), out_(out), frames_(doors.frames), journal_(doors.journal) {
     if (!doors.so_far.reference) return;
+    light_ = LightMap(doors.so_far.reference->tone, doors.so_far.input.bits);
     out_.reference = std::move(doors.so_far.reference);
     out_.notes = std::move(doors.so_far.notes);
     kept_ = std::move(doors.so_far.observations);
@@ -59,8 +64,57 @@ class Run {
 
   // Tries to make `frame` the reference frame; the failure is kept in words (the first one is the one to report).
   bool refer_to(const Frame& frame) {
+    if (!refer_as_light(frame)) {
+      light_ = LightMap(stated_tone(), out_.input.bits);
+      if (!refer_in_light(frame) || !follow_shown_tone(frame)) return false;
+    }
+    out_.notes.insert(out_.notes.end(), reference_notes_.begin(), reference_notes_.end());
+    return true;
+  }
+
+  // An input that does not say which curve made its grey levels may well be of none: an industrial camera's. False where
+  // something says so, or where the prints' edges do not show it.
+  bool refer_as_light(const Frame& frame) {
+    const Tone stated = stated_tone();
+    if (options_.tone || stated.source != ToneSource::kAssumed || stated.curve.is_linear()) return false;
+    light_ = LightMap({{.is_full_range = stated.curve.is_full_range}, ToneSource::kFootage}, out_.input.bits);
+    return refer_in_light(frame) && shows_light(*out_.reference, out_.input.bits);
+  }
+
+  // Where the prints' edges contradict the stated tone curve, the reference frame is made again by theirs.
+  bool follow_shown_tone(const Frame& frame) {
+    const Tone stated = light_.tone();
+    for (int round = 0; round < kMaxToneRounds && !options_.tone; ++round) {
+      const auto shown = contradicting_tone(*out_.reference, light_.tone(), out_.input.bits);
+      if (!shown) break;
+      light_ = LightMap(*shown, out_.input.bits);
+      if (refer_in_light(frame)) continue;
+      light_ = LightMap(stated, out_.input.bits);
+      return refer_in_light(frame);
+    }
+    if (light_.tone().source != ToneSource::kFootage) return true;
+    reference_notes_.push_back(
+        fmt::format("note: grey levels are mapped to light by {}: the edges of the prints show this tone curve (the "
+                    "input {} {}). Give --tone to state another",
+                    name_of(light_.tone().curve), stated.source == ToneSource::kTag ? "says" : "does not say; usual is",
+                    name_of(stated.curve)));
+    return true;
+  }
+
+  // What the user says of the tone curve, or the input.
+  [[nodiscard]] Tone stated_tone() const {
+    Tone tone = out_.input.tone;
+    if (!options_.tone) return tone;
+    const bool is_full_range = tone.curve.is_full_range;  // black and white are the stream's whatever the curve
+    tone = {*options_.tone, ToneSource::kOption};
+    tone.curve.is_full_range = is_full_range;
+    return tone;
+  }
+
+  bool refer_in_light(const Frame& frame) {
     std::vector<std::string> notes;
-    auto made = reference_of({frame.luma, out_.input.bits}, options_, notes);
+    const GreyPicture picture = light_.picture(frame.luma);
+    auto made = reference_of(picture, options_, notes);
     if (!made) {
       if (out_.refusal.empty()) {
         out_.refusal = made.error().message;
@@ -71,10 +125,11 @@ class Run {
       return false;
     }
     out_.refusal.clear();
-    out_.notes.insert(out_.notes.end(), notes.begin(), notes.end());
     reference_notes_ = std::move(notes);
     out_.reference = std::move(*made);
-    if (options_.method->prepare != nullptr) options_.method->prepare({frame.luma, out_.input.bits}, *out_.reference);
+    out_.reference->tone = light_.tone();
+    if (light_.maps()) out_.reference->light_per_grey = light_per_grey(*out_.reference, frame.luma, picture.luma);
+    if (options_.method->prepare != nullptr) options_.method->prepare(picture, *out_.reference);
     out_.reference->seen.frame = frame.number;
     out_.reference->seen.time_s = frame.time_s;
     note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, out_.reference->seen);
@@ -135,7 +190,7 @@ class Run {
 
  private:
   void put(const Frame& frame, Observation seen) {
-    rounding_ = std::max(rounding_, rounding_of(seen));
+    if (out_.reference) rounding_ = std::max(rounding_, rounding_of(*out_.reference, seen));
     out_.observations.push_back(std::move(seen));
     if (repeats_.repeats(frame.luma) && !frame.damaged && ++repeated_ == 1) first_repeated_ = frame.number;
     if (frames_ == nullptr) return;
@@ -149,10 +204,10 @@ class Run {
     const Observation& last = out_.observations.empty() ? out_.reference->seen : out_.observations.back();
     const Observation& where = last.references_seen ? last : out_.reference->seen;
     // Skipped blocks do not report what they were judged by: the coarsest so far counts.
-    const double now = rounding_of(frame.quantiser, out_.reference->site, out_.reference->lens, where);
-    const double rounding = std::max({now, rounding_, rounding_of(out_.reference->seen)});
-    Observation seen = options_.method->observe({frame.luma, out_.input.bits, rounding}, *out_.reference,
-                                                follower_->prediction(), work_);
+    const double now = rounding_of(frame.quantiser, *out_.reference, where);
+    const double rounding = std::max({now, rounding_, rounding_of(*out_.reference, out_.reference->seen)});
+    Observation seen =
+        options_.method->observe(light_.picture(frame.luma, rounding), *out_.reference, follower_->prediction(), work_);
     seen.frame = frame.number;
     seen.time_s = frame.time_s;
     note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
@@ -169,6 +224,7 @@ class Run {
   std::vector<std::string> reference_notes_;  // of its making
   std::optional<Follower> follower_;
   PatchWorkspace work_;
+  LightMap light_;
   double rounding_ = 0.0;  // of the observations so far
   RepeatedFrames repeats_;
   long repeated_ = 0, first_repeated_ = -1;
@@ -180,18 +236,35 @@ void note_damage(Measurement& out, const InputError& error) {
   out.notes.push_back(error.message);
 }
 
+std::string as_typed(const FrameRange& range) {
+  return fmt::format("{}:{}{}", range.first, range.end >= 0 ? std::to_string(range.end) : std::string{},
+                     range.step != 1 ? fmt::format(":{}", range.step) : std::string{});
+}
+
+InputError no_pictures(const std::string& path) {
+  return {InputErrorKind::kUnreadable, "no pictures: " + path + ": give a video or a folder of pictures"};
+}
+
+std::string no_such_frame(const std::string& option, const InputInfo& input, long frames) {
+  return fmt::format("no such frame: {}: {} has {}, the first is 0", option, input.path,
+                     frames == 1 ? "1 frame" : fmt::format("{} frames", frames));
+}
+
 // --reference-frame: read up to that frame through a source of its own; it may lie outside the selection.
 tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number, Run& run, Measurement& out) {
   auto source = open();
   if (!source) return tl::unexpected(source.error());
   out.input = (*source)->info();
+  long frames = 0;
   while (true) {
     auto frame = (*source)->next();
     if (!frame) return tl::unexpected(frame.error());
     if (!*frame) {
-      out.refusal = fmt::format("reference frame {} is not in the input", number);
+      if (frames == 0) return tl::unexpected(no_pictures(out.input.path));
+      out.contradiction = no_such_frame(fmt::format("--reference-frame {}", number), out.input, frames);
       return {};
     }
+    frames = (*frame)->number + 1;
     if ((*frame)->number < number) continue;
     if (out.reference)
       run.keep_picture(**frame);
@@ -217,17 +290,17 @@ long selected(const FrameRange& range, long frames) {
 tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, Run& run,
                                            Measurement& out, const OnProgress& on_progress) {
   const long expected = selected(options.frames, source.info().frames);
-  bool any = false;
+  long frames = 0;  // of the input, as far as it was read
   while (true) {
     auto frame = source.next();
     if (!frame) {
-      if (!any) return tl::unexpected(frame.error());
+      if (frames == 0) return tl::unexpected(frame.error());
       note_damage(out, frame.error());
       break;
     }
     if (!*frame) break;
-    any = true;
     const Frame& now = **frame;
+    frames = now.number + 1;
     if (options.frames.end >= 0 && now.number >= options.frames.end) break;
     if (!options.frames.holds(now.number)) continue;
     if (!run.is_kept())
@@ -241,13 +314,22 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     }
   }
   if (run.is_kept()) return tl::unexpected(not_the_same(source.info().path));
-  if (!any)
-    return tl::unexpected(InputError{InputErrorKind::kUnreadable,
-                                     "no pictures: " + source.info().path + ": give a video or a folder of pictures"});
+  if (frames == 0) return tl::unexpected(no_pictures(source.info().path));
+  if (out.observations.empty() && !out.interrupted)
+    out.contradiction =
+        no_such_frame(fmt::format("--frames {}:{}", options.frames.first,
+                                  options.frames.end >= 0 ? fmt::format("{}", options.frames.end) : std::string{}),
+                      source.info(), frames);
   return {};
 }
 
 }  // namespace
+
+const std::optional<Scene>& stated_scene(const Measurement& measurement) {
+  static const std::optional<Scene> nothing;
+  const bool is_stated = measurement.scene && measurement.scene->solved && measurement.exit != Exit::kRefused;
+  return is_stated ? measurement.scene : nothing;
+}
 
 const Site& site_of(const Measurement& measurement, const MeasureOptions& options) {
   return measurement.reference ? measurement.reference->site : options.site;
@@ -260,17 +342,45 @@ void complete_markers(Seen& seen) {
   for (Observation& frame : seen.observations) frame.markers.resize(seen.reference->site.markers.size(), not_seen);
 }
 
+namespace {
+
+// Frames that went by before one could be the reference frame: their references may all be there.
+std::optional<std::string> note_on_first_frames(const Measurement& measured, const MeasureOptions& options) {
+  if (options.reference_frame) return std::nullopt;
+  const long reference = measured.reference->seen.frame;
+  const Observation* first = nullptr;
+  const Observation* last = nullptr;
+  for (const Observation& seen : measured.observations) {
+    if (seen.frame >= reference || seen.decode_error) continue;
+    if (first == nullptr) first = &seen;
+    last = &seen;
+  }
+  if (first == nullptr) return std::nullopt;
+  return fmt::format(
+      "frames {} to {} are not measured, because they come before the reference frame {}, the first that shows every "
+      "marker (frame {}: {}); their rows say reference-lost: choose another with --reference-frame",
+      first->frame, last->frame, reference, first->frame, first->reference_problem);
+}
+
+std::string rest_contradiction(const Measurement& measured, const MeasureOptions& options, const MovedAtRest& moved) {
+  return fmt::format("not at rest: target '{}' moves by {:.4f} mm (u {:.4f} mm) between frames {} and {} of --rest {}",
+                     measured.reference->site.markers[moved.marker].name, moved.mm, moved.u_mm, moved.from, moved.to,
+                     as_typed(*options.solve.rest));
+}
+
+}  // namespace
+
 void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings = out.notes;
   for (std::string& note : notes_on_frames(out.observations)) out.warnings.push_back(std::move(note));
   for (const Observation& seen : out.observations) out.input_damaged |= seen.decode_error;
-  if (out.observations.empty() && out.refusal.empty()) out.refusal = "no frame of the input is selected by --frames";
   if (!out.reference) {
-    out.exit = out.interrupted ? Exit::kInterrupted : Exit::kRefused;
+    out.exit = !out.contradiction.empty() ? Exit::kUsage : out.interrupted ? Exit::kInterrupted : Exit::kRefused;
     return;
   }
   out.refusal.clear();
   complete_markers(out);
+  if (auto note = note_on_first_frames(out, options)) out.warnings.push_back(*std::move(note));
   SolveOptions how = options.solve;
   how.rotation_deg = out.input.rotation_deg;
   Solution solution = options.method->solve(*out.reference, out.observations, how);
@@ -280,11 +390,16 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   out.references_verified = solution.references_verified;
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
+  if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
   out.targets = summarise(*out.reference, out.samples);
   out.spectra = spectra_of(out.samples, out.targets);
   if (auto note = codec_note(out)) out.warnings.push_back(*std::move(note));
   out.exit = out.interrupted ? Exit::kInterrupted : exit_of(out.samples, out.reference->seen.frame, out.input_damaged);
+  if (out.exit != Exit::kRefused)
+    out.warnings.insert(out.warnings.end(), solution.findings.begin(), solution.findings.end());
+  if (!out.contradiction.empty()) out.exit = Exit::kUsage;
   if (out.exit != Exit::kRefused) return;
+  out.remedy = std::move(solution.remedy);
   std::map<std::string, long> counts;
   for (const Sample& sample : out.samples) {
     if (sample.frame != out.reference->seen.frame) ++counts[word_for(sample.status)];
@@ -310,6 +425,7 @@ tl::expected<Measurement, InputError> watch(const OpenInput& open, const Measure
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
     out.input = (*source)->info();
   }
+  if (out.reference) out.input.tone = out.reference->tone;
   if (auto note = run.note_on_repeats()) out.notes.push_back(*std::move(note));
   out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
   if (std::isnan(out.input.fps)) out.notes.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");

@@ -32,6 +32,7 @@ struct MeasureOptions {
   SolveOptions solve;
   std::optional<long> reference_frame;  // empty: the first frame of the selection that can be measured
   ObserveOptions observe;
+  std::optional<ToneCurve> tone;  // empty: as the input says, or as its prints show
 };
 
 // A copy of the reference frame (or of the first frame looked at, when none could be measured), 8 bits, for the
@@ -59,9 +60,16 @@ struct Measurement : Seen {
   std::vector<TargetSummary> targets;
   std::vector<TargetSpectra> spectra;  // in the order of targets
   KeptPicture picture;
+  std::string remedy;  // of a refused run: what to do, as an order; empty where the pictures must show it
   std::vector<std::string> warnings;  // the notes, and those of the solution
+  // "what: where" of a statement of the user that the input contradicts, empty otherwise: there are no results then.
+  // Samples, where there are any, are made without it.
+  std::string contradiction;
   Exit exit = Exit::kInternalError;
 };
+
+// The solved scene where its numbers may be stated; nothing where none was solved, or of a refused run.
+[[nodiscard]] const std::optional<Scene>& stated_scene(const Measurement& measurement);
 
 // The site measured by: the reference frame's, where there is one; otherwise what the user gave.
 [[nodiscard]] const Site& site_of(const Measurement& measurement, const MeasureOptions& options);

@@ -2,6 +2,7 @@
 #include "moiregauge/simulator/built_in.h"
 
 #include <array>
+#include <cstddef>
 #include <initializer_list>
 
 #include "moiregauge/units/units.h"
@@ -128,6 +129,99 @@ void add_two_references(Scenario& scenario) {
   }
 }
 
+// A drone before a wall. Nothing of the layout is its own mirror image or half turn.
+struct WallPrint {
+  const char* name;
+  double x_mm, y_mm;
+};
+
+constexpr std::array kWallReferences{WallPrint{"NW", -3700, 1350}, WallPrint{"N", -400, 1500},
+                                     WallPrint{"NE", 3600, 1250},  WallPrint{"SW", -3500, -1400},
+                                     WallPrint{"S", 600, -1350},   WallPrint{"SE", 3750, -1300}};
+constexpr std::array kWallTargets{WallPrint{"T1", -1700, 100}, WallPrint{"T2", 300, -150}, WallPrint{"T3", 1900, 200}};
+
+SceneMarker wall_print(const WallPrint& print, double apart) {
+  SceneMarker marker;
+  marker.print.name = print.name;
+  marker.print.grating = crossed_lines({apart * print.x_mm, apart * print.y_mm}, 420.0);
+  marker.print.grating->pitch_mm = 60.0;
+  marker.paper_margin_mm = 40.0;
+  return marker;
+}
+
+// It hovers: slow sines, each axis at its own pace, so that all poses mix.
+void hover(Mount& mount, double within_mm, double within_deg) {
+  constexpr std::array kHertz{0.11, 0.17, 0.07, 0.13, 0.19, 0.09};
+  const std::array tracks{&mount.shift_x,    &mount.shift_y,    &mount.shift_z,
+                          &mount.rotation_x, &mount.rotation_y, &mount.rotation_z};
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    tracks[i]->amplitude = i < 3 ? within_mm : within_deg;
+    tracks[i]->frequency_hz = kHertz[i];
+    tracks[i]->phase_deg = 60.0 * static_cast<double>(i);
+  }
+  mount.pivot_z_mm = 0.0;
+}
+
+// `size` 1: 3840x2160 from 8 m. `apart`: how far from each other the prints are, which are always as large.
+Scenario drone(double size, double apart) {
+  Scenario scenario;
+  const int width = static_cast<int>(3840 * size), height = static_cast<int>(2160 * size);
+  scenario.camera = {.width = width, .height = height, .fx = 2800.0 * size, .fy = 2800.0 * size};
+  scenario.camera.cx = 0.5 * width - 0.5 + 6.3;
+  scenario.camera.cy = 0.5 * height - 0.5 - 4.7;
+  scenario.mount.distance_mm = 8000.0 * size;
+  hover(scenario.mount, 500.0 * size, 3.0);
+  scenario.sensor.exposure_s = 1.0 / 1000.0;
+  for (const WallPrint& print : kWallReferences) {
+    SceneMarker marker = wall_print(print, apart);
+    const BoardPoint grating = marker.print.grating->centre;
+    marker.print.circle = Circle{{grating.x - 360.0, grating.y}, 160.0};
+    scenario.markers.push_back(marker);
+  }
+  for (const WallPrint& print : kWallTargets) {
+    SceneMarker marker = wall_print(print, apart);
+    marker.print.role = Role::kTarget;
+    scenario.markers.push_back(marker);
+  }
+  marker_named(scenario, "T1").dy = paper_motion();
+  marker_named(scenario, "T2").dx = {.amplitude = 2.0, .frequency_hz = 0.31};
+  marker_named(scenario, "T2").place.z_mm = -150.0 * size;
+  marker_named(scenario, "T3").dy = {.amplitude = 5.0, .frequency_hz = 0.23, .phase_deg = 40.0};
+  return scenario;
+}
+
+// Thin-line grids from an ink-jet printer, photographed by a telephone: lines of 3.5 px, 22 px apart, and white paper
+// that is full.
+Scenario ink_jet(double share_of_picture) {
+  Scenario scenario;
+  const int width = static_cast<int>(4032 * share_of_picture), height = static_cast<int>(3024 * share_of_picture);
+  scenario.camera = {.width = width, .height = height, .fx = 3100.0, .fy = 3100.0};
+  scenario.camera.cx = 0.5 * width - 0.5 + 4.1;
+  scenario.camera.cy = 0.5 * height - 0.5 - 3.3;
+  scenario.mount.distance_mm = 704.5;
+  scenario.mount.board_x_deg = 3.0;
+  scenario.mount.board_y_deg = -4.0;
+  scenario.mount.board_z_deg = 1.5;
+  pose_anew(scenario.mount, 0.3, 0.0);
+  const double s = share_of_picture, x = 458.0 * s - 133.0, y = 343.0 * s - 75.0;
+  place_markers(scenario, {x + 65.0, y, 22.0, x, y, 60.0, 0.0});
+  SceneMarker& target = marker_named(scenario, "mid");
+  target.print.grating->width_mm = 375.0 * s;
+  target.print.grating->height_mm = 175.0 * s;
+  for (SceneMarker& marker : scenario.markers) {
+    marker.print.grating->pitch_mm = 5.0;
+    marker.paper_margin_mm = 12.0;
+    marker.ink = {.line_share = 0.16, .gain_mm = 0.02, .rough_mm = 0.06, .mottle = 0.05, .grain = 3.0};
+  }
+  scenario.light.white = 262.0;
+  scenario.light.black = 12.0;
+  scenario.light.background = 90.0;
+  scenario.light.vignetting = 0.1;
+  scenario.processing.tone = *tone_named("s-curve:0.3");
+  scenario.processing.sharpen_amount = 0.5;
+  return scenario;
+}
+
 struct Programme {
   std::string_view suffix;
   void (*apply)(Scenario&);
@@ -184,6 +278,11 @@ const std::vector<BuiltIn>& built_in_scenarios() {
       {"small-walk", "the small rig as small-1xyz, target walking up and down 60 mm, up to 0.63 pitch per frame"},
       {"small-six-slip", "the small rig as small-1xyz with six references, of which NE slips up 1 mm half way"},
       {"small-covered", "the small rig as small-1xyz, NE covered in frames 40 to 59, target in frames 90 to 99"},
+      {"drone",
+       "a drone 8 m from a wall, 3840x2160, moving 0.5 m and 3 deg on every axis, prints of 60 mm pitch (21 px)"},
+      {"ink", "thin-line grids from an ink-jet printer, 4032x3024, as a telephone stores them"},
+      {"small-ink", "the same with a quarter of the pixels, prints nearer to each other"},
+      {"small-drone", "the same from 4 m with a quarter of the pixels, moving 0.25 m and 3 deg, prints as large"},
   };
   return list;
 }
@@ -191,6 +290,16 @@ const std::vector<BuiltIn>& built_in_scenarios() {
 std::optional<Scenario> built_in(const std::string& name) {
   for (const BuiltIn& entry : built_in_scenarios()) {
     if (entry.name != name) continue;
+    if (name.ends_with("ink")) {
+      Scenario scenario = ink_jet(name == "ink" ? 1.0 : 0.5);
+      scenario.name = name;
+      return scenario;
+    }
+    if (name.ends_with("drone")) {
+      Scenario scenario = name == "drone" ? drone(1.0, 1.0) : drone(0.5, 0.42);
+      scenario.name = name;
+      return scenario;
+    }
     Scenario scenario = name.starts_with("small-") ? small_rig() : rig();
     scenario.name = name;
     const std::string programme = name.substr(name.find('-') + 1);

@@ -83,9 +83,19 @@ std::vector<ImagePoint> disc_of(double radius_px, double sigma_px) {
 
 }  // namespace
 
+Focus::Focus(const Scenario& scenario) {
+  if (scenario.optics.focus_mm <= 0.0) return;
+  half_radius_ = 0.25 * scenario.camera.fx * scenario.optics.aperture_mm;
+  per_focus_ = 1.0 / scenario.optics.focus_mm;
+}
+
 ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame)
-    : ExposedMarker(scenario, marker, frame, PrintedMarker(marker, marker.fold_mm.at(time_of(scenario, frame))),
-                    {scenario.light.white, scenario.light.white - scenario.light.black}) {}
+    : ExposedMarker(
+          scenario, marker, frame,
+          PrintedMarker(marker, marker.fold_mm.at(time_of(scenario, frame)), own_seed(scenario, marker)),
+          {scenario.light.white, scenario.light.white - scenario.light.black, 1.0, 0.0, own_seed(scenario, marker)}) {
+  ink_ = marker.ink;
+}
 
 // It hangs before the sheet and moves with it, or across it; at a share of 1 nothing of the sheet shows beside it.
 ExposedMarker ExposedMarker::cover_of(const Scenario& scenario, const SceneMarker& marker, long frame) {
@@ -98,15 +108,16 @@ ExposedMarker ExposedMarker::cover_of(const Scenario& scenario, const SceneMarke
   SceneMarker moving = marker;
   moving.wander_x = cover.x_mm;
   moving.wander_y = cover.y_mm;
-  const Ink ink{cover.grey, 0.0, cover.opacity, cover.texture, own_seed(scenario, marker)};
-  return {scenario, moving, frame, PrintedMarker(low, {right, upper}), ink};
+  const Paper paper{cover.grey, 0.0, cover.opacity, cover.texture, own_seed(scenario, marker)};
+  return {scenario, moving, frame, PrintedMarker(low, {right, upper}), paper};
 }
 
 ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame, PrintedMarker print,
-                             Ink ink)
+                             Paper paper)
     : print_(std::move(print)),
       camera_(scenario.camera),
-      ink_(ink),
+      paper_(paper),
+      focus_(scenario),
       disc_radius_px_(std::max(scenario.sensor.defocus_disc_px.at(time_of(scenario, frame)), 0.0)) {
   double sigma = gaussian_sigma(scenario, frame);
   if (disc_radius_px_ > 0.0) sigma = std::hypot(sigma, kSoft * disc_radius_px_);
@@ -183,7 +194,7 @@ Movement ExposedMarker::movement(const Scenario& scenario, const SceneMarker& ma
 }
 
 void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& marker, long frame) {
-  double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9;
+  double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9, defocus = 0.0;
   const double fields = scenario.sensor.interlaced ? 1.0 / scenario.sensor.fps : 0.0;
   const double span = scenario.sensor.exposure_s + scenario.sensor.readout_s + fields;
   const int looks = scenario.sensor.exposes_row_by_row() ? 16 : 2;
@@ -191,7 +202,9 @@ void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& mar
     const double time = time_of(scenario, frame) + span * (static_cast<double>(look) / looks - 0.5);
     const Matrix3 seen = camera_from_print(scenario, marker, time);
     for (const BoardPoint point : outline(print_)) {
-      if (product(seen, Vector3{point.x, point.y, 1.0})[2] <= 1.0) return;  // beside or behind the camera
+      const double depth_mm = product(seen, Vector3{point.x, point.y, 1.0})[2];
+      if (depth_mm <= 1.0) return;  // beside or behind the camera
+      defocus = std::max(defocus, focus_.variance(1.0 / depth_mm));
       const ImagePoint pixel = image_of(camera_, ray_of(seen, point));
       x0 = std::min(x0, pixel.x);
       x1 = std::max(x1, pixel.x);
@@ -199,7 +212,8 @@ void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& mar
       y1 = std::max(y1, pixel.y);
     }
   }
-  const double margin = 3.0 + kGaussianReach * std::sqrt(cell_variance_) + disc_radius_px_;
+  const double blur = std::sqrt(cell_variance_ + defocus);
+  const double margin = 3.0 + kGaussianReach * blur + disc_radius_px_;
   left_ = static_cast<int>(std::clamp(std::floor(x0 - margin), 0.0, static_cast<double>(camera_.width)));
   right_ = static_cast<int>(std::clamp(std::ceil(x1 + margin), 0.0, static_cast<double>(camera_.width)));
   top_ = static_cast<int>(std::clamp(std::floor(y0 - margin), 0.0, static_cast<double>(camera_.height)));
@@ -215,7 +229,7 @@ void ExposedMarker::lay_over(int y, std::span<double> row) const {
     double paper = 0.0, level = 0.0;
     for (const Moment& moment : moments) see(moment, sight, paper, level);
     double& grey = row[static_cast<std::size_t>(x)];
-    grey = grey * (1.0 - ink_.opacity * paper) + ink_.opacity * level;
+    grey = grey * (1.0 - paper_.opacity * paper) + paper_.opacity * level;
   }
 }
 
@@ -230,13 +244,22 @@ void ExposedMarker::see(const Moment& moment, const RayPatch& sight, double& pap
   const double xu = xa * sight.dx_du + xb * sight.dy_du, xv = xa * sight.dx_dv + xb * sight.dy_dv;
   const double yu = ya * sight.dx_du + yb * sight.dy_du, yv = ya * sight.dx_dv + yb * sight.dy_dv;
   const double xx = xu * xu + xv * xv, xy = xu * yu + xv * yv, yy = yu * yu + yv * yv;
-  const Blur blur{cell_variance_ * xx, cell_variance_ * xy, cell_variance_ * yy};
+  const double defocus = focus_.variance(w[2]), variance = cell_variance_ + defocus;
+  const Blur blur{variance * xx, variance * xy, variance * yy};
   const double longest = std::sqrt(0.5 * (xx + yy + std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)));
-  const Seen seen = print_.seen({centre, xu, xv, yu, yv, cells_, reach_px_ * longest}, blur);
+  const Seen seen =
+      print_.seen({centre, xu, xv, yu, yv, cells_, (reach_px_ + kGaussianReach * std::sqrt(defocus)) * longest}, blur);
   paper += moment.weight * seen.paper;
-  double white = ink_.white;
-  if (ink_.texture != 0.0) white += ink_.texture * roughness(ink_.seed, centre.x, centre.y);
-  level += moment.weight * (seen.paper * white - seen.ink * ink_.contrast);
+  double white = paper_.white, contrast = paper_.contrast;
+  if (paper_.texture != 0.0) white += paper_.texture * roughness(paper_.seed, centre.x, centre.y);
+  if (ink_.is_uneven()) {
+    const auto uneven = [&](std::uint64_t what, double length_mm) {
+      return grain(paper_.seed + what, centre.x / length_mm, centre.y / length_mm);
+    };
+    contrast *= 1.0 + ink_.mottle * uneven(2, ink_.mottle_length_mm);
+    white += ink_.grain * uneven(3, ink_.grain_length_mm);
+  }
+  level += moment.weight * (seen.paper * white - seen.ink * contrast);
 }
 
 }  // namespace moiregauge::simulator

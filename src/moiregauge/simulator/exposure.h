@@ -19,6 +19,21 @@ struct Movement {
   double sag_px = 0.0;  // of the middle from the straight line
 };
 
+// What a lens makes of points nearer or farther than its focus.
+class Focus {
+ public:
+  explicit Focus(const Scenario& scenario);
+  // Returns the variance of a point's picture along one axis, px^2, for a point 1 / `per_depth` mm before the lens.
+  [[nodiscard]] double variance(double per_depth) const {
+    const double sigma = half_radius_ * (per_depth - per_focus_);
+    return sigma * sigma;
+  }
+
+ private:
+  double half_radius_ = 0.0;  // px mm: a disc's standard deviation along one axis is half its radius
+  double per_focus_ = 0.0;    // 1 / mm
+};
+
 class ExposedMarker {
  public:
   ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame);
@@ -27,6 +42,8 @@ class ExposedMarker {
   // Half open; empty when the marker is out of sight.
   [[nodiscard]] int left() const { return left_; }
   [[nodiscard]] int right() const { return right_; }
+  [[nodiscard]] int top() const { return top_; }
+  [[nodiscard]] int bottom() const { return bottom_; }
   [[nodiscard]] bool covers_row(int y) const { return y >= top_ && y < bottom_ && left_ < right_; }
   // Lays the marker over the background of row y, in grey levels.
   void lay_over(int y, std::span<double> row) const;
@@ -36,14 +53,14 @@ class ExposedMarker {
     Matrix3 print_from_ray;
     double weight;
   };
-  struct Ink {
+  struct Paper {
     double white;
     double contrast;  // to black
     double opacity = 1.0;
     double texture = 0.0;
     std::uint64_t seed = 0;
   };
-  ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame, PrintedMarker print, Ink ink);
+  ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame, PrintedMarker print, Paper paper);
   void choose_moments(const Scenario& scenario, const SceneMarker& marker, long frame);
   void choose_moments_about(const Scenario& scenario, const SceneMarker& marker, double middle_s);
   [[nodiscard]] std::span<const Moment> moments_of_row(int y) const;
@@ -55,7 +72,9 @@ class ExposedMarker {
 
   PrintedMarker print_;
   Camera camera_;
+  Paper paper_;
   Ink ink_;
+  Focus focus_;
   double disc_radius_px_;         // of a point out of focus
   std::vector<ImagePoint> disc_;  // that disc in equal shares, px; empty: a point
   int cells_ = 2;                 // a pixel is cells x cells squares, each as good as a Gaussian

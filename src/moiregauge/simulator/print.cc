@@ -84,14 +84,19 @@ double seen_disc(double x, double y, double radius, const Blur& blur) {
   return gaussian_below(-d) - gaussian_density(d) / sigma * t2 / (2.0 * radius);
 }
 
-PrintedGrating::PrintedGrating(const Grating& grating, bool inverted) : grating_(grating), inverted_(inverted) {
+PrintedGrating::PrintedGrating(const Grating& grating, bool inverted, const Ink& ink)
+    : grating_(grating), inverted_(inverted) {
   const double p = grating.pitch_mm, x = 0.5 * grating.width_mm, y = 0.5 * grating.height_mm;
+  // Ink is dark; what is inverted has its ink between the lines.
+  const double gain = inverted ? -ink.gain_mm : ink.gain_mm;
+  const double dark = 0.5 * p * ink.line_share + gain, light = 0.5 * p - dark;
+  dot_radius_ = dark;
   extent_x_ = Stripes::box(x);
   extent_y_ = Stripes::box(y);
-  dark_x_ = Stripes(p, 0.25 * p, 0.0, x);
-  dark_y_ = Stripes(p, 0.25 * p, 0.0, y);
-  light_x_ = Stripes(p, 0.25 * p, 0.5, x);
-  light_y_ = Stripes(p, 0.25 * p, 0.5, y);
+  dark_x_ = Stripes(p, dark, 0.0, x);
+  dark_y_ = Stripes(p, dark, 0.0, y);
+  light_x_ = Stripes(p, light, 0.5, x);
+  light_y_ = Stripes(p, light, 0.5, y);
 }
 
 double PrintedGrating::ink_uncorrelated(double x, double y, double sigma_x, double sigma_y) const {
@@ -129,12 +134,12 @@ double PrintedGrating::cosine_ink(double x, double y, const Blur& blur) const {
 
 // Whole dots only: a printer's pattern ends with its last whole element.
 double PrintedGrating::offset_from_dot(double at, double size_mm) const {
-  const double p = grating_.pitch_mm, last = std::floor((0.5 * size_mm - 0.25 * p) / p + 1e-9);
+  const double p = grating_.pitch_mm, last = std::floor((0.5 * size_mm - dot_radius_) / p + 1e-9);
   return at - p * std::clamp(std::round(at / p), -last, last);
 }
 
 double PrintedGrating::dots_ink(double x, double y, const Blur& blur) const {
-  const double p = grating_.pitch_mm, radius = 0.25 * p;
+  const double p = grating_.pitch_mm, radius = dot_radius_;
   const double dx = offset_from_dot(x, grating_.width_mm), dy = offset_from_dot(y, grating_.height_mm);
   // The blur may reach the neighbours' rims: each at most once, none beyond the last whole one.
   const double reach = radius + kGaussianReach * std::max(blur.sigma_x, blur.sigma_y);
@@ -185,9 +190,8 @@ bool PrintedGrating::is_even(double x, double y, double distance) const {
     return true;
   if (grating_.pattern == Pattern::kCosine) return false;
   if (grating_.pattern == Pattern::kDots) {
-    const double p = grating_.pitch_mm;
     const double r = std::hypot(offset_from_dot(x, grating_.width_mm), offset_from_dot(y, grating_.height_mm));
-    return std::abs(r - 0.25 * p) > distance && extent_x_.is_even(x, distance) && extent_y_.is_even(y, distance);
+    return std::abs(r - dot_radius_) > distance && extent_x_.is_even(x, distance) && extent_y_.is_even(y, distance);
   }
   return is_even_x(x, distance) && is_even_y(y, distance);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "moiregauge/simulator/scenario.h"
@@ -71,7 +72,7 @@ class Stripes {
 // One grating in its own axes.
 class PrintedGrating {
  public:
-  PrintedGrating(const Grating& grating, bool inverted);
+  PrintedGrating(const Grating& grating, bool inverted, const Ink& ink);
   [[nodiscard]] double ink(double x, double y, const Blur& blur) const;
   // True when all within `distance` has the same ink.
   [[nodiscard]] bool is_even(double x, double y, double distance) const;
@@ -86,14 +87,15 @@ class PrintedGrating {
 
   Grating grating_;
   bool inverted_;
+  double dot_radius_;
   Stripes extent_x_, extent_y_, dark_x_, dark_y_, light_x_, light_y_;
 };
 
 // A marker's sheet: white paper, a grating, a disc.
 class PrintedMarker {
  public:
-  // `fold_mm`: by how much what hangs right of its centre has been pushed to the right.
-  explicit PrintedMarker(const SceneMarker& marker, double fold_mm = 0.0);
+  // `fold_mm`: by how much what hangs right of its centre has been pushed to the right; `seed`: of its ink.
+  explicit PrintedMarker(const SceneMarker& marker, double fold_mm = 0.0, std::uint64_t seed = 0);
   // A bare sheet.
   PrintedMarker(BoardPoint low, BoardPoint high);
   // What a pixel sees of the sheet: the mean over its cells, each blurred.
@@ -106,6 +108,8 @@ class PrintedMarker {
   [[nodiscard]] double seen_paper(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_circle(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_grating(const Footprint& pixel, const Blur& blur) const;
+  // Where ink of an ideal print would be that is really at a point of the grating's own axes.
+  [[nodiscard]] BoardPoint smoothed(BoardPoint own) const;
   // Where on the flat sheet what is seen at x was printed.
   [[nodiscard]] double unfolded(double x) const { return x > crease_mm_ ? x - fold_mm_ : x; }
 
@@ -113,6 +117,8 @@ class PrintedMarker {
   std::vector<PrintedGrating> grating_;  // none or one
   Grating where_;
   double cos_ = 1.0, sin_ = 0.0;
+  Ink ink_;
+  std::uint64_t ink_seed_ = 0;
   Circle circle_;  // diameter 0: none
   BoardPoint low_, high_;
   Stripes paper_x_, paper_y_;

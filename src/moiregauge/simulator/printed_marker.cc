@@ -4,11 +4,12 @@
 
 #include "moiregauge/simulator/print.h"
 #include "moiregauge/simulator/projection.h"
+#include "moiregauge/simulator/texture.h"
 
 namespace moiregauge::simulator {
 
-PrintedMarker::PrintedMarker(const SceneMarker& marker, double fold_mm)
-    : crease_mm_(centre_of(marker.print).x), fold_mm_(fold_mm) {
+PrintedMarker::PrintedMarker(const SceneMarker& marker, double fold_mm, std::uint64_t seed)
+    : crease_mm_(centre_of(marker.print).x), fold_mm_(fold_mm), ink_(marker.ink), ink_seed_(seed) {
   double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9;
   const auto cover = [&](BoardPoint centre, double half_x, double half_y) {
     x0 = std::min(x0, centre.x - half_x);
@@ -22,7 +23,7 @@ PrintedMarker::PrintedMarker(const SceneMarker& marker, double fold_mm)
   }
   if (marker.print.grating) {
     where_ = *marker.print.grating;
-    grating_.emplace_back(where_, marker.inverted);
+    grating_.emplace_back(where_, marker.inverted, marker.ink);
     cos_ = std::cos(where_.angle_rad);
     sin_ = std::sin(where_.angle_rad);
     const double c = std::abs(cos_), s = std::abs(sin_);
@@ -81,6 +82,16 @@ double PrintedMarker::seen_circle(const Footprint& pixel, const Blur& blur) cons
                    [&](double x, double y) { return seen_disc(unfolded(x) - c.x, y - c.y, radius, blur); });
 }
 
+namespace {
+constexpr double kMostGrain = 2.4;  // of `grain`
+}
+
+BoardPoint PrintedMarker::smoothed(BoardPoint own) const {
+  if (ink_.rough_mm == 0.0) return own;
+  const double x = own.x / ink_.rough_length_mm, y = own.y / ink_.rough_length_mm;
+  return {own.x + ink_.rough_mm * grain(ink_seed_, x, y), own.y + ink_.rough_mm * grain(ink_seed_ + 1, x, y)};
+}
+
 double PrintedMarker::seen_grating(const Footprint& pixel, const Blur& blur) const {
   const PrintedGrating& grating = grating_.front();
   const double c = cos_, s = sin_;
@@ -90,12 +101,13 @@ double PrintedMarker::seen_grating(const Footprint& pixel, const Blur& blur) con
   };
   const BoardPoint own_centre = in_own_axes(unfolded(pixel.centre.x), pixel.centre.y);
   const bool is_creased = fold_mm_ != 0.0 && std::abs(pixel.centre.x - crease_mm_) < pixel.reach_mm;
-  const bool is_even = !is_creased && grating.is_even(own_centre.x, own_centre.y, pixel.reach_mm);
+  const double reach_mm = pixel.reach_mm + kMostGrain * ink_.rough_mm;
+  const bool is_even = !is_creased && grating.is_even(own_centre.x, own_centre.y, reach_mm);
   const Blur own_blur(c * c * blur.xx + 2.0 * c * s * blur.xy + s * s * blur.yy,
                       c * s * (blur.yy - blur.xx) + (c * c - s * s) * blur.xy,
                       s * s * blur.xx - 2.0 * c * s * blur.xy + c * c * blur.yy);
   return mean_over(pixel, is_even, [&](double x, double y) {
-    const BoardPoint own = in_own_axes(unfolded(x), y);
+    const BoardPoint own = smoothed(in_own_axes(unfolded(x), y));
     return grating.ink(own.x, own.y, own_blur);
   });
 }

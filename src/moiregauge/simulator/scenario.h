@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "moiregauge/simulator/tone.h"
 #include "moiregauge/simulator/track.h"
 #include "moiregauge/site/site.h"
 
@@ -23,8 +24,12 @@ struct Camera {
 // What a lens does over time. The picture is scaled about the principal point and shifted; the distortion stays where
 // it is on the sensor.
 struct Optics {
-  Track zoom;              // relative: 0.01 is a focal length a hundredth longer
-  Track shift_x, shift_y;  // px, right and down: an optical stabiliser's travel
+  Track zoom{};                // relative: 0.01 is a focal length a hundredth longer
+  Track shift_x{}, shift_y{};  // px, right and down: an optical stabiliser's travel
+  // A thin lens of this aperture, focused at this distance (0: at all), makes a disc of a point at depth z: its radius is
+  // fx aperture / 2 |1 / z - 1 / focus| px. It is drawn as the Gaussian of the same variance.
+  double focus_mm = 0.0;
+  double aperture_mm = 0.0;
 };
 
 // Board point (x, y, z) at rest in the camera: B (x, -y, -z) + (0, 0, distance), B = Rx Ry Rz of the board's own
@@ -68,6 +73,30 @@ struct Sensor {
   [[nodiscard]] bool exposes_row_by_row() const { return readout_s > 0.0 || interlaced; }
 };
 
+// Histogram equalisation in tiles, its slope limited.
+struct LocalTone {
+  double strength = 0.0;  // 0: none; 1: all of it
+  int tile_px = 128;
+  double most_slope = 2.0;  // of a tile's curve; below 1 nothing is left of the equalisation
+};
+
+// A camera's processing, in this order, after noise and before grey levels are stored; the last three see those of
+// frames before.
+struct Processing {
+  ToneCurve tone{};
+  int median_px = 0;           // side of its window: 3, 5 or 7
+  double bilateral_px = 0.0;   // edge-preserving smoothing: sigma in space
+  double bilateral_grey = 20;  // and in grey levels
+  LocalTone local_tone{};
+  double sharpen_amount = 0.0;  // unsharp mask: grey + amount (grey - Gaussian of it)
+  double sharpen_radius_px = 1.0;
+  double low_pass = 0.0;     // cycles per px beyond which nothing passes: edges ring
+  double pixel_size = 1.0;   // px: blocks of this side show their mean; 2 is a picture doubled in size
+  int average_frames = 1;    // the mean of so many frames up to this one
+  double recursion = 0.0;    // share of what the frame before was made of in this one
+  double motion_grey = 0.0;  // both only where less than this has changed, grey levels; 0: everywhere
+};
+
 // Frames from..to, the last left out.
 struct FrameSpan {
   long from = 0;
@@ -101,10 +130,24 @@ struct Glare {
   double sigma_mm = 3.0;
 };
 
-// What stands there. `print` is what site.toml says of it; `place` is by how much the truth differs from that.
+// What a printer makes of a print: it is part of the print and moves with it.
+struct Ink {
+  double line_share = 0.5;       // of the pitch that is ink in dark lines, squares and dots
+  double gain_mm = 0.0;          // every edge of the grating's ink is so much further out: dot gain
+  double rough_mm = 0.0;         // edges are ragged: rms along each axis
+  double rough_length_mm = 0.3;  // over which raggedness changes
+  double mottle = 0.0;           // uneven ink: rms, relative to white less black
+  double mottle_length_mm = 2.0;
+  double grain = 0.0;  // paper: rms, grey levels
+  double grain_length_mm = 0.4;
+  [[nodiscard]] bool is_uneven() const { return mottle != 0.0 || grain != 0.0; }
+};
+
+// What is really there. `print` is what site.toml says of it; `place` is by how much the truth differs from that.
 struct SceneMarker {
   Marker print;
-  bool inverted = false;          // white lines on black
+  bool inverted = false;  // white lines on black
+  Ink ink;
   double paper_margin_mm = 10.0;  // white paper around circle and grating
   bool listed = true;             // false: a look-alike that site.toml does not know
   struct Place {
@@ -145,6 +188,7 @@ struct Scenario {
   Mount mount;
   Light light;
   Sensor sensor;
+  Processing processing;
   std::vector<SceneMarker> markers;
   KnownTo known_to;  // as site.toml states it
   Draw draw;
@@ -162,6 +206,9 @@ struct Scenario {
 [[nodiscard]] double time_of(const Scenario& scenario, long frame);
 // What the recording says of it. It rises from frame to frame.
 [[nodiscard]] double stamp_of(const Scenario& scenario, long frame);
+
+// True when the grey levels of the recording are proportional to light.
+[[nodiscard]] bool stores_light(const Scenario& scenario);
 
 // By how much row y of the picture is exposed later than the picture's middle.
 [[nodiscard]] double delay_of_row(const Scenario& scenario, int y);

@@ -32,8 +32,29 @@ std::optional<std::string> problem_with_sensor(const Scenario& s) {
   if (sigma < 0.0 || gain < 0.0 || s.sensor.row_noise < 0.0)
     return "noise.sigma, noise.gain and noise.row must not be negative";
   if (!(s.sensor.gamma > 0.1 && s.sensor.gamma < 10.0)) return "sensor.gamma must lie in 0.1 to 10";
+  if (s.optics.focus_mm < 0.0 || s.optics.aperture_mm < 0.0)
+    return "lens.focus_mm and lens.aperture_mm must not be negative";
   if (s.frames < 1 || s.frames > 1000000) return "frames must lie in 1 to 1000000";
   if (s.decoys > 10000) return "decoys must not be more than 10000";
+  return std::nullopt;
+}
+
+std::optional<std::string> problem_with_processing(const Processing& p) {
+  if (p.median_px != 0 && p.median_px != 3 && p.median_px != 5 && p.median_px != 7)
+    return "processing.median_px must be 0, 3, 5 or 7";
+  if (p.bilateral_px < 0.0 || p.bilateral_px > 5.0) return "processing.bilateral_px must lie in 0 to 5";
+  if (!(p.bilateral_grey > 0.0)) return "processing.bilateral_grey must be greater than 0";
+  if (p.local_tone.strength < 0.0 || p.local_tone.strength > 1.0) return "processing.local_tone must lie in 0 to 1";
+  if (p.local_tone.tile_px < 8) return "processing.local_tone_tile_px must be at least 8";
+  if (!(p.local_tone.most_slope >= 1.0)) return "processing.local_tone_slope must be at least 1";
+  if (std::abs(p.sharpen_amount) > 10.0) return "processing.sharpen must lie in -10 to 10";
+  if (!(p.sharpen_radius_px > 0.0 && p.sharpen_radius_px <= 20.0))
+    return "processing.sharpen_radius_px must be greater than 0 and not more than 20";
+  if (p.low_pass < 0.0 || p.low_pass > 0.5) return "processing.low_pass must lie in 0 to 0.5";
+  if (!(p.pixel_size >= 1.0 && p.pixel_size <= 16.0)) return "processing.pixel_size must lie in 1 to 16";
+  if (p.average_frames < 1 || p.average_frames > 64) return "processing.average_frames must lie in 1 to 64";
+  if (p.recursion < 0.0 || p.recursion > 0.99) return "processing.recursion must lie in 0 to 0.99";
+  if (p.motion_grey < 0.0) return "processing.motion_grey must not be negative";
   return std::nullopt;
 }
 
@@ -80,6 +101,18 @@ std::optional<std::string> problem_with_known_to(const KnownTo& known) {
   return std::nullopt;
 }
 
+std::optional<std::string> problem_with_ink(const Ink& ink, double pitch_mm) {
+  if (!(ink.line_share > 0.0 && ink.line_share < 1.0)) return "ink.line_share must lie between 0 and 1";
+  const double dark = ink.line_share + 2.0 * std::abs(ink.gain_mm) / std::max(pitch_mm, 1e-9);
+  if (!(dark < 1.0) || !(ink.line_share - 2.0 * std::abs(ink.gain_mm) / std::max(pitch_mm, 1e-9) > 0.0))
+    return "ink.gain_mm leaves no line, or nothing between the lines";
+  if (ink.rough_mm < 0.0 || ink.grain < 0.0) return "ink.rough_mm and ink.grain must not be negative";
+  if (ink.mottle < 0.0 || ink.mottle > 0.4) return "ink.mottle must lie in 0 to 0.4";
+  if (!(ink.rough_length_mm > 0.0 && ink.mottle_length_mm > 0.0 && ink.grain_length_mm > 0.0))
+    return "ink.rough_length_mm, ink.mottle_length_mm and ink.grain_length_mm must be greater than 0";
+  return std::nullopt;
+}
+
 std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
   const Marker& print = marker.print;
   if (!print.circle && !print.grating) return fmt::format("marker {} needs a circle, a grating, or both", print.name);
@@ -102,6 +135,8 @@ std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
     return fmt::format("marker {}: place.print_scale must lie in -0.5 to 0.5", print.name);
   }
   if (!print.grating) return std::nullopt;
+  if (const auto problem = problem_with_ink(marker.ink, print.grating->pitch_mm))
+    return fmt::format("marker {}: {}", print.name, *problem);
   const Grating& grating = *print.grating;
   if (!(grating.pitch_mm > 0.0)) return fmt::format("marker {}: pitch_mm must be greater than 0", print.name);
   if (!(grating.width_mm > 0.0 && grating.height_mm > 0.0)) {
@@ -117,6 +152,7 @@ std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
 
 std::optional<std::string> problem_with(const Scenario& scenario) {
   if (const auto problem = problem_with_sensor(scenario)) return problem;
+  if (const auto problem = problem_with_processing(scenario.processing)) return problem;
   if (const auto problem = problem_with_timing(scenario)) return problem;
   if (const auto problem = problem_with_tracks(scenario)) return problem;
   if (const auto problem = problem_with_known_to(scenario.known_to)) return problem;

@@ -54,11 +54,42 @@ void add_light(Collector& all, Scenario& s) {
   all.whole("seed", s.seed);
 }
 
+void add_processing(Collector& all, Scenario& s) {
+  Processing& p = s.processing;
+  all.text("processing.tone", "one of linear, srgb, bt709, gamma:2.2, s-curve, s-curve:0.4",
+           [&p](const std::string& words) {
+             const auto tone = tone_named(words);
+             if (tone) p.tone = *tone;
+             return tone.has_value();
+           });
+  all.whole("processing.median_px", p.median_px);
+  all.number("processing.bilateral_px", p.bilateral_px);
+  all.number("processing.bilateral_grey", p.bilateral_grey);
+  all.number("processing.local_tone", p.local_tone.strength);
+  all.whole("processing.local_tone_tile_px", p.local_tone.tile_px);
+  all.number("processing.local_tone_slope", p.local_tone.most_slope);
+  all.number("processing.sharpen", p.sharpen_amount);
+  all.number("processing.sharpen_radius_px", p.sharpen_radius_px);
+  all.number("processing.low_pass", p.low_pass);
+  all.number("processing.pixel_size", p.pixel_size);
+  all.whole("processing.average_frames", p.average_frames);
+  all.number("processing.recursion", p.recursion);
+  all.number("processing.motion_grey", p.motion_grey);
+}
+
 void add_site_errors(Collector& all, Scenario& s) {
   all.number("known_to.position_mm", s.known_to.position_mm);
   all.number("known_to.rotation_deg", [&s](double value) { s.known_to.rotation_rad = radians_from_degrees(value); });
   all.number("known_to.height_mm", s.known_to.height_mm);
   all.number("known_to.print_scale", s.known_to.print_scale);
+  // As a total station gives it, and a printer that has been checked with a rule.
+  all.text("site.surveyed", "true or false", [&s](const std::string& word) {
+    s.known_to = KnownTo{};
+    if (word == "true")
+      s.known_to = {
+          .position_mm = 0.01, .rotation_rad = radians_from_degrees(0.001), .height_mm = 0.01, .print_scale = 0.0005};
+    return word == "true" || word == "false";
+  });
   all.flag("truth.draw_known_to", {&s.draw.position, &s.draw.rotation, &s.draw.height, &s.draw.print_scale});
   all.flag("truth.draw_position", {&s.draw.position});
   all.flag("truth.draw_rotation", {&s.draw.rotation});
@@ -145,6 +176,7 @@ std::vector<Setting> settings_of(Scenario& scenario) {
   Collector all;
   add_camera(all, scenario);
   add_light(all, scenario);
+  add_processing(all, scenario);
   add_site_errors(all, scenario);
   add_faults(all, scenario);
   add_print(all, scenario);

@@ -11,6 +11,8 @@ void add_optics(Collector& all, Scenario& s) {
   all.track("lens.zoom", s.optics.zoom);
   all.track("lens.shift_x", s.optics.shift_x);
   all.track("lens.shift_y", s.optics.shift_y);
+  all.number("lens.focus_mm", s.optics.focus_mm);
+  all.number("lens.aperture_mm", s.optics.aperture_mm);
   all.track("sensor.defocus_px", s.sensor.defocus_px);
   all.track("sensor.defocus_disc_px", s.sensor.defocus_disc_px);
   all.number("sensor.gamma", s.sensor.gamma);
@@ -29,8 +31,27 @@ void add_timing(Collector& all, Scenario& s) {
   all.frames("timing.repeated", s.timing.repeated);
 }
 
+void add_ink(Collector& all, const std::string& name, const std::vector<Ink*>& inks) {
+  const auto add = [&](const char* what, double Ink::*member) {
+    all.number(name + what, [inks, member](double value) {
+      for (Ink* ink : inks) ink->*member = value;
+    });
+  };
+  add("line_share", &Ink::line_share);
+  add("gain_mm", &Ink::gain_mm);
+  add("rough_mm", &Ink::rough_mm);
+  add("rough_length_mm", &Ink::rough_length_mm);
+  add("mottle", &Ink::mottle);
+  add("mottle_length_mm", &Ink::mottle_length_mm);
+  add("grain", &Ink::grain);
+  add("grain_length_mm", &Ink::grain_length_mm);
+}
+
 // Every print of the scene alike, as from one printer.
 void add_prints(Collector& all, Scenario& s) {
+  std::vector<Ink*> inks;
+  for (SceneMarker& marker : s.markers) inks.push_back(&marker.ink);
+  add_ink(all, "ink.", inks);
   all.number("print.scale", [&s](double value) {
     for (SceneMarker& marker : s.markers) marker.place.print_scale = value;
   });
@@ -68,6 +89,7 @@ void add_faults(Collector& all, Scenario& scenario) {
 void add_faults_of(Collector& all, SceneMarker& m) {
   const std::string name = "marker." + m.print.name + ".";
   all.number(name + "place.stretch_x", m.place.stretch_x);
+  add_ink(all, name + "ink.", {&m.ink});
   all.frames(name + "cover.frames", m.cover.frames);
   all.number(name + "cover.share", m.cover.share);
   all.number(name + "cover.height_share", m.cover.height_share);

@@ -25,9 +25,12 @@ struct RenderOptions {
 using Picture = std::variant<Image<std::uint8_t>, Image<std::uint16_t>>;
 [[nodiscard]] LumaView view_of(const Picture& picture);
 
-// One frame as the sensor stores it.
+// Returns one frame as the camera stores it. With temporal processing that takes all frames before it: a `Recorder` is
+// cheaper for many of them.
 [[nodiscard]] Picture render(const Scenario& scenario, long frame, const RenderOptions& options = {});
-// The same in 8 bits whatever the scenario says, without the variant.
+// Returns the same without temporal processing.
+[[nodiscard]] Picture render_still(const Scenario& scenario, long frame, const RenderOptions& options = {});
+// The same as `render` in 8 bits whatever the scenario says, without the variant.
 [[nodiscard]] Image<std::uint8_t> render8(const Scenario& scenario, long frame, const RenderOptions& options = {});
 // The light itself in grey levels: no noise, no quantisation, no clipping.
 [[nodiscard]] Image<double> render_ideal(const Scenario& scenario, long frame, const RenderOptions& options = {});

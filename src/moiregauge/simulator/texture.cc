@@ -29,4 +29,11 @@ double roughness(std::uint64_t seed, double x_mm, double y_mm) {
          2.5 * value_noise(seed + 2, x_mm / 2.0, y_mm / 2.0);
 }
 
+// An even draw of +-1/2 at the knots has the variance 1/12; between them the weights of smooth steps leave 26/35 of it
+// along each axis: that is their squares' mean.
+double grain(std::uint64_t seed, double x, double y) {
+  constexpr double kRms = 0.28867513459481287 * 26.0 / 35.0;
+  return value_noise(seed, x, y) / kRms;
+}
+
 }  // namespace moiregauge::simulator

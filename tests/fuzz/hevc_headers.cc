@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// An HEVC stream's headers: the first byte says how the rest is divided into extradata and one packet.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "moiregauge/decoder/hevc_headers.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::span bytes(data + 1, size - 1);
+  const auto first = std::min<std::size_t>(bytes.size(), data[0]);
+  moiregauge::HevcHeaders headers;
+  headers.read_extradata(bytes.first(first));
+  const auto quantiser = headers.read_packet(bytes.subspan(first));
+  if (quantiser && (quantiser->parameter < -48 || quantiser->parameter > 51)) std::abort();
+  return 0;
+}

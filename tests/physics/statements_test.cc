@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the user states beyond the footage: believed where the footage agrees, contradicted where it does not.
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "common/simulated_run.h"
+
+namespace moiregauge {
+namespace {
+
+simulator::Scenario scenario_of(const char* name, double k1 = -0.37) {
+  auto scenario = *simulator::built_in(name);
+  scenario.camera.k1 = k1;  // -0.37: -1 % at the picture's corner
+  return scenario;
+}
+
+simulator::Scenario at_rest(simulator::Scenario scenario) {
+  scenario.markers.back().dx = scenario.markers.back().dy = simulator::Track{};
+  return scenario;
+}
+
+test::MeasuredRun measured_with_rest(const simulator::Scenario& scenario, FrameRange rest) {
+  test::RunPlan plan{.method = "precise", .frames = rest.end + 2};
+  plan.solve.rest = rest;
+  return test::measured(scenario, plan);
+}
+
+// 0.95 mm in 20 frames. Before a camera that travels by 5 mm a part of it could be another depth.
+TEST(StatedRest, OverFramesInWhichATargetMovesIsContradicted) {
+  const auto run = measured_with_rest(scenario_of("small-travel-5"), {.first = 0, .end = 20});
+  ASSERT_TRUE(run.solution.moved_at_rest);
+  const MovedAtRest& moved = *run.solution.moved_at_rest;
+  EXPECT_EQ(run.reference.site.markers[moved.marker].name, "mid");
+  EXPECT_GT(moved.mm, 0.5);
+  EXPECT_LT(moved.mm, 1.0);
+  EXPECT_LT(moved.u_mm, 0.01);
+  EXPECT_LT(moved.from, moved.to);
+  EXPECT_LT(moved.to, 20);
+  // The samples are those without the statement.
+  EXPECT_LE(test::largest(run.error_y_um), 5.0 * test::rms(run.u_y_um));
+}
+
+TEST(StatedRest, OfATargetThatSwingsByTwentyMicrometresIsContradicted) {
+  auto scenario = at_rest(scenario_of("small-1xyz"));
+  scenario.markers.back().dy.amplitude = 0.02, scenario.markers.back().dy.frequency_hz = 1.3;
+  const auto run = measured_with_rest(scenario, {.first = 0, .end = 20});
+  ASSERT_TRUE(run.solution.moved_at_rest);
+  EXPECT_NEAR(run.solution.moved_at_rest->mm, 0.04, 0.005);
+}
+
+// 30 mm behind the plane, unknown to the site; a camera that travels by 50 mm shows it moving by 1.2 mm.
+TEST(StatedRest, IsBelievedWhereOnlyTheCameraMoves) {
+  for (const char* name : {"small-still", "small-travel-5", "small-travel-50"}) {
+    const auto run = measured_with_rest(at_rest(scenario_of(name)), {.first = 0, .end = 10});
+    EXPECT_FALSE(run.solution.moved_at_rest) << name;
+  }
+}
+
+// A print half a per cent too large passes for one that is 6 mm nearer, until the rest shows where it is.
+TEST(StatedRest, IsBelievedWhereTheDepthWasInferredFromAWrongPrint) {
+  auto scenario = at_rest(scenario_of("small-travel-50"));
+  scenario.known_to.print_scale = 0.005;
+  scenario.markers.back().place.print_scale = 0.005;
+  const auto run = measured_with_rest(scenario, {.first = 0, .end = 10});
+  EXPECT_FALSE(run.solution.moved_at_rest);
+}
+
+constexpr double kNotStated = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<double, kCameraParameters> kWellKnown{3.0, 1.0, 1.0, 0.001, 0.01, 1e-5, 1e-5, kNotStated};
+
+test::MeasuredRun measured_with_camera(const simulator::Scenario& scenario, double k1) {
+  test::RunPlan plan{.method = "precise", .step = 3, .frames = 34};
+  plan.lens.width = scenario.camera.width, plan.lens.height = scenario.camera.height;
+  plan.lens.fx = plan.lens.fy = scenario.camera.fx;
+  plan.lens.cx = scenario.camera.cx, plan.lens.cy = scenario.camera.cy;
+  plan.lens.k1 = k1;
+  plan.solve.u_camera = kWellKnown;
+  return test::measured(scenario, plan);
+}
+
+TEST(GivenCamera, OfAnotherLensIsContradictedAndNoRowIsTrusted) {
+  for (const double k1 : {0.3, -0.37}) {
+    const auto run = measured_with_camera(scenario_of("small-1xyz", 0.0), k1);
+    EXPECT_TRUE(notes(run, "the references contradict --camera")) << k1;
+    EXPECT_FALSE(notes(run, "references moves")) << k1;
+    for (const Sample& s : run.samples) EXPECT_NE(s.status, Status::kOk) << "frame " << s.frame;
+  }
+}
+
+TEST(GivenCamera, ThatIsRightIsBelieved) {
+  for (const char* name : {"small-1xyz", "small-travel-50"}) {
+    const auto run = measured_with_camera(scenario_of(name), -0.37);
+    EXPECT_FALSE(notes(run, "contradict")) << name;
+    for (const Sample& s : run.samples) EXPECT_EQ(s.status, Status::kOk) << name << " frame " << s.frame;
+  }
+}
+
+bool finds(const test::MeasuredRun& run, const std::string& what) {
+  for (const std::string& line : run.solution.findings) {
+    if (line.find(what) != std::string::npos) return true;
+  }
+  return false;
+}
+
+// 11 mm stated, 10 mm printed: it looks like a print of 11 mm that is 120 mm further away (1200 mm 1.1 - 1200 mm).
+TEST(ApparentSize, OfAPitchStatedATenthTooLargeIsTold) {
+  const auto scenario = scenario_of("small-1xyz", 0.0);
+  Site site = simulator::site_of(scenario);
+  site.markers.back().grating->pitch_mm = 11.0;
+  test::RunPlan plan{.method = "precise", .step = 8, .frames = 16};
+  plan.site = site;
+  const auto run = test::measured(scenario, plan);
+  EXPECT_TRUE(finds(run, "'mid' may be wrong by 9")) << ::testing::PrintToString(run.solution.findings);
+  EXPECT_TRUE(finds(run, "its pitch is 10")) << ::testing::PrintToString(run.solution.findings);
+  EXPECT_TRUE(finds(run, "further away")) << ::testing::PrintToString(run.solution.findings);
+}
+
+TEST(ApparentSize, OfPrintsWhereTheyAreStatedIsNotTold) {
+  EXPECT_FALSE(
+      finds(test::measured(scenario_of("small-1xyz"), {.method = "precise", .step = 8, .frames = 16}), "looks"));
+}
+
+}  // namespace
+}  // namespace moiregauge
