@@ -21,7 +21,7 @@ def refused(*words):
     said = re.search(r"^error: not at rest: target 'mid' moves by ([0-9.]+) mm \(u ([0-9.]+) mm\) between frames (\d+) and (\d+) of --rest 0:12: ", lines[0])
     insist(said, f"it says: {lines[0]}")
     mm, u_mm, first, last = (float(word) for word in said.groups())
-    # The truth: 0.05 mm from frame to frame, 0.55 mm in all. What of it looks like another depth before this camera is no movement.
+    # The truth: 0.05 mm from frame to frame, 0.55 mm in all. The share that looks like another depth before this camera is no movement.
     insist(0.2 < mm < 0.6 and u_mm < 0.02, f"moves by {mm}, u {u_mm}")
     insist(0 <= first < last < 12, f"frames {first} and {last}")
     return lines[0]

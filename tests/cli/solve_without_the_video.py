@@ -45,7 +45,7 @@ measure("precise-wrong-site", "--site", work / "wrong.toml", "--method", "precis
 measure("vague-site", "--site", work / "vague.toml", "--method", "precise")
 measure("rested", "--site", site, "--method", "precise", "--rest", "0:1")
 measure("without-site", "--pitch", "10mm", "--method", "precise")
-# What the footage does not determine has no camera.toml: the camera hardly turns here.
+# No camera.toml for a lens that the footage does not determine: the camera hardly turns here.
 insist(not (work / "precise/camera.toml").exists(), "a camera.toml of a lens that is not determined")
 measure("given-back", "--site", work / "precise-with-lens/site.toml", "--camera", truth, "--method", "precise")
 shutil.rmtree(frames)

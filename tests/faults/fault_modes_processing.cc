@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cameras make of light before they store it: tone curves, sharpening, smoothing, earlier frames.
+// Processing inside cameras before a picture is stored: tone curves, sharpening, smoothing, earlier frames.
 #include <string>
 
 #include "faults/fault_modes.h"
@@ -119,7 +119,7 @@ void add_memory(std::vector<Mode>& all) {
         processing(q).recursion = 0.7;
         processing(q).motion_grey = s;
       });
-  add(all, "frames averaged", "every frame the mean of so many", "{:.0f}", {2, 3, 6},
+  add(all, "frames averaged", "every frame the mean of N", "{:.0f}", {2, 3, 6},
       [](Sequence& q, int seed, double s) {
         film(q, seed);
         processing(q).average_frames = static_cast<int>(s);

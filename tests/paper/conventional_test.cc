@@ -69,7 +69,7 @@ TEST(Conventional, TravelBeyondHalfAPitchIsFollowedFromFrameToFrame) {
     for (const Sample& s : run.samples) {
       EXPECT_NE(s.status, Status::kOrderUnproven) << "frame " << s.frame;
       if (!has_numbers(s.status)) continue;
-      // Near the print's edge the window reads a little beside it; a wrong order would be 10 000 um.
+      // Near the print's edge the window reads a little outside it; a wrong order would be 10 000 um.
       EXPECT_LT(std::abs(run.error_y_um[k++]), 200.0) << "frame " << s.frame;
       ok += s.status == Status::kOk && std::abs(s.displacement.y) > 5.0;
     }

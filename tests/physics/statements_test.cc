@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the user states beyond the footage: believed where the footage agrees, contradicted where it does not.
+// Statements of the user beyond the footage: believed where the footage agrees, contradicted where it does not.
 #include <array>
 #include <cmath>
 #include <limits>

@@ -90,10 +90,10 @@ def one_clip(program, frames, tone, sharpen, seed):
             site, out = pathlib.Path(folder) / f"{name}.toml", pathlib.Path(folder) / name
             site.write_text(text)
             run([program, "measure", clip / "frames", "--site", site, "--fps", 10, "--quiet", "-o", out])
-            told, rows, ok, lies, found = errors(out, clip / "truth.csv")
+            tone_read, rows, ok, lies, found = errors(out, clip / "truth.csv")
             pairs = found["dx"] + found["dy"]
             inside = sum(abs(e) <= 1.96 * u for e, u in pairs) / max(1, len(pairs))
-            print(f"| {tone} | {sharpen} | {seed} | {name} | {told['tone']} ({told['tone_source']}) | {ok} of {rows} | "
+            print(f"| {tone} | {sharpen} | {seed} | {name} | {tone_read['tone']} ({tone_read['tone_source']}) | {ok} of {rows} | "
                   f"{rms([e for e, _ in found['dx']]):.1f} / {rms([e for e, _ in found['dy']]):.1f} | "
                   f"{rms([u for _, u in found['dx']]):.1f} / {rms([u for _, u in found['dy']]):.1f} | {100 * inside:.1f} % | {lies} |",
                   flush=True)

@@ -67,7 +67,7 @@ struct Scene {
 };
 
 // Returns whether the footage determines the camera: a lens was solved, and its focal length has a u of a tenth or less.
-// Of a worse one neither angles nor a camera file can be made. A plane model holds the lens at what was given.
+// A worse one gives neither angles nor a camera file. A plane model holds the lens at what was given.
 [[nodiscard]] bool determines_camera(const Scene& scene);
 
 }  // namespace moiregauge

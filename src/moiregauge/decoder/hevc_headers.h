@@ -13,7 +13,7 @@ namespace moiregauge {
 
 class BitReader;
 
-// Of one picture: SliceQpY (7-54) of its coarsest slice, on the scale of 8-bit grey levels (-48 to 51).
+// One picture's SliceQpY (7-54), that of its coarsest slice, on the scale of 8-bit grey levels (-48 to 51).
 struct HevcQuantiser {
   int parameter = 0;
   bool varies = false;  // blocks may differ from their slice (cu_qp_delta_enabled_flag)
@@ -54,7 +54,7 @@ class HevcHeaders {
     bool weighted = false, weighted_both_ways = false;
     bool modifies_lists = false;
   };
-  // What a slice of a predicted picture says before its quantiser.
+  // The fields of a predicted picture's slice before its quantiser.
   struct Prediction {
     bool both_ways = false, has_chroma = false, uses_vectors = false;
     int neighbours = 0;  // pictures that it may be predicted from

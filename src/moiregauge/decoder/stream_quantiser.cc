@@ -15,7 +15,7 @@ extern "C" {
 namespace moiregauge {
 namespace {
 
-// An allowance: parameters by which a print's blocks may be coarser than their slice. Only decoding tells the blocks' own.
+// An allowance: parameters by which a print's blocks may be coarser than their slice. Only decoding gives the blocks' own.
 constexpr int kCoarserBlocks = 3;
 
 // VP9's table of luma steps, in eighths of a grey level: near enough to 8 % (a step's uncertainty is far larger).

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxFrames = 40;
 constexpr double kMatters = 1.0;  // u of a displacement
-// Times the quantile of chance. What a template misses at its edges is the same in all frames, so chi2 of a right camera
+// Times the quantile of chance. A template's residuals at its edges are the same in all frames, so chi2 of a right camera
 // falls by more than chance has it: by up to 34 in 16 runs of a still camera (quantile 26). Wrong cameras that change
 // displacements by more than their u: 8500 and more.
 constexpr double kBeyondTemplates = 10.0;

@@ -161,7 +161,7 @@ class SceneSolver {
                      site_.markers[marker].name, went.mm, went.u_mm));
   }
 
-  // A target's depth is read from how its print's size changes with distance. What a camera makes of an edge changes with
+  // A target's depth is read from how its print's size changes with distance. A camera's rendering of an edge changes with
   // distance too, the same way in all frames: no number of them lowers that share. At rest parallax shows the depth.
   void allow_for_apparent_size(bool lossy) {
     Scene& scene = out_.calibration.bundle.scene;

@@ -27,7 +27,7 @@ struct PreciseScene {
   PrintError print_error;           // belongs in the covariance of `frames`
 
   bool references_verified = false;
-  bool doubtful = false;             // one of the references moves, and it cannot be told which
+  bool doubtful = false;             // one of the references moves, and it is not known which
   bool camera_contradicted = false;  // the camera that was given is not the one that filmed
   std::vector<std::string> notes;    // what the user should know
   std::string remedy;  // what to do where no row is trusted, as an order; empty where nothing is known to help

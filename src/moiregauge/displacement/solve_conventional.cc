@@ -34,7 +34,7 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
 
 // Temporal phase unwrapping of one target: every reading is brought into the fringe order nearest to the last one. A
 // reading further than a quarter of a pitch from the last one leaves the order open, for the target may as well have
-// gone the other way. It stays open from there on.
+// moved the other way. It stays open from there on.
 class UnwrappedPhase {
  public:
   explicit UnwrappedPhase(const RasterPlan& plan) : plan_(plan) {}
@@ -67,7 +67,7 @@ class UnwrappedPhase {
   bool is_open_ = false;
 };
 
-// Of one target, in both directions from the reference frame, where it is at zero.
+// Unwraps one target in both directions from the reference frame, in which it is at zero.
 void follow_orders(const Reference& reference, std::size_t target, Samples& samples) {
   std::vector<Sample*> before, after;
   for (Sample& sample : samples) {

@@ -207,7 +207,7 @@ void Pen::label_beside(const std::vector<ImagePoint>& corners, const std::string
   std::pair<double, double> best = places[0];
   for (const auto& place : places) {
     const Box box{place.first, place.second, size.width, size.height};
-    // What would have to be pushed inside counts too.
+    // A part that would have to be pushed inside counts too.
     const double covered = size.width * size.height - box.shared_with(within) + this->covered(box);
     double away = 1e300;
     for (const ImagePoint& p : corners) away = std::min(away, box.distance_to(page_x(p.x), page_y(p.y)));

@@ -40,7 +40,7 @@ struct Tone {
 // gives 0 below black. Sources: IEC 61966-2-1 (sRGB), ITU-R BT.709-6, ITU-R BT.2100-2 (HLG, PQ).
 [[nodiscard]] double light_of(const ToneCurve& curve, double grey);
 
-// Returns the light of every grey level of so many bits, in 16 bits: 0 for the lowest light, kMostLight for the highest.
+// Returns the light of every grey level of `bits` bits, in 16 bits: 0 for the lowest light, kMostLight for the highest.
 [[nodiscard]] std::vector<std::uint16_t> light_table(const ToneCurve& curve, int bits);
 inline constexpr int kLightBits = 16;
 inline constexpr double kMostLight = 65535.0;

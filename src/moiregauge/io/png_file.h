@@ -10,7 +10,7 @@
 
 namespace moiregauge {
 
-// What the file says of its grey levels: nothing, or that they are light (gAMA 1).
+// The file's statement about its grey levels: nothing, or that they are light (gAMA 1).
 enum class PngTone { kUnstated, kLinear };
 
 // Writes 8-bit pictures as they are; 9 to 16 bits with `bits` noted in the file (sBIT) and the value in the low bits.

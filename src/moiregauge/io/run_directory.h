@@ -14,7 +14,7 @@
 
 namespace moiregauge {
 
-// Draws overlay.png, nothing where there is no picture; handed in, because drawing stands beside io.
+// Draws overlay.png, nothing where there is no picture; handed in, because io does not know drawing.
 using DrawOverlay = std::function<std::vector<std::uint8_t>(const Measurement&)>;
 
 // Puts more files into the folder of the results, before it takes its place; errors read "path: why".

@@ -99,7 +99,7 @@ Json scene_json(const Measurement& measurement) {
           {"u_print_stretch", stated(std::sqrt(scene.stated_covariance()(kStretchParameter, kStretchParameter)))}};
 }
 
-// What a tape can check.
+// A length that a tape can check.
 Json scale_json(const Measurement& measurement) {
   if (!measurement.reference) return nullptr;
   const ScaleCheck check = scale_check(*measurement.reference);

@@ -113,7 +113,7 @@ namespace {
 // A site that knows its places this much better than the pitch means the symmetry points of its prints; one that does
 // not is served as well by the view through the circles.
 constexpr double kSurveyed = 0.05;  // pitches
-// What an unknown lens does to the way from a circle to its grating, relative, at most: 5 % at the picture's corner.
+// The largest relative change that an unknown lens makes to the way from a circle to its grating: 5 % at the picture's corner.
 constexpr double kLensAcross = 0.02;
 constexpr double kSureOfPlace = 3.0;  // u
 

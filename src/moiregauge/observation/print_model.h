@@ -49,7 +49,7 @@ inline constexpr double kPrintEdgePx = 2.4;
 // Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, the fundamental first; template
 // and map in turn, beginning with the map as `view` or the phases have it, until the map stands still; or the
 // fundamental alone, as `use` says. Zero displacement is where the site puts the print. With a positive `origin_within`
-// (pitches) it is the print's own symmetry point next to there, and `u_origin` is how well that is known. Where no such
+// (pitches) it is the print's own symmetry point next to there, and `u_origin` is how well that is known. If no such
 // point is so near, the origin stays, and `u_origin` is how far off the nearest one is. Grey levels that are `in_light` already
 // need no width of lines: there more blur moves no edge.
 [[nodiscard]] tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view,

@@ -16,7 +16,7 @@ constexpr double kMaxOddPower = 0.01;  // of the print's power
 double to_nearest_half(double pitches) { return pitches - 0.5 * std::round(2.0 * pitches); }
 double to_nearest_whole(double pitches) { return pitches - std::round(pitches); }
 
-// Of prints with lines along both axes: crossings of dark lines, and half a pitch further along both, of light ones.
+// Prints with lines along both axes: crossings of dark lines, and half a pitch further along both, of light ones.
 PrintOrigin of_crossings(Complex x, Complex y) {
   const double dx = to_nearest_whole(-std::arg(x) / kTurn), dy = to_nearest_whole(-std::arg(y) / kTurn);
   const PrintPoint light{dx, dy}, dark{to_nearest_whole(dx + 0.5), to_nearest_whole(dy + 0.5)};
@@ -24,7 +24,7 @@ PrintOrigin of_crossings(Complex x, Complex y) {
   return {is_light ? light : dark, std::sqrt(0.5), 0.0};
 }
 
-// Of checkerboards, whose fundamentals run along the diagonals: corners and centres of squares.
+// Checkerboards, whose fundamentals run along the diagonals: corners and centres of squares.
 PrintOrigin of_checkers(Complex up, Complex down) {
   const double u = to_nearest_half(-std::arg(up) / kTurn), v = to_nearest_half(-std::arg(down) / kTurn);
   return {{0.5 * (u + v), 0.5 * (u - v)}, std::sqrt(0.125), 0.0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a print's own symmetry point is. A template learned through the reference frame's view has its origin where that
+// Finds a print's own symmetry point. A template learned through the reference frame's view has its origin where that
 // view puts `grating_mm`: off by what the lens does to the circles. The print itself shows the point that the site means.
 #pragma once
 

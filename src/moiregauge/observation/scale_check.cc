@@ -9,7 +9,7 @@
 namespace moiregauge {
 namespace {
 
-// Of the longest distance. The side of a square is 0.71 of its diagonal, and a side is easier to measure.
+// A share of the longest distance. The side of a square is 0.71 of its diagonal, and a side is easier to measure.
 constexpr double kNearlyLongest = 0.7;
 
 BoardPoint centre_of_marker(const Marker& marker) {

@@ -26,7 +26,7 @@ struct ToneExponent {
 
 // Returns the power that makes the edges of prints symmetric, were the samples' levels first mapped back by `from`:
 // identity for grey levels, or the curve that made light of them. Returns nothing where fewer than two axes of prints show
-// straight edges with flat black and white beside them (dots, lines too thin for the blur, a single noisy print).
+// straight edges with flat black and white next to them (dots, lines too thin for the blur, a single noisy print).
 [[nodiscard]] std::optional<ToneExponent> edge_exponent(std::span<const ToneSample> samples, const ToneCurve& from);
 
 }  // namespace moiregauge

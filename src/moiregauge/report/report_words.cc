@@ -128,7 +128,7 @@ double at_corner(const Camera& camera, int width, int height) {
 
 std::string sentence_of_lens(const WordedRun& run) {
   const Measurement& m = run.measurement;
-  const auto told = [&](const char* how, const Camera& camera) {
+  const auto camera_text = [&](const char* how, const Camera& camera) {
     const double percent = 100.0 * at_corner(camera, m.input.width, m.input.height);
     if (std::abs(percent) < 0.005)
       return fmt::format("The lens was {}: it distorts the picture's corner by less than 0.01 %.", how);
@@ -136,10 +136,10 @@ std::string sentence_of_lens(const WordedRun& run) {
                        percent < 0.0 ? "−" : "+", std::abs(percent));
   };
   const std::optional<Scene>& scene = stated_scene(m);
-  if (scene && determines_camera(*scene)) return told("solved from the footage", scene->camera);
+  if (scene && determines_camera(*scene)) return camera_text("solved from the footage", scene->camera);
   if (scene && scene->model.radial && !run.options.camera)
     return "The lens is corrected as far as the footage shows it; its focal length is not determined.";
-  if (run.options.camera) return told("given", *run.options.camera);
+  if (run.options.camera) return camera_text("given", *run.options.camera);
   if (scene) return "The footage asks for no lens distortion; what it leaves open is part of the uncertainty.";
   return "No lens is known: it is taken to be free of distortion.";
 }
@@ -270,7 +270,7 @@ Words words_of(const WordedRun& run) {
     words.summary.push_back(sentence_of_target(run, m.targets[k]));
     add_vibration(name, m.spectra[k], words.summary);
   }
-  // Of a refused run nothing is determined.
+  // A refused run determines nothing.
   if (m.exit != Exit::kRefused) {
     words.summary.push_back(sentence_of_camera(run));
     words.summary.push_back(sentence_of_lens(run));

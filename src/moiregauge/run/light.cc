@@ -11,7 +11,7 @@
 namespace moiregauge {
 namespace {
 
-// Prints are not perfect: ink spreads, and paper glows beside it. What these leave of asymmetry in an edge looks like a
+// Prints are not perfect: ink spreads, and paper glows next to it. Such asymmetry of an edge looks like a
 // power up to a tenth off 1, and is no reason to map grey levels at all.
 constexpr double kSameExponent = 0.1;
 constexpr double kSureOfIt = 3.0;                   // u

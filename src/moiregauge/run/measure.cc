@@ -81,7 +81,7 @@ class Run {
     return refer_in_light(frame) && shows_light(*out_.reference, out_.input.bits);
   }
 
-  // Where the prints' edges contradict the stated tone curve, the reference frame is made again by theirs.
+  // If the prints' edges contradict the stated tone curve, the reference frame is made again by theirs.
   bool follow_shown_tone(const Frame& frame) {
     const Tone stated = light_.tone();
     for (int round = 0; round < kMaxToneRounds && !options_.tone; ++round) {
@@ -101,7 +101,7 @@ class Run {
     return true;
   }
 
-  // What the user says of the tone curve, or the input.
+  // The user's statement of the tone curve, or the input's.
   [[nodiscard]] Tone stated_tone() const {
     Tone tone = out_.input.tone;
     if (!options_.tone) return tone;

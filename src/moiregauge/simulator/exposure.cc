@@ -203,7 +203,7 @@ void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& mar
     const Matrix3 seen = camera_from_print(scenario, marker, time);
     for (const BoardPoint point : outline(print_)) {
       const double depth_mm = product(seen, Vector3{point.x, point.y, 1.0})[2];
-      if (depth_mm <= 1.0) return;  // beside or behind the camera
+      if (depth_mm <= 1.0) return;  // next to or behind the camera
       defocus = std::max(defocus, focus_.variance(1.0 / depth_mm));
       const ImagePoint pixel = image_of(camera_, ray_of(seen, point));
       x0 = std::min(x0, pixel.x);

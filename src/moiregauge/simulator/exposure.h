@@ -19,7 +19,7 @@ struct Movement {
   double sag_px = 0.0;  // of the middle from the straight line
 };
 
-// What a lens makes of points nearer or farther than its focus.
+// The blur of points nearer or farther than the lens's focus.
 class Focus {
  public:
   explicit Focus(const Scenario& scenario);

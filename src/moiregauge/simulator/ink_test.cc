@@ -63,7 +63,7 @@ TEST(Ink, RaggedEdgesAndUnevenInkMoveWithThePrint) {
 }
 
 TEST(Ink, EdgesWanderByTheirRoughness) {
-  // Of lines across, the position of an edge in every column: its grey levels there over the slope.
+  // The position of a horizontal line's edge in every column: its grey levels there over the slope.
   Scenario scenario = ink_lines(Pattern::kLinesY);
   const auto straight = render_ideal(scenario, 0);
   Ink& ink = scenario.markers[0].ink;

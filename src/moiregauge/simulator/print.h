@@ -94,7 +94,7 @@ class PrintedGrating {
 // A marker's sheet: white paper, a grating, a disc.
 class PrintedMarker {
  public:
-  // `fold_mm`: by how much what hangs right of its centre has been pushed to the right; `seed`: of its ink.
+  // `fold_mm`: by how much its part right of the centre has been pushed to the right; `seed`: of its ink.
   explicit PrintedMarker(const SceneMarker& marker, double fold_mm = 0.0, std::uint64_t seed = 0);
   // A bare sheet.
   PrintedMarker(BoardPoint low, BoardPoint high);
@@ -108,7 +108,7 @@ class PrintedMarker {
   [[nodiscard]] double seen_paper(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_circle(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_grating(const Footprint& pixel, const Blur& blur) const;
-  // Where ink of an ideal print would be that is really at a point of the grating's own axes.
+  // Returns the ideal print's point for the ink that is really at a point of the grating's own axes.
   [[nodiscard]] BoardPoint smoothed(BoardPoint own) const;
   // Where on the flat sheet what is seen at x was printed.
   [[nodiscard]] double unfolded(double x) const { return x > crease_mm_ ? x - fold_mm_ : x; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera does to one picture after its tone curve and before it stores it.
+// The processing of one picture after the camera's tone curve and before it is stored.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace moiregauge::simulator {
 class DrawnParts {
  public:
   DrawnParts(int width, int height);
-  // Adds pixels left..right of rows top..bottom, the last ones left out; cut to the picture.
+  // Adds pixels left..right of rows top..bottom, ends excluded; cut to the picture.
   void add(int left, int top, int right, int bottom);
   // Calls `act(from, to)` for every run of pixels of row y in any of them.
   template <typename Act>

@@ -51,7 +51,7 @@ Patch corner_of(const Image<std::uint8_t>& picture) {
   const double mean = sum / count;
   return {mean, std::sqrt(squares / count - mean * mean)};
 }
-// Of a scatter of 480 pixels, 3.2 % relative; 4 of them, and rounding, 1 / 12 of a grey level squared.
+// A standard deviation from 480 pixels is good to 3.2 %; 4 of these, and rounding, 1 / 12 of a grey level squared.
 constexpr double kScatterTolerance = 0.15;
 
 TEST(ToneCurve, StretchesTheNoiseOfTheDark) {

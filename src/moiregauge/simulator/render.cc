@@ -116,7 +116,7 @@ class Rendering {
     }
   }
 
-  // Where anything is drawn, and `reach` px around it.
+  // The region in which anything is drawn, and `reach` px around it.
   [[nodiscard]] DrawnParts drawn(int reach) const {
     const Camera& camera = scenario_.camera;
     DrawnParts parts(camera.width, camera.height);

@@ -92,7 +92,7 @@ struct Processing {
   double sharpen_radius_px = 1.0;
   double low_pass = 0.0;     // cycles per px beyond which nothing passes: edges ring
   double pixel_size = 1.0;   // px: blocks of this side show their mean; 2 is a picture doubled in size
-  int average_frames = 1;    // the mean of so many frames up to this one
+  int average_frames = 1;    // the mean of this number of frames, this one the last
   double recursion = 0.0;    // share of what the frame before was made of in this one
   double motion_grey = 0.0;  // both only where less than this has changed, grey levels; 0: everywhere
 };
@@ -130,10 +130,10 @@ struct Glare {
   double sigma_mm = 3.0;
 };
 
-// What a printer makes of a print: it is part of the print and moves with it.
+// A printer's deviations from the ideal print: part of the print, they move with it.
 struct Ink {
   double line_share = 0.5;       // of the pitch that is ink in dark lines, squares and dots
-  double gain_mm = 0.0;          // every edge of the grating's ink is so much further out: dot gain
+  double gain_mm = 0.0;          // dot gain: every edge of the grating's ink is further out by this
   double rough_mm = 0.0;         // edges are ragged: rms along each axis
   double rough_length_mm = 0.3;  // over which raggedness changes
   double mottle = 0.0;           // uneven ink: rms, relative to white less black
@@ -143,7 +143,7 @@ struct Ink {
   [[nodiscard]] bool is_uneven() const { return mottle != 0.0 || grain != 0.0; }
 };
 
-// What is really there. `print` is what site.toml says of it; `place` is by how much the truth differs from that.
+// The true marker. `print` is as site.toml states it; `place` is by how much the truth differs from that.
 struct SceneMarker {
   Marker print;
   bool inverted = false;  // white lines on black
