@@ -41,29 +41,39 @@ class UnwrappedPhase {
   void follow(Sample& sample) {
     // Behind a camera that moves the target's own movement is unknown: as published it is read within half a pitch.
     if (!has_numbers(sample.status) || sample.status == Status::kCameraMoved) return;
-    const auto wrapped = sample.displacement;
-    auto along = raster_from_board(plan_, {or_zero(wrapped.x), or_zero(wrapped.y)});
-    std::array<double, 2> whole{};
-    bool leaps = false;
+    const auto wrapped = raster_from_board(plan_, {or_zero(sample.displacement.x), or_zero(sample.displacement.y)});
+    const auto whole = whole_pitches(wrapped, last_);
+    bool is_open = false;
+    RasterWay along{};
     for (std::size_t k = 0; k < along.size(); ++k) {
-      whole[k] = plan_.pitch_mm * std::round((last_[k] - along[k]) / plan_.pitch_mm);
-      along[k] += whole[k];
-      leaps = leaps || std::abs(along[k] - last_[k]) > kSureOfOrder * plan_.pitch_mm;
+      along[k] = wrapped[k] + whole[k] * plan_.pitch_mm;
+      is_open = is_open || std::abs(along[k] - last_[k]) > kSureOfOrder * plan_.pitch_mm;
     }
-    // Something before the print may show any phase.
-    if (sample.status != Status::kPartlyCovered) {
-      last_ = along;
-      is_open_ = is_open_ || leaps;
+    // An occlusion may show any phase: alone it neither opens the order for good nor settles it.
+    if (sample.status == Status::kPartlyCovered) {
+      if (!is_open) last_ = along;
+    } else {
+      is_open_ = is_open_ || is_open || whole != whole_pitches(wrapped, last_whole_print_);
+      last_ = last_whole_print_ = along;
     }
-    sample.displacement = wrapped + board_from_raster(plan_, whole[0], whole[1]);
-    if (!is_open_) return;
+    sample.displacement =
+        sample.displacement + board_from_raster(plan_, whole[0] * plan_.pitch_mm, whole[1] * plan_.pitch_mm);
+    if (!is_open && !is_open_) return;
     sample.status = Status::kOrderUnproven;
     sample.displacement = sample.u = {kNotMeasured, kNotMeasured};
   }
 
  private:
+  using RasterWay = std::array<double, 2>;  // mm or pitches along the raster's axes
+
+  // Returns the pitches to add to a wrapped reading to come nearest to `last`.
+  [[nodiscard]] RasterWay whole_pitches(const RasterWay& wrapped, const RasterWay& last) const {
+    return {std::round((last[0] - wrapped[0]) / plan_.pitch_mm), std::round((last[1] - wrapped[1]) / plan_.pitch_mm)};
+  }
+
   const RasterPlan& plan_;
-  std::array<double, 2> last_{};  // mm along the raster's axes
+  RasterWay last_{};              // mm
+  RasterWay last_whole_print_{};  // mm: of the last reading without an occlusion
   bool is_open_ = false;
 };
 
@@ -76,8 +86,8 @@ void follow_orders(const Reference& reference, std::size_t target, Samples& samp
   }
   std::reverse(before.begin(), before.end());
   for (const auto& way : {before, after}) {
-    UnwrappedPhase order(reference.plans[target]);
-    for (Sample* sample : way) order.follow(*sample);
+    UnwrappedPhase phase(reference.plans[target]);
+    for (Sample* sample : way) phase.follow(*sample);
   }
 }
 
