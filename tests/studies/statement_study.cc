@@ -103,16 +103,20 @@ void print_row(const std::string& name, bool is_true, const StatementTally& t) {
   std::fflush(stdout);
 }
 
+Scenario with_seed(Scenario s, int seed) {
+  s.seed = static_cast<std::uint64_t>(seed);
+  auto& m = s.mount;
+  for (auto* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z})
+    track->random_seed += 10 * seed;
+  return s;
+}
+
 void study_rest(const StudyWords& words) {
   for (const RestCase& c : rest_cases()) {
     if (c.name.find(words.only) == std::string::npos) continue;
     StatementTally tally;
     for (int n = 0; n < words.runs; ++n) {
-      Scenario s = c.scenario;
-      s.seed = static_cast<std::uint64_t>(words.seed + n);
-      auto& m = s.mount;
-      for (auto* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z})
-        track->random_seed += 10 * (words.seed + n);
+      const Scenario s = with_seed(c.scenario, words.seed + n);
       test::RunPlan plan{.method = "precise", .frames = c.frames};
       plan.solve.rest = c.rest;
       const test::MeasuredRun run = test::measured(s, plan);
@@ -185,11 +189,7 @@ void study_camera(const StudyWords& words) {
     if (c.name.find(words.only) == std::string::npos) continue;
     StatementTally tally;
     for (int n = 0; n < words.runs; ++n) {
-      Scenario s = c.scenario;
-      s.seed = static_cast<std::uint64_t>(words.seed + n);
-      auto& m = s.mount;
-      for (auto* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z, &m.shift_x, &m.shift_y, &m.shift_z})
-        track->random_seed += 10 * (words.seed + n);
+      const Scenario s = with_seed(c.scenario, words.seed + n);
       test::RunPlan plan{.method = "precise", .step = 4, .frames = 40};
       plan.lens = camera_of(s);
       c.misstate(plan.lens);

@@ -17,12 +17,13 @@ struct RunEnd {
   InputInfo input;
   std::vector<std::string> notes;
   std::string refusal;
+  CameraProcessing processing;
   bool input_damaged = false;
   bool interrupted = false;
   std::size_t observations = 0;
 };
 template <>
-inline constexpr std::size_t kFields<RunEnd> = 6;
+inline constexpr std::size_t kFields<RunEnd> = 7;
 template <>
 inline constexpr std::size_t kFields<RunStart> = 5;
 
@@ -195,6 +196,7 @@ class RunReader {
       seen.input = std::move(end_->input);
       seen.notes = std::move(end_->notes);
       seen.refusal = std::move(end_->refusal);
+      seen.processing = end_->processing;
       seen.input_damaged = end_->input_damaged;
       seen.interrupted = end_->interrupted;
     } else {
@@ -269,7 +271,7 @@ std::string frame_bytes(const Observation& seen) { return record(kObservationTag
 
 std::string end_bytes(const Seen& seen, const MeasureOptions& options) {
   return (options.solve.rest ? record(kOptionsTag, options) : std::string{}) +
-         record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.input_damaged, seen.interrupted,
+         record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.processing, seen.input_damaged, seen.interrupted,
                                 seen.observations.size()});
 }
 

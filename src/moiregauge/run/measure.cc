@@ -135,6 +135,7 @@ class Run {
     note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, out_.reference->seen);
     out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
     follower_.emplace(*out_.reference);
+    processing_.refer(*out_.reference, frame.luma);
     return true;
   }
 
@@ -170,7 +171,9 @@ class Run {
     return true;
   }
   void keep_picture(const Frame& frame) {
-    if (frame.number == out_.reference->seen.frame) out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
+    if (frame.number != out_.reference->seen.frame) return;
+    if (!processing_.is_referred()) processing_.refer(*out_.reference, frame.luma);
+    out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
   }
   // A run that is stopped again while it passes over frames still holds them all.
   void stop() {
@@ -179,12 +182,15 @@ class Run {
                              kept_.end());
   }
   [[nodiscard]] std::optional<std::string> note_on_repeats() const {
-    if (repeated_ == 0) return std::nullopt;
+    const std::vector<long> repeated = processing_.result().repeated;
+    if (repeated.empty()) return std::nullopt;
     return fmt::format(
         "{} of {} frames repeat{} the one before to the last bit (the first is frame {}): a dropped frame or "
-        "an unchanging source; the time of a repeated frame is not that of what it shows",
-        repeated_, out_.observations.size(), repeated_ == 1 ? "s" : "", first_repeated_);
+        "an unchanging source; rows of repeated frames are not trusted where a target moves, for their time is an "
+        "earlier one",
+        repeated.size(), out_.observations.size(), repeated.size() == 1 ? "s" : "", repeated.front());
   }
+  [[nodiscard]] CameraProcessing processing() const { return processing_.result(); }
   [[nodiscard]] bool hopeless() const { return hopeless_; }
   [[nodiscard]] bool can_go_on() const { return journal_ == nullptr || journal_->good(); }
 
@@ -192,7 +198,12 @@ class Run {
   void put(const Frame& frame, Observation seen) {
     if (out_.reference) rounding_ = std::max(rounding_, rounding_of(*out_.reference, seen));
     out_.observations.push_back(std::move(seen));
-    if (repeats_.repeats(frame.luma) && !frame.damaged && ++repeated_ == 1) first_repeated_ = frame.number;
+    if (repeats_.repeats(frame.luma) && !frame.damaged)
+      processing_.repeat(frame.number);
+    else if (frame.damaged || !out_.reference)
+      processing_.interrupt();
+    else
+      processing_.add(*out_.reference, out_.observations.back(), frame, out_.input.bits);
     if (frames_ == nullptr) return;
     const bool is_before = !out_.reference || (!options_.reference_frame && frame.number < out_.reference->seen.frame);
     frames_->add(frame, out_.input.bits, is_before ? nullptr : &*out_.reference, out_.observations.back());
@@ -227,7 +238,7 @@ class Run {
   LightMap light_;
   double rounding_ = 0.0;  // of the observations so far
   RepeatedFrames repeats_;
-  long repeated_ = 0, first_repeated_ = -1;
+  ProcessingWatch processing_;
   bool hopeless_ = false;
 };
 
@@ -391,6 +402,7 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
+  if (auto warning = distrust_processed(out.processing, out.samples)) out.warnings.push_back(*std::move(warning));
   out.targets = summarise(*out.reference, out.samples);
   out.spectra = spectra_of(out.samples, out.targets);
   if (auto note = codec_note(out)) out.warnings.push_back(*std::move(note));
@@ -426,6 +438,7 @@ tl::expected<Measurement, InputError> watch(const OpenInput& open, const Measure
     out.input = (*source)->info();
   }
   if (out.reference) out.input.tone = out.reference->tone;
+  out.processing = run.processing();
   if (auto note = run.note_on_repeats()) out.notes.push_back(*std::move(note));
   out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
   if (std::isnan(out.input.fps)) out.notes.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");

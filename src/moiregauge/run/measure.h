@@ -13,6 +13,7 @@
 #include "moiregauge/observation/site_from_picture.h"
 #include "moiregauge/results/peaks.h"
 #include "moiregauge/results/summary.h"
+#include "moiregauge/run/camera_processing.h"
 #include "moiregauge/run/frame_sink.h"
 #include "moiregauge/run/frame_source.h"
 #include "moiregauge/run/journal_sink.h"
@@ -48,6 +49,7 @@ struct Seen {
   std::vector<Observation> observations;
   std::vector<std::string> notes;  // what the user should know about input and reference frame
   std::string refusal;             // why nothing is or can be measured, in words; empty otherwise
+  CameraProcessing processing;     // what the pixels show of the camera's own
   bool input_damaged = false;
   bool interrupted = false;
 };

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/image/grain.h"
+
+#include <algorithm>
+#include <span>
+
+#include <Eigen/Cholesky>
+
+namespace moiregauge {
+namespace {
+
+constexpr int kTilePixels = kGrainTile * kGrainTile;
+constexpr int kInner = kGrainTile - 2;  // pixels that have neighbours for a gradient
+constexpr int kInnerPixels = kInner * kInner;
+constexpr int kParameters = 4;
+// Relative to the squared length of the constant column: a flat tile has no gradients to fit.
+constexpr double kRidge = 1e-9;
+
+using TilePixels = std::span<const std::uint16_t>;
+using Columns = Eigen::Matrix<double, kInnerPixels, kParameters>;
+using Values = Eigen::Matrix<double, kInnerPixels, 1>;
+
+// Calls visit(k, i) for the k-th inner pixel, which is the tile's i-th.
+template <typename Visit>
+void for_inner_pixels(Visit visit) {
+  int k = 0;
+  for (int y = 1; y <= kInner; ++y) {
+    for (int x = 1; x <= kInner; ++x) visit(k++, y * kGrainTile + x);
+  }
+}
+
+// Removes offset, contrast and movement, each as the mean of the three frames shows it.
+class Detrending {
+ public:
+  explicit Detrending(const std::array<TilePixels, 3>& frames) {
+    std::array<double, kTilePixels> mean{};
+    for (int i = 0; i < kTilePixels; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      mean[at] = (frames[0][at] + frames[1][at] + frames[2][at]) / 3.0;
+    }
+    for_inner_pixels([&](int k, int i) {
+      const auto at = static_cast<std::size_t>(i);
+      columns_(k, 0) = 1.0;
+      columns_(k, 1) = mean[at];
+      columns_(k, 2) = 0.5 * (mean[at + 1] - mean[at - 1]);
+      columns_(k, 3) = 0.5 * (mean[at + kGrainTile] - mean[at - kGrainTile]);
+    });
+    columns_.col(1).array() -= columns_.col(1).mean();
+    normal_ = columns_.transpose() * columns_;
+    normal_.diagonal().array() += kRidge * kInnerPixels;
+    solver_.compute(normal_);
+  }
+  // Returns the squared rest of the difference of two frames.
+  [[nodiscard]] double rest(TilePixels a, TilePixels b) const {
+    Values difference;
+    for_inner_pixels([&](int k, int i) {
+      const auto at = static_cast<std::size_t>(i);
+      difference(k) = static_cast<double>(a[at]) - static_cast<double>(b[at]);
+    });
+    const Eigen::Matrix<double, kParameters, 1> fitted = solver_.solve(columns_.transpose() * difference);
+    return (difference - columns_ * fitted).squaredNorm();
+  }
+
+ private:
+  Columns columns_;
+  Eigen::Matrix<double, kParameters, kParameters> normal_;
+  Eigen::LDLT<Eigen::Matrix<double, kParameters, kParameters>> solver_;
+};
+
+bool is_clipped(TilePixels tile, int white) {
+  return std::any_of(tile.begin(), tile.end(), [white](std::uint16_t grey) { return grey == 0 || grey >= white; });
+}
+
+}  // namespace
+
+void GrainSampler::add(const LumaView& luma, int white, bool is_still) {
+  std::rotate(frames_.begin(), frames_.begin() + 2, frames_.end());
+  auto& newest = frames_[0];
+  newest.clear();
+  std::visit(
+      [&](const auto& picture) {
+        for (const PixelPosition& tile : tiles_) {
+          for (int y = 0; y < kGrainTile; ++y) {
+            const auto row = picture.row(tile.y + y).subspan(static_cast<std::size_t>(tile.x), kGrainTile);
+            newest.insert(newest.end(), row.begin(), row.end());
+          }
+        }
+      },
+      luma);
+  filled_ = std::min(filled_ + 1, 3);
+  if (filled_ < 3 || !is_still) return;
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    std::array<TilePixels, 3> tile;
+    for (std::size_t n = 0; n < tile.size(); ++n)
+      tile[n] = TilePixels(frames_[n]).subspan(t * kTilePixels, kTilePixels);
+    if (is_clipped(tile[0], white) || is_clipped(tile[1], white) || is_clipped(tile[2], white)) continue;
+    const Detrending detrended(tile);
+    sums_.one_apart += 0.5 * (detrended.rest(tile[0], tile[1]) + detrended.rest(tile[1], tile[2]));
+    sums_.two_apart += detrended.rest(tile[0], tile[2]);
+    sums_.values += kInnerPixels - kParameters;
+  }
+}
+
+}  // namespace moiregauge

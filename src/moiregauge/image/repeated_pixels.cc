@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/image/repeated_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace moiregauge {
+namespace {
+
+constexpr double kSameStep = 0.125;  // of the least jump
+
+// `at(i)`: the i-th grey level of a line.
+template <typename At>
+void count_line(int length, double least_jump, At at, SlopeSteps& steps) {
+  double jump_before = 0.0;  // onto the current step; 0 where none is known
+  int width = 1;
+  for (int i = 1; i < length; ++i) {
+    const double jump = at(i) - at(i - 1);
+    if (std::abs(jump) < kSameStep * least_jump) {
+      ++width;
+      continue;
+    }
+    const bool is_jump = std::abs(jump) >= least_jump;
+    if (is_jump && jump * jump_before > 0.0) {
+      ++steps.all;
+      steps.repeated += width > 1;
+    }
+    jump_before = is_jump ? jump : 0.0;
+    width = 1;
+  }
+}
+
+}  // namespace
+
+SlopeSteps count_slope_steps(const LumaView& part, double least_jump) {
+  SlopeSteps steps;
+  std::visit(
+      [&](const auto& picture) {
+        for (int y = 0; y < picture.height; ++y)
+          count_line(
+              picture.width, least_jump, [&](int x) { return static_cast<double>(picture.at(x, y)); }, steps);
+        for (int x = 0; x < picture.width; ++x)
+          count_line(
+              picture.height, least_jump, [&](int y) { return static_cast<double>(picture.at(x, y)); }, steps);
+      },
+      part);
+  return steps;
+}
+
+LumaView part_of(const LumaView& luma, int x0, int y0, int x1, int y1) {
+  return std::visit(
+      [&](const auto& picture) -> LumaView {
+        const int left = std::clamp(x0, 0, picture.width), top = std::clamp(y0, 0, picture.height);
+        const int right = std::clamp(x1, left, picture.width), bottom = std::clamp(y1, top, picture.height);
+        return picture.part(left, top, right - left, bottom - top);
+      },
+      luma);
+}
+
+}  // namespace moiregauge

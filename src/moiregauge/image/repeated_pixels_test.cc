@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/image/repeated_pixels.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace moiregauge {
+namespace {
+
+// Dark lines every `pitch` px, turned by 0.05 rad, edges blurred to 10 to 90 % over two pixels; every pixel shows the
+// scene at the centre of the larger pixel that holds it.
+Image<std::uint8_t> lines(double pixel_size, double noise) {
+  constexpr int kPictureSide = 200;
+  constexpr double kPitch_px = 20.0;
+  std::mt19937 random(11);
+  std::normal_distribution<double> grain(0.0, 1.0);
+  Image<std::uint8_t> picture(kPictureSide, kPictureSide);
+  for (int y = 0; y < kPictureSide; ++y) {
+    for (int x = 0; x < kPictureSide; ++x) {
+      const double u = pixel_size * std::floor(x / pixel_size), v = pixel_size * std::floor(y / pixel_size);
+      const auto wave = [](double at) { return std::tanh(5.0 * std::sin(2.0 * M_PI * at / kPitch_px)); };
+      const double grey = 120.0 + 45.0 * wave(u + 0.05 * v) + 45.0 * wave(v - 0.05 * u) + noise * grain(random);
+      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(grey));
+    }
+  }
+  return picture;
+}
+
+double share(double pixel_size, double noise) {
+  const auto picture = lines(pixel_size, noise);
+  const SlopeSteps steps = count_slope_steps(picture.view(), 15.0);
+  EXPECT_GT(steps.all, 200);
+  return static_cast<double>(steps.repeated) / static_cast<double>(steps.all);
+}
+
+TEST(RepeatedPixels, OfAnEnlargedPictureAreCounted) {
+  EXPECT_LT(share(1.0, 0.0), 0.02);
+  EXPECT_LT(share(1.0, 2.0), 0.02);
+  // Of three pixels enlarged to four one is repeated, of two enlarged to three every other.
+  EXPECT_NEAR(share(4.0 / 3.0, 0.0), 1.0 / 3.0, 0.12);
+  EXPECT_NEAR(share(1.5, 0.0), 0.5, 0.12);
+  EXPECT_GT(share(2.0, 0.0), 0.9);
+  EXPECT_GT(share(3.0, 0.0), 0.9);
+}
+
+}  // namespace
+}  // namespace moiregauge

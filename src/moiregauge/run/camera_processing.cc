@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/run/camera_processing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "moiregauge/run/codec.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::size_t kMaxTiles = 96;
+// The fit of a tile's movement is linear: 0.1 px of it leaves 0.005 of the second derivative.
+constexpr double kStill_px = 0.1;
+
+// Independent grain has a ratio of 1, known to 1 / sqrt(values). A share of 0.08 of the frame before lowers it by 0.07.
+constexpr double kIndependent = 0.93;
+constexpr double kMinValues = 3000.0;
+// Rounding to whole grey levels alone keeps 0.05 of a quiet sensor's variance of 0.1: less means none.
+constexpr double kNoGrain = 0.003;
+
+// Blurred edges of real pictures have a few per cent of repeated steps; a picture enlarged by 1.2 has 1 / 6.
+constexpr double kRepeated = 0.12;
+constexpr long kMinSteps = 200;
+constexpr double kLeastJump = 0.08;  // of a print's contrast
+
+// The rows within which an average may lag, and the movement in them (u) that counts.
+constexpr std::size_t kLagRows = 8;
+constexpr double kMoves = 2.5;
+
+// Half the side in which tiles are placed: the print's edge is another marker's neighbour.
+std::vector<PixelPosition> tiles_of(const Reference& reference) {
+  std::vector<PixelPosition> all;
+  for (const Marker& marker : reference.site.markers) {
+    if (marker.role != Role::kReference) continue;
+    const PixelRectangle at = rectangle_round(marker, {}, reference.view);
+    const auto inside = [](double v, int most) { return static_cast<int>(std::clamp(v, 0.0, double(most))); };
+    const int x1 = inside(at.x1, reference.width), y1 = inside(at.y1, reference.height);
+    for (int y = inside(at.y0, reference.height); y + kGrainTile <= y1; y += kGrainTile) {
+      for (int x = inside(at.x0, reference.width); x + kGrainTile <= x1; x += kGrainTile) all.push_back({x, y});
+    }
+  }
+  const std::size_t step = all.size() / kMaxTiles + 1;
+  std::vector<PixelPosition> some;
+  for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
+  return some;
+}
+
+double contrast_of(const LumaView& part) {
+  double darkest = INFINITY, lightest = -INFINITY;
+  std::visit(
+      [&](const auto& picture) {
+        for (int y = 0; y < picture.height; ++y) {
+          for (const auto grey : picture.row(y)) {
+            darkest = std::min(darkest, static_cast<double>(grey));
+            lightest = std::max(lightest, static_cast<double>(grey));
+          }
+        }
+      },
+      part);
+  return lightest - darkest;
+}
+
+std::vector<ImagePoint> reference_centres(const Reference& reference, const Observation& seen) {
+  std::vector<ImagePoint> centres;
+  const View view{seen.stage2, reference.lens};
+  for (const CirclePoint& point : reference.circles) centres.push_back(view(point.board));
+  return centres;
+}
+
+bool is_close(const std::vector<ImagePoint>& a, const std::vector<ImagePoint>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!(std::hypot(a[i].x - b[i].x, a[i].y - b[i].y) < kStill_px)) return false;
+  }
+  return a.size() == b.size();
+}
+
+// Does a target move by more than its u within a few rows?
+bool moves_quickly(const std::vector<Sample*>& rows) {
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    for (std::size_t k = n + 1; k < std::min(rows.size(), n + 1 + kLagRows); ++k) {
+      const auto went = rows[k]->displacement - rows[n]->displacement;
+      const double u_x = std::max(rows[n]->u.x, rows[k]->u.x), u_y = std::max(rows[n]->u.y, rows[k]->u.y);
+      if (std::abs(went.x) > kMoves * u_x || std::abs(went.y) > kMoves * u_y) return true;
+    }
+  }
+  return false;
+}
+
+void distrust(Sample& sample) {
+  if (sample.status == Status::kOk) sample.status = Status::kUntrusted;
+}
+
+// `is_wrong(frame)`: would a target that moves be wrong in that frame?
+template <typename IsWrong>
+void distrust_moving(Samples& samples, IsWrong is_wrong) {
+  std::map<std::size_t, std::vector<Sample*>> by_target;
+  for (Sample& sample : samples) {
+    if (has_numbers(sample.status)) by_target[sample.marker].push_back(&sample);
+  }
+  for (const auto& [marker, rows] : by_target) {
+    if (!moves_quickly(rows)) continue;
+    for (Sample* row : rows) {
+      if (is_wrong(row->frame)) distrust(*row);
+    }
+  }
+}
+
+}  // namespace
+
+void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
+  sampler_ = GrainSampler(tiles_of(reference));
+  is_referred_ = true;
+  last_.clear();
+  steps_ = {};
+  for (const Marker& marker : reference.site.markers) {
+    if (!marker.grating) continue;
+    const PixelRectangle at = rectangle_round(marker, {}, reference.view);
+    const auto part = part_of(luma, static_cast<int>(at.x0), static_cast<int>(at.y0), static_cast<int>(at.x1),
+                              static_cast<int>(at.y1));
+    const SlopeSteps found = count_slope_steps(part, kLeastJump * contrast_of(part));
+    steps_.all += found.all;
+    steps_.repeated += found.repeated;
+  }
+}
+
+void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits) {
+  // A codec that predicts frames from each other repeats grain by itself; its error has its own part in u.
+  if (!seen.references_seen || frame.quantiser.whole.predicted) return interrupt();
+  last_.insert(last_.begin(), reference_centres(reference, seen));
+  if (last_.size() > 3) last_.pop_back();
+  const bool is_still = last_.size() == 3 && is_close(last_[0], last_[1]) && is_close(last_[0], last_[2]);
+  sampler_.add(frame.luma, (1 << bits) - 1, is_still);
+}
+
+void ProcessingWatch::repeat(long frame) {
+  repeated_.push_back(frame);
+  interrupt();
+}
+
+void ProcessingWatch::interrupt() {
+  sampler_.interrupt();
+  last_.clear();
+}
+
+std::optional<std::string> distrust_processed(const CameraProcessing& processing, Samples& samples) {
+  if (!processing.repeated.empty()) {
+    distrust_moving(samples, [&](long frame) {
+      return std::binary_search(processing.repeated.begin(), processing.repeated.end(), frame);
+    });
+  }
+  const SlopeSteps& steps = processing.steps;
+  if (steps.all >= kMinSteps && static_cast<double>(steps.repeated) > kRepeated * static_cast<double>(steps.all)) {
+    for (Sample& sample : samples) distrust(sample);
+    return fmt::format(
+        "no row is trusted: the picture was enlarged by repeating pixels ({:.0f} % of the steps on its "
+        "edges are repeated). Record at the sensor's own size, or enlarge with interpolation",
+        100.0 * static_cast<double>(steps.repeated) / static_cast<double>(steps.all));
+  }
+  const GrainSums& grain = processing.grain;
+  if (grain.values < kMinValues) return std::nullopt;
+  const bool has_none = grain.two_apart < 2.0 * kNoGrain * grain.values;
+  if (!has_none && grain.one_apart > kIndependent * grain.two_apart) return std::nullopt;
+  distrust_moving(samples, [](long) { return true; });
+  const std::string shown =
+      has_none ? "still parts of the picture hold no noise at all"
+               : fmt::format("its noise is alike from frame to frame: {:.2f} of what independent frames have",
+                             grain.one_apart / grain.two_apart);
+  return fmt::format(
+      "targets that move are not trusted: the camera averages over time ({}). Switch its temporal noise "
+      "reduction off, or record raw",
+      shown);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Processing inside the camera that makes displacements wrong without making them noisy: averages over time, and pixels
+// that are written more than once.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "moiregauge/displacement/method.h"
+#include "moiregauge/image/grain.h"
+#include "moiregauge/image/repeated_pixels.h"
+#include "moiregauge/observation/reference.h"
+#include "moiregauge/run/frame_source.h"
+
+namespace moiregauge {
+
+// What the pixels of a run show of it.
+struct CameraProcessing {
+  GrainSums grain;             // of the references, between frames in which they stayed where they were
+  SlopeSteps steps;            // of all prints, in the reference frame
+  std::vector<long> repeated;  // numbers of frames that show the one before again
+};
+
+// Collects the evidence while frames are read.
+class ProcessingWatch {
+ public:
+  // Chooses where to look, and looks at the reference frame's prints.
+  void refer(const Reference& reference, const LumaView& luma);
+  [[nodiscard]] bool is_referred() const { return is_referred_; }
+  // Adds a measured frame in its order.
+  void add(const Reference& reference, const Observation& seen, const Frame& frame, int bits);
+  // Adds a frame that shows the one before again.
+  void repeat(long frame);
+  // Breaks the sequence: a frame shows nothing whole.
+  void interrupt();
+  [[nodiscard]] CameraProcessing result() const { return {sampler_.sums(), steps_, repeated_}; }
+
+ private:
+  GrainSampler sampler_;
+  SlopeSteps steps_;
+  std::vector<long> repeated_;
+  bool is_referred_ = false;
+  std::vector<std::vector<ImagePoint>> last_;  // the references' centres in the last frames, the newest first
+};
+
+// Makes rows `untrusted` that the processing may have made wrong: all where pixels are repeated; those of targets that
+// move where frames are averages over time; and of these targets those of frames that show an earlier one again.
+// Returns a warning of the first two, nothing where neither shows.
+[[nodiscard]] std::optional<std::string> distrust_processed(const CameraProcessing& processing, Samples& samples);
+
+}  // namespace moiregauge

@@ -1,0 +1,57 @@
+#!/usr/bin/python3
+"""Processing inside a camera that leaves no noise behind to show its error: no row that it makes wrong may be `ok`.
+
+A target before a still camera goes up and down by 1 mm and creeps by 0.12 mm to the right; errors are those against truth.csv.
+"""
+import csv
+
+import runs
+
+program, work, _ = runs.start()
+MOVING = ["marker.mid.dx.knots=[[0, 0], [4, 0.12]]", "noise.sigma=0.8"]
+RESTING = ["marker.mid.dy.scale=0", "marker.mid.dx.scale=0", "noise.sigma=0.8"]
+
+
+def measured(name, settings, video_filter=None, expected=0):
+    """The rows called ok and those called untrusted, the wrong ones among the former, and what was said."""
+    clip = work / name
+    command = [program, "simulate", "small-still", "--frames", 40, "--markers-only", "--codec", "ffv1", "-o", clip]
+    for setting in settings:
+        command += ["--set", setting]
+    runs.run(command)
+    video = clip / "video.mkv"
+    if video_filter:
+        runs.run(["ffmpeg", "-nostdin", "-loglevel", "error", "-i", video, "-vf", video_filter, "-c:v", "ffv1", clip / "processed.mkv"])
+        video = clip / "processed.mkv"
+    said = runs.run([program, "measure", video, "--site", clip / "site.toml", "-o", work / f"{name}-out"], expected).stderr
+    with open(clip / "truth.csv", encoding="ascii") as file:
+        truth = {(r["frame"], r["marker"]): r for r in csv.DictReader(file)}
+    ok, untrusted, lies = 0, 0, 0
+    for frame, marker, dx, dy, u_dx, u_dy, status in runs.rows(work / f"{name}-out"):
+        ok += status == "ok"
+        untrusted += status == "untrusted"
+        if status != "ok":
+            continue
+        true = truth[frame, marker]
+        for is_, u, axis in ((dx, u_dx, "dx_mm"), (dy, u_dy, "dy_mm")):
+            if abs(float(is_) - float(true[axis])) > max(5 * float(u), 0.0005):
+                lies += 1
+    return ok, untrusted, lies, said
+
+
+for name, settings, video_filter in (
+        ("as-it-is", MOVING, None),
+        ("at-rest", RESTING + ["processing.recursion=0.6"], None)):
+    ok, untrusted, lies, said = measured(name, settings, video_filter)
+    runs.insist(ok == 40 and lies == 0, f"{name}: {ok} ok, {lies} wrong\n{said}")
+    print(name, ok, untrusted, lies)
+
+for name, settings, video_filter, word in (
+        ("recursion", MOVING + ["processing.recursion=0.3"], None, "averages over time"),
+        ("mean-of-three", MOVING, "tmix=frames=3", "averages over time"),
+        ("denoised", MOVING, "hqdn3d=4:3:20:15", "averages over time"),
+        ("doubled", MOVING, "scale=2048:1024:flags=neighbor", "repeating pixels"),
+        ("enlarged", MOVING, "scale=1408:704:flags=neighbor", "repeating pixels")):
+    ok, untrusted, lies, said = measured(name, settings, video_filter, expected=4)
+    runs.insist(ok <= 1 and lies == 0 and word in said, f"{name}: {ok} ok, {lies} wrong\n{said}")
+    print(name, ok, untrusted, lies)
