@@ -129,7 +129,8 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
 
 void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits) {
   // A codec that predicts frames from each other repeats grain by itself; its error has its own part in u.
-  if (!seen.references_seen || frame.quantiser.whole.predicted) return interrupt();
+  const Quantiser& codec = frame.quantiser.whole;
+  if (!seen.references_seen || (codec.predicted && !codec.is_lossless())) return interrupt();
   last_.insert(last_.begin(), reference_centres(reference, seen));
   if (last_.size() > 3) last_.pop_back();
   const bool is_still = last_.size() == 3 && is_close(last_[0], last_[1]) && is_close(last_[0], last_[2]);
@@ -146,7 +147,7 @@ void ProcessingWatch::interrupt() {
   last_.clear();
 }
 
-std::optional<std::string> distrust_processed(const CameraProcessing& processing, Samples& samples) {
+std::optional<std::string> distrust_processed(const CameraProcessing& processing, bool is_lossy, Samples& samples) {
   if (!processing.repeated.empty()) {
     distrust_moving(samples, [&](long frame) {
       return std::binary_search(processing.repeated.begin(), processing.repeated.end(), frame);
@@ -162,7 +163,7 @@ std::optional<std::string> distrust_processed(const CameraProcessing& processing
   }
   const GrainSums& grain = processing.grain;
   if (grain.values < kMinValues) return std::nullopt;
-  const bool has_none = grain.two_apart < 2.0 * kNoGrain * grain.values;
+  const bool has_none = !is_lossy && grain.two_apart < 2.0 * kNoGrain * grain.values;
   if (!has_none && grain.one_apart > kIndependent * grain.two_apart) return std::nullopt;
   distrust_moving(samples, [](long) { return true; });
   const std::string shown =

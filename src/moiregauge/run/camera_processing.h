@@ -45,7 +45,8 @@ class ProcessingWatch {
 
 // Makes rows `untrusted` that the processing may have made wrong: all where pixels are repeated; those of targets that
 // move where frames are averages over time; and of these targets those of frames that show an earlier one again.
-// Returns a warning of the first two, nothing where neither shows.
-[[nodiscard]] std::optional<std::string> distrust_processed(const CameraProcessing& processing, Samples& samples);
+// Returns a warning of the first two, nothing where neither shows. `is_lossy`: a codec may have removed the grain.
+[[nodiscard]] std::optional<std::string> distrust_processed(const CameraProcessing& processing, bool is_lossy,
+                                                            Samples& samples);
 
 }  // namespace moiregauge

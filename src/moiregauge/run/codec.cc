@@ -57,19 +57,26 @@ double rounding_of(const Reference& reference, const Observation& seen) {
   return rounding_of_step(step);
 }
 
+bool is_lossy(const std::vector<Observation>& observations) {
+  for (const Observation& seen : observations) {
+    for (const MarkerObservation& marker : seen.markers) {
+      if (!marker.quantiser.is_lossless()) return true;
+    }
+  }
+  return false;
+}
+
 std::optional<std::string> codec_note(const Measurement& measurement) {
-  if (!measurement.reference) return std::nullopt;
+  if (!measurement.reference || !is_lossy(measurement.observations)) return std::nullopt;
   std::vector<double> steps;
-  bool lossy = false, known = true, predicted = false;
+  bool known = true, predicted = false;
   for (const Observation& seen : measurement.observations) {
     for (const MarkerObservation& marker : seen.markers) {
-      lossy = lossy || !marker.quantiser.is_lossless();
       known = known && !std::isnan(marker.quantiser.step);
       predicted = predicted || marker.quantiser.predicted;
       if (!std::isnan(marker.quantiser.step)) steps.push_back(marker.quantiser.step);
     }
   }
-  if (!lossy) return std::nullopt;
   double u_mm = 0.0;
   for (const TargetSummary& target : measurement.targets) {
     for (const double u : {target.budget.codec.x, target.budget.codec.y}) u_mm = std::fmax(u_mm, u);

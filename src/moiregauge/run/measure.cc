@@ -402,7 +402,8 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
-  if (auto warning = distrust_processed(out.processing, out.samples)) out.warnings.push_back(*std::move(warning));
+  if (auto warning = distrust_processed(out.processing, is_lossy(out.observations), out.samples))
+    out.warnings.push_back(*std::move(warning));
   out.targets = summarise(*out.reference, out.samples);
   out.spectra = spectra_of(out.samples, out.targets);
   if (auto note = codec_note(out)) out.warnings.push_back(*std::move(note));
