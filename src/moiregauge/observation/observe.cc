@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "moiregauge/geometry/pose.h"
@@ -103,6 +104,39 @@ std::optional<IdealFromBoard> first_view(const Reference& reference, const std::
   return view_through(reference, board, ideal, prediction.view.value_or(reference.seen.stage1));
 }
 
+// A reference that slips drags the homography of all circles along. Five that are left have two coordinates to spare.
+constexpr std::size_t kLeastToTellSlip = 6;
+constexpr double kSlip_px = 0.5;  // rms of all circles about their homography; a lens of -2 % makes as much...
+constexpr double kSlipExplains =
+    0.25;  // ...but then no single circle explains it: of that, rms, that may stay without it
+
+double circle_residual_px(const std::vector<CirclePoint>& points) {
+  const auto view = fit_circles(points);
+  if (!view) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const CirclePoint& p : points) sum += std::pow(length((*view)(p.board) - p.ideal), 2);
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+// Removes the circle that alone contradicts all others, and returns its marker.
+std::optional<std::size_t> remove_slipped(std::vector<CirclePoint>& points) {
+  if (points.size() < kLeastToTellSlip) return std::nullopt;
+  const double all = circle_residual_px(points);
+  if (!(all > kSlip_px)) return std::nullopt;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<CirclePoint> best;
+  std::size_t slipped = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    std::vector<CirclePoint> others = points;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    const double residual = circle_residual_px(others);
+    if (residual < least) least = residual, slipped = points[k].marker, best = std::move(others);
+  }
+  if (!(least < kSlipExplains * all)) return std::nullopt;
+  points = std::move(best);
+  return slipped;
+}
+
 void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                  MarkerObservation& seen, PatchWorkspace& work) {
   seen.loss = reference.plan_loss[i];
@@ -167,8 +201,9 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   Observation observation;
   observation.markers.resize(reference.site.markers.size());
   // Step 1: circles, first homography.
-  const Located now = locate(picture, reference, prediction, least);
+  Located now = locate(picture, reference, prediction, least);
   observation.reference_problem = now.problem;
+  const auto slipped = remove_slipped(now.points);
   const auto first = first_view(reference, now.points, prediction);
   if (!first) {
     if (observation.reference_problem.empty())
@@ -187,6 +222,12 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
     if (seen.loss == Loss::kNone && reference.site.markers[point.marker].grating &&
         is_bent(reference.plans[point.marker], at_rest, seen.patch, lag_mm(picture, reference, point)))
       seen.loss = Loss::kCovered;
+  }
+  if (slipped) {
+    const View view{*first, reference.lens};
+    const auto went = view.board(now.circles[*slipped]->centre) -
+                      reference.view.board(reference.seen.markers[*slipped].circle->centre);
+    follow_marker(picture, reference, view, *slipped, went, observation.markers[*slipped], work);
   }
   const auto second = second_view(reference, now.points, observation);
   if (!second) {

@@ -79,7 +79,8 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   const bool is_target = reference.site.markers[i].role == Role::kTarget;
   const bool may_have_slipped = !is_target && seen.loss == Loss::kCovered;
   if (seen.loss != Loss::kNone && !may_have_slipped) return;
-  const auto d = is_target || may_have_slipped ? moved(reference, seen, i) : Extent<frame::Board>{};
+  const bool is_elsewhere = is_target || may_have_slipped || length(seen.window_shift) > 0.0;
+  const auto d = is_elsewhere ? moved(reference, seen, i) : Extent<frame::Board>{};
   const PrintModel& print = *reference.prints[i];
   auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, print);
   if (!points) return;

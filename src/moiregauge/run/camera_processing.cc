@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/displacement/follower.h"
 #include "moiregauge/run/codec.h"
 
 namespace moiregauge {
@@ -67,7 +68,13 @@ double contrast_of(const LumaView& part) {
 std::vector<ImagePoint> reference_centres(const Reference& reference, const Observation& seen) {
   std::vector<ImagePoint> centres;
   const View view{seen.stage2, reference.lens};
-  for (const CirclePoint& point : reference.circles) centres.push_back(view(point.board));
+  for (const CirclePoint& point : reference.circles) {
+    const std::size_t i = point.marker;
+    Extent<frame::Board> moved{0.0, 0.0};  // within the view: conventional's stays as it was
+    if (seen.markers[i].patch.valid && reference.seen.markers[i].patch.valid)
+      moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
+    centres.push_back(view(point.board + Extent<frame::Board>{or_zero(moved.x), or_zero(moved.y)}));
+  }
   return centres;
 }
 
@@ -90,8 +97,10 @@ bool moves_quickly(const std::vector<Sample*>& rows) {
   return false;
 }
 
+// The reference frame's rows are zero by definition.
 void distrust(Sample& sample) {
-  if (sample.status == Status::kOk) sample.status = Status::kUntrusted;
+  const bool is_reference = sample.u.x == 0.0 && sample.u.y == 0.0;
+  if (!is_reference && sample.status == Status::kOk) sample.status = Status::kUntrusted;
 }
 
 // `is_wrong(frame)`: would a target that moves be wrong in that frame?
