@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
@@ -45,6 +46,35 @@ TEST(PreciseFaults, OfSixReferencesTheOneThatSlipsIsNamedAndLeftOut) {
   // k = 1, differ by less than 60 % at k = 3.
   EXPECT_LT(test::rms(with.error_y_um), 1.6 * test::rms(without.error_y_um));
   EXPECT_LT(test::rms(with.error_x_um), 1.6 * test::rms(without.error_x_um));
+}
+
+// A slip that drags the homography of all circles along: of the pitch of 10 mm nearly nothing to nearly one.
+TEST(PreciseFaults, AReferenceThatSlipsFarCostsNoRow) {
+  struct Slip {
+    const char* name;
+    double dx_mm, dy_mm, k1;
+  };
+  for (const Slip& slip : {Slip{"NE", 0.0, 0.3, 0.0}, Slip{"NE", 0.0, 3.0, 0.0}, Slip{"W", 2.0, -2.0, -0.37},
+                           Slip{"SW", -5.0, 0.0, 0.0}, Slip{"E", 5.0, 6.2, -0.37}}) {
+    auto scenario = scene_named("small-six-slip");
+    scenario.camera.k1 = slip.k1;
+    for (auto& marker : scenario.markers) {
+      if (marker.print.name == "NE") marker.dy = {};
+      if (marker.print.name != slip.name) continue;
+      marker.dx.knots = {{0.8, 0.0}, {0.81, slip.dx_mm}};
+      marker.dy.knots = {{0.8, 0.0}, {0.81, slip.dy_mm}};
+    }
+    const auto run = precisely(scenario, {.step = 2, .frames = 16});
+    EXPECT_TRUE(notes(run, fmt::format("reference '{}' moves by up to {:.2f}", slip.name,
+                                       std::hypot(slip.dx_mm, slip.dy_mm) - 0.004)) ||
+                notes(run, fmt::format("reference '{}' moves by up to {:.2f}", slip.name,
+                                       std::hypot(slip.dx_mm, slip.dy_mm))))
+        << slip.name << ::testing::PrintToString(run.solution.notes);
+    for (const Sample& s : run.samples) EXPECT_EQ(s.status, Status::kOk) << slip.name << " frame " << s.frame;
+    // The largest of 15 is within 4 u.
+    EXPECT_LT(test::largest(run.error_x_um), 4.0 * test::rms(run.u_x_um)) << slip.name;
+    EXPECT_LT(test::largest(run.error_y_um), 4.0 * test::rms(run.u_y_um)) << slip.name;
+  }
 }
 
 TEST(PreciseFaults, FourReferencesCannotVerifyEachOther) {

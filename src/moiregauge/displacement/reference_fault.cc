@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "moiregauge/calibration/pose.h"
@@ -48,6 +49,21 @@ std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<st
   return std::pair(first, second);
 }
 
+// The one whose step leaves the least of chi2, and by how much less than any other's, in units of its own. A large step bends
+// the scene of every other suspect, whose own step may then look larger still.
+std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips) {
+  const auto less = [](const auto& a, const auto& b) { return a.second.left() < b.second.left(); };
+  const auto best = std::min_element(slips.begin(), slips.end(), less);
+  if (best == slips.end() || !(best->second.step_fall > kSlips * best->second.unit())) return std::nullopt;
+  double second = std::numeric_limits<double>::infinity();
+  for (const auto& other : slips) {
+    if (other.first != best->first) second = std::min(second, other.second.left());
+  }
+  const double unit = best->second.unit();
+  return std::pair(Suspect{best->first, best->second.step_fall / unit, best->second.first},
+                   (second - best->second.left()) / unit);
+}
+
 }  // namespace
 
 std::vector<BundleFrame> without(std::span<const BundleFrame> frames, std::size_t marker) {
@@ -81,11 +97,10 @@ ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> 
     else
       verdict.doubtful = true;
   };
-  const auto step = [](const ReferenceSlip& s) { return s.step_fall; };
   const auto way = [](const ReferenceSlip& s) { return s.free_fall / static_cast<double>(std::max(1L, s.free_rows)); };
-  if (const auto slipped = suspect(slips, step, kSlips)) {
-    judge(slipped->first.marker, slipped->first.fall - slipped->second > kClearly);
-    verdict.since = slipped->first.since;
+  if (const auto step = slipped(slips)) {
+    judge(step->first.marker, step->second > kClearly);
+    verdict.since = step->first.since;
   } else if (const auto moved = suspect(slips, way, kMoves))
     judge(moved->first.marker, moved->first.fall > kClearlyMoves * moved->second);
   return verdict;

@@ -18,6 +18,8 @@ struct ReferenceSlip {
   double step_fall = 0.0;  // by which one step, to stay, lowers it: two unknowns
   long first = 0;          // frame from which on it has slipped, if it has
 
+  // chi2 that is left if the reference makes that step: of two that may have slipped the one that explains more has less.
+  [[nodiscard]] double left() const { return chi2 + free_fall - step_fall; }
   // Variance of unit weight if the reference slips: 1 when noise is all there is, more when the scene does not hold or
   // what is left of the way after the step is more than noise.
   [[nodiscard]] double unit() const;

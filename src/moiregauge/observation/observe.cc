@@ -17,6 +17,7 @@ struct Located {
   std::vector<CirclePoint> points;
   std::vector<std::optional<SeenCircle>> circles;  // one per site marker
   std::string problem;
+  CircleSearch search;  // in which they were found
 };
 
 // Circles are first looked for near where the last frame saw them, within this share of their diameter, so that a
@@ -43,6 +44,7 @@ Located located(const Reference& reference, const CircleSearch& search, const Id
     if (who.circle_of_marker[i] >= 0)
       result.circles[i] = search.circles[static_cast<std::size_t>(who.circle_of_marker[i])];
   }
+  result.search = search;
   return result;
 }
 
@@ -85,7 +87,7 @@ Located locate(const GreyPicture& picture, const Reference& reference, const Pre
     Located result = as_before(reference, near, *prediction.view);
     if (result.points.size() >= least) return result;
   }
-  return {{}, {}, who.error().reason};
+  return {{}, {}, who.error().reason, {}};
 }
 
 // The view that carries `board` to `ideal`: a homography through four or more; through three the pose of a known camera.
@@ -116,6 +118,36 @@ double circle_residual_px(const std::vector<CirclePoint>& points) {
   double sum = 0.0;
   for (const CirclePoint& p : points) sum += std::pow(length((*view)(p.board) - p.ideal), 2);
   return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+// A reference that slips by more than identification allows is no member of the layout any more. Its circle is the one of
+// its size nearest to its place; whether its print belongs to it, the print's template decides.
+constexpr double kSlipReach = 1.5;  // diameters
+constexpr double kSameSize = 0.1;   // relative
+
+const SeenCircle* circle_of_slipped(const Reference& reference, const Located& now, const View& view,
+                                    const CirclePoint& lost) {
+  const double diameter = reference.diameter_px(lost, view);
+  const ImagePoint place = view(lost.board);
+  const SeenCircle* nearest = nullptr;
+  double away = kSlipReach * diameter;
+  for (const SeenCircle& circle : now.search.circles) {
+    const bool is_another = std::any_of(now.circles.begin(), now.circles.end(), [&](const auto& other) {
+      return other && length(other->centre - circle.centre) < 0.5 * diameter;
+    });
+    if (is_another || std::abs(circle.diameter_px - diameter) > kSameSize * diameter) continue;
+    if (length(circle.centre - place) < away) away = length(circle.centre - place), nearest = &circle;
+  }
+  return nearest;
+}
+
+// Reads the print of a reference that slipped, with its circle. It counts as covered until its template matches.
+void read_slipped(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+                  const SeenCircle& circle, MarkerObservation& seen, PatchWorkspace& work) {
+  const auto went = view.board(circle.centre) - reference.view.board(reference.seen.markers[i].circle->centre);
+  seen.circle = circle;
+  follow_marker(picture, reference, view, i, went, seen, work);
+  if (seen.loss == Loss::kNone) seen.loss = Loss::kCovered;
 }
 
 // Removes the circle that alone contradicts all others, and returns its marker.
@@ -223,11 +255,15 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
         is_bent(reference.plans[point.marker], at_rest, seen.patch, lag_mm(picture, reference, point)))
       seen.loss = Loss::kCovered;
   }
-  if (slipped) {
-    const View view{*first, reference.lens};
-    const auto went = view.board(now.circles[*slipped]->centre) -
-                      reference.view.board(reference.seen.markers[*slipped].circle->centre);
-    follow_marker(picture, reference, view, *slipped, went, observation.markers[*slipped], work);
+  const View view{*first, reference.lens};
+  for (const CirclePoint& point : reference.circles) {
+    const std::size_t i = point.marker;
+    const SeenCircle* circle = nullptr;
+    if (slipped == i)
+      circle = &*now.circles[i];
+    else if (!now.circles[i] && now.points.size() + 1 >= kLeastToTellSlip)
+      circle = circle_of_slipped(reference, now, view, point);
+    if (circle) read_slipped(picture, reference, view, i, *circle, observation.markers[i], work);
   }
   const auto second = second_view(reference, now.points, observation);
   if (!second) {
