@@ -62,8 +62,11 @@ std::vector<bool> references_in_doubt(const Reference& reference, const Observat
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
     if (!reference.site.markers[i].grating || seen.markers[i].loss != Loss::kNone) continue;
-    const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
-    const auto along = raster_from_board(reference.plans[i], moved);
+    // One that slipped was found by its circle, and is in doubt only about there.
+    const BoardExtent slip = seen.markers[i].window_shift;
+    const auto moved =
+        displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch, slip);
+    const auto along = raster_from_board(reference.plans[i], moved - slip);
     for (const double d : along) {
       if (std::abs(d) > kOrderLimit * reference.plans[i].pitch_mm) doubtful[i] = true;
     }

@@ -102,7 +102,8 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   }
   seen.cover = covered.any_now ? Cover::kNow : covered.any_then ? Cover::kAtRest : Cover::kNone;
   if (may_have_slipped)
-    seen.patch = patch_of_points(reference, i, *points, motion_of_points(reference, view, i, *points), {});
+    seen.patch =
+        patch_of_points(reference, i, *points, motion_of_points(reference, view, i, *points), seen.window_shift);
   seen.loss = Loss::kNone;
   seen.points = *std::move(points);
 }
