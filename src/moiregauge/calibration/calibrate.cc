@@ -88,25 +88,34 @@ ScenePrior for_stretched(ScenePrior prior, double stretch) {
   return prior;
 }
 
-}  // namespace
-
-std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
+template <typename Frame>
+std::vector<std::size_t> chosen_of(std::span<const Frame> frames, std::size_t most) {
   std::set<std::size_t> chosen;
   if (frames.size() <= most) {
     for (std::size_t i = 0; i < frames.size(); ++i) chosen.insert(i);
   } else {
     for (int k = 0; k < 6; ++k) {
-      const auto of = [k](const BundleFrame& f) {
+      const auto of = [k](const Frame& f) {
         return k < 3 ? f.pose.turn[static_cast<std::size_t>(k)] : f.pose.shift[static_cast<std::size_t>(k - 3)];
       };
-      const auto [low, high] = std::minmax_element(
-          frames.begin(), frames.end(), [&](const BundleFrame& a, const BundleFrame& b) { return of(a) < of(b); });
+      const auto [low, high] = std::minmax_element(frames.begin(), frames.end(),
+                                                   [&](const Frame& a, const Frame& b) { return of(a) < of(b); });
       chosen.insert(static_cast<std::size_t>(low - frames.begin()));
       chosen.insert(static_cast<std::size_t>(high - frames.begin()));
     }
     for (std::size_t i = 0; i < most; ++i) chosen.insert(i * (frames.size() - 1) / (most - 1));
   }
   return {chosen.begin(), chosen.end()};
+}
+
+}  // namespace
+
+std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
+  return chosen_of(frames, most);
+}
+
+std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::size_t most) {
+  return chosen_of(frames, most);
 }
 
 Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given) {

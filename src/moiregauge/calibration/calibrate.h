@@ -4,6 +4,7 @@
 
 #include "moiregauge/calibration/bundle.h"
 #include "moiregauge/calibration/frame_fit.h"
+#include "moiregauge/calibration/frame_series.h"
 #include "moiregauge/calibration/print_error.h"
 
 namespace moiregauge {
@@ -37,5 +38,6 @@ struct Calibration {
 // `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.
 // All of them where there are no more than `most`.
 [[nodiscard]] std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most);
+[[nodiscard]] std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::size_t most);
 
 }  // namespace moiregauge

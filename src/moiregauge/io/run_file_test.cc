@@ -48,7 +48,8 @@ StoredRun filled_run(std::size_t count) {
   store(filler, run.seen.input);
   store(filler, run.seen.notes);
   store(filler, run.seen.refusal);
-  store(filler, run.seen.observations);
+  std::vector<Observation> observations;
+  store(filler, observations);
   store(filler, run.seen.reference);
   for (CirclePoint& point : run.seen.reference->circles) point.marker = count - 1;
   const NormalMatrix normal = NormalVector::LinSpaced(1.0 / 3.0, 2.0).asDiagonal();
@@ -56,6 +57,8 @@ StoredRun filled_run(std::size_t count) {
     print->print = PrintTemplate::cosine(1.0 / 7.0, 2.0 / 7.0);
     print->at_rest->system = *PatchSystem::of(normal, 77, {.along_y = false});
   }
+  run.seen.observations.refer_to(*run.seen.reference);
+  for (const Observation& seen : observations) run.seen.observations.push_back(seen);
   run.seen.input_damaged = run.seen.interrupted = true;
   return run;
 }
@@ -63,7 +66,7 @@ StoredRun filled_run(std::size_t count) {
 std::string bytes_of(const StoredRun& run) {
   std::string bytes = head_bytes(run.start, run.options);
   if (run.seen.reference) bytes += reference_bytes(*run.seen.reference, run.seen.notes);
-  for (const Observation& seen : run.seen.observations) bytes += frame_bytes(seen);
+  for (std::size_t n = 0; n < run.seen.observations.size(); ++n) bytes += frame_bytes(run.seen.observations.packed(n));
   return bytes + end_bytes(run.seen, run.options);
 }
 
@@ -102,9 +105,11 @@ TEST(RunFile, GivesEveryFieldBackToTheLastBit) {
 
 TEST(RunFile, KeepsNumbersThatAreNone) {
   StoredRun run = filled_run(1);
-  run.seen.observations[0].time_s = std::numeric_limits<double>::quiet_NaN();
-  run.seen.observations[0].markers[0].patch.u_gradient = -0.0;
-  run.seen.observations[0].markers[0].points.reset();
+  Observation seen = run.seen.observations[0];
+  seen.time_s = std::numeric_limits<double>::quiet_NaN();
+  seen.markers[0].patch.u_gradient = -0.0;
+  seen.markers[0].points.reset();
+  run.seen.observations.replace(0, seen);
   const auto again = parsed(bytes_of(run));
   ASSERT_TRUE(again) << again.error();
   EXPECT_TRUE(std::isnan(again->seen.observations[0].time_s));
@@ -133,8 +138,8 @@ TEST(RunFile, CutOffAnywhereIsAnError) {
 
 TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
   StoredRun run = filled_run(1);
-  run.seen.observations.resize(3, run.seen.observations[0]);
-  const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options), frame = frame_bytes(run.seen.observations[0]);
+  for (int k = 0; k < 2; ++k) run.seen.observations.push_back(run.seen.observations[0]);
+  const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options), frame = frame_bytes(run.seen.observations.packed(0));
   const std::size_t head = head_bytes(run.start, run.options).size();
   const std::size_t first = whole.size() - end.size() - 3 * frame.size();
   for (std::size_t size = 0; size <= whole.size(); size += size < head ? 1 : 7) {
@@ -155,9 +160,9 @@ TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
 
 TEST(RunFile, OfADamagedFileTheFramesBeforeTheDamageAreKept) {
   StoredRun run = filled_run(1);
-  run.seen.observations.resize(3, run.seen.observations[0]);
+  for (int k = 0; k < 2; ++k) run.seen.observations.push_back(run.seen.observations[0]);
   std::string bytes = bytes_of(run);
-  const std::size_t frame = frame_bytes(run.seen.observations[0]).size();
+  const std::size_t frame = frame_bytes(run.seen.observations.packed(0)).size();
   bytes[bytes.size() - end_bytes(run.seen, run.options).size() - frame / 2] ^= 1;  // in the last frame
   const auto kept = kept_of(bytes + "more");
   ASSERT_TRUE(kept);
@@ -177,8 +182,8 @@ TEST(RunFile, FramesMayGoByBeforeTheReferenceFrame) {
   const auto order = [&](const Observation& first) {
     Seen seen = run.seen;
     seen.observations = {first, run.seen.observations[0]};
-    return parsed(head_bytes(run.start, run.options) + frame_bytes(first) +
-                  reference_bytes(*run.seen.reference, run.seen.notes) + frame_bytes(run.seen.observations[0]) +
+    return parsed(head_bytes(run.start, run.options) + frame_bytes(Observations().packed(first)) +
+                  reference_bytes(*run.seen.reference, run.seen.notes) + frame_bytes(run.seen.observations.packed(0)) +
                   end_bytes(seen, run.options));
   };
   const auto read = order(before);
