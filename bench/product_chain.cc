@@ -22,7 +22,7 @@ std::size_t first_target(const Site& site) {
   return i;
 }
 
-FrameFit fit_turned(const Site& site, const Scene& scene, BundleFrame& frame) {
+FrameFit fit_turned(const Site& site, const Scene& scene, BundleFrame frame) {
   frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
   return fit_frame(site, scene, frame);
 }

@@ -118,14 +118,14 @@ std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::siz
   return chosen_of(frames, most);
 }
 
-Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given) {
+Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, Until until) {
   Calibration best;
   ScenePrior& prior = best.prior;
   prior = given;
-  auto solution = ascended(site, frames, prior, Prints::kPerfect);
+  auto solution = ascended(site, frames, prior, Prints::kPerfect, until);
   for (int wider = 0; wider < kWiderPriors && solution && is_beyond(solution->scene.stretch, prior); ++wider) {
     prior = for_stretched(given, solution->scene.stretch);
-    solution = ascended(site, frames, prior, Prints::kPerfect);
+    solution = ascended(site, frames, prior, Prints::kPerfect, until);
   }
   if (!solution) {
     best.bundle.scene.solved = false;
@@ -140,7 +140,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
     if (is_the_same(error, best.print_error)) break;
     auto again = ascended(site, with_print_error(site, frames, error), prior,
-                          error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect);
+                          error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, until);
     if (!again) break;
     solution = std::move(again);
     best.print_error = error;

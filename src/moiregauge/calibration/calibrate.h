@@ -33,7 +33,9 @@ struct Calibration {
 // references and depths of the targets are always solved: their priors are the site's word, and all the price they pay.
 // Prints stretched along one axis by more than three of the prior's u: which of their axes has the pitch that the site
 // states cannot be seen, so the scales' priors are widened by half the stretch.
-[[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
+// until     when each of these solutions stops
+[[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
+                                    Until until = Until::kStands);
 
 // `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.
 // All of them where there are no more than `most`.

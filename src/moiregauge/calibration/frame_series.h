@@ -24,7 +24,7 @@ struct FrameStart {
 
 class FrameSeries {
  public:
-  // Has the starts' pose, shift and points. Called any number of times, with the same result.
+  // Makes a frame with the start's pose, shift and points; always the same one.
   using Make = std::function<BundleFrame(std::size_t)>;
 
   FrameSeries() = default;
@@ -43,9 +43,9 @@ class FrameSeries {
     return out;
   }
 
-  // The same starts, other frames.
+  // Returns other frames with the same starts.
   [[nodiscard]] FrameSeries with(Make make) const { return {starts_, std::move(make)}; }
-  // The same without that marker.
+  // Returns the same frames without that marker.
   [[nodiscard]] FrameSeries without(std::size_t marker) const {
     auto starts = std::make_shared<std::vector<FrameStart>>(*starts_);
     for (FrameStart& start : *starts) start.has_points[marker] = false;

@@ -113,19 +113,24 @@ class Rounds {
     note_rows();
     fits_ = fits_of(as_given_);
     take_poses();
-    for (int round = 0; round < kReadoutRounds; ++round) {
+    bool is_last = false;
+    for (int round = 0;; ++round) {
+      is_last = is_last || round == kReadoutRounds;
       follow_path();
       const double before = out_.readout_s;
       // Paths of the first round are those of rows read at once: they would tell any readout.
       if (round > 0) solve_readout();
       set_all_back();
-      out_.calibration = calibrate(site_, out_.frames.at(key_), prior_);
+      // All but the last one only lead the path: the bends of a long valley are not worth their steps there.
+      out_.calibration =
+          calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kStands : Until::kChi2Stands);
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       scene_ = out_.calibration.bundle.scene;
       fits_ = fits_of(out_.frames);
       take_poses();
       widen();
-      if (round >= 2 && std::abs(out_.readout_s - before) < kStands * out_.u_readout_s) break;
+      if (is_last) break;
+      is_last = round >= 2 && std::abs(out_.readout_s - before) < kStands * out_.u_readout_s;
     }
     count_cost();
     return std::move(out_);
@@ -137,7 +142,7 @@ class Rounds {
     return std::move(out_);
   }
 
-  // Where in the readout every print's middle is read.
+  // A print's middle is read at this share of the readout.
   void note_rows() {
     for (std::size_t k = 0; k < as_given_.size(); ++k) {
       const BundleFrame frame = as_given_[k];

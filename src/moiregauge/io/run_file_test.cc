@@ -2,9 +2,11 @@
 #include "moiregauge/io/run_file.h"
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "moiregauge/io/crc32.h"
@@ -244,6 +246,53 @@ TEST(RunFile, NothingIsKeptOfARunWhoseOptionsMakeNoSense) {
   const auto kept = kept_of(bytes_of(run));
   ASSERT_FALSE(kept.has_value());
   EXPECT_NE(kept.error().find("its head makes no sense"), std::string::npos) << kept.error();
+}
+
+// Files that the programs of their time wrote: three frames of the small rig with cosine prints and noise, the target
+// moved by 0, 1 and 2 mm. Results are those of the same program's displacement.csv.
+struct EarlierRun {
+  int version;
+  double dx_mm[2], dy_mm[2];
+};
+
+class RunFileOfVersion : public testing::TestWithParam<EarlierRun> {};
+
+TEST_P(RunFileOfVersion, IsReadAndSolved) {
+  const EarlierRun& wanted = GetParam();
+  auto run = read_run(fmt::format("{}/tests/data/run-version-{}.mgj", MOIREGAUGE_SOURCE_DIR, wanted.version));
+  ASSERT_TRUE(run) << run.error();
+  EXPECT_TRUE(run->seen.input.tone.curve.is_linear());
+  ASSERT_TRUE(run->seen.reference);
+  EXPECT_TRUE(run->seen.reference->light_per_grey.empty());
+  // A cosine print has no lines.
+  for (const auto& print : run->seen.reference->prints) EXPECT_FALSE(print->options.has_width);
+  // The information matrices of all frames are the reference frame's times a factor.
+  ASSERT_EQ(run->seen.observations.size(), 3U);
+  for (const std::size_t n : {1U, 2U}) EXPECT_LT(run->seen.observations.packed(n).size(), 2000U);
+  Measurement solved;
+  static_cast<Seen&>(solved) = std::move(run->seen);
+  conclude(run->options, solved);
+  ASSERT_EQ(solved.samples.size(), 3U);
+  for (const std::size_t n : {1U, 2U}) {
+    const Sample& sample = solved.samples[n];
+    EXPECT_EQ(sample.status, Status::kOk);
+    EXPECT_NEAR(sample.displacement.x, wanted.dx_mm[n - 1], 0.01 * sample.u.x);
+    EXPECT_NEAR(sample.displacement.y, wanted.dy_mm[n - 1], 0.01 * sample.u.y);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Earlier, RunFileOfVersion,
+                         testing::Values(EarlierRun{2, {-0.001842, -0.004957}, {0.998911, 1.997619}},
+                                         EarlierRun{3, {-0.001842, -0.004957}, {0.998911, 1.997619}}),
+                         [](const auto& earlier) { return fmt::format("Version{}", earlier.param.version); });
+
+TEST(RunFile, OfAnEarlierVersionCannotBeContinued) {
+  std::ifstream file(fmt::format("{}/tests/data/run-version-3.mgj", MOIREGAUGE_SOURCE_DIR), std::ios::binary);
+  const auto kept = parse_kept_run(file, "here/run.mgj");
+  ASSERT_TRUE(kept) << kept.error();
+  EXPECT_FALSE(kept->is_of_this_version);
+  EXPECT_EQ(kept->run.seen.observations.size(), 3U);
+  EXPECT_TRUE(kept_of(bytes_of(filled_run(1)))->is_of_this_version);
 }
 
 }  // namespace

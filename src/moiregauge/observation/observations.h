@@ -21,19 +21,19 @@ class Observations {
   Observations(std::initializer_list<Observation> frames) {
     for (const Observation& seen : frames) push_back(seen);
   }
-  // Once, before any frame with points of prints: what frames are packed against.
+  // Sets the frame that others are packed against. None of those before it may hold points of prints.
   void refer_to(const Reference& reference) { packing_ = ObservationPacking(reference); }
 
   void push_back(const Observation& seen) { packed_.push_back(packing_.packed(seen)); }
-  // Bytes that were unpacked once.
+  // Adds bytes that were unpacked once.
   void push_back_packed(std::string bytes) { packed_.push_back(std::move(bytes)); }
   [[nodiscard]] std::string packed(const Observation& seen) const { return packing_.packed(seen); }
-  // Fails (no value): the bytes are not an observation.
+  // Returns the observation of bytes. Fails (no value): they are not an observation.
   [[nodiscard]] std::optional<Observation> unpacked(const std::string& bytes) const { return packing_.unpacked(bytes); }
   void replace(std::size_t n, const Observation& seen) { packed_[n] = packing_.packed(seen); }
-  // Frames [first, end) of `other`, which were packed against the same reference frame.
+  // Adds frames [first, end) of `other`, which were packed against the same reference frame.
   void append(const Observations& other, std::size_t first, std::size_t end);
-  // As it will be read: packed and unpacked.
+  // Returns the observation as it will be read: packed and unpacked.
   [[nodiscard]] Observation rounded(const Observation& seen) const { return read(packing_.packed(seen)); }
 
   [[nodiscard]] std::size_t size() const { return packed_.size(); }
@@ -43,7 +43,7 @@ class Observations {
   [[nodiscard]] Observation back() const { return (*this)[size() - 1]; }
   [[nodiscard]] const std::string& packed(std::size_t n) const { return packed_[n]; }
 
-  // Over frames by value.
+  // Iterates over frames by value.
   class Iterator {
    public:
     using iterator_category = std::input_iterator_tag;

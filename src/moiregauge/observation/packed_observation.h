@@ -24,12 +24,12 @@ class ObservationPacking {
   ObservationPacking() = default;  // no reference frame yet: points of prints are kept in full
   explicit ObservationPacking(const Reference& reference);
 
-  // Unpacking and packing again changes no value any more.
+  // Returns the observation's bytes. A second round of packing and unpacking changes no value.
   [[nodiscard]] std::string packed(const Observation& seen) const;
-  // Fails (no value): the bytes are not an observation.
+  // Returns the observation of such bytes. Fails (no value): they are not an observation.
   [[nodiscard]] std::optional<Observation> unpacked(std::string_view bytes) const;
 
-  // What a marker's observations have in common.
+  // The part that a marker's observations have in common.
   struct Shared {
     std::optional<SeenCircle> circle;  // as in the reference frame
     bool has_print = false;
@@ -42,7 +42,7 @@ class ObservationPacking {
   std::vector<Shared> shared_;  // one per site marker
 };
 
-// Raised when the bytes change their meaning: part of run.mgj's layout.
+// Part of run.mgj's layout: its number must rise when the bytes change their meaning.
 inline constexpr char kPackedLayout[] = "packed observation 1";
 
 }  // namespace moiregauge

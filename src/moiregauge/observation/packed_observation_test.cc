@@ -94,7 +94,7 @@ TEST(PackedObservation, ChangesNoValueTheSecondTime) {
 }
 
 // As of a print of which a part is covered: normal equations of its own, in a window of its own.
-TEST(PackedObservation, KeepsWhatTheReferenceFrameDoesNotTell) {
+TEST(PackedObservation, KeepsNumbersOfItsOwn) {
   const PackedRig& rig = packed_rig();
   Observation seen = rig.seen;
   PatchFit& fit = *seen.markers[0].points;
