@@ -22,7 +22,7 @@ std::size_t first_target(const Site& site) {
   return i;
 }
 
-FrameFit fit_turned(const Site& site, const Scene& scene, BundleFrame& frame) {
+FrameFit fit_turned(const Site& site, const Scene& scene, BundleFrame frame) {
   frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
   return fit_frame(site, scene, frame);
 }
@@ -34,11 +34,12 @@ ProductChain::ProductChain(const Recording& recording, const Method& method)
       reference_(prepared(recording, method)),
       target_(first_target(reference_.site)),
       follower_(reference_) {
-  std::vector<Observation> run;
-  seen_.resize(1);
+  Observations run(reference_);
+  seen_ = Observations(reference_);
+  seen_.push_back({});
   for (const Shot& shot : recording.shots(Memory::kRing)) {
     observe(shot);
-    run.push_back(seen_.front());
+    run.append(seen_, 0, 1);
   }
   scene_ = method_.solve(reference_, run, {}).scene;
   if (!scene_) return;
@@ -49,9 +50,7 @@ ProductChain::ProductChain(const Recording& recording, const Method& method)
 }
 
 void ProductChain::observe(const Shot& shot) {
-  seen_.front() = method_.observe({shot.picture, 8}, reference_, follower_.prediction(), work_);
-  seen_.front().frame = shot.frame;
-  (void)follower_.follow(reference_, seen_.front());
+  keep(method_.observe({shot.picture, 8}, reference_, follower_.prediction(), work_), shot.frame);
 }
 
 void ProductChain::track(const Shot& shot) {
@@ -60,12 +59,17 @@ void ProductChain::track(const Shot& shot) {
   const bool all = seen && track_target(picture, reference_, {seen->stage2, reference_.lens}, target_,
                                         follower_.prediction(), seen->markers[target_], Rows::kSome);
   if (!all) return observe(shot);  // not where it was expected
-  seen_.front() = *std::move(seen);
-  seen_.front().frame = shot.frame;
-  (void)follower_.follow(reference_, seen_.front());
+  keep(*std::move(seen), shot.frame);
 }
 
-ProductChain::Reading ProductChain::solve(const std::vector<Observation>& one) const {
+void ProductChain::keep(Observation seen, long frame) {
+  seen.frame = frame;
+  seen_.replace(0, seen);
+  seen = seen_.front();
+  (void)follower_.follow(reference_, seen);
+}
+
+ProductChain::Reading ProductChain::solve(const Observations& one) const {
   if (scene_) return solve_in_scene(one);
   const Solution solution = method_.solve(reference_, one, {});
   for (const Sample& sample : solution.samples) {
@@ -75,7 +79,7 @@ ProductChain::Reading ProductChain::solve(const std::vector<Observation>& one) c
 }
 
 // What `precise` does with a frame once the scene is known.
-ProductChain::Reading ProductChain::solve_in_scene(const std::vector<Observation>& one) const {
+ProductChain::Reading ProductChain::solve_in_scene(const Observations& one) const {
   auto [frames, place] = bundle_frames(reference_, one, scene_->camera, {}, kLeastForHomography);
   if (place.front() == 0) return {};
   const FrameFit now = fit_turned(reference_.site, *scene_, frames[place.front()]);

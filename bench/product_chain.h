@@ -24,22 +24,23 @@ class ProductChain {
     Extent<frame::Board> u{kNotMeasured, kNotMeasured};
   };
   [[nodiscard]] Reading solve() const { return solve(seen_); }  // of the frame observed last, with its uncertainty
-  [[nodiscard]] Reading solve(const std::vector<Observation>& one) const;
+  [[nodiscard]] Reading solve(const Observations& one) const;
 
   [[nodiscard]] bool is_lost() const { return seen_.front().markers[target_].loss != Loss::kNone; }
   [[nodiscard]] std::size_t target() const { return target_; }
   [[nodiscard]] const Reference& reference() const { return reference_; }
-  [[nodiscard]] const std::vector<Observation>& seen() const { return seen_; }  // one: the last
+  [[nodiscard]] const Observations& seen() const { return seen_; }  // one: the last
 
  private:
-  [[nodiscard]] Reading solve_in_scene(const std::vector<Observation>& one) const;
+  void keep(Observation seen, long frame);
+  [[nodiscard]] Reading solve_in_scene(const Observations& one) const;
 
   const Method& method_;
   Reference reference_;
   std::size_t target_ = 0;
   Follower follower_;
   PatchWorkspace work_;
-  std::vector<Observation> seen_;
+  Observations seen_;
   std::optional<Scene> scene_;
   std::unique_ptr<PreciseBudget> budget_;
 };

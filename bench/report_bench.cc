@@ -73,7 +73,7 @@ Measurement made_up(long frames, long targets) {
       m.samples.push_back(sample);
     }
     m.chi2_dof.push_back(1.0 + 0.1 * normal(rng));
-    m.observations.push_back(std::move(seen));
+    m.observations.push_back(seen);
   }
   m.targets = summarise(*m.reference, m.samples);
   return m;

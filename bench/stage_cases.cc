@@ -14,9 +14,9 @@ namespace {
 // What `precise` saw in every frame of the ring.
 struct SeenRing {
   std::unique_ptr<ProductChain> chain;
-  std::map<long, std::vector<Observation>> seen;  // by frame, one each
+  std::map<long, Observations> seen;  // by frame, one each
 
-  [[nodiscard]] const Observation& at(const Shot& shot) const { return seen.at(shot.frame).front(); }
+  [[nodiscard]] Observation at(const Shot& shot) const { return seen.at(shot.frame).front(); }
   [[nodiscard]] View view(const Shot& shot) const { return {at(shot).stage2, chain->reference().lens}; }
   [[nodiscard]] Extent<frame::Board> moved(const Shot& shot, std::size_t i) const {
     if (i != chain->target()) return {};
@@ -92,8 +92,8 @@ bool reference(const SeenRing& ring, const Shot& shot) {
 }
 
 bool scene(const SeenRing& ring, const Shot&) {
-  std::vector<Observation> run;
-  for (const auto& [frame, one] : ring.seen) run.push_back(one.front());
+  Observations run(ring.chain->reference());
+  for (const auto& [frame, one] : ring.seen) run.append(one, 0, 1);
   return method_named("precise")->solve(ring.chain->reference(), run, {}).scene->solved;
 }
 

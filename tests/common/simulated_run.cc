@@ -65,6 +65,7 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   run.reference.seen.time_s = simulator::time_of(scenario, plan.reference_frame);
   const Method* method = method_named(plan.method);
   if (method->prepare != nullptr) method->prepare(first.view(), run.reference);
+  run.observations.refer_to(run.reference);
   Follower follower(run.reference);
   PatchWorkspace work;
   long count = 0;
@@ -74,8 +75,8 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
     Observation seen = method->observe(now.view(), run.reference, follower.prediction(), work);
     seen.frame = frame;
     seen.time_s = simulator::time_of(scenario, frame);
-    (void)follower.follow(run.reference, seen);
-    run.observations.push_back(std::move(seen));
+    run.observations.push_back(seen);
+    (void)follower.follow(run.reference, run.observations.back());
   }
   std::size_t first_target = 0;
   while (run.reference.site.markers[first_target].role != Role::kTarget) ++first_target;

@@ -31,7 +31,7 @@ struct RunPlan {
 
 struct MeasuredRun {
   Reference reference;
-  std::vector<Observation> observations;
+  Observations observations;
   Samples samples;                 // of the first target, reference frame left out
   std::vector<double> error_x_um;  // measured minus true, since the reference frame; of samples with numbers
   std::vector<double> error_y_um;

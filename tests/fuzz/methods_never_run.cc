@@ -15,8 +15,8 @@ Observation observe_two_stage(const GreyPicture&, const Reference&, const Predic
 }
 Observation observe_precise(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&) { std::abort(); }
 void learn_prints(const GreyPicture&, Reference&) { std::abort(); }
-Solution solve_conventional(const Reference&, const std::vector<Observation>&, const SolveOptions&) { std::abort(); }
-Solution solve_two_stage(const Reference&, const std::vector<Observation>&, const SolveOptions&) { std::abort(); }
-Solution solve_precise(const Reference&, const std::vector<Observation>&, const SolveOptions&) { std::abort(); }
+Solution solve_conventional(const Reference&, const Observations&, const SolveOptions&) { std::abort(); }
+Solution solve_two_stage(const Reference&, const Observations&, const SolveOptions&) { std::abort(); }
+Solution solve_precise(const Reference&, const Observations&, const SolveOptions&) { std::abort(); }
 
 }  // namespace moiregauge

@@ -25,7 +25,7 @@ std::string written(const StoredRun& run) {
   std::string file = head_bytes(run.start, run.options);
   for (std::size_t i = 0; i <= frames.size(); ++i) {
     if (run.seen.reference && i == before) file += reference_bytes(*run.seen.reference, run.seen.notes);
-    if (i < frames.size()) file += frame_bytes(frames[i]);
+    if (i < frames.size()) file += frame_bytes(frames.packed(i));
   }
   return file + end_bytes(run.seen, run.options);
 }

@@ -45,7 +45,8 @@ std::string fresh_run(std::size_t count) {
   store(filler, run.options);
   run.options.method = method_named("precise");
   store(filler, run.seen.notes);
-  store(filler, run.seen.observations);
+  std::vector<Observation> observations;
+  store(filler, observations);
   store(filler, run.seen.reference);
   for (CirclePoint& point : run.seen.reference->circles) point.marker = count - 1;
   const NormalMatrix normal = NormalVector::LinSpaced(1.0, 2.0).asDiagonal();
@@ -54,7 +55,9 @@ std::string fresh_run(std::size_t count) {
     print->at_rest->system = *PatchSystem::of(normal, 77, {.along_y = false});
   }
   std::string file = head_bytes(run.start, run.options) + reference_bytes(*run.seen.reference, run.seen.notes);
-  for (const Observation& seen : run.seen.observations) file += frame_bytes(seen);
+  run.seen.observations.refer_to(*run.seen.reference);
+  for (const Observation& seen : observations) run.seen.observations.push_back(seen);
+  for (std::size_t n = 0; n < observations.size(); ++n) file += frame_bytes(run.seen.observations.packed(n));
   return file + end_bytes(run.seen, run.options);
 }
 

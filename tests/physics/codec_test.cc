@@ -98,7 +98,7 @@ Errors creeping(double speed_px, double step, bool told) {
   if (told) say(reference->seen, step);
   Follower follower(*reference);
   PatchWorkspace work;
-  std::vector<Observation> observations;
+  Observations observations(*reference);
   for (long frame = 1; frame < kFrames; ++frame) {
     last = coded(shot(scenario, frame), &last, step);
     Observation seen =
@@ -106,7 +106,7 @@ Errors creeping(double speed_px, double step, bool told) {
     seen.frame = frame;
     if (told) say(seen, step);
     (void)follower.follow(*reference, seen);
-    observations.push_back(std::move(seen));
+    observations.push_back(seen);
   }
   for (const Sample& sample : method.solve(*reference, observations, {}).samples) {
     if (!has_numbers(sample.status)) continue;

@@ -175,10 +175,11 @@ std::optional<Solution> measured(const Slip& slip, Footage footage) {
   const Method* precise = method_named(slip.plan.method);
   precise->prepare(grey, *reference);
   Dice dice(slip.scenario.seed);
-  std::vector<Observation> seen;
-  for (long frame = 0; frame <= slip.plan.frames; ++frame)
+  Observations seen(*reference);
+  for (long frame = 0; frame <= slip.plan.frames; ++frame) {
     seen.push_back(observed_again(slip.scenario, frame, *reference, dice));
-  reference->seen.markers = seen.front().markers;
+    if (frame == 0) reference->seen.markers = seen.front().markers;
+  }
   return precise->solve(*reference, seen, slip.plan.solve);
 }
 

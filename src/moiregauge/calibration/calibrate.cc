@@ -88,19 +88,18 @@ ScenePrior for_stretched(ScenePrior prior, double stretch) {
   return prior;
 }
 
-}  // namespace
-
-std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
+template <typename Frame>
+std::vector<std::size_t> chosen_of(std::span<const Frame> frames, std::size_t most) {
   std::set<std::size_t> chosen;
   if (frames.size() <= most) {
     for (std::size_t i = 0; i < frames.size(); ++i) chosen.insert(i);
   } else {
     for (int k = 0; k < 6; ++k) {
-      const auto of = [k](const BundleFrame& f) {
+      const auto of = [k](const Frame& f) {
         return k < 3 ? f.pose.turn[static_cast<std::size_t>(k)] : f.pose.shift[static_cast<std::size_t>(k - 3)];
       };
-      const auto [low, high] = std::minmax_element(
-          frames.begin(), frames.end(), [&](const BundleFrame& a, const BundleFrame& b) { return of(a) < of(b); });
+      const auto [low, high] = std::minmax_element(frames.begin(), frames.end(),
+                                                   [&](const Frame& a, const Frame& b) { return of(a) < of(b); });
       chosen.insert(static_cast<std::size_t>(low - frames.begin()));
       chosen.insert(static_cast<std::size_t>(high - frames.begin()));
     }
@@ -109,14 +108,24 @@ std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::si
   return {chosen.begin(), chosen.end()};
 }
 
-Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given) {
+}  // namespace
+
+std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
+  return chosen_of(frames, most);
+}
+
+std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::size_t most) {
+  return chosen_of(frames, most);
+}
+
+Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, Until until) {
   Calibration best;
   ScenePrior& prior = best.prior;
   prior = given;
-  auto solution = ascended(site, frames, prior, Prints::kPerfect);
+  auto solution = ascended(site, frames, prior, Prints::kPerfect, until);
   for (int wider = 0; wider < kWiderPriors && solution && is_beyond(solution->scene.stretch, prior); ++wider) {
     prior = for_stretched(given, solution->scene.stretch);
-    solution = ascended(site, frames, prior, Prints::kPerfect);
+    solution = ascended(site, frames, prior, Prints::kPerfect, until);
   }
   if (!solution) {
     best.bundle.scene.solved = false;
@@ -131,7 +140,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
     if (is_the_same(error, best.print_error)) break;
     auto again = ascended(site, with_print_error(site, frames, error), prior,
-                          error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect);
+                          error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, until);
     if (!again) break;
     solution = std::move(again);
     best.print_error = error;

@@ -4,6 +4,7 @@
 
 #include "moiregauge/calibration/bundle.h"
 #include "moiregauge/calibration/frame_fit.h"
+#include "moiregauge/calibration/frame_series.h"
 #include "moiregauge/calibration/print_error.h"
 
 namespace moiregauge {
@@ -32,10 +33,13 @@ struct Calibration {
 // references and depths of the targets are always solved: their priors are the site's word, and all the price they pay.
 // Prints stretched along one axis by more than three of the prior's u: which of their axes has the pitch that the site
 // states cannot be seen, so the scales' priors are widened by half the stretch.
-[[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
+// until     when each of these solutions stops
+[[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
+                                    Until until = Until::kStands);
 
 // `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.
 // All of them where there are no more than `most`.
 [[nodiscard]] std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most);
+[[nodiscard]] std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::size_t most);
 
 }  // namespace moiregauge

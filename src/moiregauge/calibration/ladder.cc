@@ -65,7 +65,7 @@ std::optional<Scene> with_heights_for_scales(const ScenePrior& prior, const Bund
 // also leaves a valley into which too small a model has led it; of rough prints too, where every parameter has its
 // price.
 BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePrior& prior, BundleSolution best,
-                           double price, Prints prints) {
+                           double price, Prints prints, Until until) {
   const int side = std::max(prior.camera.width, prior.camera.height);
   const auto due = [&](const SceneModel& m) {
     return price * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
@@ -79,11 +79,14 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
     model.heights = model.depth = true;
     return model;
   };
-  BundleSolution all = bundle.solve(kEverything, best.scene, best.frames);
-  take_if_better(bundle.solve(with_heights(best.scene.model), all.scene, all.frames));
+  const auto solve = [&](const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) {
+    return bundle.solve(model, scene, frames, FocalLength::kAsModel, until);
+  };
+  BundleSolution all = solve(kEverything, best.scene, best.frames);
+  take_if_better(solve(with_heights(best.scene.model), all.scene, all.frames));
   take_if_better(std::move(all));
   if (const auto start = with_heights_for_scales(prior, best))
-    take_if_better(bundle.solve(with_heights(best.scene.model), *start, best.frames));
+    take_if_better(solve(with_heights(best.scene.model), *start, best.frames));
   return best;
 }
 
@@ -93,7 +96,7 @@ constexpr double kLeastPrediction = 0.25;
 }  // namespace
 
 std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
-                                       Prints prints) {
+                                       Prints prints, Until until) {
   const Bundle bundle(site, frames, prior);
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
@@ -102,9 +105,10 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     const double due = have ? price * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
     if (from != nullptr && bundle.predicted_reduction(model, *from) < kLeastPrediction * due) return false;
-    BundleSolution solution = from == nullptr ? bundle.solve(model) : bundle.solve(model, from->scene, from->frames);
+    const auto solved = [&](FocalLength f) { return bundle.solve(model, from->scene, from->frames, f, until); };
+    BundleSolution solution = from == nullptr ? bundle.solve(model) : solved(FocalLength::kAsModel);
     if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
-      solution = bundle.solve(model, from->scene, from->frames, FocalLength::kHeld);
+      solution = solved(FocalLength::kHeld);
     if (!is_sane(solution.scene, side)) return false;
     if (have && best.scene.penalised_cost - solution.scene.penalised_cost < due) return false;
     best = std::move(solution);
@@ -118,7 +122,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return with_shapes(bundle, site, prior, std::move(best), price, prints);
+  return with_shapes(bundle, site, prior, std::move(best), price, prints, until);
 }
 
 }  // namespace moiregauge

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include "moiregauge/calibration/pose.h"
 #include "moiregauge/units/units.h"
@@ -22,13 +24,69 @@ constexpr double kShortest = 0.01;  // of the time between frames, or of a tenth
 constexpr double kReadoutOfScene = 0.002;
 constexpr double kMostWidening = 1e6;
 
+// Frames as a global shutter would have seen them: each is set back when it is asked for.
+struct SetBack {
+  const Site& site;
+  FrameSeries given;
+  Scene scene;
+  std::vector<FrameStart> read;  // as known when they were set back
+  std::vector<FrameMotion> motions;
+  double readout_s = 0.0;
+  RowsRun run = RowsRun::kDown;
+
+  [[nodiscard]] BundleFrame frame(std::size_t k) const {
+    BundleFrame seen = given[k];
+    // It starts from what the prior's camera has for its pose.
+    const Pose pose = std::exchange(seen.pose, read[k].pose);
+    const auto shift = std::exchange(seen.shift, read[k].shift);
+    seen.time_s = read[k].time_s;
+    BundleFrame out = set_back(site, scene, seen, motions[k], read.front().pose, readout_s, run);
+    out.pose = pose;
+    out.shift = shift;
+    return out;
+  }
+};
+
+// The part of a frame's fit that is kept of all frames.
+struct FitSummary {
+  bool ok = false;
+  Pose pose;
+  PathPlace path_variance = PathPlace::Zero();
+  std::vector<std::optional<Extent<frame::Board>>> shift;  // one per site marker; nothing: not fitted
+  std::vector<Extent<frame::Board>> variance;              // of the shifts, mm^2
+  double chi2_sum = 0.0;
+  long dof = 0;
+  Motion motion = Motion::Zero();
+  std::optional<Motion> motion_variance;
+};
+
+FitSummary summary_of(const FrameFit& fit, bool has_motion) {
+  FitSummary out;
+  out.ok = fit.ok;
+  out.pose = fit.pose;
+  out.shift.resize(fit.shift_row.size());
+  out.variance.resize(fit.shift_row.size());
+  out.chi2_sum = fit.chi2_sum, out.dof = fit.dof;
+  if (!fit.ok) return out;
+  out.path_variance = path_variance(fit.pose, fit.covariance);
+  for (std::size_t i = 0; i < fit.shift_row.size(); ++i) {
+    const int row = fit.shift_row[i];
+    if (row < 0) continue;
+    out.shift[i] = fit.shift[i];
+    out.variance[i] = {fit.covariance(row, row), fit.covariance(row + 1, row + 1)};
+  }
+  out.motion = fit.motion;
+  if (has_motion) out.motion_variance = fit.covariance.diagonal().tail<kMotionParameters>();
+  return out;
+}
+
 class Rounds {
  public:
-  Rounds(const Site& site, std::span<const BundleFrame> frames, std::span<const std::size_t> key,
-         const ScenePrior& prior, std::optional<double> readout_s, double side)
+  Rounds(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key, const ScenePrior& prior,
+         std::optional<double> readout_s, double side)
       : site_(site),
         as_given_(frames),
-        read_(frames.begin(), frames.end()),
+        read_(frames.starts().begin(), frames.starts().end()),
         key_(key),
         prior_(prior),
         side_(side),
@@ -37,8 +95,8 @@ class Rounds {
     scene_.markers = prior.markers;
     order_.resize(frames.size());
     std::iota(order_.begin(), order_.end(), std::size_t{0});
-    const bool timed = std::all_of(frames.begin(), frames.end(), [](const auto& f) { return std::isfinite(f.time_s); });
-    for (BundleFrame& f : read_) f.time_s = timed ? f.time_s : static_cast<double>(f.frame);
+    const bool timed = std::ranges::all_of(read_, [](const auto& f) { return std::isfinite(f.time_s); });
+    for (FrameStart& f : read_) f.time_s = timed ? f.time_s : static_cast<double>(f.frame);
     std::stable_sort(order_.begin(), order_.end(), [&](auto a, auto b) { return read_[a].time_s < read_[b].time_s; });
     std::vector<double> steps;
     for (std::size_t k = 1; k < order_.size(); ++k)
@@ -52,23 +110,27 @@ class Rounds {
 
   Shutter solved() {
     if (!(out_.interval_s > 0.0)) return without("there are not enough frames to tell the camera's motion");
-    fits_ = fits_of(read_);
+    note_rows();
+    fits_ = fits_of(as_given_);
     take_poses();
-    for (int round = 0; round < kReadoutRounds; ++round) {
+    bool is_last = false;
+    for (int round = 0;; ++round) {
+      is_last = is_last || round == kReadoutRounds;
       follow_path();
       const double before = out_.readout_s;
       // Paths of the first round are those of rows read at once: they would tell any readout.
       if (round > 0) solve_readout();
       set_all_back();
-      std::vector<BundleFrame> few;
-      for (const std::size_t k : key_) few.push_back(out_.frames[k]);
-      out_.calibration = calibrate(site_, few, prior_);
+      // All but the last one only lead the path: the bends of a long valley are not worth their steps there.
+      out_.calibration =
+          calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kStands : Until::kChi2Stands);
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       scene_ = out_.calibration.bundle.scene;
       fits_ = fits_of(out_.frames);
       take_poses();
       widen();
-      if (round >= 2 && std::abs(out_.readout_s - before) < kStands * out_.u_readout_s) break;
+      if (is_last) break;
+      is_last = round >= 2 && std::abs(out_.readout_s - before) < kStands * out_.u_readout_s;
     }
     count_cost();
     return std::move(out_);
@@ -80,12 +142,29 @@ class Rounds {
     return std::move(out_);
   }
 
-  [[nodiscard]] std::vector<FrameFit> fits_of(const std::vector<BundleFrame>& frames) const {
-    std::vector<FrameFit> fits;
-    for (BundleFrame f : frames) {
-      // With another focal length the pose is elsewhere.
-      f.pose = pose_of(site_, scene_, f).value_or(f.pose);
-      fits.push_back(fit_frame(site_, scene_, f));
+  // A print's middle is read at this share of the readout.
+  void note_rows() {
+    for (std::size_t k = 0; k < as_given_.size(); ++k) {
+      const BundleFrame frame = as_given_[k];
+      row_share_.emplace_back(site_.markers.size(), 0.0);
+      for (std::size_t i = 0; i < frame.points.size(); ++i) {
+        if (frame.points[i])
+          row_share_[k][i] = share_of_row(frame.points[i]->image[kPatchPoints / 2], prior_.camera, prior_.rows_run);
+      }
+    }
+  }
+
+  [[nodiscard]] FrameFit fit_of(BundleFrame frame) const {
+    // With another focal length the pose is elsewhere.
+    frame.pose = pose_of(site_, scene_, frame).value_or(frame.pose);
+    return fit_frame(site_, scene_, frame);
+  }
+
+  [[nodiscard]] std::vector<FitSummary> fits_of(const FrameSeries& frames) const {
+    std::vector<FitSummary> fits;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const BundleFrame frame = frames[k];
+      fits.push_back(summary_of(fit_of(frame), frame.rows.has_value()));
     }
     return fits;
   }
@@ -96,7 +175,7 @@ class Rounds {
       if (!fits_[k].ok) continue;
       read_[k].pose = fits_[k].pose;
       for (std::size_t i = 0; i < site_.markers.size(); ++i) {
-        if (fits_[k].shift_row[i] >= 0) read_[k].shift[i] = fits_[k].shift[i];
+        if (fits_[k].shift[i]) read_[k].shift[i] = *fits_[k].shift[i];
       }
     }
   }
@@ -114,7 +193,7 @@ class Rounds {
       places.push_back(path_place(fits_[k].pose, read_.front().pose));
       const double excess =
           fits_[k].dof > 0 ? std::max(1.0, fits_[k].chi2_sum / static_cast<double>(fits_[k].dof)) : 1.0;
-      variances.push_back(excess * path_variance(fits_[k].pose, fits_[k].covariance));
+      variances.push_back(excess * fits_[k].path_variance);
     }
     for (int c = 0; c < kPathParameters; ++c) {
       std::vector<double> value, variance;
@@ -133,23 +212,21 @@ class Rounds {
   void follow_target(std::size_t i) {
     std::vector<std::size_t> known;
     for (const std::size_t k : order_)
-      if (fits_[k].ok && fits_[k].shift_row[i] >= 0) known.push_back(k);
+      if (fits_[k].ok && fits_[k].shift[i]) known.push_back(k);
     std::vector<double> time;
     for (const std::size_t k : known) time.push_back(read_[k].time_s);
     for (const auto axis : {&Extent<frame::Board>::x, &Extent<frame::Board>::y}) {
       std::vector<double> value, variance;
       for (const std::size_t k : known) {
-        const int row = fits_[k].shift_row[i] + (axis == &Extent<frame::Board>::x ? 0 : 1);
-        value.push_back(fits_[k].shift[i].*axis);
-        variance.push_back(fits_[k].covariance(row, row));
+        value.push_back((*fits_[k].shift[i]).*axis);
+        variance.push_back(fits_[k].variance[i].*axis);
       }
       const auto path = smooth_path(time, value, variance);
       for (std::size_t n = 0; n < known.size(); ++n) {
         TargetMotion& t = motions_[known[n]].targets[i];
         t.rate.*axis = path[n].rate;
         t.acceleration.*axis = path[n].acceleration;
-        const double delay = out_.readout_s * share_of_row(read_[known[n]].points[i]->image[kPatchPoints / 2],
-                                                           prior_.camera, prior_.rows_run);
+        const double delay = out_.readout_s * row_share_[known[n]][i];
         const auto& c = path[n].covariance;
         out_.u_target[known[n]][i].*axis =
             std::abs(delay) * std::sqrt(std::max(0.0, c(0, 0) + 0.25 * delay * delay * c(1, 1)));
@@ -169,14 +246,9 @@ class Rounds {
   }
 
   void set_all_back() {
-    out_.frames.clear();
-    for (std::size_t k = 0; k < read_.size(); ++k) {
-      out_.frames.push_back(
-          set_back(site_, scene_, read_[k], motions_[k], read_.front().pose, out_.readout_s, prior_.rows_run));
-      // Where they start from is what the prior's camera takes for their pose.
-      out_.frames.back().pose = as_given_[k].pose;
-      out_.frames.back().shift = as_given_[k].shift;
-    }
+    auto set = std::make_shared<const SetBack>(
+        SetBack{site_, as_given_, scene_, read_, motions_, out_.readout_s, prior_.rows_run});
+    out_.frames = as_given_.with([set = std::move(set)](std::size_t k) { return set->frame(k); });
   }
 
   // Gauss and Newton's steps of the one number, scene and paths held.
@@ -185,7 +257,8 @@ class Rounds {
     for (int step = 0; step < kReadoutSteps; ++step) {
       set_all_back();
       double information = prior, slope = prior * (out_.readout_s - expected_s_);
-      for (const FrameFit& f : fits_of(out_.frames)) {
+      for (std::size_t k = 0; k < out_.frames.size(); ++k) {
+        const FrameFit f = fit_of(out_.frames[k]);
         if (!f.ok) continue;
         // A frame that does not fit counts less.
         const double weight = f.dof > 0 ? 1.0 / std::max(1.0, f.chi2_sum / static_cast<double>(f.dof)) : 1.0;
@@ -205,10 +278,9 @@ class Rounds {
     for (std::size_t c = 0; c < wider_.size(); ++c) {
       double found = 0.0, expected = 0.0;
       for (std::size_t k = 0; k < fits_.size(); ++k) {
-        if (!fits_[k].ok || fits_[k].covariance.rows() < kMotionParameters) continue;
+        if (!fits_[k].ok || !fits_[k].motion_variance) continue;
         const auto at = static_cast<Eigen::Index>(c);
-        const Eigen::Index row = fits_[k].covariance.rows() - kMotionParameters + at;
-        found += fits_[k].motion(at) * fits_[k].motion(at) + fits_[k].covariance(row, row);
+        found += fits_[k].motion(at) * fits_[k].motion(at) + (*fits_[k].motion_variance)(at);
         const auto& p = motions_[k].camera[c % kPathParameters].covariance;
         expected += c < kPathParameters ? p(0, 0) : p(1, 1);
       }
@@ -223,14 +295,15 @@ class Rounds {
   }
 
   const Site& site_;
-  std::span<const BundleFrame> as_given_;
-  std::vector<BundleFrame> read_;  // with poses and shifts as they become known
+  const FrameSeries& as_given_;
+  std::vector<FrameStart> read_;                // with poses and shifts as they become known
+  std::vector<std::vector<double>> row_share_;  // by frame, then site marker
   std::span<const std::size_t> key_;
   const ScenePrior& prior_;
   double side_, known_to_, expected_s_ = 0.0;
   std::vector<std::size_t> order_;  // by time
   Scene scene_;
-  std::vector<FrameFit> fits_;
+  std::vector<FitSummary> fits_;
   std::vector<FrameMotion> motions_;
   std::array<double, kMotionParameters> wider_ = [] {
     std::array<double, kMotionParameters> one{};
@@ -246,7 +319,7 @@ double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.mot
 
 }  // namespace
 
-Shutter solve_shutter(const Site& site, std::span<const BundleFrame> frames, std::span<const std::size_t> key,
+Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                       const ScenePrior& prior, std::optional<double> readout_s) {
   Shutter down = Rounds(site, frames, key, prior, readout_s, 1.0).solved();
   constexpr double kTold = 3.0;

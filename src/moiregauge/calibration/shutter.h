@@ -15,7 +15,7 @@ inline constexpr double kGivenReadout = 0.03;  // relative standard uncertainty
 
 struct Shutter {
   Calibration calibration;
-  std::vector<BundleFrame> frames;  // all of them, points set back
+  FrameSeries frames;  // all of them, points set back
   // What the targets' own motion leaves open at the time of their rows; by frame, then site marker, mm.
   std::vector<std::vector<Extent<frame::Board>>> u_target;
   double readout_s = 0.0;  // below zero: rows are read from the picture's other end
@@ -33,8 +33,7 @@ struct Shutter {
 // frames    as read, the reference frame first; without times frames count as seconds
 // key       of them, for the scene; the first one among them
 // readout   given, or nothing known
-[[nodiscard]] Shutter solve_shutter(const Site& site, std::span<const BundleFrame> frames,
-                                    std::span<const std::size_t> key, const ScenePrior& prior,
+[[nodiscard]] Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key, const ScenePrior& prior,
                                     std::optional<double> readout_s);
 
 // Does it pay: is chi2 of the key frames lower by more than what their motions and the readout take up (Schwarz 1978),

@@ -143,15 +143,17 @@ int run(const MeasureWords& words) {
   if (words.video) directory.also(put_video({words.exaggeration, words.quiet}, again, *options));
   {
     const InterruptGuard guard;
-    Progress progress("measuring", words.quiet);
+    std::optional<Progress> progress(std::in_place, "measuring", words.quiet);
     measured = watch(open, *options,
                      [&](long done, long expected) {
-                       progress.show(done, expected, times.waiting_share());
+                       progress->show(done, expected, times.waiting_share());
                        return !interrupted();
                      },
                      {stabilised ? &*stabilised : nullptr, &journal, *std::move(so_far)});
     if (const auto closed = journal.close(); !closed) return fail_output(closed.error());
+    progress.reset();
     if (measured) {
+      const ElapsedLine line(fmt::format("solving {} frames", measured->observations.size()), words.quiet);
       overlay = overlay_beside(*measured, *options, words.threads);
       conclude(*options, *measured);
     }

@@ -10,6 +10,7 @@
 
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/measure_options.h"
+#include "moiregauge/cli/progress.h"
 #include "moiregauge/cli/report_lines.h"
 #include "moiregauge/cli/run_figures.h"
 #include "moiregauge/io/run_directory.h"
@@ -157,7 +158,10 @@ int run(const SolveWords& words) {
     return fail_output(free.error());
   Measurement solved;
   static_cast<Seen&>(solved) = std::move(stored->seen);
-  conclude(stored->options, solved);
+  {
+    const ElapsedLine line(fmt::format("solving {} frames", solved.observations.size()), words.quiet);
+    conclude(stored->options, solved);
+  }
   if (!solved.contradiction.empty())
     return fail(Exit::kUsage, solved.contradiction + ": give other frames, or --rest none: nothing was written");
   if (const auto written = directory.write(solved, stored->options); !written) return fail_output(written.error());

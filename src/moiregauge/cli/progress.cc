@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <cstdio>
+#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
@@ -50,6 +52,21 @@ void Progress::show(long done, long expected, std::optional<double> waiting_shar
   shown_ = true;
   fmt::print(stderr, "\r\x1b[K{}", progress_line(what_, {done, expected, seconds(now - start_), waiting_share}));
   std::fflush(stderr);
+}
+
+ElapsedLine::ElapsedLine(std::string what, bool quiet) {
+  if (quiet || ::isatty(STDERR_FILENO) != 1) return;
+  thread_ = std::jthread([what = std::move(what)](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::unique_lock lock(mutex);
+    for (long s = 1; !stopped.wait_for(lock, stop, std::chrono::seconds(1), [&] { return stop.stop_requested(); }); ++s) {
+      fmt::print(stderr, "\r\x1b[K{}, {} s", what, s);
+      std::fflush(stderr);
+    }
+    fmt::print(stderr, "\r\x1b[K");
+    std::fflush(stderr);
+  });
 }
 
 }  // namespace moiregauge::cli

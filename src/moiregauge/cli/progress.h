@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A progress line on stderr: on a terminal only, for runs over two seconds only.
+// Progress lines on stderr: on a terminal only, and only for what takes a while.
 #pragma once
 
 #include <chrono>
 #include <optional>
 #include <string>
+#include <thread>
 
 namespace moiregauge::cli {
 
@@ -19,6 +20,7 @@ struct ProgressState {
 // goes into.
 [[nodiscard]] std::string progress_line(const std::string& what, const ProgressState& state);
 
+// Shows how far a run is, from its third second on.
 class Progress {
  public:
   Progress(std::string what, bool quiet);
@@ -35,6 +37,15 @@ class Progress {
   bool wanted_ = false;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_ = start_;
+};
+
+// Shows how long work takes that does not say how far it is, from its second second on.
+class ElapsedLine {
+ public:
+  ElapsedLine(std::string what, bool quiet);
+
+ private:
+  std::jthread thread_;  // its end stops it and clears the line
 };
 
 }  // namespace moiregauge::cli

@@ -29,14 +29,14 @@ struct Walk {
   const Method* method;
   Follower follower;
   PatchWorkspace work;
-  std::vector<Observation> observations;
+  Observations observations;
 
   void see(const GreyPicture& picture, const Reference& reference, long frame, double time_s) {
     Observation seen = method->observe(picture, reference, follower.prediction(), work);
     seen.frame = frame;
     seen.time_s = time_s;
-    (void)follower.follow(reference, seen);
-    observations.push_back(std::move(seen));
+    observations.push_back(seen);
+    (void)follower.follow(reference, observations.back());
   }
 };
 
@@ -102,7 +102,7 @@ tl::expected<CellRun, std::string> run_cell(const ReproduceCase& which, const Re
     if (method.prepare != nullptr) method.prepare(grey(first, scenario), *reference);
   }
   std::vector<Walk> walks;
-  for (const Method& method : kMethods) walks.push_back({&method, Follower(*reference), {}, {}});
+  for (const Method& method : kMethods) walks.push_back({&method, Follower(*reference), {}, Observations(*reference)});
   for (long frame = 0; frame < scenario.frames; frame += step) {
     const auto picture = shot(scenario, frame);
     for (Walk& walk : walks) walk.see(grey(picture, scenario), *reference, frame, simulator::time_of(scenario, frame));

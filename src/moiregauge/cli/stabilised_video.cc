@@ -73,22 +73,22 @@ class Film {
     if (options.method->needs_circles)
       apparent_samples_ = method_named("two-stage")->solve(*m.reference, m.observations, {}).samples;
     apparent_ = by_frame_and_marker(apparent_samples_.empty() ? m.samples : apparent_samples_);
-    for (const Observation& seen : m.observations) seen_[seen.frame] = &seen;
+    for (std::size_t n = 0; const Observation& seen : m.observations) place_[seen.frame] = n++;
   }
 
   [[nodiscard]] const SideBySide& picture() const { return picture_; }
 
   [[nodiscard]] Image<std::uint8_t> frame(const Frame& shot, int bits) const {
-    const auto found = seen_.find(shot.number);
-    const Observation* seen = found == seen_.end() ? nullptr : found->second;
-    const bool is_seen = seen != nullptr && seen->references_seen && !seen->decode_error;
+    const auto found = place_.find(shot.number);
+    const Observation seen = found == place_.end() ? Observation{} : m_.observations[found->second];
+    const bool is_seen = seen.references_seen && !seen.decode_error;
     std::vector<DrawnMotion> moves;
     std::string words = fmt::format("camera's motion taken out, targets' motion x {:g}:", picture_.exaggeration());
     for (const std::size_t target : targets_) {
       moves.push_back(move_of(shot.number, target));
       words += words_for(moves.back(), m_.reference->site.markers[target].name);
     }
-    const View view{is_seen ? seen->stage2 : m_.reference->seen.stage2, m_.reference->lens};
+    const View view{is_seen ? seen.stage2 : m_.reference->seen.stage2, m_.reference->lens};
     const std::string when = std::isfinite(shot.time_s) ? fmt::format(", {:.2f} s", shot.time_s) : "";
     return picture_.draw(upper_bits(shot.luma, bits).view(), is_seen ? &view : nullptr, moves,
                          fmt::format("as filmed: frame {}{}", shot.number, when),
@@ -116,7 +116,7 @@ class Film {
   SideBySide picture_;
   Samples apparent_samples_;
   BySample measured_, apparent_;
-  std::map<long, const Observation*> seen_;
+  std::map<long, std::size_t> place_;  // of a frame among the observations
 };
 
 // Pictures without times are shown at the usual rate; times must rise.

@@ -10,20 +10,40 @@
 namespace moiregauge {
 namespace {
 
-BundleFrame bundle_frame(const Reference& reference, const Observation& seen, const Camera& camera,
-                         const std::vector<BoardExtent>& travel) {
-  BundleFrame frame;
-  frame.frame = seen.frame;
-  frame.time_s = seen.time_s;
-  frame.pose = pose_of(seen.stage2, camera);
+// Is the marker read, and its lattice line beyond doubt?
+std::vector<bool> usable_points(const Reference& reference, const Observation& seen) {
   const std::vector<bool> doubtful = references_in_doubt(reference, seen);
-  for (std::size_t i = 0; i < seen.markers.size(); ++i) {
-    const bool usable = seen.markers[i].loss == Loss::kNone && !doubtful[i];
-    frame.points.push_back(usable ? seen.markers[i].points : std::nullopt);
-    frame.shift.push_back(is_target(reference, i) ? BoardExtent{or_zero(travel[i].x), or_zero(travel[i].y)}
+  std::vector<bool> usable;
+  for (std::size_t i = 0; i < seen.markers.size(); ++i)
+    usable.push_back(seen.markers[i].loss == Loss::kNone && !doubtful[i] && seen.markers[i].points.has_value());
+  return usable;
+}
+
+FrameStart start_of(const Reference& reference, const Observation& seen, const Camera& camera,
+                    const std::vector<BoardExtent>& travel) {
+  FrameStart start{seen.frame, seen.time_s, pose_of(seen.stage2, camera), {}, usable_points(reference, seen)};
+  for (std::size_t i = 0; i < seen.markers.size(); ++i)
+    start.shift.push_back(is_target(reference, i) ? BoardExtent{or_zero(travel[i].x), or_zero(travel[i].y)}
                                                   : BoardExtent{});
-  }
+  return start;
+}
+
+BundleFrame frame_of(const Observation& seen, const FrameStart& start) {
+  BundleFrame frame;
+  frame.frame = start.frame;
+  frame.time_s = start.time_s;
+  frame.pose = start.pose;
+  frame.shift = start.shift;
+  for (std::size_t i = 0; i < seen.markers.size(); ++i)
+    frame.points.push_back(start.has_points[i] ? seen.markers[i].points : std::nullopt);
   return frame;
+}
+
+std::size_t references_in(const Site& site, const FrameStart& start) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < start.has_points.size(); ++i)
+    if (start.has_points[i] && site.markers[i].role == Role::kReference) ++count;
+  return count;
 }
 
 }  // namespace
@@ -35,37 +55,47 @@ std::size_t references_in(const Site& site, const BundleFrame& frame) {
   return count;
 }
 
-BundleFrames bundle_frames(const Reference& reference, const std::vector<Observation>& observations,
-                           const Camera& camera, const SolveOptions& options, std::size_t least) {
-  const auto rests = [&](long frame) { return options.rest && options.rest->holds(frame); };
+BundleFrames bundle_frames(const Reference& reference, const Observations& observations, const Camera& camera,
+                           const SolveOptions& options, std::size_t least) {
   const std::vector<BoardExtent> still(reference.site.markers.size());
   BundleFrames out;
   out.place.assign(observations.size(), 0);
-  out.frames.push_back(bundle_frame(reference, reference.seen, camera, still));
-  out.frames.front().at_rest = rests(reference.seen.frame);
-  if (references_in(reference.site, out.frames.front()) < least) return out;
-  Follower follower(reference);
-  for (std::size_t n = 0; n < observations.size(); ++n) {
-    const Observation& seen = observations[n];
-    const auto travel = follower.follow(reference, seen);
-    if (seen.decode_error || !seen.references_seen || seen.frame == reference.seen.frame) continue;
-    BundleFrame frame = bundle_frame(reference, seen, camera, travel);
-    frame.at_rest = rests(seen.frame);
-    if (references_in(reference.site, frame) < least) continue;
-    out.place[n] = out.frames.size();
-    out.frames.push_back(std::move(frame));
+  auto starts = std::make_shared<std::vector<FrameStart>>();
+  starts->push_back(start_of(reference, reference.seen, camera, still));
+  std::vector<std::size_t> observation{0};  // of each frame; the reference frame has none
+  if (references_in(reference.site, starts->front()) >= least) {
+    Follower follower(reference);
+    for (std::size_t n = 0; n < observations.size(); ++n) {
+      const Observation& seen = observations[n];
+      const auto travel = follower.follow(reference, seen);
+      if (seen.decode_error || !seen.references_seen || seen.frame == reference.seen.frame) continue;
+      FrameStart start = start_of(reference, seen, camera, travel);
+      if (references_in(reference.site, start) < least) continue;
+      out.place[n] = starts->size();
+      starts->push_back(std::move(start));
+      observation.push_back(n);
+    }
   }
+  out.frames = FrameSeries(starts, [&reference, &observations, rest = options.rest, starts,
+                                    observation = std::move(observation)](std::size_t k) {
+    const FrameStart& start = (*starts)[k];
+    BundleFrame frame = k == 0 ? frame_of(reference.seen, start) : frame_of(observations[observation[k]], start);
+    frame.at_rest = rest && rest->holds(start.frame);
+    return frame;
+  });
   return out;
 }
 
-std::vector<BundleFrame> with_codec_error(const BundleFrames& all, const CodecHistory& codec) {
-  std::vector<BundleFrame> out = all.frames;
-  if (!codec.is_lossy() || out.empty()) return out;
-  out.front() = with_codec_error(out.front(), codec, std::nullopt);
+FrameSeries with_codec_error(const BundleFrames& all, std::shared_ptr<const CodecHistory> codec) {
+  if (!codec->is_lossy()) return all.frames;
+  std::vector<std::size_t> observation(all.frames.size(), 0);
   for (std::size_t n = 0; n < all.place.size(); ++n) {
-    if (all.place[n] > 0) out[all.place[n]] = with_codec_error(out[all.place[n]], codec, n);
+    if (all.place[n] > 0) observation[all.place[n]] = n;
   }
-  return out;
+  return all.frames.with([read = all.frames, codec = std::move(codec), observation = std::move(observation)](
+                             std::size_t k) {
+    return with_codec_error(read[k], *codec, k == 0 ? std::nullopt : std::optional(observation[k]));
+  });
 }
 
 }  // namespace moiregauge

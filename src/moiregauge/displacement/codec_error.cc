@@ -65,7 +65,7 @@ double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double 
   return std::hypot(lagging / std::hypot(1.0, lagging / kMostLag_px), rounded);
 }
 
-CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observation>& observations)
+CodecHistory::CodecHistory(const Reference& reference, const Observations& observations)
     : starts_with_key_frame_(reference.seen.frame == 0) {
   const auto note = [this](const Quantiser& q) { lossy_ = lossy_ || !q.is_lossless(); };
   const std::size_t markers = reference.site.markers.size();
@@ -75,30 +75,49 @@ CodecHistory::CodecHistory(const Reference& reference, const std::vector<Observa
     note(then_.back());
     then_.back().step = reference.step_of(i, then_.back());
   }
+  std::vector<bool> is_complete(markers, true);
+  steps_.resize(observations.size() * markers);
+  auto at = steps_.begin();
   for (const Observation& seen : observations) {
     for (const MarkerObservation& marker : seen.markers) note(marker.quantiser);
-  }
-  if (!lossy_) return;
-  steps_.assign(observations.size(), std::vector<Quantiser>(markers));
-  for (std::size_t i = 0; i < markers; ++i) {
-    std::vector<double> all;
-    for (const Observation& seen : observations) {
-      if (i < seen.markers.size()) all.push_back(reference.step_of(i, seen.markers[i].quantiser));
+    for (std::size_t i = 0; i < markers; ++i, ++at) {
+      if (i >= seen.markers.size()) {
+        is_complete[i] = false;
+        continue;
+      }
+      const Quantiser& quantiser = seen.markers[i].quantiser;
+      *at = {static_cast<float>(reference.step_of(i, quantiser)), quantiser.predicted};
     }
-    if (all.size() != observations.size()) continue;
-    std::vector<double> sorted = all;
+  }
+  if (!lossy_) {
+    steps_ = {};
+    return;
+  }
+  for (std::size_t i = 0; i < markers; ++i) {
+    std::vector<float> all;
+    for (std::size_t n = 0; n < observations.size(); ++n) all.push_back(steps_[n * markers + i].step);
+    if (!is_complete[i]) {
+      for (std::size_t n = 0; n < all.size(); ++n) steps_[n * markers + i] = {};
+      continue;
+    }
+    if (all.empty()) continue;
+    std::vector<float> sorted = all;
     std::sort(sorted.begin(), sorted.end());
-    const double overall = sorted[static_cast<std::size_t>(kOverall * static_cast<double>(sorted.size() - 1))];
+    const float overall = sorted[static_cast<std::size_t>(kOverall * static_cast<double>(sorted.size() - 1))];
     for (std::size_t n = 0; n < all.size(); ++n) {
       const std::size_t from = n - std::min(n, kRoundAbout), to = std::min(all.size(), n + kRoundAbout + 1);
-      steps_[n][i] = {*std::max_element(all.begin() + static_cast<long>(from), all.begin() + static_cast<long>(to)),
-                      observations[n].markers[i].quantiser.predicted};
-      steps_[n][i].step = std::max(steps_[n][i].step, overall);
+      const float about =
+          *std::max_element(all.begin() + static_cast<long>(from), all.begin() + static_cast<long>(to));
+      steps_[n * markers + i].step = std::max(about, overall);
     }
   }
 }
 
-Quantiser CodecHistory::at(std::size_t n, std::size_t marker) const { return lossy_ ? steps_[n][marker] : Quantiser{}; }
+Quantiser CodecHistory::at(std::size_t n, std::size_t marker) const {
+  if (!lossy_) return {};
+  const Step& step = steps_[n * is_target_.size() + marker];
+  return {static_cast<double>(step.step), step.predicted};
+}
 
 Quantiser CodecHistory::in_reference_frame(std::size_t marker) const { return then_[marker]; }
 

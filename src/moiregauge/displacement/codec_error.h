@@ -19,6 +19,7 @@
 
 #include "moiregauge/calibration/bundle.h"
 #include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/observation/observations.h"
 
 namespace moiregauge {
 
@@ -34,7 +35,7 @@ enum class Lag { kOwn, kShared };
 // the largest that stood round about counts; where the stream says nothing, one of H.264's usual ones is assumed.
 class CodecHistory {
  public:
-  CodecHistory(const Reference& reference, const std::vector<Observation>& observations);
+  CodecHistory(const Reference& reference, const Observations& observations);
   [[nodiscard]] bool is_lossy() const { return lossy_; }
   // Of the n-th observation.
   [[nodiscard]] Quantiser at(std::size_t n, std::size_t marker) const;
@@ -46,7 +47,11 @@ class CodecHistory {
   }
 
  private:
-  std::vector<std::vector<Quantiser>> steps_;
+  struct Step {
+    float step = 0.0F;
+    bool predicted = false;
+  };
+  std::vector<Step> steps_;  // by observation, then marker
   std::vector<Quantiser> then_;
   std::vector<bool> is_target_;
   bool starts_with_key_frame_ = true;

@@ -56,12 +56,14 @@ Reference reference_of_two() {
   return reference;
 }
 
-std::vector<Observation> observations(const std::vector<double>& steps) {
-  std::vector<Observation> all(steps.size());
-  for (std::size_t n = 0; n < steps.size(); ++n) {
-    all[n].frame = static_cast<long>(n);
-    all[n].markers.resize(2);
-    for (MarkerObservation& marker : all[n].markers) marker.quantiser = {steps[n], true};
+Observations observations(const std::vector<double>& steps) {
+  Observations all;
+  for (const double step : steps) {
+    Observation seen;
+    seen.frame = static_cast<long>(all.size());
+    seen.markers.resize(2);
+    for (MarkerObservation& marker : seen.markers) marker.quantiser = {step, true};
+    all.push_back(seen);
   }
   return all;
 }

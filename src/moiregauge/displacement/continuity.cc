@@ -8,10 +8,10 @@
 namespace moiregauge {
 namespace {
 
-bool outruns(const Marker& target, std::span<const BundleFrame> frames, std::size_t i) {
-  const BundleFrame* before = nullptr;
-  for (const BundleFrame& frame : frames) {
-    if (!frame.points[i]) continue;
+bool outruns(const Marker& target, std::span<const FrameStart> frames, std::size_t i) {
+  const FrameStart* before = nullptr;
+  for (const FrameStart& frame : frames) {
+    if (!frame.has_points[i]) continue;
     if (before != nullptr) {
       const auto went = frame.shift[i] - before->shift[i];
       if (std::max(std::abs(went.x), std::abs(went.y)) > kSureOfOrder * target.grating->pitch_mm) return true;
@@ -23,7 +23,7 @@ bool outruns(const Marker& target, std::span<const BundleFrame> frames, std::siz
 
 }  // namespace
 
-std::vector<bool> outruns_continuity(const Site& site, std::span<const BundleFrame> frames) {
+std::vector<bool> outruns_continuity(const Site& site, std::span<const FrameStart> frames) {
   std::vector<bool> out;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const Marker& marker = site.markers[i];

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "moiregauge/calibration/bundle.h"
+#include "moiregauge/calibration/frame_series.h"
 #include "moiregauge/displacement/sample.h"
 
 namespace moiregauge {
@@ -15,7 +15,7 @@ inline constexpr double kSureOfOrder = 0.25;
 
 // One per site marker: does a target go more than a quarter of a pitch between any two frames that show it? Then it may
 // as well go more than half of one, which continuity takes for less in the other direction.
-[[nodiscard]] std::vector<bool> outruns_continuity(const Site& site, std::span<const BundleFrame> frames);
+[[nodiscard]] std::vector<bool> outruns_continuity(const Site& site, std::span<const FrameStart> frames);
 
 // Of samples whose whole pitch follows from continuity alone (`two-stage`, frame by frame): those of a target from the
 // first one on that stands more than a quarter of a pitch from the one before.

@@ -19,12 +19,11 @@ std::vector<bool> verdict(const std::vector<double>& y_mm) {
     marker.grating.emplace().pitch_mm = 10.0;
     site.markers.push_back(marker);
   }
-  std::vector<BundleFrame> frames;
+  std::vector<FrameStart> frames;
   for (const double y : y_mm) {
-    BundleFrame frame;
+    FrameStart frame;
     frame.shift = {{}, {0.0, y}};
-    frame.points.resize(2);
-    if (y == y) frame.points[1].emplace();
+    frame.has_points = {false, y == y};
     frames.push_back(frame);
   }
   return outruns_continuity(site, frames);

@@ -100,7 +100,7 @@ class KappaFit {
 
 }  // namespace
 
-LensEvidence lens_evidence(const Reference& reference, const std::vector<Observation>& observations) {
+LensEvidence lens_evidence(const Reference& reference, const Observations& observations) {
   const auto& markers = reference.site.markers;
   const ResidualField then(reference, reference.seen.stage1);
   std::vector<Vector2d> then_at;
@@ -162,10 +162,11 @@ LensEvidence lens_evidence(const Reference& reference, const std::vector<Observa
   for (std::size_t n = 0; n < observations.size(); ++n) {
     double sum = 0.0;
     int count = 0;
+    const Observation& now = observations[n];
     for (const CirclePoint& p : reference.circles) {
+      if (!now.references_seen) continue;
       const std::size_t i = p.marker;
-      const MarkerObservation& seen =
-          observations[n].references_seen ? observations[n].markers[i] : MarkerObservation{};
+      const MarkerObservation& seen = now.markers[i];
       if (!markers[i].grating || !seen.patch.valid || seen.loss != Loss::kNone) continue;
       const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.patch);
       const double u2 = std::pow(u_patch_mm(reference.plans[i], seen.patch), 2) + std::pow(u_then[i * per_marker], 2) +

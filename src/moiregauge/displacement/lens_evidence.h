@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/observations.h"
 
 namespace moiregauge {
 
@@ -21,6 +21,6 @@ struct LensEvidence {
   std::vector<double> unexplained_mm;
 };
 
-[[nodiscard]] LensEvidence lens_evidence(const Reference& reference, const std::vector<Observation>& observations);
+[[nodiscard]] LensEvidence lens_evidence(const Reference& reference, const Observations& observations);
 
 }  // namespace moiregauge

@@ -10,6 +10,7 @@
 
 #include "moiregauge/calibration/scene.h"
 #include "moiregauge/displacement/sample.h"
+#include "moiregauge/observation/observations.h"
 #include "moiregauge/observation/observe.h"
 #include "moiregauge/units/frame_range.h"
 
@@ -49,16 +50,16 @@ struct Solution {
 
 // Seed paper 2.1, with travel followed beyond half a pitch. Behind a camera that moved displacements stay wrapped within
 // half a pitch, as published.
-[[nodiscard]] Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations,
+[[nodiscard]] Solution solve_conventional(const Reference& reference, const Observations& observations,
                                           const SolveOptions& options);
 
 // Seed paper 2.2, with travel followed beyond half a pitch, and u.
-[[nodiscard]] Solution solve_two_stage(const Reference& reference, const std::vector<Observation>& observations,
+[[nodiscard]] Solution solve_two_stage(const Reference& reference, const Observations& observations,
                                        const SolveOptions& options);
 
 // Raw pixels against the print's own template, the lens and the markers' places solved from the footage
 // (docs/methods/precise.md); `two-stage` where they cannot be solved.
-[[nodiscard]] Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
+[[nodiscard]] Solution solve_precise(const Reference& reference, const Observations& observations,
                                      const SolveOptions& options);
 
 struct Method {
@@ -66,7 +67,7 @@ struct Method {
   std::string_view summary;
   void (*prepare)(const GreyPicture&, Reference&);  // with the reference frame's picture; may be nullptr
   Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
-  Solution (*solve)(const Reference&, const std::vector<Observation>&, const SolveOptions&);
+  Solution (*solve)(const Reference&, const Observations&, const SolveOptions&);
   bool needs_circles = true;  // false: gratings are enough, the camera stands still
 };
 

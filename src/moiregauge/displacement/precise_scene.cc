@@ -21,19 +21,15 @@ constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
 constexpr double kRollingShare = 0.6;  // of chi2, that goes when the camera may turn
 
 // The reference frame leads.
-std::vector<std::size_t> key_of(const std::vector<BundleFrame>& frames) {
+std::vector<std::size_t> key_of(const FrameSeries& frames) {
   std::vector<std::size_t> key{0};
-  for (const std::size_t k : key_frames(frames, kMostKeyFrames)) {
+  for (const std::size_t k : key_frames(frames.starts(), kMostKeyFrames)) {
     if (k > 0) key.push_back(k);
   }
   return key;
 }
 
-std::vector<BundleFrame> key_frames_of(const std::vector<BundleFrame>& frames) {
-  std::vector<BundleFrame> key;
-  for (const std::size_t k : key_of(frames)) key.push_back(frames[k]);
-  return key;
-}
+std::vector<BundleFrame> key_frames_of(const FrameSeries& frames) { return frames.at(key_of(frames)); }
 
 // chi2 beyond its own scatter.
 bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
@@ -42,7 +38,7 @@ bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
 
 class SceneSolver {
  public:
-  SceneSolver(const Reference& reference, const std::vector<BundleFrame>& read, const ScenePrior& prior,
+  SceneSolver(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
               const SolveOptions& options)
       : reference_(reference), site_(reference.site), read_(read), prior_(prior), options_(options) {
     out_.frames = read;
@@ -104,7 +100,7 @@ class SceneSolver {
     if (judged_) return false;
     at_once_ = tested();
     if (!at_once_->moved) return false;
-    auto rest = without(out_.frames, *at_once_->moved);
+    auto rest = out_.frames.without(*at_once_->moved);
     Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
     if (!calibration.bundle.scene.solved || calibration.shutter.asks) return false;
     judged_ = out_.references_verified = true;
@@ -121,7 +117,7 @@ class SceneSolver {
     out_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) tell_doubt(verdict);
     if (!verdict.moved) return;
-    out_.frames = without(read_, *verdict.moved);
+    out_.frames = read_.without(*verdict.moved);
     out_.shutter.reset();
     solve();
     if (is_solved()) tell_movement(*verdict.moved);
@@ -204,7 +200,7 @@ class SceneSolver {
 
   const Reference& reference_;
   const Site& site_;
-  const std::vector<BundleFrame>& read_;
+  const FrameSeries& read_;
   const ScenePrior& prior_;
   const SolveOptions& options_;
   bool judged_ = false;  // the references have been tested against each other, and that is done with
@@ -214,7 +210,7 @@ class SceneSolver {
 
 }  // namespace
 
-PreciseScene precise_scene(const Reference& reference, const std::vector<BundleFrame>& read, const ScenePrior& prior,
+PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
                            const SolveOptions& options, bool lossy) {
   return SceneSolver(reference, read, prior, options).solved(lossy);
 }

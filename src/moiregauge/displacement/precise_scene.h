@@ -22,7 +22,7 @@ struct PreciseScene {
   std::string problem;      // why the run cannot be measured in it
   bool rolls = false;  // rows are read one after the other, no path explains it: no row of any method is to be trusted
 
-  std::vector<BundleFrame> frames;  // the footage in that scene: without a reference that moves, and set back
+  FrameSeries frames;               // the footage in that scene: without a reference that moves, and set back
   std::optional<Shutter> shutter;   // that rolls, and was solved
   PrintError print_error;           // belongs in the covariance of `frames`
 
@@ -35,7 +35,7 @@ struct PreciseScene {
 
 // read    the reference frame first, with the codec's error if there is one
 // lossy   that there is one
-[[nodiscard]] PreciseScene precise_scene(const Reference& reference, const std::vector<BundleFrame>& read,
+[[nodiscard]] PreciseScene precise_scene(const Reference& reference, const FrameSeries& read,
                                          const ScenePrior& prior, const SolveOptions& options, bool lossy);
 
 }  // namespace moiregauge

@@ -66,26 +66,19 @@ std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<st
 
 }  // namespace
 
-std::vector<BundleFrame> without(std::span<const BundleFrame> frames, std::size_t marker) {
-  std::vector<BundleFrame> out(frames.begin(), frames.end());
-  for (BundleFrame& frame : out) frame.points[marker].reset();
-  return out;
-}
-
-ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
+ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, const ScenePrior& prior,
                                  const SceneModel& model, bool camera_known) {
   ReferenceVerdict verdict;
   std::vector<std::size_t> references;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const auto seen =
-        std::count_if(frames.begin(), frames.end(), [i](const BundleFrame& f) { return f.points[i].has_value(); });
+        std::ranges::count_if(frames.starts(), [i](const FrameStart& start) { return bool{start.has_points[i]}; });
     if (site.markers[i].role == Role::kReference && 2 * seen > static_cast<long>(frames.size()))
       references.push_back(i);
   }
   if (references.size() < 4) return verdict;
   verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
-  std::vector<BundleFrame> few;
-  for (const std::size_t k : key_frames(frames, kMostFrames)) few.push_back(frames[k]);
+  const std::vector<BundleFrame> few = frames.at(key_frames(frames.starts(), kMostFrames));
   const BundleSolution all = solve_bundle(site, few, prior, model);
   std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
   for (const std::size_t r : references) {
@@ -106,14 +99,15 @@ ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> 
   return verdict;
 }
 
-Movement movement_of(Site site, const Scene& scene, std::span<const BundleFrame> frames, std::size_t marker) {
+Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, std::size_t marker) {
   site.markers[marker].role = Role::kTarget;
   std::optional<FrameFit> first;
   Movement most;
   const auto covariance = [marker](const FrameFit& fit) -> Eigen::Matrix2d {
     return fit.covariance.block<2, 2>(fit.shift_row[marker], fit.shift_row[marker]);
   };
-  for (BundleFrame frame : frames) {
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    BundleFrame frame = frames[k];
     // Where the prior's camera takes the frame for standing is too far from the solved one's for the fit's few passes.
     frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
     FrameFit fit = fit_frame(site, scene, frame);

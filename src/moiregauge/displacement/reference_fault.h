@@ -4,7 +4,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -22,11 +21,8 @@ struct ReferenceVerdict {
 // Six references show it, or five with a known camera. Four, or five without one, may show that one moves, not which:
 // four leave two coordinates of eight after a frame's pose, and a slip that a pose and the lens imitate is not seen. A
 // reference counts when it is seen in most frames.
-[[nodiscard]] ReferenceVerdict test_references(const Site& site, std::span<const BundleFrame> frames,
-                                               const ScenePrior& prior, const SceneModel& model, bool camera_known);
-
-// The frames without that reference.
-[[nodiscard]] std::vector<BundleFrame> without(std::span<const BundleFrame> frames, std::size_t marker);
+[[nodiscard]] ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, const ScenePrior& prior,
+                                               const SceneModel& model, bool camera_known);
 
 struct Movement {
   double mm = 0.0;
@@ -34,7 +30,6 @@ struct Movement {
 };
 
 // How far it went at most from where it was in the first frame, in the scene solved without it.
-[[nodiscard]] Movement movement_of(Site site, const Scene& scene, std::span<const BundleFrame> frames,
-                                   std::size_t marker);
+[[nodiscard]] Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, std::size_t marker);
 
 }  // namespace moiregauge

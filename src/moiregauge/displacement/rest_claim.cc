@@ -162,12 +162,13 @@ std::optional<MovedAtRest> movement_of_target(const Site& site, const PreciseSce
 
 // Frames of the rest, evenly spread; the reference frame among them where it is one of them. In each only the targets
 // whose row would be `ok`.
-std::vector<BundleFrame> tested_frames(const Reference& reference, const std::vector<Observation>& observations,
+std::vector<BundleFrame> tested_frames(const Reference& reference, const Observations& observations,
                                        const std::vector<std::size_t>& place, const PreciseScene& solved,
                                        const FrameRange& rest) {
   const Site& site = reference.site;
   const auto weighed = [&](std::size_t k) {
-    return with_print_error(site, std::span(&solved.frames[k], 1), solved.print_error).front();
+    const BundleFrame frame = solved.frames[k];
+    return with_print_error(site, std::span(&frame, 1), solved.print_error).front();
   };
   std::vector<std::size_t> all;
   for (std::size_t n = 0; n < observations.size(); ++n) {
@@ -196,7 +197,7 @@ std::vector<BundleFrame> tested_frames(const Reference& reference, const std::ve
 
 }  // namespace
 
-std::optional<MovedAtRest> moved_at_rest(const Reference& reference, const std::vector<Observation>& observations,
+std::optional<MovedAtRest> moved_at_rest(const Reference& reference, const Observations& observations,
                                          const std::vector<std::size_t>& place, const PreciseScene& without_claim,
                                          const FrameRange& rest) {
   const auto frames = tested_frames(reference, observations, place, without_claim, rest);

@@ -18,7 +18,7 @@ namespace moiregauge {
 // row would not be `ok` do not count.
 // Error: a true rest is refused about once in 10^4 runs, as long as u is right within 12 %.
 [[nodiscard]] std::optional<MovedAtRest> moved_at_rest(const Reference& reference,
-                                                       const std::vector<Observation>& observations,
+                                                       const Observations& observations,
                                                        const std::vector<std::size_t>& place,
                                                        const PreciseScene& without_claim, const FrameRange& rest);
 

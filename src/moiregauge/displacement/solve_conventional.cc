@@ -111,7 +111,7 @@ void measure_phase(const Reference& reference, const Observation& seen, const Co
 
 }  // namespace
 
-Solution solve_conventional(const Reference& reference, const std::vector<Observation>& observations,
+Solution solve_conventional(const Reference& reference, const Observations& observations,
                             const SolveOptions&) {
   Solution solution;
   const CodecHistory codec(reference, observations);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <span>
 
 #include "moiregauge/calibration/pose.h"
@@ -24,7 +25,7 @@ namespace {
 // An axis that the print does not show has no uncertainty to speak of.
 constexpr double kShownWithin = 0.25;  // pitches
 
-Solution fallback(const Reference& reference, const std::vector<Observation>& observations, const SolveOptions& options,
+Solution fallback(const Reference& reference, const Observations& observations, const SolveOptions& options,
                   std::string why) {
   Solution solution = solve_two_stage(reference, observations, options);
   solution.scene.emplace();
@@ -77,7 +78,7 @@ void widen_by_target(Sample& sample, const Shutter& shutter, std::size_t place) 
 }
 
 // By what targets would have been wrong at most, mm: the frames as read, taken for rows read at once, in the same scene.
-double taken_out_mm(const Reference& reference, const Scene& scene, const std::vector<BundleFrame>& read,
+double taken_out_mm(const Reference& reference, const Scene& scene, const FrameSeries& read,
                     const Shutter& shutter) {
   const auto shifts = [&](BundleFrame frame) {
     frame.pose = pose_of(reference.site, scene, frame).value_or(frame.pose);
@@ -101,28 +102,28 @@ double taken_out_mm(const Reference& reference, const Scene& scene, const std::v
 class FramesInScene {
  public:
   // by_noise: of compressed footage, its frames without the codec's error
-  FramesInScene(const Reference& reference, const PreciseScene& scene, std::vector<BundleFrame> by_noise)
+  FramesInScene(const Reference& reference, const PreciseScene& scene, std::optional<FrameSeries> by_noise)
       : reference_(reference),
         site_(reference.site),
         solved_(scene),
         scene_(scene.calibration.bundle.scene),
         by_noise_(std::move(by_noise)) {}
 
-  void measure(const std::vector<Observation>& observations, const std::vector<std::size_t>& place,
+  void measure(const Observations& observations, const std::vector<std::size_t>& place,
                Solution& solution) const {
     const PreciseBudget budget(site_, scene_.full_covariance,
                                solved_.calibration.fits.front(),  // the reference frame leads the key frames
                                solved_.shutter ? solved_.shutter->u_readout_s : 0.0);
     ByNoise by_noise;
-    if (!by_noise_.empty()) by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
-    const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames);
+    if (by_noise_) by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
+    const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames.starts());
     for (std::size_t n = 0; n < observations.size(); ++n) {
       const Observation& seen = observations[n];
       FrameFit now;
       if (place[n] > 0) {
         const BundleFrame frame = placed(solved_.frames[place[n]]);
         now = fit_frame(site_, scene_, frame);
-        if (!by_noise_.empty()) by_noise.now = fit_by_noise(place[n], frame);
+        if (by_noise_) by_noise.now = fit_by_noise(place[n], frame);
       }
       solution.chi2_dof.push_back(now.ok && now.dof > 0 ? now.chi2_sum / static_cast<double>(now.dof) : kNotMeasured);
       for (std::size_t i = 0; i < site_.markers.size(); ++i) {
@@ -158,7 +159,7 @@ class FramesInScene {
 
   // A frame from where another fit of it ended.
   [[nodiscard]] FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const {
-    BundleFrame frame = weighed(by_noise_[place]);
+    BundleFrame frame = weighed((*by_noise_)[place]);
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
       if (!from.points[i]) frame.points[i].reset();
       if (frame.points[i]) frame.points[i]->image = from.points[i]->image;  // set back, if the shutter rolls
@@ -175,7 +176,7 @@ class FramesInScene {
   const Site& site_;
   const PreciseScene& solved_;
   const Scene& scene_;
-  std::vector<BundleFrame> by_noise_;
+  std::optional<FrameSeries> by_noise_;
 };
 
 void add_to(std::vector<std::string>& notes, std::optional<std::string> line) {
@@ -183,7 +184,7 @@ void add_to(std::vector<std::string>& notes, std::optional<std::string> line) {
 }
 
 void tell_shutter(Solution& solution, const Reference& reference, const Shutter& shutter,
-                  const std::vector<BundleFrame>& read, bool given) {
+                  const FrameSeries& read, bool given) {
   const bool timed = std::isfinite(reference.seen.time_s);
   Scene& scene = *solution.scene;
   scene.readout_s = timed ? shutter.readout_s : kNotTimed;
@@ -195,17 +196,17 @@ void tell_shutter(Solution& solution, const Reference& reference, const Shutter&
 // A run's footage and the scene solved from it.
 struct SolvedRun {
   BundleFrames seen;
-  std::vector<BundleFrame> read;  // the same frames with the codec's error
+  FrameSeries read;  // the same frames with the codec's error
   bool lossy = false;             // that there is one
   PreciseScene scene;
 };
 
-SolvedRun solved_run(const Reference& reference, const std::vector<Observation>& observations,
+SolvedRun solved_run(const Reference& reference, const Observations& observations,
                      const SolveOptions& options) {
   SolvedRun run;
   const ScenePrior prior = precise_prior(reference, options);
-  const CodecHistory codec(reference, observations);
-  run.lossy = codec.is_lossy();
+  const auto codec = std::make_shared<const CodecHistory>(reference, observations);
+  run.lossy = codec->is_lossy();
   run.seen = bundle_frames(reference, observations, prior.camera, options,
                            reference.knows_camera() ? kLeastForPose : kLeastForHomography);
   run.read = with_codec_error(run.seen, codec);
@@ -216,7 +217,7 @@ SolvedRun solved_run(const Reference& reference, const std::vector<Observation>&
   return run;
 }
 
-Solution measured_in_scene(const Reference& reference, const std::vector<Observation>& observations,
+Solution measured_in_scene(const Reference& reference, const Observations& observations,
                            const SolveOptions& options, SolvedRun run) {
   const PreciseScene& scene = run.scene;
   if (!scene.problem.empty()) {
@@ -234,14 +235,14 @@ Solution measured_in_scene(const Reference& reference, const std::vector<Observa
   add_to(solution.findings, stretched_prints_note(reference.site, scene.calibration));
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration))
     solution.findings.push_back(std::move(line));
-  FramesInScene(reference, scene, run.lossy ? std::move(run.seen.frames) : std::vector<BundleFrame>{})
+  FramesInScene(reference, scene, run.lossy ? std::optional(run.seen.frames) : std::nullopt)
       .measure(observations, run.seen.place, solution);
   if (scene.shutter) tell_shutter(solution, reference, *scene.shutter, run.read, options.readout_s.has_value());
   return solution;
 }
 
 // Solved without the statement of rest first; with it only where that scene does not contradict it.
-Solution measured_with_rest(const Reference& reference, const std::vector<Observation>& observations,
+Solution measured_with_rest(const Reference& reference, const Observations& observations,
                             const SolveOptions& options) {
   SolveOptions without_rest = options;
   without_rest.rest.reset();
@@ -258,7 +259,7 @@ Solution measured_with_rest(const Reference& reference, const std::vector<Observ
 
 }  // namespace
 
-Solution solve_precise(const Reference& reference, const std::vector<Observation>& observations,
+Solution solve_precise(const Reference& reference, const Observations& observations,
                        const SolveOptions& options) {
   Solution solution =
       options.rest ? measured_with_rest(reference, observations, options)

@@ -15,7 +15,7 @@ namespace moiregauge::figure {
 // What a run found; all of it must outlive the figures.
 struct RunFound {
   const Reference& reference;
-  const std::vector<Observation>& observations;
+  const Observations& observations;
   const Samples& samples;
   const std::optional<Scene>& scene;
   ImageView<std::uint8_t> picture;  // the reference frame; without pixels: no overlay

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/io/crc32.h"
+#include "moiregauge/io/deflate.h"
 #include "moiregauge/io/run_layout.h"
 
 namespace moiregauge {
@@ -25,6 +26,8 @@ struct RunEnd {
 template <>
 inline constexpr std::size_t kFields<RunEnd> = 7;
 template <>
+inline constexpr AddedFields kAdded<RunEnd>{3, 1, 4};
+template <>
 inline constexpr std::size_t kFields<RunStart> = 5;
 
 namespace {
@@ -35,39 +38,49 @@ constexpr std::size_t kWord = 4;  // bytes of a tag, a length, a check sum
 constexpr std::string_view kStartTag = "STRT", kOptionsTag = "OPTN", kReferenceTag = "REFR", kNotesTag = "NOTE",
                            kObservationTag = "OBSV", kEndTag = "LAST";
 
+constexpr int kOldest = 2;
+constexpr int kSincePacked = 4;  // frames are packed and deflated; before, they were stored like all else
+
 template <typename Value>
 void spell(LayoutSpeller& speller) {
   Value value;
   store(speller, value);
 }
 
-std::string made_header() {
-  LayoutSpeller speller;
+std::string made_header(int version) {
+  LayoutSpeller speller(version);
   spell<RunStart>(speller);
   spell<MeasureOptions>(speller);
   spell<Reference>(speller);
-  spell<Observation>(speller);
+  if (version >= kSincePacked)
+    speller.word(kPackedLayout);
+  else
+    spell<Observation>(speller);
   spell<RunEnd>(speller);
   std::string bytes(kMagic);
-  append_little_endian(bytes, kRunFileVersion, kWord);
+  append_little_endian(bytes, static_cast<std::uint64_t>(version), kWord);
   append_little_endian(bytes, crc32(speller.spelling()), kWord);
   return bytes;
 }
 
 const std::string& header() {
-  static const std::string made = made_header();
+  static const std::string made = made_header(kRunFileVersion);
   return made;
+}
+
+std::string record_of(std::string_view tag, const std::string& payload) {
+  std::string bytes(tag);
+  append_little_endian(bytes, payload.size(), kWord);
+  bytes += payload;
+  append_little_endian(bytes, crc32(bytes), kWord);
+  return bytes;
 }
 
 template <typename Value>
 std::string record(std::string_view tag, const Value& value) {
   ByteWriter payload;
   store(payload, value);
-  std::string bytes(tag);
-  append_little_endian(bytes, payload.bytes().size(), kWord);
-  bytes += payload.bytes();
-  append_little_endian(bytes, crc32(bytes), kWord);
-  return bytes;
+  return record_of(tag, payload.bytes());
 }
 
 using Problem = tl::unexpected<std::string>;
@@ -108,7 +121,8 @@ class RecordReader {
     if (found.substr(0, kMagic.size()) != kMagic.substr(0, found.size()) || found.empty())
       return Problem(fmt::format("no observations: {}: it is not a file of moiregauge: give a run's folder", path_));
     if (found.size() < wanted.size()) return damaged(path_, "it breaks off");
-    if (found != wanted)
+    for (version_ = kRunFileVersion; version_ >= kOldest && found != made_header(version_);) --version_;
+    if (version_ < kOldest)
       return Problem(
           fmt::format("observations of another version of moiregauge: {}: solve with the version that "
                       "measured (run.json names it), or measure the input again",
@@ -125,6 +139,7 @@ class RecordReader {
       return damaged(path_, "a check sum is wrong");
     return record;
   }
+  [[nodiscard]] int version() const { return version_; }
   [[nodiscard]] bool is_finished() const { return left_ == 0; }
   [[nodiscard]] bool is_cut_short() const { return is_cut_short_; }
   [[nodiscard]] std::size_t place() const { return size_ - left_; }  // of the next record
@@ -143,12 +158,13 @@ class RecordReader {
   const std::string& path_;
   std::size_t size_;
   std::size_t left_;
+  int version_ = kRunFileVersion;
   bool is_cut_short_ = false;
 };
 
 template <typename Value>
-bool read_whole(const std::string& payload, Value& value) {
-  ByteReader reader(payload);
+bool read_whole(const std::string& payload, int version, Value& value) {
+  ByteReader reader(payload, version);
   store(reader, value);
   return reader.is_finished();
 }
@@ -175,10 +191,11 @@ bool is_sound(const Reference& reference) {
 // Takes records in, one after the other.
 class RunReader {
  public:
+  explicit RunReader(int version) : version_(version) {}
   // False where the record cannot be, or does not fit those before it. The run is then of no use any more, except
   // that a frame which does not fit is not taken.
   bool take(const Record& record) {
-    if (record.tag == kStartTag) return places_ == 0 && read_whole(record.payload, run_.start) && count_place();
+    if (record.tag == kStartTag) return places_ == 0 && read_whole(record.payload, version_, run_.start) && count_place();
     if (record.tag == kOptionsTag && places_ == 1) return take_options(record.payload) && count_place();
     if (places_ < 2 || end_) return false;
     if (record.tag == kOptionsTag) return take_options(record.payload);
@@ -209,37 +226,53 @@ class RunReader {
  private:
   bool count_place() { return ++places_ > 0; }
   bool take_options(const std::string& payload) {
-    return read_whole(payload, run_.options) && run_.options.method != nullptr && is_sound(run_.options.site);
+    return read_whole(payload, version_, run_.options) && run_.options.method != nullptr && is_sound(run_.options.site);
   }
   bool take_reference(const std::string& payload) {
     Reference reference;
-    if (run_.seen.reference || !read_whole(payload, reference) || !is_sound(reference)) return false;
+    if (run_.seen.reference || !read_whole(payload, version_, reference) || !is_sound(reference)) return false;
     // Frames that went by before it know the site's markers, or none where it was made from the picture.
     for (const Observation& seen : run_.seen.observations) {
       if (!seen.markers.empty() && !fits(reference.site, seen)) return false;
     }
+    if (version_ < kSinceWidth) {
+      for (auto& print : reference.prints) {
+        if (print) print->options.has_width = false;
+      }
+    }
+    run_.seen.observations.refer_to(reference);
     run_.seen.reference = std::move(reference);
     return true;
   }
   bool take_notes(const std::string& payload) {
     std::vector<std::string> notes;
-    if (run_.seen.reference || !read_whole(payload, notes)) return false;
+    if (run_.seen.reference || !read_whole(payload, version_, notes)) return false;
     run_.seen.notes = std::move(notes);
     return true;
   }
   bool take_frame(const std::string& payload) {
-    Observation seen;
-    if (!read_whole(payload, seen)) return false;
-    if (run_.seen.reference && !fits(run_.seen.reference->site, seen)) return false;
-    run_.seen.observations.push_back(std::move(seen));
+    std::string packed;
+    if (version_ >= kSincePacked) {
+      auto inflated_bytes = inflated(payload);
+      if (!inflated_bytes) return false;
+      packed = *std::move(inflated_bytes);
+    } else {
+      Observation seen;
+      if (!read_whole(payload, version_, seen)) return false;
+      packed = run_.seen.observations.packed(seen);
+    }
+    const auto seen = run_.seen.observations.unpacked(packed);
+    if (!seen || (run_.seen.reference && !fits(run_.seen.reference->site, *seen))) return false;
+    run_.seen.observations.push_back_packed(std::move(packed));
     return true;
   }
   bool take_end(const std::string& payload) {
     RunEnd end;
-    if (!read_whole(payload, end) || end.observations != run_.seen.observations.size()) return false;
+    if (!read_whole(payload, version_, end) || end.observations != run_.seen.observations.size()) return false;
     end_ = std::move(end);
     return true;
   }
+  int version_;
   StoredRun run_;
   std::optional<RunEnd> end_;
   int places_ = 0;  // of start and options, which come first
@@ -267,7 +300,7 @@ std::string reference_bytes(const Reference& reference, const std::vector<std::s
   return record(kNotesTag, notes) + record(kReferenceTag, reference);
 }
 
-std::string frame_bytes(const Observation& seen) { return record(kObservationTag, seen); }
+std::string frame_bytes(const std::string& packed) { return record_of(kObservationTag, deflated(packed)); }
 
 std::string end_bytes(const Seen& seen, const MeasureOptions& options) {
   return (options.solve.rest ? record(kOptionsTag, options) : std::string{}) +
@@ -278,7 +311,7 @@ std::string end_bytes(const Seen& seen, const MeasureOptions& options) {
 tl::expected<StoredRun, std::string> parse_run(std::istream& file, const std::string& path) {
   RecordReader records(file, path);
   if (const auto begun = records.begin(); !begun) return Problem(begun.error());
-  RunReader run;
+  RunReader run(records.version());
   while (!run.has_end()) {
     const auto record = records.next();
     if (!record) return Problem(record.error());
@@ -294,8 +327,9 @@ tl::expected<KeptRun, std::string> parse_kept_run(std::istream& file, const std:
     if (records.is_cut_short()) return KeptRun{};
     return Problem(begun.error());
   }
-  RunReader run;
+  RunReader run(records.version());
   KeptRun kept;
+  kept.is_of_this_version = records.version() == kRunFileVersion;
   while (!run.has_end()) {
     const auto record = records.next();
     const bool belongs_to_end = record && record->tag == kOptionsTag && run.has_head();

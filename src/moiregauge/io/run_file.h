@@ -15,8 +15,8 @@
 
 namespace moiregauge {
 
-// Raised when a stored field changes its meaning; a field more or less is noticed without it.
-inline constexpr std::uint32_t kRunFileVersion = 3;
+// Raised when a stored field changes its meaning, or is added (kAdded of run_layout.h). Versions from 2 on are read.
+inline constexpr int kRunFileVersion = 4;
 inline constexpr std::string_view kRunFileName = "run.mgj";
 
 // What a run is of, known before its first frame: another one cannot go on with it.
@@ -40,7 +40,7 @@ struct StoredRun {
 // and the options it belongs to come once more before the end.
 [[nodiscard]] std::string head_bytes(const RunStart& start, MeasureOptions options);
 [[nodiscard]] std::string reference_bytes(const Reference& reference, const std::vector<std::string>& notes);
-[[nodiscard]] std::string frame_bytes(const Observation& seen);
+[[nodiscard]] std::string frame_bytes(const std::string& packed);
 [[nodiscard]] std::string end_bytes(const Seen& seen, const MeasureOptions& options);
 
 // All of it, or "what: where: what to do". Every byte is checked; nothing is believed of a file that is not whole.
@@ -53,6 +53,7 @@ struct KeptRun {
   StoredRun run;
   std::size_t bytes = 0;  // of the part that is good, without an end: what comes next is written there
   bool has_end = false;   // the last record is there, and nothing behind it
+  bool is_of_this_version = true;  // else nothing can be written behind it
 };
 
 // Of a file that breaks off in its head, as a kill leaves it, nothing is kept: no bytes, no method. Fails where the

@@ -2,9 +2,11 @@
 #include "moiregauge/io/run_file.h"
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "moiregauge/io/crc32.h"
@@ -48,7 +50,8 @@ StoredRun filled_run(std::size_t count) {
   store(filler, run.seen.input);
   store(filler, run.seen.notes);
   store(filler, run.seen.refusal);
-  store(filler, run.seen.observations);
+  std::vector<Observation> observations;
+  store(filler, observations);
   store(filler, run.seen.reference);
   for (CirclePoint& point : run.seen.reference->circles) point.marker = count - 1;
   const NormalMatrix normal = NormalVector::LinSpaced(1.0 / 3.0, 2.0).asDiagonal();
@@ -56,6 +59,8 @@ StoredRun filled_run(std::size_t count) {
     print->print = PrintTemplate::cosine(1.0 / 7.0, 2.0 / 7.0);
     print->at_rest->system = *PatchSystem::of(normal, 77, {.along_y = false});
   }
+  run.seen.observations.refer_to(*run.seen.reference);
+  for (const Observation& seen : observations) run.seen.observations.push_back(seen);
   run.seen.input_damaged = run.seen.interrupted = true;
   return run;
 }
@@ -63,7 +68,7 @@ StoredRun filled_run(std::size_t count) {
 std::string bytes_of(const StoredRun& run) {
   std::string bytes = head_bytes(run.start, run.options);
   if (run.seen.reference) bytes += reference_bytes(*run.seen.reference, run.seen.notes);
-  for (const Observation& seen : run.seen.observations) bytes += frame_bytes(seen);
+  for (std::size_t n = 0; n < run.seen.observations.size(); ++n) bytes += frame_bytes(run.seen.observations.packed(n));
   return bytes + end_bytes(run.seen, run.options);
 }
 
@@ -102,9 +107,11 @@ TEST(RunFile, GivesEveryFieldBackToTheLastBit) {
 
 TEST(RunFile, KeepsNumbersThatAreNone) {
   StoredRun run = filled_run(1);
-  run.seen.observations[0].time_s = std::numeric_limits<double>::quiet_NaN();
-  run.seen.observations[0].markers[0].patch.u_gradient = -0.0;
-  run.seen.observations[0].markers[0].points.reset();
+  Observation seen = run.seen.observations[0];
+  seen.time_s = std::numeric_limits<double>::quiet_NaN();
+  seen.markers[0].patch.u_gradient = -0.0;
+  seen.markers[0].points.reset();
+  run.seen.observations.replace(0, seen);
   const auto again = parsed(bytes_of(run));
   ASSERT_TRUE(again) << again.error();
   EXPECT_TRUE(std::isnan(again->seen.observations[0].time_s));
@@ -133,8 +140,8 @@ TEST(RunFile, CutOffAnywhereIsAnError) {
 
 TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
   StoredRun run = filled_run(1);
-  run.seen.observations.resize(3, run.seen.observations[0]);
-  const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options), frame = frame_bytes(run.seen.observations[0]);
+  for (int k = 0; k < 2; ++k) run.seen.observations.push_back(run.seen.observations[0]);
+  const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options), frame = frame_bytes(run.seen.observations.packed(0));
   const std::size_t head = head_bytes(run.start, run.options).size();
   const std::size_t first = whole.size() - end.size() - 3 * frame.size();
   for (std::size_t size = 0; size <= whole.size(); size += size < head ? 1 : 7) {
@@ -155,9 +162,9 @@ TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
 
 TEST(RunFile, OfADamagedFileTheFramesBeforeTheDamageAreKept) {
   StoredRun run = filled_run(1);
-  run.seen.observations.resize(3, run.seen.observations[0]);
+  for (int k = 0; k < 2; ++k) run.seen.observations.push_back(run.seen.observations[0]);
   std::string bytes = bytes_of(run);
-  const std::size_t frame = frame_bytes(run.seen.observations[0]).size();
+  const std::size_t frame = frame_bytes(run.seen.observations.packed(0)).size();
   bytes[bytes.size() - end_bytes(run.seen, run.options).size() - frame / 2] ^= 1;  // in the last frame
   const auto kept = kept_of(bytes + "more");
   ASSERT_TRUE(kept);
@@ -177,8 +184,8 @@ TEST(RunFile, FramesMayGoByBeforeTheReferenceFrame) {
   const auto order = [&](const Observation& first) {
     Seen seen = run.seen;
     seen.observations = {first, run.seen.observations[0]};
-    return parsed(head_bytes(run.start, run.options) + frame_bytes(first) +
-                  reference_bytes(*run.seen.reference, run.seen.notes) + frame_bytes(run.seen.observations[0]) +
+    return parsed(head_bytes(run.start, run.options) + frame_bytes(Observations().packed(first)) +
+                  reference_bytes(*run.seen.reference, run.seen.notes) + frame_bytes(run.seen.observations.packed(0)) +
                   end_bytes(seen, run.options));
   };
   const auto read = order(before);
@@ -239,6 +246,53 @@ TEST(RunFile, NothingIsKeptOfARunWhoseOptionsMakeNoSense) {
   const auto kept = kept_of(bytes_of(run));
   ASSERT_FALSE(kept.has_value());
   EXPECT_NE(kept.error().find("its head makes no sense"), std::string::npos) << kept.error();
+}
+
+// Files that the programs of their time wrote: three frames of the small rig with cosine prints and noise, the target
+// moved by 0, 1 and 2 mm. Results are those of the same program's displacement.csv.
+struct EarlierRun {
+  int version;
+  double dx_mm[2], dy_mm[2];
+};
+
+class RunFileOfVersion : public testing::TestWithParam<EarlierRun> {};
+
+TEST_P(RunFileOfVersion, IsReadAndSolved) {
+  const EarlierRun& wanted = GetParam();
+  auto run = read_run(fmt::format("{}/tests/data/run-version-{}.mgj", MOIREGAUGE_SOURCE_DIR, wanted.version));
+  ASSERT_TRUE(run) << run.error();
+  EXPECT_TRUE(run->seen.input.tone.curve.is_linear());
+  ASSERT_TRUE(run->seen.reference);
+  EXPECT_TRUE(run->seen.reference->light_per_grey.empty());
+  // A cosine print has no lines.
+  for (const auto& print : run->seen.reference->prints) EXPECT_FALSE(print->options.has_width);
+  // The information matrices of all frames are the reference frame's times a factor.
+  ASSERT_EQ(run->seen.observations.size(), 3U);
+  for (const std::size_t n : {1U, 2U}) EXPECT_LT(run->seen.observations.packed(n).size(), 2000U);
+  Measurement solved;
+  static_cast<Seen&>(solved) = std::move(run->seen);
+  conclude(run->options, solved);
+  ASSERT_EQ(solved.samples.size(), 3U);
+  for (const std::size_t n : {1U, 2U}) {
+    const Sample& sample = solved.samples[n];
+    EXPECT_EQ(sample.status, Status::kOk);
+    EXPECT_NEAR(sample.displacement.x, wanted.dx_mm[n - 1], 0.01 * sample.u.x);
+    EXPECT_NEAR(sample.displacement.y, wanted.dy_mm[n - 1], 0.01 * sample.u.y);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Earlier, RunFileOfVersion,
+                         testing::Values(EarlierRun{2, {-0.001842, -0.004957}, {0.998911, 1.997619}},
+                                         EarlierRun{3, {-0.001842, -0.004957}, {0.998911, 1.997619}}),
+                         [](const auto& earlier) { return fmt::format("Version{}", earlier.param.version); });
+
+TEST(RunFile, OfAnEarlierVersionCannotBeContinued) {
+  std::ifstream file(fmt::format("{}/tests/data/run-version-3.mgj", MOIREGAUGE_SOURCE_DIR), std::ios::binary);
+  const auto kept = parse_kept_run(file, "here/run.mgj");
+  ASSERT_TRUE(kept) << kept.error();
+  EXPECT_FALSE(kept->is_of_this_version);
+  EXPECT_EQ(kept->run.seen.observations.size(), 3U);
+  EXPECT_TRUE(kept_of(bytes_of(filled_run(1)))->is_of_this_version);
 }
 
 }  // namespace

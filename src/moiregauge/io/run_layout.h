@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What run.mgj stores. A struct is stored field by field in the order of its declaration; when it gains or loses one,
-// its number below must follow (the compiler insists), and files of before are refused as written by another version.
+// What run.mgj stores. A struct is stored field by field in the order of its declaration; when it gains one, its number
+// below must follow (the compiler insists). kAdded says since which version it is there, so that older files still read.
 #pragma once
 
 #include "moiregauge/io/stored_values.h"
@@ -60,6 +60,19 @@ template <> inline constexpr std::size_t kFields<RasterOptions> = 3;
 template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
 
 // clang-format on
+
+// The tone curve, and the width of lines.
+template <>
+inline constexpr AddedFields kAdded<Reference>{12, 2, 3};
+template <>
+inline constexpr AddedFields kAdded<PrintModel>{7, 1, 3};
+template <>
+inline constexpr AddedFields kAdded<PatchFitOptions>{4, 1, 3};
+template <>
+inline constexpr AddedFields kAdded<InputInfo>{10, 1, 3};
+template <>
+inline constexpr AddedFields kAdded<MeasureOptions>{10, 1, 3};
+inline constexpr int kSinceWidth = 3;
 
 // Enumerations: a switch, so that the compiler names a value that is missing.
 [[nodiscard]] constexpr bool is_known(ToneCurve::Kind kind) {
@@ -170,9 +183,15 @@ struct Stored<PatchSystem> {
     NormalMatrix normal = value.normal();
     int pixels = value.pixels();
     PatchFitOptions options = value.options();
-    moiregauge::store(archive, normal);
+    const bool has_width = version_of(archive) >= kSinceWidth;
+    for (int row = 0; row < kColumns; ++row) {
+      for (int column = 0; column < kColumns; ++column) {
+        if (has_width || (row != kWidthColumn && column != kWidthColumn)) archive.number(normal(row, column));
+      }
+    }
     archive.number(pixels);
     moiregauge::store(archive, options);
+    if (!has_width) options.has_width = false;
     if constexpr (Archive::kReads) {
       auto made = PatchSystem::of(normal, pixels, options);
       if (!made) return archive.fail();

@@ -36,6 +36,23 @@ inline constexpr bool kStorable = std::is_same_v<Number, int> || std::is_same_v<
                                   ((std::is_same_v<Number, long> ||
                                     std::is_same_v<Number, std::size_t>)&&sizeof(Number) == 8);
 
+// Fields that a struct did not have before a version of the layout.
+struct AddedFields {
+  std::size_t first = 0, count = 0;
+  int since = 0;
+};
+template <typename Struct>
+inline constexpr AddedFields kAdded{};
+
+// The version of the layout that an archive has; one that does not say has the newest.
+template <typename Archive>
+[[nodiscard]] int version_of(const Archive& archive) {
+  if constexpr (requires { archive.version(); })
+    return archive.version();
+  else
+    return std::numeric_limits<int>::max();
+}
+
 class ByteWriter {
  public:
   static constexpr bool kReads = false;
@@ -70,7 +87,8 @@ class ByteWriter {
 class ByteReader {
  public:
   static constexpr bool kReads = true;
-  explicit ByteReader(std::string_view bytes) : left_(bytes) {}
+  ByteReader(std::string_view bytes, int version) : left_(bytes), version_(version) {}
+  [[nodiscard]] int version() const { return version_; }
   template <typename Number>
   void number(Number& value) {
     static_assert(kStorable<Number>);
@@ -106,6 +124,7 @@ class ByteReader {
     return taken;
   }
   std::string_view left_;
+  int version_;
   bool good_ = true;
 };
 
@@ -113,6 +132,8 @@ class ByteReader {
 class LayoutSpeller {
  public:
   static constexpr bool kReads = true;
+  explicit LayoutSpeller(int version) : version_(version) {}
+  [[nodiscard]] int version() const { return version_; }
   template <typename Number>
   void number(Number&) {
     static_assert(kStorable<Number>);
@@ -131,9 +152,11 @@ class LayoutSpeller {
   void fail() {}
   void open() { spelling_ += '('; }
   void close() { spelling_ += ')'; }
+  void word(std::string_view text) { spelling_ += text; }
   [[nodiscard]] const std::string& spelling() const { return spelling_; }
 
  private:
+  int version_;
   std::string spelling_;
 };
 

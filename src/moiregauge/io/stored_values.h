@@ -19,6 +19,14 @@ namespace moiregauge {
 template <typename Archive, typename Value>
 void store(Archive& archive, Value& value);
 
+// A field of a struct by its place; one that the archive's version does not have yet stays as it is.
+template <typename Struct, typename Archive, typename Value>
+void store_since(Archive& archive, Value& value, std::size_t place) {
+  constexpr AddedFields kNew = kAdded<Struct>;
+  const bool is_new = place >= kNew.first && place < kNew.first + kNew.count;
+  if (!is_new || version_of(archive) >= kNew.since) store(archive, value);
+}
+
 // The rule for a class that is not taken apart by its fields; specialised below and in run_layout.h.
 template <typename Value>
 struct Stored;
@@ -49,7 +57,8 @@ void store(Archive& archive, Value& value) {
     Stored<Plain>::store(archive, value);
   } else {
     archive.open();
-    std::apply([&](auto&... field) { (store(archive, field), ...); }, fields_of(value));
+    std::size_t place = 0;
+    std::apply([&](auto&... field) { (store_since<Plain>(archive, field, place++), ...); }, fields_of(value));
     archive.close();
   }
 }

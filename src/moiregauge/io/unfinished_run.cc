@@ -107,6 +107,9 @@ tl::expected<void, OutputError> UnfinishedRun::judge(const Found& found, const R
                              where, then.input.path));
   if (earlier == Earlier::kAsk) return usage(fmt::format("{}: {}: use --resume or --restart", what, where));
   if (earlier == Earlier::kRestart) return {};
+  if (!found.kept->is_of_this_version)
+    return usage(
+        fmt::format("cannot resume: {}: an earlier version of moiregauge began this run: use --restart", where));
   if (const auto differs = difference(found.kept->run, start, options))
     return usage(
         fmt::format("cannot resume: {}: {}: give the options it was begun with, or use --restart", where, *differs));
@@ -181,9 +184,9 @@ void UnfinishedRun::refer(const Reference& reference, const std::vector<std::str
   journal_->add([reference, notes] { return reference_bytes(reference, notes); }, false);
 }
 
-void UnfinishedRun::add(const Observation& seen) {
+void UnfinishedRun::add(const std::string& packed) {
   ++frames_;
-  journal_->add([seen] { return frame_bytes(seen); }, true);
+  journal_->add([packed] { return frame_bytes(packed); }, true);
 }
 
 tl::expected<void, OutputError> UnfinishedRun::close() {

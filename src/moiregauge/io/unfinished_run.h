@@ -33,7 +33,7 @@ class UnfinishedRun : public JournalSink {
   [[nodiscard]] tl::expected<Seen, OutputError> begin(const RunStart& start, const MeasureOptions& options,
                                                       Earlier earlier);
   void refer(const Reference& reference, const std::vector<std::string>& notes) override;
-  void add(const Observation& seen) override;
+  void add(const std::string& packed) override;
   [[nodiscard]] bool good() const override { return journal_->good(); }
   // All that was added is on the disk. Fails with what to tell the user.
   [[nodiscard]] tl::expected<void, OutputError> close();

@@ -190,7 +190,7 @@ class Restating {
 
 }  // namespace
 
-tl::expected<Restated, std::string> restated(const Reference& reference, const std::vector<Observation>& observations,
+tl::expected<Restated, std::string> restated(const Reference& reference, const Observations& observations,
                                              const Site& site, const Camera& lens) {
   auto ordered = in_old_order(reference.site, site);
   if (!ordered) return tl::unexpected(ordered.error());
@@ -199,7 +199,7 @@ tl::expected<Restated, std::string> restated(const Reference& reference, const s
   }
   Restating restating(reference, *ordered, lens);
   if (auto problem = restating.reference_frame()) return tl::unexpected(*problem);
-  Restated out{restating.reference(), {}};
+  Restated out{restating.reference(), Observations(restating.reference())};
   for (const Observation& seen : observations) out.observations.push_back(restating.frame(seen));
   return out;
 }

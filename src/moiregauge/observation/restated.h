@@ -9,13 +9,13 @@
 
 #include <tl/expected.hpp>
 
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/observations.h"
 
 namespace moiregauge {
 
 struct Restated {
   Reference reference;
-  std::vector<Observation> observations;
+  Observations observations;
 };
 
 // How much a site may differ from the one a run was measured with. Beyond, its windows would have lain elsewhere.
@@ -26,7 +26,7 @@ inline constexpr double kRestatedPlace =
 
 // fails  what is wrong with the site, in words, marker by marker
 [[nodiscard]] tl::expected<Restated, std::string> restated(const Reference& reference,
-                                                           const std::vector<Observation>& observations,
+                                                           const Observations& observations,
                                                            const Site& site, const Camera& lens);
 
 }  // namespace moiregauge

@@ -148,13 +148,17 @@ double modulation_of(const PatchReading& patch) {
 Json quality_json(const Measurement& m, PackedColumns& columns) {
   Json modulation = Json::array();
   const Reference& reference = *m.reference;
-  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+  const std::size_t markers = reference.site.markers.size();
+  std::vector<std::vector<double>> now(markers);  // of every marker by frame
+  for (const Observation& seen : m.observations) {
+    for (std::size_t i = 0; i < markers; ++i)
+      now[i].push_back(seen.markers[i].loss == Loss::kNone ? modulation_of(seen.markers[i].patch) : kNotMeasured);
+  }
+  for (std::size_t i = 0; i < markers; ++i) {
     const double then = modulation_of(reference.seen.markers[i].patch);
     if (!(then > 0.0)) continue;
-    std::vector<double> relative;
-    for (const Observation& seen : m.observations)
-      relative.push_back(seen.markers[i].loss == Loss::kNone ? modulation_of(seen.markers[i].patch) / then
-                                                             : kNotMeasured);
+    std::vector<double>& relative = now[i];
+    for (double& value : relative) value /= then;
     modulation.push_back({{"name", reference.site.markers[i].name},
                           {"role", reference.site.markers[i].role == Role::kTarget ? "target" : "reference"},
                           {"then", then},

@@ -27,7 +27,7 @@ BoardPoint middle_of(const Reference& reference) {
 
 }  // namespace
 
-CameraMotion camera_motion(const Reference& reference, const std::vector<Observation>& observations,
+CameraMotion camera_motion(const Reference& reference, const Observations& observations,
                            const std::optional<Camera>& camera) {
   CameraMotion motion;
   if (reference.circles.empty()) return motion;

@@ -22,7 +22,7 @@ struct CameraMotion {
 
 // `camera`: f, cx and cy, solved or given; none: shifts only, an angle needs a focal length. A method that takes the
 // camera to stand still sees no motion.
-[[nodiscard]] CameraMotion camera_motion(const Reference& reference, const std::vector<Observation>& observations,
+[[nodiscard]] CameraMotion camera_motion(const Reference& reference, const Observations& observations,
                                          const std::optional<Camera>& camera);
 
 // The camera to give to it: the solved one where the footage determines its focal length, else the given one.

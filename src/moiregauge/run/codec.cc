@@ -57,7 +57,7 @@ double rounding_of(const Reference& reference, const Observation& seen) {
   return rounding_of_step(step);
 }
 
-bool is_lossy(const std::vector<Observation>& observations) {
+bool is_lossy(const Observations& observations) {
   for (const Observation& seen : observations) {
     for (const MarkerObservation& marker : seen.markers) {
       if (!marker.quantiser.is_lossless()) return true;

@@ -27,7 +27,7 @@ void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Came
 [[nodiscard]] double rounding_of(const Reference& reference, const Observation& seen);
 
 // Did a codec lose anything of these frames?
-[[nodiscard]] bool is_lossy(const std::vector<Observation>& observations);
+[[nodiscard]] bool is_lossy(const Observations& observations);
 
 // What the user should know about compressed footage; nothing of any other.
 [[nodiscard]] std::optional<std::string> codec_note(const Measurement& measurement);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,31 +17,31 @@ struct Interval {
   double per_frame_s = 0.0;
 };
 
-std::vector<Interval> intervals(const std::vector<Observation>& frames) {
+std::vector<Interval> intervals(const Observations& frames) {
   std::vector<Interval> all;
-  const Observation* last = nullptr;
+  std::optional<std::pair<long, double>> last;  // frame and time
   for (const Observation& frame : frames) {
     if (frame.decode_error || std::isnan(frame.time_s)) continue;
-    if (last != nullptr && frame.frame > last->frame) {
-      const double length_s = frame.time_s - last->time_s;
-      all.push_back({last->time_s, length_s, length_s / static_cast<double>(frame.frame - last->frame)});
+    if (last && frame.frame > last->first) {
+      const double length_s = frame.time_s - last->second;
+      all.push_back({last->second, length_s, length_s / static_cast<double>(frame.frame - last->first)});
     }
-    last = &frame;
+    last.emplace(frame.frame, frame.time_s);
   }
   return all;
 }
 
 }  // namespace
 
-std::vector<std::string> notes_on_frames(const std::vector<Observation>& frames) {
+std::vector<std::string> notes_on_frames(const Observations& frames) {
   std::vector<std::string> notes;
-  const auto is_damaged = [](const Observation& frame) { return frame.decode_error; };
-  const auto first = std::find_if(frames.begin(), frames.end(), is_damaged);
-  if (first != frames.end()) {
-    const auto count = std::count_if(first, frames.end(), is_damaged);
-    notes.push_back(fmt::format("input damaged from frame {}; {} frame{} marked decode-error", first->frame, count,
-                                count == 1 ? "" : "s"));
+  long first = -1, count = 0;
+  for (const Observation& frame : frames) {
+    if (frame.decode_error && ++count == 1) first = frame.frame;
   }
+  if (count > 0)
+    notes.push_back(fmt::format("input damaged from frame {}; {} frame{} marked decode-error", first, count,
+                                count == 1 ? "" : "s"));
   std::vector<Interval> all = intervals(frames);
   const auto shorter = [](const Interval& a, const Interval& b) { return a.per_frame_s < b.per_frame_s; };
   if (all.size() < 2) return notes;

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "moiregauge/observation/observation.h"
+#include "moiregauge/observation/observations.h"
 
 namespace moiregauge {
 
 // One sentence each, none where all is well. A sentence that starts with "note: " is about a property of the input, not
 // about a fault. A gap in time is one that is half as long again as the median interval of a frame; damaged frames,
 // which may have lost their times, count neither way.
-[[nodiscard]] std::vector<std::string> notes_on_frames(const std::vector<Observation>& frames);
+[[nodiscard]] std::vector<std::string> notes_on_frames(const Observations& frames);
 
 }  // namespace moiregauge

@@ -16,7 +16,7 @@ class JournalSink {
   virtual ~JournalSink() = default;
   // The reference frame, before the first frame that is measured against it; `notes`: what was noted when it was made.
   virtual void refer(const Reference& reference, const std::vector<std::string>& notes) = 0;
-  virtual void add(const Observation& seen) = 0;
+  virtual void add(const std::string& packed) = 0;  // as ObservationPacking makes it
   // False from the moment on that nothing more can be kept: the measuring ends there.
   [[nodiscard]] virtual bool good() const = 0;
 };

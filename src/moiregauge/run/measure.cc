@@ -57,6 +57,7 @@ class Run {
     light_ = LightMap(doors.so_far.reference->tone, doors.so_far.input.bits);
     out_.reference = std::move(doors.so_far.reference);
     out_.notes = std::move(doors.so_far.notes);
+    out_.observations.refer_to(*out_.reference);
     kept_ = std::move(doors.so_far.observations);
     is_journaled_ = true;
     follower_.emplace(*out_.reference);
@@ -136,6 +137,7 @@ class Run {
     out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
     follower_.emplace(*out_.reference);
     processing_.refer(*out_.reference, frame.luma);
+    out_.observations.refer_to(*out_.reference);
     return true;
   }
 
@@ -151,23 +153,26 @@ class Run {
       }
       seen = observed(torn);
     }
-    put(frame, std::move(seen));
+    out_.observations.push_back(seen);
+    put(frame, seen);
     if (journal_ == nullptr) return;
     if (out_.reference && !std::exchange(is_journaled_, true)) journal_->refer(*out_.reference, reference_notes_);
-    journal_->add(out_.observations.back());
+    journal_->add(out_.observations.packed(out_.observations.size() - 1));
   }
 
   // Was the selection's next frame seen before this run went on?
   [[nodiscard]] bool is_kept() const { return out_.observations.size() < kept_.size(); }
   // False when it is not this frame.
   bool pass_over(const Frame& frame) {
-    Observation seen = std::move(kept_[out_.observations.size()]);
+    const std::size_t n = out_.observations.size();
+    const Observation seen = kept_[n];
     if (seen.frame != frame.number) return false;
     keep_picture(frame);
     // As it was the first time: neither damaged frames nor those before the reference frame were followed.
     if (!seen.decode_error && (options_.reference_frame || seen.frame >= out_.reference->seen.frame))
       (void)follower_->follow(*out_.reference, seen);
-    put(frame, std::move(seen));
+    out_.observations.append(kept_, n, n + 1);
+    put(frame, seen);
     return true;
   }
   void keep_picture(const Frame& frame) {
@@ -178,8 +183,7 @@ class Run {
   // A run that is stopped again while it passes over frames still holds them all.
   void stop() {
     out_.interrupted = true;
-    out_.observations.insert(out_.observations.end(), kept_.begin() + std::min(kept_.size(), out_.observations.size()),
-                             kept_.end());
+    out_.observations.append(kept_, out_.observations.size(), kept_.size());
   }
   [[nodiscard]] std::optional<std::string> note_on_repeats() const {
     const std::vector<long> repeated = processing_.result().repeated;
@@ -195,24 +199,24 @@ class Run {
   [[nodiscard]] bool can_go_on() const { return journal_ == nullptr || journal_->good(); }
 
  private:
-  void put(const Frame& frame, Observation seen) {
+  // A frame that was added to the observations, as they have it.
+  void put(const Frame& frame, const Observation& seen) {
     if (out_.reference) rounding_ = std::max(rounding_, rounding_of(*out_.reference, seen));
-    out_.observations.push_back(std::move(seen));
     if (repeats_.repeats(frame.luma) && !frame.damaged)
       processing_.repeat(frame.number);
     else if (frame.damaged || !out_.reference)
       processing_.interrupt();
     else
-      processing_.add(*out_.reference, out_.observations.back(), frame, out_.input.bits);
+      processing_.add(*out_.reference, seen, frame, out_.input.bits);
     if (frames_ == nullptr) return;
     const bool is_before = !out_.reference || (!options_.reference_frame && frame.number < out_.reference->seen.frame);
-    frames_->add(frame, out_.input.bits, is_before ? nullptr : &*out_.reference, out_.observations.back());
+    frames_->add(frame, out_.input.bits, is_before ? nullptr : &*out_.reference, seen);
   }
   Observation observed(const Frame& frame) {
     const std::size_t markers = site_of(out_, options_).markers.size();
     if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
     if (!out_.reference && !refer_to(frame)) return unmeasured(frame, markers, out_.refusal);
-    const Observation& last = out_.observations.empty() ? out_.reference->seen : out_.observations.back();
+    const Observation last = out_.observations.empty() ? out_.reference->seen : out_.observations.back();
     const Observation& where = last.references_seen ? last : out_.reference->seen;
     // Skipped blocks do not report what they were judged by: the coarsest so far counts.
     const double now = rounding_of(frame.quantiser, *out_.reference, where);
@@ -222,6 +226,8 @@ class Run {
     seen.frame = frame.number;
     seen.time_s = frame.time_s;
     note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
+    // What is solved and followed is what is kept: a run that is resumed or solved again gives the same bits.
+    seen = out_.observations.rounded(seen);
     (void)follower_->follow(*out_.reference, seen);
     return seen;
   }
@@ -230,7 +236,7 @@ class Run {
   Measurement& out_;
   FrameSink* frames_;
   JournalSink* journal_;
-  std::vector<Observation> kept_;             // by a run before this one
+  Observations kept_;                         // by a run before this one
   bool is_journaled_ = false;                 // the reference frame
   std::vector<std::string> reference_notes_;  // of its making
   std::optional<Follower> follower_;
@@ -350,7 +356,13 @@ void complete_markers(Seen& seen) {
   if (!seen.reference) return;
   MarkerObservation not_seen;
   not_seen.loss = Loss::kNotSeen;
-  for (Observation& frame : seen.observations) frame.markers.resize(seen.reference->site.markers.size(), not_seen);
+  const std::size_t markers = seen.reference->site.markers.size();
+  for (std::size_t n = 0; n < seen.observations.size(); ++n) {
+    Observation frame = seen.observations[n];
+    if (frame.markers.size() == markers) break;
+    frame.markers.resize(markers, not_seen);
+    seen.observations.replace(n, frame);
+  }
 }
 
 namespace {
@@ -359,18 +371,19 @@ namespace {
 std::optional<std::string> note_on_first_frames(const Measurement& measured, const MeasureOptions& options) {
   if (options.reference_frame) return std::nullopt;
   const long reference = measured.reference->seen.frame;
-  const Observation* first = nullptr;
-  const Observation* last = nullptr;
+  std::optional<Observation> first;
+  long last = 0;
   for (const Observation& seen : measured.observations) {
-    if (seen.frame >= reference || seen.decode_error) continue;
-    if (first == nullptr) first = &seen;
-    last = &seen;
+    if (seen.frame >= reference) break;
+    if (seen.decode_error) continue;
+    if (!first) first = seen;
+    last = seen.frame;
   }
-  if (first == nullptr) return std::nullopt;
+  if (!first) return std::nullopt;
   return fmt::format(
       "frames {} to {} are not measured, because they come before the reference frame {}, the first that shows every "
       "marker (frame {}: {}); their rows say reference-lost: choose another with --reference-frame",
-      first->frame, last->frame, reference, first->frame, first->reference_problem);
+      first->frame, last, reference, first->frame, first->reference_problem);
 }
 
 std::string rest_contradiction(const Measurement& measured, const MeasureOptions& options, const MovedAtRest& moved) {

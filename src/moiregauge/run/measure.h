@@ -46,7 +46,7 @@ struct KeptPicture {
 struct Seen {
   InputInfo input;
   std::optional<Reference> reference;  // empty: refused before anything was measured
-  std::vector<Observation> observations;
+  Observations observations;
   std::vector<std::string> notes;  // what the user should know about input and reference frame
   std::string refusal;             // why nothing is or can be measured, in words; empty otherwise
   CameraProcessing processing;     // what the pixels show of the camera's own
