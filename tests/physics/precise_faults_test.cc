@@ -77,6 +77,35 @@ TEST(PreciseFaults, AReferenceThatSlipsFarCostsNoRow) {
   }
 }
 
+// Twelve frames before and twelve after: the step is known to about u sqrt(2 / 12), u = 0.8 um of a frame. Of noise chi2
+// falls by 40 once in 10^8; 4 um makes it fall by about 150.
+TEST(PreciseFaults, AStepOfTwelveTimesItsUncertaintyIsNamed) {
+  auto scenario = scene_named("small-six-slip");
+  for (auto& marker : scenario.markers) {
+    if (marker.print.name == "NE") marker.dy.knots = {{2.35, 0.0}, {2.36, 0.004}};
+  }
+  const auto run = precisely(scenario, {.step = 2, .frames = 24});
+  EXPECT_TRUE(notes(run, "reference 'NE' moves")) << ::testing::PrintToString(run.solution.notes);
+}
+
+// In one frame in forty the wall is bent: references move against each other, and none of them alone.
+TEST(PreciseFaults, AFrameThatContradictsTheSceneIsUntrusted) {
+  auto scenario = scene_named("small-six-slip");
+  const double bent_s = 37.0 / scenario.sensor.fps;
+  for (auto& marker : scenario.markers) {
+    marker.dy.knots = {{0.0, 0.0}};
+    const double mm = marker.print.name == "NE" || marker.print.name == "SW" ? 0.6 : 0.0;
+    marker.dy.knots = {{bent_s - 0.04, 0.0}, {bent_s - 0.03, mm}, {bent_s + 0.03, mm}, {bent_s + 0.04, 0.0}};
+  }
+  const auto run = precisely(scenario, {.frames = 40});
+  std::size_t n = 0;
+  for (const Sample& s : run.samples) {
+    const double chi2 = run.solution.chi2_dof[++n];
+    EXPECT_EQ(chi2 > 25.0, s.frame == 37) << "frame " << s.frame << ": " << chi2;
+    EXPECT_EQ(s.status, s.frame == 37 ? Status::kUntrusted : Status::kOk) << "frame " << s.frame;
+  }
+}
+
 TEST(PreciseFaults, FourReferencesCannotVerifyEachOther) {
   EXPECT_FALSE(precisely(scene_named("small-1xyz"), {.frames = 12}).solution.references_verified);
 }
