@@ -22,5 +22,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "fonts-dejavu-core")
 # Whoever links the library needs what it was built with.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-    "cmake, pkg-config, libeigen3-dev, libexpected-dev, libceres-dev, libopencv-imgproc-dev, libhwy-dev, libtbb-dev, libfmt-dev, nlohmann-json3-dev, libtoml11-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, libtiff-dev, libpng-dev, libjpeg62-turbo-dev, libssl-dev, libseccomp-dev, libcairo2-dev, libhdf5-dev")
+    "cmake, pkg-config, libeigen3-dev, libexpected-dev, libceres-dev, libopencv-imgproc-dev, libhwy-dev, libtbb-dev, libfmt-dev, nlohmann-json3-dev, libtoml11-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libswscale-dev, libtiff-dev, libpng-dev, libjpeg62-turbo-dev, libssl-dev, libseccomp-dev, libcairo2-dev, libhdf5-dev, zlib1g-dev")
 include(CPack)

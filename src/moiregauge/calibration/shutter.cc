@@ -122,8 +122,7 @@ class Rounds {
       if (round > 0) solve_readout();
       set_all_back();
       // All but the last one only lead the path: the bends of a long valley are not worth their steps there.
-      out_.calibration =
-          calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kStands : Until::kChi2Stands);
+      out_.calibration = calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kStands : Until::kChi2Stands);
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       scene_ = out_.calibration.bundle.scene;
       fits_ = fits_of(out_.frames);

@@ -33,8 +33,8 @@ struct Shutter {
 // frames    as read, the reference frame first; without times frames count as seconds
 // key       of them, for the scene; the first one among them
 // readout   given, or nothing known
-[[nodiscard]] Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key, const ScenePrior& prior,
-                                    std::optional<double> readout_s);
+[[nodiscard]] Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
+                                    const ScenePrior& prior, std::optional<double> readout_s);
 
 // Does it pay: is chi2 of the key frames lower by more than what their motions and the readout take up (Schwarz 1978),
 // and by a good part of what noise does not explain?

@@ -60,7 +60,8 @@ ElapsedLine::ElapsedLine(std::string what, bool quiet) {
     std::mutex mutex;
     std::condition_variable_any stopped;
     std::unique_lock lock(mutex);
-    for (long s = 1; !stopped.wait_for(lock, stop, std::chrono::seconds(1), [&] { return stop.stop_requested(); }); ++s) {
+    for (long s = 1; !stopped.wait_for(lock, stop, std::chrono::seconds(1), [&] { return stop.stop_requested(); });
+         ++s) {
       fmt::print(stderr, "\r\x1b[K{}, {} s", what, s);
       std::fflush(stderr);
     }

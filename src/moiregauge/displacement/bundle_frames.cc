@@ -92,10 +92,10 @@ FrameSeries with_codec_error(const BundleFrames& all, std::shared_ptr<const Code
   for (std::size_t n = 0; n < all.place.size(); ++n) {
     if (all.place[n] > 0) observation[all.place[n]] = n;
   }
-  return all.frames.with([read = all.frames, codec = std::move(codec), observation = std::move(observation)](
-                             std::size_t k) {
-    return with_codec_error(read[k], *codec, k == 0 ? std::nullopt : std::optional(observation[k]));
-  });
+  return all.frames.with(
+      [read = all.frames, codec = std::move(codec), observation = std::move(observation)](std::size_t k) {
+        return with_codec_error(read[k], *codec, k == 0 ? std::nullopt : std::optional(observation[k]));
+      });
 }
 
 }  // namespace moiregauge

@@ -12,7 +12,7 @@ namespace moiregauge {
 
 // Made from the observations, which must outlive it, as must the reference.
 struct BundleFrames {
-  FrameSeries frames;              // the reference frame first, then those that show enough references
+  FrameSeries frames;               // the reference frame first, then those that show enough references
   std::vector<std::size_t> place;   // of every observation among them; 0: not there
 };
 

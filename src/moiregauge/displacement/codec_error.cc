@@ -106,8 +106,7 @@ CodecHistory::CodecHistory(const Reference& reference, const Observations& obser
     const float overall = sorted[static_cast<std::size_t>(kOverall * static_cast<double>(sorted.size() - 1))];
     for (std::size_t n = 0; n < all.size(); ++n) {
       const std::size_t from = n - std::min(n, kRoundAbout), to = std::min(all.size(), n + kRoundAbout + 1);
-      const float about =
-          *std::max_element(all.begin() + static_cast<long>(from), all.begin() + static_cast<long>(to));
+      const float about = *std::max_element(all.begin() + static_cast<long>(from), all.begin() + static_cast<long>(to));
       steps_[n * markers + i].step = std::max(about, overall);
     }
   }

@@ -38,8 +38,7 @@ bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
 
 class SceneSolver {
  public:
-  SceneSolver(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
-              const SolveOptions& options)
+  SceneSolver(const Reference& reference, const FrameSeries& read, const ScenePrior& prior, const SolveOptions& options)
       : reference_(reference), site_(reference.site), read_(read), prior_(prior), options_(options) {
     out_.frames = read;
   }

@@ -35,7 +35,7 @@ struct PreciseScene {
 
 // read    the reference frame first, with the codec's error if there is one
 // lossy   that there is one
-[[nodiscard]] PreciseScene precise_scene(const Reference& reference, const FrameSeries& read,
-                                         const ScenePrior& prior, const SolveOptions& options, bool lossy);
+[[nodiscard]] PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
+                                         const SolveOptions& options, bool lossy);
 
 }  // namespace moiregauge

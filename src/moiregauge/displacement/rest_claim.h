@@ -17,8 +17,7 @@ namespace moiregauge {
 // another depth, lens or scale within its uncertainty explains is therefore no movement. Frames in which the target's
 // row would not be `ok` do not count.
 // Error: a true rest is refused about once in 10^4 runs, as long as u is right within 12 %.
-[[nodiscard]] std::optional<MovedAtRest> moved_at_rest(const Reference& reference,
-                                                       const Observations& observations,
+[[nodiscard]] std::optional<MovedAtRest> moved_at_rest(const Reference& reference, const Observations& observations,
                                                        const std::vector<std::size_t>& place,
                                                        const PreciseScene& without_claim, const FrameRange& rest);
 

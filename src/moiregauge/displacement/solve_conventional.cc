@@ -111,8 +111,7 @@ void measure_phase(const Reference& reference, const Observation& seen, const Co
 
 }  // namespace
 
-Solution solve_conventional(const Reference& reference, const Observations& observations,
-                            const SolveOptions&) {
+Solution solve_conventional(const Reference& reference, const Observations& observations, const SolveOptions&) {
   Solution solution;
   const CodecHistory codec(reference, observations);
   for (std::size_t n = 0; n < observations.size(); ++n) {

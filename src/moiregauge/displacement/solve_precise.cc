@@ -78,8 +78,7 @@ void widen_by_target(Sample& sample, const Shutter& shutter, std::size_t place) 
 }
 
 // By what targets would have been wrong at most, mm: the frames as read, taken for rows read at once, in the same scene.
-double taken_out_mm(const Reference& reference, const Scene& scene, const FrameSeries& read,
-                    const Shutter& shutter) {
+double taken_out_mm(const Reference& reference, const Scene& scene, const FrameSeries& read, const Shutter& shutter) {
   const auto shifts = [&](BundleFrame frame) {
     frame.pose = pose_of(reference.site, scene, frame).value_or(frame.pose);
     return fit_frame(reference.site, scene, frame).shift;
@@ -109,8 +108,7 @@ class FramesInScene {
         scene_(scene.calibration.bundle.scene),
         by_noise_(std::move(by_noise)) {}
 
-  void measure(const Observations& observations, const std::vector<std::size_t>& place,
-               Solution& solution) const {
+  void measure(const Observations& observations, const std::vector<std::size_t>& place, Solution& solution) const {
     const PreciseBudget budget(site_, scene_.full_covariance,
                                solved_.calibration.fits.front(),  // the reference frame leads the key frames
                                solved_.shutter ? solved_.shutter->u_readout_s : 0.0);
@@ -183,8 +181,8 @@ void add_to(std::vector<std::string>& notes, std::optional<std::string> line) {
   if (line) notes.push_back(*std::move(line));
 }
 
-void tell_shutter(Solution& solution, const Reference& reference, const Shutter& shutter,
-                  const FrameSeries& read, bool given) {
+void tell_shutter(Solution& solution, const Reference& reference, const Shutter& shutter, const FrameSeries& read,
+                  bool given) {
   const bool timed = std::isfinite(reference.seen.time_s);
   Scene& scene = *solution.scene;
   scene.readout_s = timed ? shutter.readout_s : kNotTimed;
@@ -196,13 +194,12 @@ void tell_shutter(Solution& solution, const Reference& reference, const Shutter&
 // A run's footage and the scene solved from it.
 struct SolvedRun {
   BundleFrames seen;
-  FrameSeries read;  // the same frames with the codec's error
+  FrameSeries read;               // the same frames with the codec's error
   bool lossy = false;             // that there is one
   PreciseScene scene;
 };
 
-SolvedRun solved_run(const Reference& reference, const Observations& observations,
-                     const SolveOptions& options) {
+SolvedRun solved_run(const Reference& reference, const Observations& observations, const SolveOptions& options) {
   SolvedRun run;
   const ScenePrior prior = precise_prior(reference, options);
   const auto codec = std::make_shared<const CodecHistory>(reference, observations);
@@ -217,8 +214,8 @@ SolvedRun solved_run(const Reference& reference, const Observations& observation
   return run;
 }
 
-Solution measured_in_scene(const Reference& reference, const Observations& observations,
-                           const SolveOptions& options, SolvedRun run) {
+Solution measured_in_scene(const Reference& reference, const Observations& observations, const SolveOptions& options,
+                           SolvedRun run) {
   const PreciseScene& scene = run.scene;
   if (!scene.problem.empty()) {
     Solution instead = fallback(reference, observations, options, scene.problem);
@@ -242,8 +239,7 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
 }
 
 // Solved without the statement of rest first; with it only where that scene does not contradict it.
-Solution measured_with_rest(const Reference& reference, const Observations& observations,
-                            const SolveOptions& options) {
+Solution measured_with_rest(const Reference& reference, const Observations& observations, const SolveOptions& options) {
   SolveOptions without_rest = options;
   without_rest.rest.reset();
   SolvedRun run = solved_run(reference, observations, without_rest);
@@ -259,8 +255,7 @@ Solution measured_with_rest(const Reference& reference, const Observations& obse
 
 }  // namespace
 
-Solution solve_precise(const Reference& reference, const Observations& observations,
-                       const SolveOptions& options) {
+Solution solve_precise(const Reference& reference, const Observations& observations, const SolveOptions& options) {
   Solution solution =
       options.rest ? measured_with_rest(reference, observations, options)
                    : measured_in_scene(reference, observations, options, solved_run(reference, observations, options));

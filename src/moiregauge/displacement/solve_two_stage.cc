@@ -111,8 +111,7 @@ void measure_against_references(const RunEvidence& run, const Observation& seen,
 
 }  // namespace
 
-Solution solve_two_stage(const Reference& reference, const Observations& observations,
-                         const SolveOptions&) {
+Solution solve_two_stage(const Reference& reference, const Observations& observations, const SolveOptions&) {
   RunEvidence run{reference,
                   lens_evidence(reference, observations),
                   {},

@@ -195,7 +195,8 @@ class RunReader {
   // False where the record cannot be, or does not fit those before it. The run is then of no use any more, except
   // that a frame which does not fit is not taken.
   bool take(const Record& record) {
-    if (record.tag == kStartTag) return places_ == 0 && read_whole(record.payload, version_, run_.start) && count_place();
+    if (record.tag == kStartTag)
+      return places_ == 0 && read_whole(record.payload, version_, run_.start) && count_place();
     if (record.tag == kOptionsTag && places_ == 1) return take_options(record.payload) && count_place();
     if (places_ < 2 || end_) return false;
     if (record.tag == kOptionsTag) return take_options(record.payload);

@@ -141,7 +141,8 @@ TEST(RunFile, CutOffAnywhereIsAnError) {
 TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
   StoredRun run = filled_run(1);
   for (int k = 0; k < 2; ++k) run.seen.observations.push_back(run.seen.observations[0]);
-  const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options), frame = frame_bytes(run.seen.observations.packed(0));
+  const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options),
+                    frame = frame_bytes(run.seen.observations.packed(0));
   const std::size_t head = head_bytes(run.start, run.options).size();
   const std::size_t first = whole.size() - end.size() - 3 * frame.size();
   for (std::size_t size = 0; size <= whole.size(); size += size < head ? 1 : 7) {

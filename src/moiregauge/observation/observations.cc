@@ -8,6 +8,8 @@ void Observations::append(const Observations& other, std::size_t first, std::siz
 }
 
 // Bytes that are here were packed here, or unpacked once.
-Observation Observations::read(const std::string& bytes) const { return packing_.unpacked(bytes).value_or(Observation{}); }
+Observation Observations::read(const std::string& bytes) const {
+  return packing_.unpacked(bytes).value_or(Observation{});
+}
 
 }  // namespace moiregauge

@@ -31,7 +31,8 @@ enum MarkerFlag : unsigned {
 
 template <typename Bits>
 void append_bits(std::string& bytes, Bits value) {
-  for (std::size_t k = 0; k < sizeof(Bits); ++k) bytes += static_cast<char>(static_cast<unsigned char>(value >> (8 * k)));
+  for (std::size_t k = 0; k < sizeof(Bits); ++k)
+    bytes += static_cast<char>(static_cast<unsigned char>(value >> (8 * k)));
 }
 
 class PackedWriter {
@@ -207,8 +208,8 @@ void transfer_patch(Archive& archive, Patch& patch) {
                         &patch.gradient[a][1]})
       archive.rounded(*value);
   }
-  for (auto* value : {&patch.u_gradient, &patch.straightness_mm, &patch.u_straightness_mm, &patch.noise_sigma,
-                      &patch.clipped_share})
+  for (auto* value :
+       {&patch.u_gradient, &patch.straightness_mm, &patch.u_straightness_mm, &patch.noise_sigma, &patch.clipped_share})
     archive.rounded(*value);
 }
 

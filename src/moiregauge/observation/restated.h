@@ -25,8 +25,7 @@ inline constexpr double kRestatedPlace =
     0.5;  // of the print's smaller side, between where it was read and where it is now
 
 // fails  what is wrong with the site, in words, marker by marker
-[[nodiscard]] tl::expected<Restated, std::string> restated(const Reference& reference,
-                                                           const Observations& observations,
+[[nodiscard]] tl::expected<Restated, std::string> restated(const Reference& reference, const Observations& observations,
                                                            const Site& site, const Camera& lens);
 
 }  // namespace moiregauge
