@@ -3,12 +3,14 @@
 import csv
 import json
 import os
-import pathlib
 import shutil
+import struct
 import subprocess
 import sys
-import time
+import zlib
 
+import numpy
+import pictures
 import runs
 from runs import insist, rows, run, simulate
 
@@ -120,6 +122,42 @@ def case_special_files():
         refuses(["export", work / "dir"], 3, "dir")
         shutil.rmtree(work / "dir")
     insist(not (work / "out").exists() and not (work / "camera.toml").exists(), "something was written")
+
+
+def case_huge_claims():
+    """What a file claims takes neither memory nor time before it is refused."""
+    simulate(program, work / "run", "small-1xyz", 2)
+    site = (work / "run/site.toml").read_text()
+    head, target = site.split("[[target]]")
+    big = work / "big.png"
+    body = struct.pack(">IIBBBBB", 2147483647, 2147483647, 8, 0, 0, 0, 0)
+    big.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+                                                   for kind, data in [(b"IHDR", body), (b"IDAT", bytes(12))]))
+    memory = ["bash", "-c", 'ulimit -v 1500000; exec "$0" "$@"', program]  # kB: far less than one row of that picture
+
+    def refused(words, code, named):
+        done = subprocess.run([*memory, *map(str, words)], capture_output=True, text=True, timeout=30, check=False)
+        insist(done.returncode == code and named in done.stderr, f"{words}: exit {done.returncode}: {done.stderr}")
+
+    refused(["inspect", big], 3, "--max-pixels")
+    wide = work / "wide.toml"
+    wide.write_text(head + "[[target]]" + target.replace("[40.0, 40.0]", "[1e7, 1e7]"))
+    line = next(k for k, text in enumerate(wide.read_text().splitlines(), start=1) if "1e7" in text)
+    refused(["measure", work / "run/frames", "--site", wide], 2, f"wide.toml:{line}:")
+    many = work / "many.toml"
+    one = "[[target]]\nname = \"t%d\"\ngrating_mm = [%g, 0.0]\ngrating_size_mm = [40.0, 40.0]\npitch_mm = 10.0\n"
+    many.write_text(head + "".join(one % (k, 0.01 * k) for k in range(600)))
+    line = 1 + many.read_text()[: many.read_text().index('"t4"')].count("\n")
+    refused(["measure", work / "run/frames", "--site", many], 2, f"many.toml:{line + 1}:")
+
+
+def case_fine_texture():
+    """A fine checkerboard over the whole picture is looked at in bounded time: 87 000 corners took a minute, four times as many ten."""
+    size, side = (1024, 1366), 4  # px
+    y, x = numpy.mgrid[0:size[0], 0:size[1]]
+    noise = numpy.random.default_rng(1).normal(0, 1.5, size)
+    pictures.write_png(work / "fine.png", numpy.clip(60 + 130 * ((x // side + y // side) % 2) + noise, 0, 255).astype(numpy.uint8))
+    refuses(["inspect", work / "fine.png", "--pitch", "10mm", "-o", work / "seen.png"], 4, "nothing to measure", timeout=40)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/picture_source.h"
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cmath>
@@ -256,6 +257,24 @@ TEST(PngReader, AHeaderThatPromisesTooManyPixelsIsRefusedUnread) {
   bytes.replace(29, 4, "\xa6\xe9\x8d\xd1");
   put_text(folder / "bomb.png", bytes);
   const auto picture = read_png(folder / "bomb.png");
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().kind, InputErrorKind::kUnsupported) << picture.error().message;
+}
+
+TEST(PngReader, AHeaderIsRefusedBeforeLibpngTakesMemoryForARow) {
+  const TestFolder folder;
+  write_grey(folder / "bomb.png", 0);
+  std::string bytes = text_of(folder / "bomb.png");
+  // Width and height 2147483647, with the check sum that belongs to them.
+  bytes.replace(16, 8, std::string("\x7f\xff\xff\xff\x7f\xff\xff\xff", 8));
+  bytes.replace(29, 4, "\x31\xa2\x54\xba");
+  put_text(folder / "bomb.png", bytes);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_DATA, &before), 0);
+  const rlimit little{std::size_t{1} << 30, before.rlim_max};  // half of the row
+  ASSERT_EQ(::setrlimit(RLIMIT_DATA, &little), 0);
+  const auto picture = read_png(folder / "bomb.png");
+  ASSERT_EQ(::setrlimit(RLIMIT_DATA, &before), 0);
   ASSERT_FALSE(picture);
   EXPECT_EQ(picture.error().kind, InputErrorKind::kUnsupported) << picture.error().message;
 }

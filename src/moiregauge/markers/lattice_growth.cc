@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
+#include "moiregauge/markers/lattice_frontier.h"
 #include "moiregauge/markers/near_points.h"
 #include "moiregauge/units/units.h"
 
@@ -38,24 +40,6 @@ double wrapped(double angle) { return std::remainder(angle, kTurn); }
 bool alike_sizes(double size, double other, double ratio) {
   if (size <= 0.0 || other <= 0.0) return true;
   return size < ratio * other && other < ratio * size;
-}
-
-// Empty cells with so many known ones of the eight round them.
-std::vector<Cell> empty_cells(const GrownLattice& lattice, int support) {
-  std::map<Cell, int> known_round;
-  for (const auto& [cell, node] : lattice.node_at) {
-    for (int dr = -1; dr <= 1; ++dr) {
-      for (int dc = -1; dc <= 1; ++dc) {
-        const Cell other{cell.column + dc, cell.row + dr};
-        if (!lattice.node_at.contains(other)) ++known_round[other];
-      }
-    }
-  }
-  std::vector<Cell> cells;
-  for (const auto& [cell, known] : known_round) {
-    if (known >= support) cells.push_back(cell);
-  }
-  return cells;
 }
 
 class Growth {
@@ -190,16 +174,19 @@ class Growth {
 
   // Best-supported cells first, so that an edge never runs ahead of the rows beside it.
   void grow(GrownLattice& lattice) {
+    LatticeFrontier frontier(lattice, kAffineReach);
     for (bool grown = true; grown;) {
       grown = false;
       for (const int support : {5, 3, 2}) {
-        for (const Cell cell : empty_cells(lattice, support)) {
+        for (const Cell cell : frontier.cells(support)) {
+          if (!frontier.take_change(cell)) continue;
           const auto there = predict(lattice, nodes_, cell, LocalModel::kAffine);
           if (!there) continue;
           const auto node =
               node_near(there->at, kGrowthReach * there->spacing_px, there->sign_rad, there->size_px, kGrownSizeRatio);
           if (!node) continue;
           lattice.node_at[cell] = *node;
+          frontier.add(lattice, cell);
           taken_[*node] = true;
           grown = true;
         }
@@ -217,24 +204,50 @@ class Growth {
 struct Residual {
   Cell cell;
   double relative = 1.0;  // to the spacing
-  // Of two neighbours or fewer, place and size must be right without allowance.
+  // With two neighbours or fewer, position and size must be right without allowance.
   double strictness = 1.0;
 };
 
-std::vector<Residual> residuals_of(const GrownLattice& lattice, std::span<const LatticeNode> nodes) {
-  std::vector<Residual> out;
-  for (const auto& [cell, node] : lattice.node_at) {
-    Residual r{cell};
-    const auto there = predict(lattice, nodes, cell, LocalModel::kQuadratic);
-    if (there && there->spacing_px > 0.0) {
-      r.relative = (nodes[node].at - there->at).norm() / there->spacing_px;
-      if (there->neighbours < 3)
-        r.strictness = alike_sizes(nodes[node].size_px, there->size_px, kThreadSizeRatio) ? 2.0 : 1e3;
-    }
-    out.push_back(r);
+Residual residual_of(const GrownLattice& lattice, std::span<const LatticeNode> nodes, Cell cell, std::size_t node) {
+  Residual r{cell};
+  const auto there = predict(lattice, nodes, cell, LocalModel::kQuadratic);
+  if (there && there->spacing_px > 0.0) {
+    r.relative = (nodes[node].at - there->at).norm() / there->spacing_px;
+    if (there->neighbours < 3)
+      r.strictness = alike_sizes(nodes[node].size_px, there->size_px, kThreadSizeRatio) ? 2.0 : 1e3;
   }
-  return out;
+  return r;
 }
+
+// The residuals of a lattice that loses points: only those near a lost one change.
+class LatticeResiduals {
+ public:
+  LatticeResiduals(const GrownLattice& lattice, std::span<const LatticeNode> nodes) : nodes_(nodes) {
+    for (const auto& [cell, node] : lattice.node_at) of_.emplace(cell, residual_of(lattice, nodes, cell, node));
+  }
+  void lose(const GrownLattice& lattice, const std::vector<Cell>& lost) {
+    std::set<Cell> changed;
+    for (const Cell cell : lost) {
+      of_.erase(cell);
+      for (int dr = -kQuadraticReach; dr <= kQuadraticReach; ++dr) {
+        for (int dc = -kQuadraticReach; dc <= kQuadraticReach; ++dc) changed.insert({cell.column + dc, cell.row + dr});
+      }
+    }
+    for (const Cell cell : changed) {
+      const auto found = lattice.node_at.find(cell);
+      if (found != lattice.node_at.end()) of_[cell] = residual_of(lattice, nodes_, cell, found->second);
+    }
+  }
+  [[nodiscard]] std::vector<Residual> all() const {
+    std::vector<Residual> residuals;
+    for (const auto& [cell, residual] : of_) residuals.push_back(residual);
+    return residuals;
+  }
+
+ private:
+  std::span<const LatticeNode> nodes_;
+  std::map<Cell, Residual> of_;
+};
 
 double median_of(std::vector<Residual> residuals) {
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
@@ -267,8 +280,9 @@ bool spans_three_by_three(const GrownLattice& lattice) {
 
 bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes) {
   const auto fewest = static_cast<std::size_t>((1.0 - kMaxTakenOut) * static_cast<double>(lattice.node_at.size()));
+  LatticeResiduals known(lattice, nodes);
   while (spans_three_by_three(lattice) && lattice.node_at.size() >= fewest) {
-    const auto residuals = residuals_of(lattice, nodes);
+    const auto residuals = known.all();
     const double median = median_of(residuals);
     const double limit = std::clamp(kResidualInMedians * median, kMinResidual, kMaxResidual);
     std::map<Cell, double> outside;
@@ -277,9 +291,12 @@ bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes) {
     }
     if (outside.empty()) return median < kMaxMedianResidual;
     // A wrong point spoils what is said of its neighbours: only the worst of each neighbourhood goes at a time.
+    std::vector<Cell> lost;
     for (const auto& [cell, residual] : outside) {
-      if (is_worst_round(outside, cell)) lattice.node_at.erase(cell);
+      if (is_worst_round(outside, cell)) lost.push_back(cell);
     }
+    for (const Cell cell : lost) lattice.node_at.erase(cell);
+    known.lose(lattice, lost);
   }
   return false;
 }
@@ -289,15 +306,18 @@ std::vector<GrownLattice> grow_lattices(std::span<const LatticeNode> nodes, Sign
 }
 
 void fill_in(GrownLattice& lattice, std::vector<LatticeNode>& nodes, const Look& look) {
+  LatticeFrontier frontier(lattice, kQuadraticReach);
   for (bool added = true; added;) {
     added = false;
-    for (const Cell cell : empty_cells(lattice, 3)) {
+    for (const Cell cell : frontier.cells(3)) {
+      if (!frontier.take_change(cell)) continue;
       const auto there = predict(lattice, nodes, cell, LocalModel::kQuadratic);
       if (!there) continue;
       const auto seen = look(*there);
       if (!seen) continue;
       lattice.node_at[cell] = nodes.size();
       nodes.push_back(*seen);
+      frontier.add(lattice, cell);
       added = true;
     }
   }

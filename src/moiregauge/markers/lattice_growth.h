@@ -48,6 +48,10 @@ struct CellPrediction {
 
 enum class LocalModel { kAffine, kQuadratic };  // the latter where there are points enough, else affine
 
+// Cells on each side of the one that is predicted.
+inline constexpr int kAffineReach = 2;
+inline constexpr int kQuadraticReach = 3;
+
 [[nodiscard]] std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<const LatticeNode> nodes,
                                                     Cell cell, LocalModel model);
 
