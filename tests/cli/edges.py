@@ -160,5 +160,71 @@ def case_fine_texture():
     refuses(["inspect", work / "fine.png", "--pitch", "10mm", "-o", work / "seen.png"], 4, "nothing to measure", timeout=40)
 
 
+def case_export_targets():
+    """An export replaces plain files only, and nothing of the run; - is stdout."""
+    recording(3)
+    whole = work / "whole"
+    plain = work / "plain.csv"
+    run([program, "export", whole, "-o", plain])
+    done = run([program, "export", whole, "-o", "-"])
+    insist(done.stdout == plain.read_text(), f"stdout is not the file: {done.stdout}")
+    fifo, link, dangling = work / "f", work / "link", work / "dangling"
+    os.mkfifo(fifo)
+    link.symlink_to(plain)
+    dangling.symlink_to(work / "not-there")
+    for place in [fifo, link, dangling, "/dev/null", "/dev/stdout", work]:
+        for more in [[], ["--replace"]]:
+            refuses(["export", whole, "-o", place, *more], 2, str(place))
+    insist(fifo.is_fifo() and link.is_symlink() and dangling.is_symlink(), "something was replaced")
+    before = {path.name: path.read_bytes() for path in whole.iterdir() if path.is_file()}
+    for name in ["run.mgj", "displacement.csv"]:
+        refuses(["export", whole, "-o", whole / name, "--replace"], 2, name)
+    insist(before == {path.name: path.read_bytes() for path in whole.iterdir() if path.is_file()}, "the run changed")
+    refuses(["export", whole, "--gaps", "split", "-o", work / "x.csv"], 2, "--gaps split")
+
+
+def case_lost_output():
+    """Text that cannot be written is exit 6, whichever command wrote it."""
+    frames = recording(3)
+    site = ["--site", work / "run/site.toml"]
+    for words in [["--version"], ["--help"], ["help", "measure"], ["simulate", "--list"], ["completion", "bash"],
+                  ["plan", "--distance", "5m", "--camera", "imx255", "--focal", "12mm"], ["export", work / "whole", "-o", "-"],
+                  ["inspect", frames, *site, "--json", "-o", work / "seen.png"],
+                  ["measure", frames, *site, "--method", "two-stage", "-o", work / "a"],
+                  ["measure", frames, *site, "--method", "two-stage", "--json", "-o", work / "b"]]:
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([program, *map(str, words)], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        lines = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+        insist(done.returncode == 6 and len(lines) == 1 and "standard output" in lines[0], f"{words}: {done.returncode} {done.stderr}")
+    insist((work / "b/displacement.csv").exists(), "the results are lost with the text")
+
+
+def case_empty_values():
+    """An option with an empty value is a mistake, not an option that was not given."""
+    simulate(program, work / "run", "small-1xyz", 2)
+    measure = ["measure", work / "run/frames", "--site", work / "run/site.toml", "-o", work / "out"]
+    for option in ["--camera", "--fps", "--figures", "--stabilised", "--frames", "--tone", "--rest", "--readout", "--threads"]:
+        refuses([*measure, option, ""], 2, "empty value", option)
+    refuses(["measure", work / "run/frames", "--site", ""], 2, "empty value", "--site")
+    refuses(["measure", "", "--pitch", "10mm"], 2, "empty value", "INPUT")
+    refuses(["export", work, "-o", ""], 2, "empty value")
+    insist(not (work / "out").exists(), "something was written")
+
+
+def case_control_characters():
+    """No byte of a path or a name reaches the terminal as a control; no name is a formula."""
+    simulate(program, work / "run", "small-1xyz", 2)
+    for name in ["zz\x1b[31mRED", "c1\u009b31m", "\u202efdp.mp4"]:
+        done = refuses(["measure", work / name, "--pitch", "10mm"], 3)
+        insist(not any(c < " " or "\x7f" <= c < "\xa0" or c == "\u202e" for c in done.stderr.replace("\n", "")), repr(done.stderr))
+    done = subprocess.run([program.encode(), b"measure", b"raw\x9b31m", b"--pitch", b"10mm"], capture_output=True, check=False)
+    insist(b"raw\\x9b31m" in done.stderr and b"\x9b" not in done.stderr, repr(done.stderr))
+    site = (work / "run/site.toml").read_text()
+    line = 1 + site[: site.index('"mid"')].count("\n")
+    for name in ["=cmd|calc", "+1", "-1", "@SUM(A1)", "a\u009bb", "a\u0085b", "a\u202eb"]:
+        (work / "named.toml").write_text(site.replace('"mid"', json.dumps(name, ensure_ascii=False)))
+        refuses(["measure", work / "run/frames", "--site", work / "named.toml", "-o", work / "out"], 2, f"named.toml:{line}:")
+
+
 if __name__ == "__main__":
     globals()[sys.argv[4]]()
