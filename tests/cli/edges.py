@@ -226,5 +226,19 @@ def case_control_characters():
         refuses(["measure", work / "run/frames", "--site", work / "named.toml", "-o", work / "out"], 2, f"named.toml:{line}:")
 
 
+def case_video_that_begins_late():
+    """A Matroska file whose first picture is at 5 s is whole; its second half cut off, it is not."""
+    simulate(program, work / "run", "small-1xyz", 12)
+    late = work / "late.mkv"
+    run(["ffmpeg", "-nostdin", "-loglevel", "error", "-framerate", "10", "-i", work / "run/frames/%06d.png", "-c:v", "ffv1",
+         "-output_ts_offset", "5", late])
+    words = ["--site", work / "run/site.toml", "--method", "two-stage"]
+    run([program, "measure", late, *words, "-o", work / "late"])
+    insist([row[-1] for row in rows(work / "late")] == 12 * ["ok"], f"{rows(work / 'late')}")
+    cut = work / "cut.mkv"
+    cut.write_bytes(late.read_bytes()[: late.stat().st_size // 2])
+    run([program, "measure", cut, *words, "-o", work / "cut"], 5)
+
+
 if __name__ == "__main__":
     globals()[sys.argv[4]]()
