@@ -160,6 +160,20 @@ def case_fine_texture():
     refuses(["inspect", work / "fine.png", "--pitch", "10mm", "-o", work / "seen.png"], 4, "nothing to measure", timeout=40)
 
 
+def case_no_threads():
+    """A limit on processes is no internal error: what a thread would have done is done without it, or one line says why not."""
+    frames = recording(3)
+    if os.geteuid() != 0:
+        return  # the limit counts all processes of a user: only root can become one without any
+    work.chmod(0o777)
+    words = ["setpriv", "--reuid", "54321", "--regid", "54321", "--clear-groups", "prlimit", "--nproc=1", program, "measure", frames,
+             "--site", work / "run/site.toml", "-o", work / "limited"]
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=100, check=False)
+    lines = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+    insist("internal error" not in done.stderr and done.returncode in (0, 6), f"exit {done.returncode}: {done.stderr}")
+    insist(done.returncode == 0 or len(lines) == 1, done.stderr)
+
+
 def case_export_targets():
     """An export replaces plain files only, and nothing of the run; - is stdout."""
     recording(3)
@@ -211,6 +225,16 @@ def case_empty_values():
     insist(not (work / "out").exists(), "something was written")
 
 
+def case_impossible_numbers():
+    """Numbers no camera has."""
+    simulate(program, work / "run", "small-1xyz", 2)
+    measure = ["measure", work / "run/frames", "--site", work / "run/site.toml", "-o", work / "out"]
+    for words in [["--fps", "inf"], ["--fps", "1e-308"], ["--fps", "nan"], ["--threads", "-1"],
+                  ["--fps", "10", "--readout", "10s"]]:
+        refuses([*measure, *words], 2, words[-2])
+    insist(not (work / "out").exists(), "something was written")
+
+
 def case_control_characters():
     """No byte of a path or a name reaches the terminal as a control; no name is a formula."""
     simulate(program, work / "run", "small-1xyz", 2)
@@ -238,6 +262,34 @@ def case_video_that_begins_late():
     cut = work / "cut.mkv"
     cut.write_bytes(late.read_bytes()[: late.stat().st_size // 2])
     run([program, "measure", cut, *words, "-o", work / "cut"], 5)
+
+
+def case_targets_alone():
+    """`conventional` needs no references; the others say so before they read anything."""
+    simulate(program, work / "run", "small-still", 4)
+    site = (work / "run/site.toml").read_text()
+    alone = work / "alone.toml"
+    alone.write_text(site[site.index("[[target]]"):])
+    frames = work / "run/frames"
+    for method in ["two-stage", "precise"]:
+        refuses(["measure", frames, "--site", alone, "--method", method, "-o", work / "out"], 2, "alone.toml", "--method conventional")
+    insist(not (work / "out").exists(), "something was written")
+    # Without the rest of the board nothing else in the picture repeats by the target's pitch.
+    bare = work / "bare"
+    bare.mkdir()
+    for frame in sorted(frames.glob("*.png")):
+        picture = pictures.read_png(frame)
+        height, width = picture.shape
+        picture[:, : width // 2 - 110] = picture[:, width // 2 + 110:] = picture[0, 0]
+        pictures.write_png(bare / frame.name, picture)
+    run([program, "measure", bare, "--site", alone, "--method", "conventional", "-o", work / "alone"])
+    run([program, "measure", frames, "--site", work / "run/site.toml", "--method", "conventional", "-o", work / "all"])
+    for a, b in zip(rows(work / "alone"), rows(work / "all")):
+        insist(a[-1] == b[-1] and abs(float(a[2]) - float(b[2])) < 2e-3 and abs(float(a[3]) - float(b[3])) < 2e-3, f"{a} {b}")
+    circle = work / "circle.toml"
+    circle.write_text(site[: site.index("[[target]]")] + "[[target]]\nname = \"bare\"\ncircle_mm = [0.0, 0.0]\ncircle_diameter_mm = 20.0\n")
+    line = 1 + circle.read_text()[: circle.read_text().index("circle_mm = [0.0, 0.0]")].count("\n")
+    refuses(["measure", frames, "--site", circle, "-o", work / "out"], 2, f"circle.toml:{line}:", "add grating_mm")
 
 
 if __name__ == "__main__":

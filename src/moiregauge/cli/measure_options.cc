@@ -222,8 +222,9 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
   if (!words.camera.empty()) {
     if (const auto taken = take_camera(words.camera, options); !taken) return tl::unexpected(taken.error());
   }
-  if (words.fps && !(*words.fps > 0.0))
-    return usage(fmt::format("frame rate: --fps {}: give a number above 0, e.g. --fps 25", *words.fps));
+  // From a picture in eleven days to a million a second: beyond, times are lost in rounding.
+  if (words.fps && !(*words.fps >= 1e-6 && *words.fps <= 1e6))
+    return usage(fmt::format("frame rate: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *words.fps));
   auto range = frame_range(words.frames);
   if (!range) return tl::unexpected(range.error());
   options.frames = *range;
