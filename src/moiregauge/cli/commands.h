@@ -9,7 +9,7 @@
 
 namespace moiregauge::cli {
 
-// What the parser says of an option that was given an empty text.
+// The parser's message about an option with an empty text.
 inline constexpr std::string_view kEmptyValue = "the value is empty";
 
 // -h is the list of options, --help the command's page (pages.h); main tells the two by what parsing throws. A command

@@ -34,7 +34,7 @@ struct PictureList {
 // Returns the paths of the pictures that exist.
 [[nodiscard]] std::vector<std::string> existing_files(const PictureList& list);
 
-// Returns the pictures that exist in a folder, for those who need no frame numbers.
+// Returns the pictures that exist in a folder, without frame numbers.
 [[nodiscard]] tl::expected<std::vector<std::string>, InputError> pictures_in_folder(const std::string& folder);
 
 }  // namespace moiregauge

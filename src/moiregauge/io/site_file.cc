@@ -131,8 +131,8 @@ Marker read_marker(const toml::value& entry, Role role, const Print& general, co
   return marker;
 }
 
-// How many gratings may share a place: one of lines along each axis, and a spare. Each is looked for in the pixels of
-// all, so hundreds of them take minutes a frame.
+// Gratings that may share a place: lines along each axis, and two spares. Each is looked for in the pixels of all, so
+// hundreds of them take minutes a frame.
 constexpr int kMaxSharing = 4;
 
 // Do the two overlap by more than half of the smaller one?
