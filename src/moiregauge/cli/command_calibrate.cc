@@ -14,6 +14,7 @@
 #include "moiregauge/cli/calibrate_lines.h"
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/progress.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/io/atomic_file.h"
 #include "moiregauge/io/length_text.h"
 #include "moiregauge/io/picture_file.h"
@@ -116,8 +117,8 @@ int run(const CalibrateWords& words) {
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another file with -o", written.error()));
   if (words.quiet) return 0;
-  for (const std::string& warning : calibrate_warnings(report)) fmt::print(stderr, "warning: {}\n", warning);
-  fmt::print("{}next: moiregauge measure ... --camera {}\n", calibrate_lines(report), words.output);
+  for (const std::string& warning : calibrate_warnings(report)) print_note(fmt::format("warning: {}\n", warning));
+  print_out(fmt::format("{}next: moiregauge measure ... --camera {}\n", calibrate_lines(report), words.output));
   return 0;
 }
 

@@ -8,6 +8,7 @@
 
 #include "moiregauge/cli/completion.h"
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/terminal_text.h"
 
 namespace moiregauge::cli {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 int run(const std::string& shell, const CLI::App& app) {
   if (shell != "bash" && shell != "zsh")
     return fail(Exit::kUsage, fmt::format("unknown shell: completion {}: choose one of bash, zsh", shell));
-  fmt::print("{}", shell == "bash" ? bash_completion(app) : zsh_completion(app));
+  print_out(shell == "bash" ? bash_completion(app) : zsh_completion(app));
   return 0;
 }
 

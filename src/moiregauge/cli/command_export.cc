@@ -11,8 +11,10 @@
 
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/measure_options.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/io/atomic_file.h"
 #include "moiregauge/io/displacement_h5.h"
+#include "moiregauge/io/plain_file.h"
 #include "moiregauge/io/table_csv.h"
 #include "moiregauge/io/uff58.h"
 
@@ -72,6 +74,23 @@ std::optional<std::pair<std::optional<double>, std::optional<double>>> time_rang
   return std::pair{ends[0], ends[1]};
 }
 
+constexpr const char* kStandardOutput = "-";
+
+// Only a plain file is ever replaced, and none of a run's own.
+std::optional<std::string> output_problem(const ExportWords& words, const std::string& output) {
+  std::error_code error;
+  const fs::file_status there = fs::symlink_status(output, error);
+  if (!fs::exists(there)) return std::nullopt;
+  if (!fs::is_regular_file(there))
+    return fmt::format("not a plain file: {}: it is {}, and is not replaced: choose another with -o, or - for stdout",
+                       output, fs::is_symlink(there) ? "a link" : kind_unless_plain(output));
+  const fs::path folder = fs::path(output).has_parent_path() ? fs::path(output).parent_path() : fs::path(".");
+  if (fs::equivalent(folder, words.run, error))
+    return fmt::format("part of the run: {}: it is not replaced: choose a file outside the run with -o", output);
+  if (words.replace) return std::nullopt;
+  return fmt::format("file exists: {}: choose another with -o, or give --replace", output);
+}
+
 int run(const ExportWords& words) {
   const Format* format = format_named(words.format);
   if (format == nullptr)
@@ -79,6 +98,10 @@ int run(const ExportWords& words) {
                 fmt::format("unknown format: --format {}: choose one of wide, long, hdf5, uff58", words.format));
   if (words.gaps != "refuse" && words.gaps != "split")
     return fail(Exit::kUsage, fmt::format("gaps: --gaps {}: choose one of refuse, split", words.gaps));
+  if (words.gaps != "refuse" && words.format != "uff58")
+    return fail(Exit::kUsage, fmt::format("gaps: --gaps {}: {} keeps gaps as they are: leave it out, or give --format "
+                                          "uff58",
+                                          words.gaps, words.format));
   Selection selection{words.markers, {}, {}, words.only_ok};
   if (!words.time.empty()) {
     const auto range = time_range(words.time);
@@ -88,23 +111,28 @@ int run(const ExportWords& words) {
     selection.from_s = range->first, selection.until_s = range->second;
   }
   const std::string output = words.output.empty() ? default_output(words.run, format->ending) : words.output;
-  std::error_code error;
-  if (!words.replace && fs::exists(output, error))
-    return fail(Exit::kUsage, fmt::format("file exists: {}: choose another with -o, or give --replace", output));
+  const bool to_stdout = output == kStandardOutput;
+  if (!to_stdout) {
+    if (const auto problem = output_problem(words, output)) return fail(Exit::kUsage, *problem);
+  }
   auto table = read_run_table(words.run);
   if (!table) return fail(Exit::kInputUnreadable, table.error());
   if (!table->complete && !words.quiet)
-    fmt::print(stderr, "note: {}: the run was interrupted or its input is damaged: these are the samples there are\n",
-               words.run);
+    print_note(fmt::format(
+        "note: {}: the run was interrupted or its input is damaged: these are the samples there are\n", words.run));
   const auto chosen = selected(*std::move(table), selection);
   if (!chosen) return fail(Exit::kUsage, chosen.error());
   const auto bytes = format->write(*chosen, words.gaps == "split" ? Gaps::kSplit : Gaps::kRefuse);
   if (!bytes) return fail(Exit::kUsage, bytes.error());
+  if (to_stdout) {
+    put_bytes(*bytes);
+    return 0;
+  }
   if (const auto written = write_file_atomically(output, *bytes); !written)
     return fail(Exit::kOutputUnwritable, fmt::format("{}: make room or choose another file with -o", written.error()));
   if (!words.quiet)
-    fmt::print("{}: {} rows of {} target{}\n", output, chosen->samples.size(), chosen->markers.size(),
-               chosen->markers.size() == 1 ? "" : "s");
+    print_out(fmt::format("{}: {} rows of {} target{}\n", output, chosen->samples.size(), chosen->markers.size(),
+                          chosen->markers.size() == 1 ? "" : "s"));
   return 0;
 }
 
@@ -123,7 +151,9 @@ void add_export(CLI::App& app, int& exit_code) {
       ->add_option("--gaps", words->gaps,
                    "uff58, which knows no gap: refuse, or split into unbroken stretches [refuse]")
       ->type_name("refuse|split");
-  command->add_option("-o,--out", words->output, "file to write [<run>-wide.csv, <run>.h5, ... in the current folder]")
+  command
+      ->add_option("-o,--out", words->output,
+                   "file to write, - for stdout [<run>-wide.csv, <run>.h5, ... in the current folder]")
       ->type_name("FILE");
   command->add_flag("--replace", words->replace, "write over an older file");
   command->add_flag("--quiet", words->quiet, "print nothing but errors");

@@ -13,6 +13,7 @@
 
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/page.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/io/nearest_word.h"
 
 namespace moiregauge::cli {
@@ -48,13 +49,13 @@ int run(const HelpWords& words, const CLI::App& app) {
     return 0;
   }
   const auto commands = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == words.command; });
-  fmt::print("{}", page_man(words.command, (commands.empty() ? &app : commands.front())->get_description()));
+  print_out(page_man(words.command, (commands.empty() ? &app : commands.front())->get_description()));
   return 0;
 }
 
 }  // namespace
 
-void show_page(std::string_view name) { fmt::print("{}", page_text(name, width_of_terminal())); }
+void show_page(std::string_view name) { print_out(page_text(name, width_of_terminal())); }
 
 void add_help(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("help", "Show the page of a command, or how to begin");

@@ -17,6 +17,7 @@
 #include "moiregauge/cli/open_input.h"
 #include "moiregauge/cli/output_folder.h"
 #include "moiregauge/cli/progress.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/drawing/overlay_inspection.h"
 #include "moiregauge/image/upper_bits.h"
 #include "moiregauge/io/atomic_file.h"
@@ -137,9 +138,9 @@ int run(const InspectWords& words) {
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   if (words.measure.json)
-    fmt::print("{}", json_text(report));
+    print_out(json_text(report));
   else if (!words.measure.quiet)
-    fmt::print("{}", inspect_lines(report));
+    print_out(inspect_lines(report));
   return report.exit == Exit::kRefused ? report_refusal(report, output) : 0;
 }
 

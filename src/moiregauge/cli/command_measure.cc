@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/command_measure.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <future>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -61,9 +63,16 @@ using Overlay = std::future<std::vector<std::uint8_t>>;
 // overlay.png, drawn and packed while the run is concluded: neither needs the other. Not with --threads 1; and what a
 // refusal shows is known at the end only.
 Overlay overlay_beside(const Measurement& seen, const MeasureOptions& options, int threads) {
-  return std::async(seen.reference && threads != 1 ? std::launch::async : std::launch::deferred, [&] {
+  const auto draw = [&] {
     return seen.reference ? overlay_of(seen.picture.grey.view(), *seen.reference) : overlay_of_refusal(seen, options);
-  });
+  };
+  if (seen.reference && threads != 1) {
+    try {
+      return std::async(std::launch::async, draw);
+    } catch (const std::system_error&) {  // no thread can start: it is drawn when it is asked for
+    }
+  }
+  return std::async(std::launch::deferred, draw);
 }
 
 // The two folders are each put in place as a whole: neither may hold the other.
@@ -71,6 +80,29 @@ std::optional<std::string> stabilised_problem(const MeasureWords& words, const s
   if (words.stabilised.empty() || !overlaps(words.stabilised, output)) return std::nullopt;
   return fmt::format("folders overlap: --stabilised {}: the results go to {}: choose a folder beside it",
                      words.stabilised, output);
+}
+
+// A method that needs circles cannot use a site without any: known before the input is read.
+std::optional<std::string> reference_problem(const MeasureWords& words, const MeasureOptions& options) {
+  const auto& markers = options.site.markers;
+  const bool has_any = std::any_of(markers.begin(), markers.end(), [](const Marker& marker) {
+    return marker.role == Role::kReference && marker.circle.has_value();
+  });
+  if (words.site.empty() || has_any || !options.method->needs_circles) return std::nullopt;
+  return fmt::format(
+      "no references: --site {}: method {} needs 4 reference circles: add [[reference]] markers, or give --method "
+      "conventional",
+      words.site, options.method->name);
+}
+
+// The rows of one picture are read before those of the next.
+std::optional<std::string> readout_problem(const MeasureWords& words, const MeasureOptions& options,
+                                           const InputInfo& input) {
+  constexpr double kRounding = 1.01;
+  if (!options.solve.readout_s || !(input.fps > 0.0) || *options.solve.readout_s * input.fps <= kRounding)
+    return std::nullopt;
+  return fmt::format("readout time: --readout {}: a frame lasts {:.4g} s only: give a shorter time, or the right --fps",
+                     words.readout, 1.0 / input.fps);
 }
 
 RunStart start_of(const MeasureWords& words, const InputOptions& input_options, const InputInfo& input) {
@@ -107,6 +139,7 @@ int run(const MeasureWords& words) {
   if (!options) return fail(Exit::kUsage, options.error().message);
   const auto figures = figure_formats(words.figures);
   if (!figures) return fail(Exit::kUsage, figures.error().message);
+  if (const auto problem = reference_problem(words, *options)) return fail(Exit::kUsage, *problem);
   const std::string output = words.output.empty() ? default_output(words.input) : words.output;
   if (const auto problem = stabilised_problem(words, output)) return fail(Exit::kUsage, *problem);
   const InputOptions input_options{words.fps, words.sequence, words.threads, words.max_pixels};
@@ -114,6 +147,7 @@ int run(const MeasureWords& words) {
   if (!opened) return fail(Exit::kInputUnreadable, opened.error().message);
   if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*opened)->info()))
     return fail(Exit::kUsage, *problem);
+  if (const auto problem = readout_problem(words, *options, (*opened)->info())) return fail(Exit::kUsage, *problem);
   Fingerprint fingerprint(words.input, input_options);
   tl::expected<Measurement, InputError> measured;
   Overlay overlay;  // of `measured`, so it must not outlive it
@@ -231,7 +265,9 @@ void add_measure(CLI::App& app, int& exit_code) {
       ->add_option("--exaggerate", words->exaggeration,
                    "with --video: targets move so many times as far [what shows the motion best]")
       ->type_name("N");
-  command->add_option("--threads", words->threads, "threads to use; never changes a result")->type_name("N");
+  command->add_option("--threads", words->threads, "threads to use; never changes a result")
+      ->check(CLI::Range(0, 1024).description(""))
+      ->type_name("N");
   add_max_pixels(*command, words->max_pixels);
   command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");
   command->add_flag("--resume", words->resume, "go on with an unfinished run, if there is one");

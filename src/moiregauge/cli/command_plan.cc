@@ -8,6 +8,7 @@
 #include "moiregauge/cli/camera_table.h"
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/plan_lines.h"
+#include "moiregauge/cli/terminal_text.h"
 
 namespace moiregauge::cli {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 int run(const PlanWords& words) {
   const auto order = understood(words);
   if (!order) return fail(Exit::kUsage, order.error().message);
-  fmt::print("{}", words.json ? plan_json(*order) : plan_text(*order));
+  print_out(words.json ? plan_json(*order) : plan_text(*order));
   return 0;
 }
 

@@ -14,6 +14,7 @@
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/cli/reproduce_figures.h"
 #include "moiregauge/cli/reproduce_table.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/io/atomic_file.h"
 
 namespace moiregauge::cli {
@@ -84,8 +85,8 @@ int run(const ReproduceWords& words) {
     return write_file_atomically((output / "table.md").string(), table);
   });
   if (!written) return fail_to_write(written.error());
-  fmt::print("{}", table);
-  if (!words.quiet) fmt::print(stderr, "Table and figures in {}\n", output.string());
+  print_out(table);
+  if (!words.quiet) print_note(fmt::format("Table and figures in {}\n", output.string()));
   return 0;
 }
 
@@ -98,6 +99,7 @@ void add_reproduce(CLI::App& app, int& exit_code) {
   command->add_option("-o,--out", words->output, "folder to write [reproduced]")->type_name("DIR");
   command->add_flag("--quick", words->quick, "the small rig and a few frames: seconds instead of minutes");
   command->add_option("--threads", words->threads, "threads [all]; never changes a number")
+      ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
   command->add_flag("--quiet", words->quiet, "print nothing but the table and errors");

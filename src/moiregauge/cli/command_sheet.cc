@@ -13,6 +13,7 @@
 #include "moiregauge/cli/exit_line.h"
 #include "moiregauge/cli/report_lines.h"
 #include "moiregauge/cli/sheet_words.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/io/file_set.h"
 #include "moiregauge/io/site_file.h"
 #include "moiregauge/sheet/sheet_files.h"
@@ -53,13 +54,13 @@ int run(const SheetWords& words) {
   const auto written = write_file_set(words.output, named, words.replace ? Existing::kReplace : Existing::kRefuse);
   if (!written) return fail_output(written.error());
   if (words.quiet) return 0;
-  fmt::print("{} marker{} on {} sheet{} of {}: {}/sheets.pdf\n", set->site.markers.size(),
-             set->site.markers.size() == 1 ? "" : "s", set->sheets.size(), set->sheets.size() == 1 ? "" : "s",
-             order->page.paper.name, words.output);
-  fmt::print("places: {0}/site.toml, to take along: {0}/mounting.pdf\n", words.output);
-  fmt::print(
+  print_out(fmt::format("{} marker{} on {} sheet{} of {}: {}/sheets.pdf\n", set->site.markers.size(),
+                        set->site.markers.size() == 1 ? "" : "s", set->sheets.size(),
+                        set->sheets.size() == 1 ? "" : "s", order->page.paper.name, words.output));
+  print_out(fmt::format("places: {0}/site.toml, to take along: {0}/mounting.pdf\n", words.output));
+  print_out(fmt::format(
       "next: print at 100 %, measure the 100 mm rulers, hang, film; moiregauge measure CLIP --site {}/site.toml\n",
-      words.output);
+      words.output));
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include "moiregauge/cli/interrupt.h"
 #include "moiregauge/cli/output_folder.h"
 #include "moiregauge/cli/simulate_pictures.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/io/scenario_file.h"
 #include "moiregauge/io/site_file.h"
 #include "moiregauge/io/truth_file.h"
@@ -123,7 +124,7 @@ fs::path default_folder(const std::string& scenario) {
 
 int run(const SimulateWords& words) {
   if (words.list) {
-    fmt::print("{}", list_of_scenarios());
+    print_out(list_of_scenarios());
     return 0;
   }
   if (words.scenario.empty())
@@ -152,7 +153,8 @@ int run(const SimulateWords& words) {
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   }
-  if (!words.quiet) fmt::print("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string());
+  if (!words.quiet)
+    print_out(fmt::format("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string()));
   return 0;
 }
 
@@ -176,6 +178,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--gop", words->gop, "x264: frames between key frames at most [250]; 1: key frames only")
       ->type_name("N");
   command->add_option("--threads", words->threads, "threads [all]; never changes a byte")
+      ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
   command->add_flag("--markers-only", words->markers_only, "draw the markers' windows, the rest one flat grey");

@@ -13,6 +13,7 @@
 #include "moiregauge/cli/progress.h"
 #include "moiregauge/cli/report_lines.h"
 #include "moiregauge/cli/run_figures.h"
+#include "moiregauge/io/plain_file.h"
 #include "moiregauge/io/run_directory.h"
 #include "moiregauge/io/run_file.h"
 #include "moiregauge/observation/restated.h"
@@ -121,6 +122,8 @@ tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
   namespace fs = std::filesystem;
   const std::string path = (fs::path(folder) / kRunFileName).string();
   std::error_code error;
+  if (const std::string kind = kind_unless_plain(path); fs::exists(path, error) && !kind.empty())
+    return tl::unexpected(fmt::format("no observations: {}: it is {}: give a folder that `measure` wrote", path, kind));
   if (!fs::exists(path, error) || fs::exists(fs::path(folder) / "run.json", error)) return read_run(path);
   auto kept = recover_run(path);
   if (!kept) return tl::unexpected(kept.error());

@@ -18,6 +18,18 @@
 
 namespace moiregauge::cli {
 
+namespace {
+
+// A script's unset variable must not count as an option that was not given.
+void refuse_empty_values(CLI::App& command) {
+  const CLI::Validator is_given([](std::string& value) { return value.empty() ? std::string(kEmptyValue) : ""; }, "");
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_items_expected_max() > 0) option->transform(is_given);  // before every other check
+  }
+}
+
+}  // namespace
+
 std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   auto tree = std::make_unique<CLI::App>(
       "moiregauge: displacement in millimetres from a video of printed gratings, whatever the camera did");
@@ -39,8 +51,10 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   add_reproduce(app, exit_code);
   add_help(app, exit_code);
   add_completion(app, exit_code);
-  for (CLI::App* command : app.get_subcommands({}))
+  for (CLI::App* command : app.get_subcommands({})) {
     command->footer(fmt::format("More about each: moiregauge help {}", command->get_name()));
+    refuse_empty_values(*command);
+  }
   return tree;
 }
 

@@ -3,10 +3,14 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
 namespace moiregauge::cli {
+
+// The parser's message about an option with an empty text.
+inline constexpr std::string_view kEmptyValue = "the value is empty";
 
 // -h is the list of options, --help the command's page (pages.h); main tells the two by what parsing throws. A command
 // that ran leaves its exit code in `exit_code`, which must outlive the tree.

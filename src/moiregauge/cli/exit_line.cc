@@ -6,10 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/cli/terminal_text.h"
+
 namespace moiregauge::cli {
 
 int fail(Exit exit, const std::string& message) {
-  fmt::print(stderr, "error: {}\n", message);
+  print_note(fmt::format("error: {}\n", message));
   return static_cast<int>(exit);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/fingerprint.h"
 
+#include <system_error>
 #include <utility>
 
 #include "moiregauge/io/file_hash.h"
@@ -9,7 +10,11 @@
 namespace moiregauge::cli {
 
 Fingerprint::Fingerprint(std::string path, const InputOptions& options) : path_(std::move(path)), options_(options) {
-  if (options.threads != 1) thread_ = std::jthread([this](const std::stop_token& stop) { take(stop); });
+  if (options.threads == 1) return;
+  try {
+    thread_ = std::jthread([this](const std::stop_token& stop) { take(stop); });
+  } catch (const std::system_error&) {  // no thread can start: hex() does it
+  }
 }
 
 void Fingerprint::take(const std::stop_token& stop) {

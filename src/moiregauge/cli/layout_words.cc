@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/layout_words.h"
 
+#include <algorithm>
 #include <cctype>
 
 #include <fmt/format.h>
@@ -11,6 +12,9 @@ namespace moiregauge::cli {
 namespace {
 
 constexpr int kMostTargets = 100;
+// From finer than any printer draws to larger than any structure.
+constexpr double kMinLength_mm = 0.01;
+constexpr double kMaxLength_mm = 1e6;
 constexpr double kUnmeasuredPrintScale = 0.001;  // relative, k = 1
 
 tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutWords& words, const Room& room) {
@@ -38,11 +42,16 @@ tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutWords& words,
   for (const auto& length : lengths) {
     const auto mm = length_or(length.option, length.text, length.value);
     if (!mm) return tl::unexpected(mm.error());
+    if (!length.text.empty() && !(*mm >= kMinLength_mm && *mm <= kMaxLength_mm))
+      return usage(fmt::format("length: {} {}: give one from {:g} to {:g} mm", length.option, length.text,
+                               kMinLength_mm, kMaxLength_mm));
     length.value = *mm;
   }
   if (!words.span.empty()) {
     const auto span = size_mm(words.span);
     if (!span) return usage(fmt::format("span: --span {}: {}", words.span, span.error()));
+    if (!(std::max(span->x, span->y) <= kMaxLength_mm))
+      return usage(fmt::format("span: --span {}: give up to {:g} mm each way", words.span, kMaxLength_mm));
     request.span = *span;
   } else {
     request.span = sheet::widest_span(request, room.size);

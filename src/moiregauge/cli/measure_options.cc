@@ -13,6 +13,7 @@
 #include "moiregauge/io/camera_file.h"
 #include "moiregauge/io/duration_text.h"
 #include "moiregauge/io/length_text.h"
+#include "moiregauge/io/plain_file.h"
 #include "moiregauge/io/site_file.h"
 
 namespace moiregauge::cli {
@@ -29,11 +30,13 @@ std::string method_names() {
   return names;
 }
 
-// "no site file: nowhere.toml: check the name": of a file that is not there nothing is to be corrected.
+// "no site file: nowhere.toml: check the name": without a file there is no mistake to correct.
 tl::expected<void, UsageError> is_there(const std::string& kind, const std::string& path) {
   std::error_code error;
-  if (std::filesystem::exists(path, error)) return {};
-  return usage(fmt::format("no {}: {}: check the name", kind, path));
+  if (!std::filesystem::exists(path, error)) return usage(fmt::format("no {}: {}: check the name", kind, path));
+  const std::string other = kind_unless_plain(path);
+  if (other.empty()) return {};
+  return usage(fmt::format("no {}: {}: it is {}: give a plain file", kind, path, other));
 }
 
 // A site file often lies beside the pictures: in a simulated recording's folder, or beside a clip. It is named, not taken:
@@ -219,8 +222,9 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
   if (!words.camera.empty()) {
     if (const auto taken = take_camera(words.camera, options); !taken) return tl::unexpected(taken.error());
   }
-  if (words.fps && !(*words.fps > 0.0))
-    return usage(fmt::format("frame rate: --fps {}: give a number above 0, e.g. --fps 25", *words.fps));
+  // From a picture in eleven days to a million a second: beyond, times are lost in rounding.
+  if (words.fps && !(*words.fps >= 1e-6 && *words.fps <= 1e6))
+    return usage(fmt::format("frame rate: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *words.fps));
   auto range = frame_range(words.frames);
   if (!range) return tl::unexpected(range.error());
   options.frames = *range;

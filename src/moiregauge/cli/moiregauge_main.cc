@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program: a table of commands. Every command says what went wrong itself; what escapes it is our fault (exit 1).
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +15,7 @@
 #include "moiregauge/cli/command_help.h"
 #include "moiregauge/cli/commands.h"
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/cli/usage.h"
 #include "moiregauge/phase/simd_target.h"
 
@@ -30,7 +34,7 @@ int run(int argc, char** argv) {
   const auto tree = moiregauge::cli::command_tree(exit_code);
   CLI::App& app = *tree;
   if (argc < 2) {
-    fmt::print("{}", moiregauge::cli::first_words(app));
+    moiregauge::cli::print_out(moiregauge::cli::first_words(app));
     return static_cast<int>(Exit::kUsage);
   }
   try {
@@ -54,10 +58,21 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);           // a limit on the size of files is like a full disk: the write says so
   FLAGS_minloglevel = google::GLOG_FATAL;  // the bundle's solver writes of every step it shortens; we say how it ended
+  int exit_code = 0;
   try {
-    return run(argc, argv);
+    exit_code = run(argc, argv);
+  } catch (const std::system_error& error) {
+    const bool lacks_threads = error.code() == std::errc::resource_unavailable_try_again;
+    exit_code = moiregauge::cli::fail(
+        lacks_threads ? Exit::kOutputUnwritable : Exit::kInternalError,
+        lacks_threads ? fmt::format("no thread can start: {}: raise the limit on processes (ulimit -u)", error.what())
+                      : fmt::format("internal error: {}: please report it with the input", error.what()));
   } catch (const std::exception& error) {
-    return moiregauge::cli::fail(Exit::kInternalError,
-                                 fmt::format("internal error: {}: please report it with the input", error.what()));
+    exit_code = moiregauge::cli::fail(Exit::kInternalError,
+                                      fmt::format("internal error: {}: please report it with the input", error.what()));
   }
+  if (moiregauge::cli::finish_output()) return exit_code;
+  return moiregauge::cli::fail(
+      Exit::kOutputUnwritable,
+      fmt::format("text was lost: standard output: {}: make room, or write it to another file", std::strerror(errno)));
 }

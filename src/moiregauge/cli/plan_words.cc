@@ -44,7 +44,9 @@ std::optional<Swing> swing_from(const std::string& text, Amplitude amplitude_of)
   if (at == std::string::npos || text.size() < at + 4 || text.substr(text.size() - 2) != "Hz") return std::nullopt;
   const auto frequency = number_of(std::string_view(text).substr(at + 1, text.size() - at - 3));
   const std::optional<double> amplitude = amplitude_of(text.substr(0, at));
-  if (!frequency || !amplitude) return std::nullopt;
+  constexpr double kMaxAmplitude = 1e5;  // mm or rad
+  constexpr double kMaxFrequency_hz = 1e6;
+  if (!frequency || !amplitude || *frequency > kMaxFrequency_hz || *amplitude > kMaxAmplitude) return std::nullopt;
   return Swing{*amplitude, *frequency};
 }
 

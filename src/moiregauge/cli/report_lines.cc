@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "moiregauge/cli/exit_line.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/io/run_json.h"
 #include "moiregauge/observation/scale_check.h"
 
@@ -102,14 +103,14 @@ std::string report_lines(const Measurement& measurement, const MeasureOptions& o
 
 int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words) {
   if (words.json) {
-    fmt::print("{}\n",
-               run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    print_out(fmt::format(
+        "{}\n", run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
   } else if (!words.quiet) {
-    fmt::print("{}", report_lines(measurement, options, words.output));
+    print_out(report_lines(measurement, options, words.output));
   }
   for (const std::string& warning : measurement.warnings) {
     const bool is_note = warning.starts_with("note: ");
-    if (!words.quiet) fmt::print(stderr, "{}{}\n", is_note ? "" : "warning: ", warning);
+    if (!words.quiet) print_note(fmt::format("{}{}\n", is_note ? "" : "warning: ", warning));
   }
   if (measurement.exit == Exit::kRefused)
     return fail(Exit::kRefused, fmt::format("refused: {}: {}: {}", words.input, measurement.refusal,

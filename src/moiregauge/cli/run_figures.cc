@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/drawing/figure_run.h"
 #include "moiregauge/io/atomic_file.h"
 
@@ -60,7 +61,7 @@ PutMore put_figures(std::vector<std::string> formats, bool quiet) {
     const auto drawn =
         figure::run_figures({*m.reference, m.observations, m.samples, stated_scene(m), m.picture.grey.view()});
     for (const std::string& why : drawn.left_out)
-      if (!quiet) fmt::print(stderr, "note: no figure of the {}\n", why);
+      if (!quiet) print_note(fmt::format("note: no figure of the {}\n", why));
     return put_all(folder / "figures", drawn, formats);
   };
 }

@@ -10,6 +10,7 @@
 
 #include "moiregauge/cli/interrupt.h"
 #include "moiregauge/cli/progress.h"
+#include "moiregauge/cli/terminal_text.h"
 #include "moiregauge/drawing/side_by_side.h"
 #include "moiregauge/encoder/video_writer.h"
 #include "moiregauge/image/upper_bits.h"
@@ -153,7 +154,7 @@ PutMore put_video(const VideoOptions& video, const OpenInput& open, const Measur
                     video.exaggeration.value_or(best_exaggeration(travel.longest_mm, travel.u_mm, travel.size_mm)));
     const auto source = open();
     if (!source) {  // the results are kept all the same
-      fmt::print(stderr, "note: no stabilised.mp4: {}\n", source.error().message);
+      print_note(fmt::format("note: no stabilised.mp4: {}\n", source.error().message));
       return {};
     }
     const std::string path = (folder / "stabilised.mp4").string();
@@ -170,7 +171,7 @@ PutMore put_video(const VideoOptions& video, const OpenInput& open, const Measur
     if (interrupted()) {
       std::error_code ignored;
       fs::remove(path, ignored);
-      fmt::print(stderr, "note: stopped while drawing stabilised.mp4: measure again with --video to have it\n");
+      print_note(fmt::format("note: stopped while drawing stabilised.mp4: measure again with --video to have it\n"));
       return {};
     }
     return sync_file(path) ? Written{} : tl::unexpected(path + ": cannot be brought to the disk");

@@ -81,6 +81,9 @@ std::string mistake_in(const CLI::App& command, const CLI::ParseError& error) {
                        left_over.front(), name);
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
     return fmt::format("something is missing: {}: {}: write {}", name, error.what(), least_words(command));
+  if (std::string_view(error.what()).ends_with(kEmptyValue))
+    return fmt::format("empty value: {} {}: give it a value, or leave it out", name,
+                       std::string_view(error.what()).substr(0, std::string_view(error.what()).find(':')));
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr)
     return fmt::format("not a number to use: {} {}: moiregauge {} -h says what it takes", name,
                        subject_of(error.what()), name);

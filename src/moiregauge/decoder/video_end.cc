@@ -26,6 +26,16 @@ double stated_s(const AVFormatContext& container, const AVStream& stream) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+// Matroska's writers count the stated length from 0 or from the first picture. A film that begins later, and does not
+// reach beyond the stated length as counted from 0, is one of the former.
+double stated_from_begin_s(const AVFormatContext& container, const AVStream& stream, double began_s, double end_s) {
+  const double stated = stated_s(container, stream);
+  constexpr double kMatroskaRounding = 2e-3;  // s
+  const bool counts_from_zero = is_kind(container, "matroska") && began_s > 0.0 && stated >= began_s &&
+                                began_s + end_s <= stated + kMatroskaRounding;
+  return counts_from_zero ? stated - began_s : stated;
+}
+
 }  // namespace
 
 bool VideoStream::is_cut() const {
@@ -43,7 +53,8 @@ std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
   const double frame_s = rate > 0.0 ? 1.0 / rate : 0.0;
   constexpr double kRounding = 2e-3;  // s: Matroska counts milliseconds
   const double end_s = reached_ ? static_cast<double>(*reached_ - *began_) * av_q2d(stream_->time_base) : 0.0;
-  const double stated = stated_s(*container_, *stream_);
+  const double began_s = reached_ ? static_cast<double>(*began_) * av_q2d(stream_->time_base) : 0.0;
+  const double stated = stated_from_begin_s(*container_, *stream_, began_s, end_s);
   const long counted = frames();
   // An AVI numbers its frames by their time, and leaves out those that repeat the one before.
   const bool by_time = is_kind(*container_, "avi") && reached_.has_value();

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "moiregauge/io/plain_file.h"
 #include "moiregauge/run/sha256.h"
 
 namespace moiregauge {
@@ -16,14 +16,11 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 20;
 
-using OpenFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-OpenFile opened_to_read(const std::string& path) { return {std::fopen(path.c_str(), "rb"), &std::fclose}; }
-
 void add_block(Sha256& sum, const std::string& path, long from_end) {
-  const OpenFile file = opened_to_read(path);
-  if (!file || (from_end > 0 && std::fseek(file.get(), -from_end, SEEK_END) != 0)) return;
+  const auto file = open_plain_file(path);
+  if (!file || (from_end > 0 && std::fseek(file->get(), -from_end, SEEK_END) != 0)) return;
   std::vector<std::byte> block(kBlock);
-  sum.add({block.data(), std::fread(block.data(), 1, block.size(), file.get())});
+  sum.add({block.data(), std::fread(block.data(), 1, block.size(), file->get())});
 }
 
 }  // namespace
@@ -32,9 +29,9 @@ std::string sha256_of_files(const std::vector<std::string>& paths, const std::fu
   Sha256 sum;
   std::vector<std::byte> block(kBlock);
   for (const std::string& path : paths) {
-    const OpenFile file = opened_to_read(path);
+    const auto file = open_plain_file(path);
     if (!file) continue;
-    while (const std::size_t read = std::fread(block.data(), 1, block.size(), file.get())) {
+    while (const std::size_t read = std::fread(block.data(), 1, block.size(), file->get())) {
       sum.add({block.data(), read});
       if (!go_on()) return {};
     }

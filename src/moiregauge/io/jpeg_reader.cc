@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
-#include <cstring>
 
 #include <fmt/format.h>
 #include <jpeglib.h>
 
 #include "moiregauge/image/luma_of_colour.h"
 #include "moiregauge/io/exif_orientation.h"
+#include "moiregauge/io/plain_file.h"
 
 namespace moiregauge {
 namespace {
@@ -107,11 +106,10 @@ int orientation_of(const JpegFile& in) {
 
 PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
   JpegFile in;
-  in.file = std::fopen(path.c_str(), "rb");
-  if (in.file == nullptr) {
-    return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("cannot open picture: {}: {}", path, std::strerror(errno)));
-  }
+  auto file = open_plain_file(path);
+  if (!file)
+    return input_failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, file.error()));
+  in.file = file->release();
   if (!read_jpeg_head(in)) {
     return input_failure(InputErrorKind::kDamaged, fmt::format("not a readable JPEG: {}: {}", path, in.problem.data()));
   }

@@ -2,15 +2,13 @@
 #include "moiregauge/io/picture_file.h"
 
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <memory>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "moiregauge/io/jpeg_reader.h"
+#include "moiregauge/io/plain_file.h"
 #include "moiregauge/io/png_reader.h"
 #include "moiregauge/io/tiff_reader.h"
 
@@ -19,10 +17,10 @@ namespace moiregauge {
 using std::string_view_literals::operator""sv;
 
 PictureKind picture_kind(const std::string& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  const auto file = open_plain_file(path);
   std::array<char, 8> head{};
   if (!file) return PictureKind::kNone;
-  const std::string_view bytes(head.data(), std::fread(head.data(), 1, head.size(), file.get()));
+  const std::string_view bytes(head.data(), std::fread(head.data(), 1, head.size(), file->get()));
   if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return PictureKind::kPng;
   if (bytes.starts_with("\xff\xd8\xff"sv)) return PictureKind::kJpeg;
   if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return PictureKind::kTiff;
@@ -41,10 +39,8 @@ PictureOrError read_picture(const std::string& path, std::int64_t max_pixels) {
     case PictureKind::kNone:
       break;
   }
-  if (const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose); !file) {
-    return tl::unexpected(InputError{InputErrorKind::kUnreadable,
-                                     fmt::format("cannot open picture: {}: {}", path, std::strerror(errno))});
-  }
+  if (const auto file = open_plain_file(path); !file)
+    return input_failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, file.error()));
   return tl::unexpected(
       InputError{InputErrorKind::kUnsupported, fmt::format("not a picture: {}: give PNG, TIFF or JPEG files", path)});
 }

@@ -10,15 +10,17 @@
 
 namespace moiregauge {
 
-// All pictures have the size and depth of the first; one of another size ends the input there (kDamaged). One that
-// cannot be read becomes a damaged frame of even grey, so that the frames after it keep their numbers.
+// Opens the pictures of a folder, a pattern, a TIFF stack or one file. All have the size and depth of the first one
+// that can be read; one of another size ends the input there (kDamaged). One that is missing or cannot be read becomes
+// a damaged frame of even grey, so the frames after it keep their numbers; one warning names them all.
 // From the second picture on they are read ahead, as InputOptions::threads says.
-// fails      kUnreadable (no such place, no picture in it), kUnsupported, kDamaged (the first picture cannot be read)
+// Fails with kUnreadable (no such place, no plain file, no picture in it), else with the first picture's problem where
+// none can be read.
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::string& path,
                                                                                    const InputOptions& options);
 
-// The files an INPUT of any kind consists of, in order: the pictures of a folder or pattern, else the one file.
-// fails      kUnreadable
+// Returns the files an INPUT of any kind consists of, in order: the pictures of a folder or pattern that exist, else
+// the one file. Fails with kUnreadable.
 [[nodiscard]] tl::expected<std::vector<std::string>, InputError> files_of_input(const std::string& path,
                                                                                 const InputOptions& options);
 

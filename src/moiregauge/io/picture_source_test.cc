@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/picture_source.h"
 
+#include <sys/resource.h>
+#include <sys/stat.h>
+
 #include <cmath>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/io/picture_list.h"
+#include "moiregauge/io/picture_file.h"
+#include "moiregauge/io/picture_numbers.h"
 #include "moiregauge/io/png_reader.h"
 #include "moiregauge/io/test_pictures.h"
 
@@ -23,14 +28,14 @@ int first_grey(const LumaView& luma) {
 
 TEST(PictureSource, PicturesComeInTheOrderPeopleCountThem) {
   const TestFolder folder;
-  for (const int i : {10, 9, 1, 2})
+  for (const int i : {10, 9, 11, 8})
     write_grey(folder / ("frame" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
   put_text(folder / "notes.txt", "no picture");
   put_text(folder / ".hidden.png", "no picture");
   auto source = open_pictures(folder.path(), {}).value();
   EXPECT_EQ(source->info().frames, 4);
   EXPECT_EQ(source->info().time_source, "none");
-  for (const int expected : {1, 2, 9, 10}) {
+  for (const int expected : {8, 9, 10, 11}) {
     const auto frame = source->next().value();
     EXPECT_EQ(first_grey(frame->luma), expected);
     EXPECT_TRUE(std::isnan(frame->time_s)) << "pictures have no time without --fps";
@@ -96,6 +101,93 @@ TEST(PictureSource, AMissingNumberKeepsTheOthersTheirPlaceInTime) {
   const auto third = source->next().value();
   EXPECT_EQ(first_grey(third->luma), 10);
   EXPECT_EQ(third->time_s, 2.0);
+}
+
+// Frame numbers, damage and times of all frames: "0 1d 2" are three frames, the second of them damaged.
+std::string frames_of(FrameSource& source) {
+  std::string text;
+  while (const auto frame = source.next().value()) {
+    text += (text.empty() ? "" : " ") + std::to_string(frame->number) + (frame->damaged ? "d" : "");
+    if (!frame->damaged) text += "=" + std::to_string(first_grey(frame->luma));
+  }
+  return text;
+}
+
+std::string frames_in(const TestFolder& folder) { return frames_of(*open_pictures(folder.path(), {}).value()); }
+
+TEST(PictureSource, AMissingPictureOfAFolderIsAFrameWithoutAMeasurement) {
+  const TestFolder folder;
+  for (const int i : {3, 4, 7, 8})
+    write_grey(folder / ("00000" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
+  auto source = open_pictures(folder.path(), {.fps = 10.0}).value();
+  EXPECT_EQ(source->info().frames, 6);
+  ASSERT_EQ(source->info().warnings.size(), 1U);
+  EXPECT_EQ(source->info().warnings[0], "2 frames count as damaged: frames 2 to 3: no such picture: " +
+                                            folder / "000005.png" + " to " + folder / "000006.png");
+  EXPECT_EQ(frames_of(*source), "0=3 1=4 2d 3d 4=7 5=8");
+  EXPECT_EQ(source->info().warnings.size(), 1U);
+  EXPECT_EQ(files_of_input(folder.path(), {}).value().size(), 4U);
+}
+
+TEST(PictureSource, AnythingElseAmongNumberedPicturesIsAMissingPicture) {
+  const TestFolder folder;
+  for (const int i : {2, 6}) write_grey(folder / (std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
+  std::filesystem::create_symlink("nowhere", folder / "0.png");
+  std::filesystem::create_symlink("1.png", folder / "1.png");
+  ASSERT_EQ(::mkfifo((folder / "3.png").c_str(), 0600), 0);
+  std::filesystem::create_directory(folder / "4.png");
+  put_text(folder / "5.bmp", "BM");
+  put_text(folder / "7.png", "this is text");
+  put_text(folder / "8.txt", "no picture");
+  auto source = open_pictures(folder.path(), {}).value();
+  EXPECT_EQ(frames_of(*source), "0d 1d 2=2 3d 4d 5d 6=6 7d");
+  ASSERT_EQ(source->info().warnings.size(), 1U);
+  for (const char* reason :
+       {"frame 0: a link that leads nowhere: ", "frame 1: a link to itself: ", "frame 3: a FIFO: ",
+        "frame 4: a folder: ", "frame 5: neither PNG nor TIFF nor JPEG: ", "frame 7: not a picture: "})
+    EXPECT_NE(source->info().warnings[0].find(reason), std::string::npos) << source->info().warnings[0];
+}
+
+TEST(PictureSource, ARegularStrideOfTheNumbersIsNoGap) {
+  const TestFolder folder;
+  for (const int i : {10, 20, 40})
+    write_grey(folder / ("f" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
+  EXPECT_EQ(frames_in(folder), "0=10 1=20 2d 3=40");
+  EXPECT_EQ(frames_of(*open_pictures(folder / "f%d.png", {.fps = {}, .sequence = true}).value()), "0=10 1=20 2d 3=40");
+}
+
+TEST(PictureSource, NamesThatDoNotCountFramesFollowEachOther) {
+  const TestFolder clock;  // seconds go from 59 to 100
+  for (const int i : {59, 100, 101}) {
+    const std::string second = std::to_string(1000 + i).substr(1);
+    write_grey(clock / ("20261123_080" + second + ".png"), static_cast<std::uint16_t>(i));
+  }
+  EXPECT_EQ(frames_in(clock), "0=59 1=100 2=101");
+  const TestFolder photos;
+  for (const int i : {1, 90, 107})
+    write_grey(photos / ("IMG_" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
+  auto source = open_pictures(photos.path(), {}).value();
+  EXPECT_EQ(frames_of(*source), "0=1 1=90 2=107");
+  ASSERT_EQ(source->info().warnings.size(), 1U);
+  EXPECT_TRUE(source->info().warnings[0].starts_with("note: ")) << source->info().warnings[0];
+  const TestFolder words;
+  for (const int i : {1, 2, 4})
+    write_grey(words / ("view" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
+  write_grey(words / "other.png", 9);
+  source = open_pictures(words.path(), {}).value();
+  EXPECT_EQ(frames_of(*source), "0=9 1=1 2=2 3=4");
+  ASSERT_EQ(source->info().warnings.size(), 1U);
+  EXPECT_NE(source->info().warnings[0].find("missing is " + std::string("view3.png")), std::string::npos);
+}
+
+TEST(PictureSource, WhatIsNoPlainFileIsRefusedAtOnce) {
+  const TestFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "clip.mp4").c_str(), 0600), 0);
+  const auto fifo = open_pictures(folder / "clip.mp4", {});
+  ASSERT_FALSE(fifo);
+  EXPECT_NE(fifo.error().message.find("it is a FIFO"), std::string::npos) << fifo.error().message;
+  EXPECT_NE(open_pictures("/dev/null", {}).error().message.find("it is a device"), std::string::npos);
+  EXPECT_EQ(picture_kind(folder / "clip.mp4"), PictureKind::kNone);
 }
 
 TEST(PictureSource, WhatIsNoInputSaysSo) {
@@ -165,6 +257,24 @@ TEST(PngReader, AHeaderThatPromisesTooManyPixelsIsRefusedUnread) {
   bytes.replace(29, 4, "\xa6\xe9\x8d\xd1");
   put_text(folder / "bomb.png", bytes);
   const auto picture = read_png(folder / "bomb.png");
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().kind, InputErrorKind::kUnsupported) << picture.error().message;
+}
+
+TEST(PngReader, AHeaderIsRefusedBeforeLibpngTakesMemoryForARow) {
+  const TestFolder folder;
+  write_grey(folder / "bomb.png", 0);
+  std::string bytes = text_of(folder / "bomb.png");
+  // Width and height 2147483647, with the check sum that belongs to them.
+  bytes.replace(16, 8, std::string("\x7f\xff\xff\xff\x7f\xff\xff\xff", 8));
+  bytes.replace(29, 4, "\x31\xa2\x54\xba");
+  put_text(folder / "bomb.png", bytes);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_DATA, &before), 0);
+  const rlimit little{std::size_t{1} << 30, before.rlim_max};  // half of the row
+  ASSERT_EQ(::setrlimit(RLIMIT_DATA, &little), 0);
+  const auto picture = read_png(folder / "bomb.png");
+  ASSERT_EQ(::setrlimit(RLIMIT_DATA, &before), 0);
   ASSERT_FALSE(picture);
   EXPECT_EQ(picture.error().kind, InputErrorKind::kUnsupported) << picture.error().message;
 }

@@ -2,6 +2,7 @@
 #include "moiregauge/io/pictures_ahead.h"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace moiregauge {
@@ -10,7 +11,10 @@ PicturesAhead::PicturesAhead(long first, long end, std::function<PictureOrError(
     : read_(std::move(read)), end_(end), to_read_(first), to_take_(first) {
   readers = std::clamp(readers, 1, kMostReaders);
   ahead_ = readers + 1;  // one lies ready while every reader is at work: more would only cost memory
-  for (int i = 0; i < readers; ++i) readers_.emplace_back([this](const std::stop_token& stop) { work(stop); });
+  try {
+    for (int i = 0; i < readers; ++i) readers_.emplace_back([this](const std::stop_token& stop) { work(stop); });
+  } catch (const std::system_error&) {  // fewer threads can start: without any, take() reads
+  }
 }
 
 PicturesAhead::Slot PicturesAhead::slot_of(long number) const {
@@ -36,6 +40,7 @@ void PicturesAhead::work(const std::stop_token& stop) {
 }
 
 PictureOrError PicturesAhead::take() {
+  if (readers_.empty()) return read_(to_take_++);
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return ready_.contains(to_take_); });
   Slot slot = std::move(ready_.extract(to_take_).mapped());

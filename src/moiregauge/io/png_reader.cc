@@ -2,11 +2,9 @@
 #include "moiregauge/io/png_reader.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -14,6 +12,7 @@
 #include <png.h>
 
 #include "moiregauge/image/luma_of_colour.h"
+#include "moiregauge/io/plain_file.h"
 
 namespace moiregauge {
 namespace {
@@ -69,7 +68,8 @@ int significant_bits(PngFile& in) {
   return bits >= 9 && bits <= 16 ? bits : 16;
 }
 
-bool read_png_head(PngFile& in, PngHead& head) {
+// The size alone: libpng takes memory for a row before anyone can ask it how wide a row is.
+bool read_png_size(PngFile& in, PngHead& head) {
   if (setjmp(png_jmpbuf(in.png)) != 0) return false;
   png_init_io(in.png, in.file);
   png_set_user_limits(in.png, 0x7fffffffU, 0x7fffffffU);  // ours is on pixels, below
@@ -78,6 +78,11 @@ bool read_png_head(PngFile& in, PngHead& head) {
   png_read_info(in.png, in.info);
   head.width = png_get_image_width(in.png, in.info);
   head.height = png_get_image_height(in.png, in.info);
+  return true;
+}
+
+bool read_png_head(PngFile& in, PngHead& head) {
+  if (setjmp(png_jmpbuf(in.png)) != 0) return false;
   const int type = png_get_color_type(in.png, in.info);
   head.word_bits = png_get_bit_depth(in.png, in.info) == 16 ? 16 : 8;
   head.channels = (type & PNG_COLOR_MASK_COLOR) != 0 ? 3 : 1;
@@ -122,20 +127,21 @@ Image<Grey> grey_from(const PngFile& in, const PngHead& head) {
 
 PictureOrError read_png(const std::string& path, std::int64_t max_pixels) {
   PngFile in;
-  in.file = std::fopen(path.c_str(), "rb");
-  if (in.file == nullptr) {
-    return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("cannot open picture: {}: {}", path, std::strerror(errno)));
-  }
+  auto file = open_plain_file(path);
+  if (!file)
+    return input_failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, file.error()));
+  in.file = file->release();
   in.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &in, &note_png_error, &ignore_png_warning);
   in.info = in.png == nullptr ? nullptr : png_create_info_struct(in.png);
   if (in.info == nullptr)
     return input_failure(InputErrorKind::kUnreadable, fmt::format("no memory for picture: {}", path));
   PngHead head;
-  if (!read_png_head(in, head)) {
+  const auto unreadable = [&] {
     return input_failure(InputErrorKind::kDamaged, fmt::format("not a readable PNG: {}: {}", path, in.problem));
-  }
+  };
+  if (!read_png_size(in, head)) return unreadable();
   if (auto problem = size_problem(path, head.width, head.height, max_pixels)) return tl::unexpected(*problem);
+  if (!read_png_head(in, head)) return unreadable();
   const std::size_t row_bytes = png_get_rowbytes(in.png, in.info);
   in.samples.resize(row_bytes * head.height);
   for (std::size_t y = 0; y < head.height; ++y) in.rows.push_back(in.samples.data() + y * row_bytes);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "moiregauge/io/nearest_word.h"
+#include "moiregauge/io/plain_file.h"
 #include "moiregauge/io/run_file.h"
 
 namespace moiregauge {
@@ -169,6 +170,13 @@ tl::expected<void, std::string> parse_displacement_csv(std::istream& csv, RunTab
 
 tl::expected<RunTable, std::string> read_run_table(const std::string& dir) {
   const fs::path place(dir);
+  for (const char* name : {"run.json", "displacement.csv"}) {
+    std::error_code ignored;
+    const std::string path = (place / name).string();
+    if (!fs::exists(path, ignored)) continue;
+    if (const std::string kind = kind_unless_plain(path); !kind.empty())
+      return tl::unexpected(fmt::format("no run: {}: it is {}: give a folder that `measure` wrote", path, kind));
+  }
   std::ifstream run_json(place / "run.json");
   std::error_code error;
   if (!run_json || !fs::is_directory(place, error)) return tl::unexpected(no_run(dir));

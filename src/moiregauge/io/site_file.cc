@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <exception>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include "moiregauge/io/control_characters.h"
 #include "moiregauge/io/toml_table.h"
 #include "moiregauge/units/units.h"
 
@@ -49,6 +51,9 @@ std::optional<Circle> read_circle(const TomlTable& table) {
   return Circle{{(*centre)[0], (*centre)[1]}, diameter.value_or(0.0)};
 }
 
+// Looking for a grating takes 3 kB per pitch along x and y: 300 MB. A picture of 64 Mpx shows no more at 25 px a pitch.
+constexpr double kMaxPitches = 1e5;
+
 // The extent must hold at least one period, or there is no grating.
 void check_size(const TomlTable& table, const Grating& grating, const char* key) {
   if (grating.width_mm <= 0.0 || grating.height_mm <= 0.0) {
@@ -56,6 +61,14 @@ void check_size(const TomlTable& table, const Grating& grating, const char* key)
   } else if (grating.pitch_mm > 0.0 && std::fmax(grating.width_mm, grating.height_mm) < grating.pitch_mm) {
     table.mistake(key, fmt::format("a grating of {} x {} mm cannot hold one pitch of {} mm", grating.width_mm,
                                    grating.height_mm, grating.pitch_mm));
+  } else if (grating.pitch_mm > 0.0) {
+    const double pitches =
+        std::ceil(grating.width_mm / grating.pitch_mm) * std::ceil(grating.height_mm / grating.pitch_mm);
+    if (pitches > kMaxPitches)
+      table.mistake(key,
+                    fmt::format("a grating of {:g} x {:g} mm has {:.2g} pitches of {:g} mm, and {:g} are the most: "
+                                "give the size of a part of it",
+                                grating.width_mm, grating.height_mm, pitches, grating.pitch_mm, kMaxPitches));
   }
 }
 
@@ -81,16 +94,18 @@ std::optional<Grating> read_grating(const TomlTable& table, const Print& general
   return grating;
 }
 
-// Names go into CSV cells and file names of figures, so they must be plain.
+// Names go into CSV cells and file names of figures, so they must be plain. A spreadsheet runs a cell that begins with
+// =, +, - or @ as a formula.
 std::string read_name(const TomlTable& table, const std::string& fallback) {
   const std::string name = table.text("name").value_or(fallback);
   const bool plain = !name.empty() && name.size() <= 64 && name.find_first_of(",;\"'/\\") == std::string::npos;
-  const bool printable = name.find_first_of("\n\r\t\x7f") == std::string::npos && name.front() != ' ';
-  bool control = false;
-  for (const char c : name) control = control || (static_cast<unsigned char>(c) < 0x20);
-  if (!plain || !printable || control) {
+  if (!plain || name.front() == ' ' || has_control_character(name)) {
     table.mistake("name",
                   "name must be 1 to 64 characters without comma, semicolon, quote, slash or control character");
+  } else if (std::string_view("=+-@").find(name.front()) != std::string_view::npos) {
+    table.mistake("name", fmt::format("name \"{}\" must not begin with =, +, - or @: a spreadsheet takes it as a "
+                                      "formula; begin it with a letter",
+                                      name));
   }
   return name;
 }
@@ -108,8 +123,37 @@ Marker read_marker(const toml::value& entry, Role role, const Print& general, co
   marker.z_mm = table.number("z_mm");
   if (!table.has("circle_mm") && !table.has("grating_mm")) {
     table.mistake("name", fmt::format("marker \"{}\" has neither circle_mm nor grating_mm", marker.name));
+  } else if (role == Role::kTarget && !table.has("grating_mm")) {
+    table.mistake("circle_mm", fmt::format("target \"{}\" has a circle and no grating, and only gratings are measured: "
+                                           "add grating_mm, grating_size_mm and a pitch",
+                                           marker.name));
   }
   return marker;
+}
+
+// Gratings that may share a place: lines along each axis, and two spares. Each is looked for in the pixels of all, so
+// hundreds of them take minutes a frame.
+constexpr int kMaxSharing = 4;
+
+// Do the two overlap by more than half of the smaller one?
+bool share_a_place(const Grating& a, const Grating& b) {
+  const auto common = [](double distance, double first, double second) {
+    return std::fmax(0.0, std::fmin(std::fmin(first, second), 0.5 * (first + second) - std::fabs(distance)));
+  };
+  const double overlap = common(b.centre.x - a.centre.x, a.width_mm, b.width_mm) *
+                         common(b.centre.y - a.centre.y, a.height_mm, b.height_mm);
+  return overlap > 0.5 * std::fmin(a.width_mm * a.height_mm, b.width_mm * b.height_mm);
+}
+
+// The last marker's grating against all before it.
+bool is_one_too_many(const Site& site) {
+  const auto& last = site.markers.back().grating;
+  if (!last) return false;
+  int sharing = 1;
+  for (std::size_t i = 0; i + 1 < site.markers.size(); ++i) {
+    if (site.markers[i].grating && share_a_place(*site.markers[i].grating, *last)) ++sharing;
+  }
+  return sharing > kMaxSharing;
 }
 
 // [[reference]] or [[target]], in the file's order.
@@ -122,6 +166,7 @@ void read_site_markers(const TomlTable& top, Role role, const Print& general, Si
     return;
   }
   int count = 0;
+  bool is_crowded = false;  // one mistake is enough
   for (const toml::value& entry : list->as_array(std::nothrow)) {
     if (!entry.is_table()) {
       mistakes.add_at(entry, fmt::format("{} must be a table: write [[{}]]", key, key));
@@ -133,6 +178,12 @@ void read_site_markers(const TomlTable& top, Role role, const Print& general, Si
       if (site.markers[i].name != site.markers.back().name) continue;
       TomlTable(entry, mistakes)
           .mistake("name", fmt::format("a marker named \"{}\" already exists", site.markers[i].name));
+    }
+    if (!is_crowded && is_one_too_many(site)) {
+      is_crowded = true;
+      TomlTable(entry, mistakes)
+          .mistake("grating_mm",
+                   fmt::format("more than {} gratings lie on one another here: a print is one marker", kMaxSharing));
     }
   }
 }

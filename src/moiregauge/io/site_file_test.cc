@@ -94,9 +94,51 @@ TEST(SiteFile, ASiteWhereNothingMovesIsRefused) {
 TEST(SiteFile, AMarkerWithoutAnyPitchIsRefusedAndACircleNeedsNone) {
   const auto bare = parse_site("[[target]]\ngrating_mm = [0, 0]\ngrating_size_mm = [5, 5]\n", "s");
   EXPECT_NE(all(bare).find("no pitch"), std::string::npos) << all(bare);
-  const auto circle = parse_site("[[target]]\ncircle_mm = [0, 0]\n", "s");
+  const std::string target = "[[target]]\ngrating_mm = [0, 0]\ngrating_size_mm = [5, 5]\npitch_mm = 1\n";
+  const auto circle = parse_site("[[reference]]\ncircle_mm = [0, 0]\n" + target, "s");
   ASSERT_TRUE(circle) << all(circle);
-  EXPECT_EQ(circle->markers[0].name, "T1");
+  EXPECT_EQ(circle->markers[0].name, "R1");
+}
+
+TEST(SiteFile, ATargetWithoutAGratingIsRefusedAtItsLine) {
+  const auto site = parse_site("[[target]]\ncircle_mm = [0, 0]\ncircle_diameter_mm = 20\n", "s");
+  EXPECT_NE(all(site).find("s:2:"), std::string::npos) << all(site);
+  EXPECT_NE(all(site).find("add grating_mm"), std::string::npos) << all(site);
+}
+
+TEST(SiteFile, AGratingOfMorePitchesThanAPictureShowsIsRefusedAtItsLine) {
+  const auto with_size = [](const std::string& size) {
+    return parse_site("[[target]]\ngrating_mm = [0, 0]\ngrating_size_mm = " + size + "\npitch_mm = 10\n", "s");
+  };
+  EXPECT_NE(all(with_size("[1e7, 1e7]")).find("s:3:"), std::string::npos) << all(with_size("[1e7, 1e7]"));
+  EXPECT_TRUE(with_size("[3000, 3000]"));
+}
+
+TEST(SiteFile, OnePrintIsOneMarker) {
+  std::string text;
+  for (int i = 0; i < 40; ++i)
+    text +=
+        "[[target]]\ngrating_mm = [" + std::to_string(0.1 * i) + ", 0]\ngrating_size_mm = [40, 40]\npitch_mm = 10\n";
+  const std::string problem = all(parse_site(text, "s"));
+  EXPECT_NE(problem.find("s:18:"), std::string::npos) << "the fifth, and only that: " << problem;
+  EXPECT_EQ(problem.find('\n'), problem.size() - 1) << "one line: " << problem;
+  EXPECT_TRUE(parse_site(text.substr(0, text.find("[[target]]", text.find("0.400000") - 30)), "s"));
+}
+
+TEST(SiteFile, ANameIsNeitherAFormulaNorAControl) {
+  const auto named = [](const std::string& name) {
+    return parse_site(
+        "[[target]]\nname = \"" + name + "\"\ngrating_mm = [0, 0]\ngrating_size_mm = [5, 5]\npitch_mm = 1\n", "s");
+  };
+  for (const char* name : {"=cmd|calc", "+1", "-1", "@SUM(A1)",
+                           "a\xc2\x9b"
+                           "b",
+                           "a\xc2\x85"
+                           "b",
+                           "a\xe2\x80\xae"
+                           "b"})
+    EXPECT_NE(all(named(name)).find("s:2:"), std::string::npos) << name;
+  for (const char* name : {"mid", "a-1", "a=b", "Brücke 3", "橋"}) EXPECT_TRUE(named(name)) << name;
 }
 
 TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPlace) {

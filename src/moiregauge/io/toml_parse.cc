@@ -4,12 +4,12 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <memory>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/io/plain_file.h"
 #include "moiregauge/io/toml_table.h"
 
 namespace moiregauge {
@@ -98,11 +98,11 @@ tl::expected<toml::value, std::string> parse_toml(const std::string& text, const
 }
 
 tl::expected<std::string, std::string> read_small_file(const std::string& path, std::size_t limit_bytes) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  const auto file = open_plain_file(path);
+  if (!file) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, file.error()));
   std::string text(limit_bytes + 1, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()) != 0)
+  text.resize(std::fread(text.data(), 1, text.size(), file->get()));
+  if (std::ferror(file->get()) != 0)
     return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   if (text.size() > limit_bytes) {
     return tl::unexpected(

@@ -26,6 +26,8 @@ constexpr double kMaxUncertainty = 0.05;         // of the spacing
 constexpr double kMinCornerContrastShare = 0.3;  // of its neighbour's
 constexpr std::size_t kTooManyFailed = 20;       // and half of those tried
 constexpr double kCornerReach = 0.15;            // of the spacing
+// A board has a few thousand corners. A picture of more is texture, and looking for lattices in it takes a minute.
+constexpr std::size_t kMaxCandidates = 20000;
 
 // Is it light between one column on and one row on?
 bool light_between(const Eigen::Matrix2d& step, double light_rad) {
@@ -100,6 +102,7 @@ std::optional<LatticeNode> corner_again(const LumaView& luma, const CellPredicti
 std::vector<IndexedLattice> find_checker_lattices(const LumaView& luma, int bits) {
   std::vector<IndexedLattice> out;
   Corners corners = corner_candidates(luma, bits);
+  if (corners.nodes.size() > kMaxCandidates) return out;
   for (GrownLattice& lattice : grow_lattices(corners.nodes, markers_detail::SignRule::kAlternating)) {
     if (!refine(luma, lattice, corners)) continue;
     fill_in(lattice, corners.nodes, [&](const CellPrediction& there) { return corner_again(luma, there, corners); });

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "moiregauge/markers/lattice_frontier.h"
 #include "moiregauge/markers/near_points.h"
 #include "moiregauge/units/units.h"
 
@@ -25,38 +26,8 @@ constexpr double kSeedSizeRatio = 1.6;   // the seed's points are of one kind,
 constexpr double kGrownSizeRatio = 2.6;  // a lattice may hold larger dots that mark its corner
 constexpr double kGrowthReach = 0.25;    // of the spacing
 constexpr double kMaxSignError = 1.0;    // rad
-constexpr std::size_t kMinPoints = 9;
-constexpr double kMinResidual = 0.06;  // of the spacing: what a good lattice is forgiven,
-constexpr double kMaxResidual = 0.12;  // and what a poor one,
-constexpr double kResidualInMedians = 6.0;
-constexpr double kMaxMedianResidual = 0.04;
-constexpr double kMaxTakenOut = 0.25;  // of the points: more, and it never was a lattice
-constexpr double kThreadSizeRatio = 1.3;
 
 double wrapped(double angle) { return std::remainder(angle, kTurn); }
-
-bool alike_sizes(double size, double other, double ratio) {
-  if (size <= 0.0 || other <= 0.0) return true;
-  return size < ratio * other && other < ratio * size;
-}
-
-// Empty cells with so many known ones of the eight round them.
-std::vector<Cell> empty_cells(const GrownLattice& lattice, int support) {
-  std::map<Cell, int> known_round;
-  for (const auto& [cell, node] : lattice.node_at) {
-    for (int dr = -1; dr <= 1; ++dr) {
-      for (int dc = -1; dc <= 1; ++dc) {
-        const Cell other{cell.column + dc, cell.row + dr};
-        if (!lattice.node_at.contains(other)) ++known_round[other];
-      }
-    }
-  }
-  std::vector<Cell> cells;
-  for (const auto& [cell, known] : known_round) {
-    if (known >= support) cells.push_back(cell);
-  }
-  return cells;
-}
 
 class Growth {
  public:
@@ -190,16 +161,19 @@ class Growth {
 
   // Best-supported cells first, so that an edge never runs ahead of the rows beside it.
   void grow(GrownLattice& lattice) {
+    LatticeFrontier frontier(lattice, kAffineReach);
     for (bool grown = true; grown;) {
       grown = false;
       for (const int support : {5, 3, 2}) {
-        for (const Cell cell : empty_cells(lattice, support)) {
+        for (const Cell cell : frontier.cells(support)) {
+          if (!frontier.take_change(cell)) continue;
           const auto there = predict(lattice, nodes_, cell, LocalModel::kAffine);
           if (!there) continue;
           const auto node =
               node_near(there->at, kGrowthReach * there->spacing_px, there->sign_rad, there->size_px, kGrownSizeRatio);
           if (!node) continue;
           lattice.node_at[cell] = *node;
+          frontier.add(lattice, cell);
           taken_[*node] = true;
           grown = true;
         }
@@ -214,90 +188,25 @@ class Growth {
   std::vector<bool> taken_;
 };
 
-struct Residual {
-  Cell cell;
-  double relative = 1.0;  // to the spacing
-  // Of two neighbours or fewer, place and size must be right without allowance.
-  double strictness = 1.0;
-};
-
-std::vector<Residual> residuals_of(const GrownLattice& lattice, std::span<const LatticeNode> nodes) {
-  std::vector<Residual> out;
-  for (const auto& [cell, node] : lattice.node_at) {
-    Residual r{cell};
-    const auto there = predict(lattice, nodes, cell, LocalModel::kQuadratic);
-    if (there && there->spacing_px > 0.0) {
-      r.relative = (nodes[node].at - there->at).norm() / there->spacing_px;
-      if (there->neighbours < 3)
-        r.strictness = alike_sizes(nodes[node].size_px, there->size_px, kThreadSizeRatio) ? 2.0 : 1e3;
-    }
-    out.push_back(r);
-  }
-  return out;
-}
-
-double median_of(std::vector<Residual> residuals) {
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end(),
-                   [](const auto& a, const auto& b) { return a.relative < b.relative; });
-  return middle->relative;
-}
-
-bool is_worst_round(const std::map<Cell, double>& residual, Cell cell) {
-  const double here = residual.at(cell);
-  for (int dr = -2; dr <= 2; ++dr) {
-    for (int dc = -2; dc <= 2; ++dc) {
-      const auto other = residual.find({cell.column + dc, cell.row + dr});
-      if (other != residual.end() && std::pair(other->second, other->first) > std::pair(here, cell)) return false;
-    }
-  }
-  return true;
-}
-
-bool spans_three_by_three(const GrownLattice& lattice) {
-  std::map<int, int> columns, rows;
-  for (const auto& [cell, node] : lattice.node_at) {
-    ++columns[cell.column];
-    ++rows[cell.row];
-  }
-  return lattice.node_at.size() >= kMinPoints && columns.size() >= 3 && rows.size() >= 3;
-}
-
 }  // namespace
 
-bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes) {
-  const auto fewest = static_cast<std::size_t>((1.0 - kMaxTakenOut) * static_cast<double>(lattice.node_at.size()));
-  while (spans_three_by_three(lattice) && lattice.node_at.size() >= fewest) {
-    const auto residuals = residuals_of(lattice, nodes);
-    const double median = median_of(residuals);
-    const double limit = std::clamp(kResidualInMedians * median, kMinResidual, kMaxResidual);
-    std::map<Cell, double> outside;
-    for (const Residual& r : residuals) {
-      if (r.relative * r.strictness > limit) outside[r.cell] = r.relative * r.strictness;
-    }
-    if (outside.empty()) return median < kMaxMedianResidual;
-    // A wrong point spoils what is said of its neighbours: only the worst of each neighbourhood goes at a time.
-    for (const auto& [cell, residual] : outside) {
-      if (is_worst_round(outside, cell)) lattice.node_at.erase(cell);
-    }
-  }
-  return false;
-}
-
 std::vector<GrownLattice> grow_lattices(std::span<const LatticeNode> nodes, SignRule rule) {
-  return nodes.size() < kMinPoints ? std::vector<GrownLattice>{} : Growth(nodes, rule).all();
+  return nodes.size() < kMinLatticePoints ? std::vector<GrownLattice>{} : Growth(nodes, rule).all();
 }
 
 void fill_in(GrownLattice& lattice, std::vector<LatticeNode>& nodes, const Look& look) {
+  LatticeFrontier frontier(lattice, kQuadraticReach);
   for (bool added = true; added;) {
     added = false;
-    for (const Cell cell : empty_cells(lattice, 3)) {
+    for (const Cell cell : frontier.cells(3)) {
+      if (!frontier.take_change(cell)) continue;
       const auto there = predict(lattice, nodes, cell, LocalModel::kQuadratic);
       if (!there) continue;
       const auto seen = look(*there);
       if (!seen) continue;
       lattice.node_at[cell] = nodes.size();
       nodes.push_back(*seen);
+      frontier.add(lattice, cell);
       added = true;
     }
   }

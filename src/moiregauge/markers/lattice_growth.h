@@ -46,7 +46,19 @@ struct CellPrediction {
   int neighbours = 0;       // known ones of the eight round it
 };
 
+inline constexpr std::size_t kMinLatticePoints = 9;  // of a lattice
+
+// Are two sizes (px) within this ratio of each other? One that is not known (0) is like any other.
+[[nodiscard]] inline bool alike_sizes(double size, double other, double ratio) {
+  if (size <= 0.0 || other <= 0.0) return true;
+  return size < ratio * other && other < ratio * size;
+}
+
 enum class LocalModel { kAffine, kQuadratic };  // the latter where there are points enough, else affine
+
+// Cells on each side of the one that is predicted.
+inline constexpr int kAffineReach = 2;
+inline constexpr int kQuadraticReach = 3;
 
 [[nodiscard]] std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<const LatticeNode> nodes,
                                                     Cell cell, LocalModel model);

@@ -9,9 +9,9 @@
 namespace moiregauge::markers_detail {
 namespace {
 
-constexpr int kWindowReach = 2;      // cells: a window of 5 x 5,
-constexpr int kWideReach = 3;        // or of 7 x 7 where that holds too few
-constexpr double kMinSpread = 0.12;  // cells^2, the smaller variance of the window's points: not on one line
+constexpr int kWindowReach = kAffineReach;   // a window of 5 x 5 cells,
+constexpr int kWideReach = kQuadraticReach;  // or of 7 x 7 where that holds too few
+constexpr double kMinSpread = 0.12;          // cells^2, the smaller variance of the window's points: not on one line
 constexpr std::size_t kMinQuadratic = 8;
 constexpr std::size_t kAmple = 12;  // fewer, as at a corner or among gaps, and the wide window is taken
 

@@ -9,6 +9,7 @@
 
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/image/upper_bits.h"
+#include "moiregauge/observation/reference_by_gratings.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
 #include "moiregauge/run/light.h"
@@ -32,6 +33,8 @@ Observation unmeasured(const Frame& frame, std::size_t markers, std::string why)
 tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& picture, const MeasureOptions& options,
                                                        std::vector<std::string>& notes) {
   const Camera lens = options.camera.value_or(Camera{});
+  if (!options.pitch_mm && !options.method->needs_circles && lacks_circles(options.site))
+    return make_reference_by_gratings(picture, options.site, lens, options.observe);
   if (!options.pitch_mm) return make_reference(picture, options.site, lens, options.observe);
   const bool needs_circles = options.method->needs_circles;
   auto found = look_for_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});

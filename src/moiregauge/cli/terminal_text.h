@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// All text for a terminal goes through here: control characters are escaped, and output that is lost is noticed.
+#pragma once
+
+#include <string_view>
+
+namespace moiregauge::cli {
+
+// Writes to stdout. A failure is kept: ask finish_output at the end.
+void print_out(std::string_view text);
+
+// Writes a file's bytes to stdout as they are.
+void put_bytes(std::string_view bytes);
+
+// Writes to stderr. Nobody can be informed of a failure, so it is ignored.
+void print_note(std::string_view text);
+
+// Brings all of stdout out. False: something was lost, and errno says why.
+[[nodiscard]] bool finish_output();
+
+}  // namespace moiregauge::cli
