@@ -10,7 +10,7 @@ site = (board / "site.toml").read_text().split("[[target]]")[0]
 step = 8.128  # mm: four squares
 for row in (1, 0, -1):
     for column in (-1, 0, 1):
-        site += (f'[[target]]\nname = "{row}{column}"\ngrating_mm = [{column * step}, {row * step}]\n'
+        site += (f'[[target]]\nname = "P{row}{column}"\ngrating_mm = [{column * step}, {row * step}]\n'
                  f"grating_size_mm = [{step}, {step}]\n\n")
 (work / "nine.toml").write_text(site)
 run([program, "measure", board, "--site", work / "nine.toml", "-o", work / "out"])
