@@ -12,8 +12,8 @@ namespace moiregauge {
 
 // Made from the observations, which must outlive it, as must the reference.
 struct BundleFrames {
-  FrameSeries frames;               // the reference frame first, then those that show enough references
-  std::vector<std::size_t> place;   // of every observation among them; 0: not there
+  FrameSeries frames;              // the reference frame first, then those that show enough references
+  std::vector<std::size_t> place;  // of every observation among them; 0: not there
 };
 
 // A frame counts from `least` references on; one whose lattice line is in doubt is left out of its frame.

@@ -44,7 +44,7 @@ struct Solution {
   bool references_verified = false;  // they were enough to be tested against each other, and were
   std::vector<std::string> notes;    // what the user should know
   std::string remedy;  // what to do where no row is trusted, as an order; empty where nothing is known to help
-  std::vector<std::string> findings;  // results about camera and prints, withheld from a refused run
+  std::vector<std::string> findings;         // results about camera and prints, withheld from a refused run
   std::optional<MovedAtRest> moved_at_rest;  // contradicts SolveOptions::rest, without which the samples are then made
 };
 

@@ -22,9 +22,9 @@ struct PreciseScene {
   std::string problem;      // why the run cannot be measured in it
   bool rolls = false;  // rows are read one after the other, no path explains it: no row of any method is to be trusted
 
-  FrameSeries frames;               // the footage in that scene: without a reference that moves, and set back
-  std::optional<Shutter> shutter;   // that rolls, and was solved
-  PrintError print_error;           // belongs in the covariance of `frames`
+  FrameSeries frames;              // the footage in that scene: without a reference that moves, and set back
+  std::optional<Shutter> shutter;  // that rolls, and was solved
+  PrintError print_error;          // belongs in the covariance of `frames`
 
   bool references_verified = false;
   bool doubtful = false;             // one of the references moves, and it is not known which
@@ -37,5 +37,9 @@ struct PreciseScene {
 // lossy   that there is one
 [[nodiscard]] PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
                                          const SolveOptions& options, bool lossy);
+
+// Returns the chi2 per degree of freedom beyond which a frame does not lie in the scene. A frame that exceeds the others'
+// median fivefold has prints that moved in it alone, even where the median is inflated by what all frames have.
+[[nodiscard]] double max_frame_chi2(const PreciseScene& scene);
 
 }  // namespace moiregauge

@@ -14,7 +14,8 @@ constexpr double kHiddenContrast = 0.25;
 // Is the print whole, sharp and within the sensor's range?
 Status quality_of(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
   const PatchReading& then = reference.seen.markers[i].patch;
-  const Status sharp = sharpness(then, seen.patch);
+  // Paper that is white to the limit in both frames leaves the edges of the dark lines, and the template has them so.
+  const Status sharp = sharpness(then, seen.patch, then.clipped_share);
   if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
   if (seen.cover != Cover::kNone) return Status::kPartlyCovered;
   const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i],

@@ -45,8 +45,8 @@ std::vector<BoardExtent> reference_noise(const Reference& reference, const Obser
 
 Status status_of_loss(Loss loss) { return loss == Loss::kTooCoarse ? Status::kTooCoarse : Status::kLost; }
 
-Status sharpness(const PatchReading& then, const PatchReading& now) {
-  if (now.clipped_share > kClippedShare) return Status::kSaturated;
+Status sharpness(const PatchReading& then, const PatchReading& now, double clipped_before) {
+  if (now.clipped_share > clipped_before + kClippedShare) return Status::kSaturated;
   for (std::size_t a = 0; a < 2; ++a) {
     if (now.modulation[a] < kBlurredModulation * then.modulation[a]) return Status::kBlurred;
   }

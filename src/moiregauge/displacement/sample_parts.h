@@ -23,8 +23,9 @@ using BoardExtent = Extent<frame::Board>;
 
 [[nodiscard]] Status status_of_loss(Loss loss);
 
-// Is the print sharp and within the sensor's range? kOk, or what is wrong with it.
-[[nodiscard]] Status sharpness(const PatchReading& then, const PatchReading& now);
+// Is the print sharp and within the sensor's range? kOk, or what is wrong with it. `clipped_before`: share of its pixels that were
+// clipped in the frame it is compared with, and are in its template so.
+[[nodiscard]] Status sharpness(const PatchReading& then, const PatchReading& now, double clipped_before = 0.0);
 // Is the print whole, sharp and within the sensor's range? kOk, or what is wrong with it.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 

@@ -118,6 +118,7 @@ constexpr double kSurveyed = 0.05;  // pitches
 // The largest relative change that an unknown lens makes to the way from a circle to its grating: 5 % at the picture's corner.
 constexpr double kLensAcross = 0.02;
 constexpr double kSureOfPlace = 3.0;  // u
+constexpr double kMinClipped = 0.01;  // share of a print's pixels: less is a sensor's faulty ones
 
 // mm from where the view puts a reference's grating, within which the print's symmetry point is the one that the site
 // means; 0 where the site does not say well enough.
@@ -140,8 +141,10 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
     MarkerObservation& seen = reference.seen.markers[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
     const Grating& grating = *reference.site.markers[i].grating;
+    // Clipping is a tone curve too.
+    const bool in_light = reference.light_per_grey.empty() && seen.patch.clipped_share < kMinClipped;
     auto learned = learn_print(picture.luma, reference.view, grating, reference.options.template_use,
-                               origin_within(reference, i) / grating.pitch_mm, reference.light_per_grey.empty());
+                               origin_within(reference, i) / grating.pitch_mm, in_light);
     if (!learned) continue;
     reference.prints[i] = *std::move(learned);
     read(picture, reference, reference.view, i, seen);
