@@ -49,15 +49,19 @@ std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<st
   return std::pair(first, second);
 }
 
-// The one whose step leaves the least of chi2, and by how much less than any other's, in units of its own. A large step bends
-// the scene of every other suspect, whose own step may then look larger still.
+// Returns, among those whose step is beyond chance, the one that leaves the least of chi2, and by how much less than any other, in units
+// of its own. A large step bends the scene of every other suspect, whose own step may then look larger still.
 std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips) {
-  const auto less = [](const auto& a, const auto& b) { return a.second.left() < b.second.left(); };
-  const auto best = std::min_element(slips.begin(), slips.end(), less);
-  if (best == slips.end() || !(best->second.step_fall > kSlips * best->second.unit())) return std::nullopt;
+  const std::pair<std::size_t, ReferenceSlip>* best = nullptr;
+  for (const auto& one : slips) {
+    const ReferenceSlip& slip = one.second;
+    if (!(slip.step_fall > kSlips * slip.unit())) continue;
+    if (best == nullptr || slip.left() < best->second.left()) best = &one;
+  }
+  if (best == nullptr) return std::nullopt;
   double second = std::numeric_limits<double>::infinity();
-  for (const auto& other : slips) {
-    if (other.first != best->first) second = std::min(second, other.second.left());
+  for (const auto& [marker, slip] : slips) {
+    if (marker != best->first) second = std::min(second, slip.left());
   }
   const double unit = best->second.unit();
   return std::pair(Suspect{best->first, best->second.step_fall / unit, best->second.first},
