@@ -98,24 +98,27 @@ bool moves_quickly(const std::vector<Sample*>& rows) {
 }
 
 // The reference frame's rows are zero by definition.
-void distrust(Sample& sample) {
+bool distrust(Sample& sample) {
   const bool is_reference = sample.u.x == 0.0 && sample.u.y == 0.0;
-  if (!is_reference && sample.status == Status::kOk) sample.status = Status::kUntrusted;
+  if (is_reference || sample.status != Status::kOk) return false;
+  sample.status = Status::kUntrusted;
+  return true;
 }
 
 // `is_wrong(frame)`: would a target that moves be wrong in that frame?
+// Returns the number of rows that lost their `ok`.
 template <typename IsWrong>
-void distrust_moving(Samples& samples, IsWrong is_wrong) {
+long distrust_moving(Samples& samples, IsWrong is_wrong) {
+  long count = 0;
   std::map<std::size_t, std::vector<Sample*>> by_target;
   for (Sample& sample : samples) {
     if (has_numbers(sample.status)) by_target[sample.marker].push_back(&sample);
   }
   for (const auto& [marker, rows] : by_target) {
     if (!moves_quickly(rows)) continue;
-    for (Sample* row : rows) {
-      if (is_wrong(row->frame)) distrust(*row);
-    }
+    for (Sample* row : rows) count += is_wrong(row->frame) && distrust(*row);
   }
+  return count;
 }
 
 }  // namespace
@@ -156,33 +159,36 @@ void ProcessingWatch::interrupt() {
   last_.clear();
 }
 
-std::optional<std::string> distrust_processed(const CameraProcessing& processing, bool is_lossy, Samples& samples) {
-  if (!processing.repeated.empty()) {
-    distrust_moving(samples, [&](long frame) {
-      return std::binary_search(processing.repeated.begin(), processing.repeated.end(), frame);
-    });
-  }
+std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy, Samples& samples) {
   const SlopeSteps& steps = processing.steps;
   if (steps.all >= kMinSteps && static_cast<double>(steps.repeated) > kRepeated * static_cast<double>(steps.all)) {
-    for (Sample& sample : samples) distrust(sample);
-    return fmt::format(
-        "no row is trusted: the picture was enlarged by repeating pixels ({:.0f} % of the steps on its "
-        "edges are repeated). Record at the sensor's own size, or enlarge with interpolation",
-        100.0 * static_cast<double>(steps.repeated) / static_cast<double>(steps.all));
+    for (Sample& sample : samples) (void)distrust(sample);
+    const std::string remedy = "record at the sensor's own size, or enlarge with interpolation";
+    return ProcessingFault{
+        fmt::format("no row is trusted, because the picture was enlarged by repeating pixels ({:.0f} % "
+                    "of the steps on its edges are repeated): {}",
+                    100.0 * static_cast<double>(steps.repeated) / static_cast<double>(steps.all), remedy),
+        remedy};
   }
+  std::optional<ProcessingFault> fault;
+  const auto is_repeated = [&](long frame) {
+    return std::binary_search(processing.repeated.begin(), processing.repeated.end(), frame);
+  };
+  if (distrust_moving(samples, is_repeated) > 0)
+    fault = {"", "record without dropped frames: a target that moves is not where a repeated frame shows it"};
   const GrainSums& grain = processing.grain;
-  if (grain.values < kMinValues) return std::nullopt;
+  if (grain.values < kMinValues) return fault;
   const bool has_none = !is_lossy && grain.two_apart < 2.0 * kNoGrain * grain.values;
-  if (!has_none && grain.one_apart > kIndependent * grain.two_apart) return std::nullopt;
-  distrust_moving(samples, [](long) { return true; });
+  if (!has_none && grain.one_apart > kIndependent * grain.two_apart) return fault;
+  if (distrust_moving(samples, [](long) { return true; }) == 0) return fault;
   const std::string shown =
       has_none ? "still parts of the picture hold no noise at all"
                : fmt::format("its noise is alike from frame to frame: {:.2f} of what independent frames have",
                              grain.one_apart / grain.two_apart);
-  return fmt::format(
-      "targets that move are not trusted: the camera averages over time ({}). Switch its temporal noise "
-      "reduction off, or record raw",
-      shown);
+  const std::string remedy = "switch the camera's temporal noise reduction off, or record raw";
+  return ProcessingFault{
+      fmt::format("targets that move are not trusted, because the camera averages over time ({}): {}", shown, remedy),
+      remedy};
 }
 
 }  // namespace moiregauge

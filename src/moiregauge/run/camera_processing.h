@@ -43,10 +43,16 @@ class ProcessingWatch {
   std::vector<std::vector<ImagePoint>> last_;  // the references' centres in the last frames, the newest first
 };
 
+// Why rows lost their `ok`, and what to do.
+struct ProcessingFault {
+  std::string warning;  // empty of repeated frames, which have a note of their own
+  std::string remedy;   // as an order
+};
+
 // Makes rows `untrusted` that the processing may have made wrong: all where pixels are repeated; those of targets that
 // move where frames are averages over time; and of these targets those of frames that show an earlier one again.
-// Returns a warning of the first two, nothing where neither shows. `is_lossy`: a codec may have removed the grain.
-[[nodiscard]] std::optional<std::string> distrust_processed(const CameraProcessing& processing, bool is_lossy,
-                                                            Samples& samples);
+// `is_lossy`: a codec may have removed the grain. Returns nothing where no row is concerned.
+[[nodiscard]] std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
+                                                                Samples& samples);
 
 }  // namespace moiregauge

@@ -418,8 +418,10 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
-  if (auto warning = distrust_processed(out.processing, is_lossy(out.observations), out.samples))
-    out.warnings.push_back(*std::move(warning));
+  if (auto fault = distrust_processed(out.processing, is_lossy(out.observations), out.samples)) {
+    if (!fault->warning.empty()) out.warnings.push_back(std::move(fault->warning));
+    out.remedy = std::move(fault->remedy);
+  }
   out.targets = summarise(*out.reference, out.samples);
   out.spectra = spectra_of(out.samples, out.targets);
   if (auto note = codec_note(out)) out.warnings.push_back(*std::move(note));
@@ -428,7 +430,7 @@ void conclude(const MeasureOptions& options, Measurement& out) {
     out.warnings.insert(out.warnings.end(), solution.findings.begin(), solution.findings.end());
   if (!out.contradiction.empty()) out.exit = Exit::kUsage;
   if (out.exit != Exit::kRefused) return;
-  out.remedy = std::move(solution.remedy);
+  if (!solution.remedy.empty()) out.remedy = std::move(solution.remedy);
   std::map<std::string, long> counts;
   for (const Sample& sample : out.samples) {
     if (sample.frame != out.reference->seen.frame) ++counts[word_for(sample.status)];

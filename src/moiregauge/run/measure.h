@@ -62,7 +62,7 @@ struct Measurement : Seen {
   std::vector<TargetSummary> targets;
   std::vector<TargetSpectra> spectra;  // in the order of targets
   KeptPicture picture;
-  std::string remedy;  // of a refused run: what to do, as an order; empty where the pictures must show it
+  std::string remedy;  // where rows are not trusted: what to do, as an order; empty where the pictures must show it
   std::vector<std::string> warnings;  // the notes, and those of the solution
   // "what: where" of a statement of the user that the input contradicts, empty otherwise: there are no results then.
   // Samples, where there are any, are made without it.
