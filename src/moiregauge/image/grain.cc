@@ -67,13 +67,46 @@ class Detrending {
   Eigen::LDLT<Eigen::Matrix<double, kParameters, kParameters>> solver_;
 };
 
+// The variance of a tile about a plane, which blur and shading leave.
+double roughness(TilePixels tile) {
+  double sum = 0.0, sum2 = 0.0, along_x = 0.0, along_y = 0.0, lever = 0.0;
+  constexpr double kMiddle = 0.5 * (kGrainTile - 1);
+  for (int i = 0; i < kTilePixels; ++i) {
+    const double grey = tile[static_cast<std::size_t>(i)], x = i % kGrainTile - kMiddle, y = i / kGrainTile - kMiddle;
+    sum += grey, sum2 += grey * grey;
+    along_x += x * grey, along_y += y * grey, lever += x * x;
+  }
+  return (sum2 - sum * sum / kTilePixels - (along_x * along_x + along_y * along_y) / lever) / (kTilePixels - 3);
+}
+
 bool is_clipped(TilePixels tile, int white) {
   return std::any_of(tile.begin(), tile.end(), [white](std::uint16_t grey) { return grey == 0 || grey >= white; });
 }
 
+// Keeps the tiles whose roughness in all frames is noise: twice that of the smoothest tenth at most.
+void keep_flat(std::vector<std::array<TilePixels, 3>>& tiles) {
+  std::vector<double> rough;
+  for (const auto& tile : tiles)
+    rough.push_back(std::max({roughness(tile[0]), roughness(tile[1]), roughness(tile[2])}));
+  if (rough.empty()) return;
+  std::vector<double> sorted = rough;
+  const auto tenth = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 10);
+  std::nth_element(sorted.begin(), tenth, sorted.end());
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    if (rough[t] <= 2.0 * *tenth) tiles[kept++] = tiles[t];
+  }
+  tiles.resize(kept);
+}
+
 }  // namespace
 
-void GrainSampler::add(const LumaView& luma, int white, bool is_still) {
+void GrainSampler::place(std::vector<PixelPosition> tiles) {
+  tiles_ = std::move(tiles);
+  interrupt();
+}
+
+void GrainSampler::add(const LumaView& luma, int white, GrainMotion motion) {
   std::rotate(frames_.begin(), frames_.begin() + 2, frames_.end());
   auto& newest = frames_[0];
   newest.clear();
@@ -88,12 +121,17 @@ void GrainSampler::add(const LumaView& luma, int white, bool is_still) {
       },
       luma);
   filled_ = std::min(filled_ + 1, 3);
-  if (filled_ < 3 || !is_still) return;
+  if (filled_ < 3 || motion == GrainMotion::kBetween) return;
+  std::vector<std::array<TilePixels, 3>> whole;
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
     std::array<TilePixels, 3> tile;
     for (std::size_t n = 0; n < tile.size(); ++n)
       tile[n] = TilePixels(frames_[n]).subspan(t * kTilePixels, kTilePixels);
-    if (is_clipped(tile[0], white) || is_clipped(tile[1], white) || is_clipped(tile[2], white)) continue;
+    if (std::none_of(tile.begin(), tile.end(), [white](TilePixels one) { return is_clipped(one, white); }))
+      whole.push_back(tile);
+  }
+  if (motion == GrainMotion::kQuick) keep_flat(whole);
+  for (const auto& tile : whole) {
     const Detrending detrended(tile);
     sums_.one_apart += 0.5 * (detrended.rest(tile[0], tile[1]) + detrended.rest(tile[1], tile[2]));
     sums_.two_apart += detrended.rest(tile[0], tile[2]);

@@ -14,12 +14,16 @@ namespace moiregauge {
 namespace {
 
 constexpr std::size_t kMaxTiles = 96;
-// The fit of a tile's movement is linear: 0.1 px of it leaves 0.005 of the second derivative.
-constexpr double kStill_px = 0.1;
+// The fit of a tile's movement is linear: 0.1 px of it leaves 0.005 of the second derivative. From 1.5 px on what passes
+// over a tile has nothing in common with what was there.
+constexpr double kStill_px = 0.1, kQuick_px = 1.5;
+constexpr double kAnchor = 0.2;     // of a disc's diameter: how far it may move from where the tiles were placed
+constexpr double kDiscTiles = 0.6;  // of a disc's diameter: the side of a square inside it
 
-// Independent grain has a ratio of 1, known to 1 / sqrt(values). A share of 0.08 of the frame before lowers it by 0.07.
-constexpr double kIndependent = 0.93;
-constexpr double kMinValues = 3000.0;
+// Independent grain has a ratio of 1, known to sqrt(2 / values). A share of 0.05 of the frame before lowers it by 0.05.
+constexpr double kIndependent = 0.96;
+constexpr double kSureOfGrain = 4.0;  // u
+constexpr double kMinValues = 2000.0;
 // Rounding to whole grey levels alone keeps 0.05 of a quiet sensor's variance of 0.1: less means none.
 constexpr double kNoGrain = 0.003;
 
@@ -32,22 +36,30 @@ constexpr double kLeastJump = 0.08;  // of a print's contrast
 constexpr std::size_t kLagRows = 8;
 constexpr double kMoves = 2.5;
 
-// Half the side in which tiles are placed: the print's edge is another marker's neighbour.
-std::vector<PixelPosition> tiles_of(const Reference& reference) {
-  std::vector<PixelPosition> all;
-  for (const Marker& marker : reference.site.markers) {
-    if (marker.role != Role::kReference) continue;
-    const PixelRectangle at = rectangle_round(marker, {}, reference.view);
-    const auto inside = [](double v, int most) { return static_cast<int>(std::clamp(v, 0.0, double(most))); };
-    const int x1 = inside(at.x1, reference.width), y1 = inside(at.y1, reference.height);
-    for (int y = inside(at.y0, reference.height); y + kGrainTile <= y1; y += kGrainTile) {
-      for (int x = inside(at.x0, reference.width); x + kGrainTile <= x1; x += kGrainTile) all.push_back({x, y});
-    }
+void add_tiles(PixelRectangle at, int width, int height, std::vector<PixelPosition>& all) {
+  const auto inside = [](double v, int most) { return static_cast<int>(std::clamp(v, 0.0, double(most))); };
+  const int x1 = inside(at.x1, width), y1 = inside(at.y1, height);
+  for (int y = inside(at.y0, height); y + kGrainTile <= y1; y += kGrainTile) {
+    for (int x = inside(at.x0, width); x + kGrainTile <= x1; x += kGrainTile) all.push_back({x, y});
   }
-  const std::size_t step = all.size() / kMaxTiles + 1;
-  std::vector<PixelPosition> some;
-  for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
-  return some;
+}
+
+// Discs are flat, so they come whole; of the prints as many tiles as there is room for.
+std::vector<PixelPosition> tiles_of(const Reference& reference, const View& view) {
+  std::vector<PixelPosition> all, prints;
+  for (const CirclePoint& point : reference.circles) {
+    const ImagePoint at = view(point.board);
+    const double half = 0.5 * kDiscTiles * reference.diameter_px(point, view);
+    add_tiles({at.x - half, at.y - half, at.x + half, at.y + half}, reference.width, reference.height, all);
+  }
+  if (all.size() > kMaxTiles) all.resize(kMaxTiles);
+  for (const Marker& marker : reference.site.markers) {
+    if (marker.role == Role::kReference && marker.grating)
+      add_tiles(rectangle_round(marker, {}, view), reference.width, reference.height, prints);
+  }
+  const std::size_t step = prints.size() / kMaxTiles + 1;
+  for (std::size_t k = 0; k < prints.size(); k += step) all.push_back(prints[k]);
+  return all;
 }
 
 double contrast_of(const LumaView& part) {
@@ -78,11 +90,24 @@ std::vector<ImagePoint> reference_centres(const Reference& reference, const Obse
   return centres;
 }
 
-bool is_close(const std::vector<ImagePoint>& a, const std::vector<ImagePoint>& b) {
+// The largest and the smallest distance of any centre between two frames, px.
+std::pair<double, double> distances(const std::vector<ImagePoint>& a, const std::vector<ImagePoint>& b) {
+  double largest = 0.0, smallest = INFINITY;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (!(std::hypot(a[i].x - b[i].x, a[i].y - b[i].y) < kStill_px)) return false;
+    const double away = length(a[i] - b[i]);
+    largest = std::max(largest, away), smallest = std::min(smallest, away);
   }
-  return a.size() == b.size();
+  return {largest, smallest};
+}
+
+GrainMotion motion_of(const std::vector<std::vector<ImagePoint>>& last) {
+  if (last.size() < 3) return GrainMotion::kBetween;
+  double largest = 0.0, smallest = INFINITY;
+  for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 2}}) {
+    const auto [most, least] = distances(last[static_cast<std::size_t>(a)], last[static_cast<std::size_t>(b)]);
+    largest = std::max(largest, most), smallest = std::min(smallest, least);
+  }
+  return largest < kStill_px ? GrainMotion::kStill : smallest > kQuick_px ? GrainMotion::kQuick : GrainMotion::kBetween;
 }
 
 // Does a target move by more than its u within a few rows?
@@ -124,7 +149,8 @@ long distrust_moving(Samples& samples, IsWrong is_wrong) {
 }  // namespace
 
 void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
-  sampler_ = GrainSampler(tiles_of(reference));
+  sampler_ = {};
+  placed_.clear();
   is_referred_ = true;
   last_.clear();
   steps_ = {};
@@ -142,11 +168,19 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
 void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits) {
   // A codec that predicts frames from each other repeats grain by itself; its error has its own part in u.
   const Quantiser& codec = frame.quantiser.whole;
-  if (!seen.references_seen || (codec.predicted && !codec.is_lossless())) return interrupt();
-  last_.insert(last_.begin(), reference_centres(reference, seen));
+  if (!seen.references_seen || reference.circles.empty() || (codec.predicted && !codec.is_lossless()))
+    return interrupt();
+  std::vector<ImagePoint> centres = reference_centres(reference, seen);
+  const View view{seen.stage2, reference.lens};
+  const double reach = kAnchor * reference.diameter_px(reference.circles.front(), view);
+  if (placed_.size() != centres.size() || distances(placed_, centres).first > reach) {
+    sampler_.place(tiles_of(reference, view));
+    last_.clear();
+    placed_ = centres;
+  }
+  last_.insert(last_.begin(), std::move(centres));
   if (last_.size() > 3) last_.pop_back();
-  const bool is_still = last_.size() == 3 && is_close(last_[0], last_[1]) && is_close(last_[0], last_[2]);
-  sampler_.add(frame.luma, (1 << bits) - 1, is_still);
+  sampler_.add(frame.luma, (1 << bits) - 1, motion_of(last_));
 }
 
 void ProcessingWatch::repeat(long frame) {
@@ -179,7 +213,8 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   const GrainSums& grain = processing.grain;
   if (grain.values < kMinValues) return fault;
   const bool has_none = !is_lossy && grain.two_apart < 2.0 * kNoGrain * grain.values;
-  if (!has_none && grain.one_apart > kIndependent * grain.two_apart) return fault;
+  const double limit = std::min(kIndependent, 1.0 - kSureOfGrain * std::sqrt(2.0 / grain.values));
+  if (!has_none && grain.one_apart > limit * grain.two_apart) return fault;
   if (distrust_moving(samples, [](long) { return true; }) == 0) return fault;
   const std::string shown =
       has_none ? "still parts of the picture hold no noise at all"

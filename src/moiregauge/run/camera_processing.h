@@ -41,6 +41,7 @@ class ProcessingWatch {
   std::vector<long> repeated_;
   bool is_referred_ = false;
   std::vector<std::vector<ImagePoint>> last_;  // the references' centres in the last frames, the newest first
+  std::vector<ImagePoint> placed_;             // those by which the tiles are placed
 };
 
 // Why rows lost their `ok`, and what to do.
