@@ -106,7 +106,7 @@ void GrainSampler::place(std::vector<PixelPosition> tiles) {
   interrupt();
 }
 
-void GrainSampler::add(const LumaView& luma, int white, GrainMotion motion) {
+void GrainSampler::add(const LumaView& luma, int white, bool is_still) {
   std::rotate(frames_.begin(), frames_.begin() + 2, frames_.end());
   auto& newest = frames_[0];
   newest.clear();
@@ -121,7 +121,7 @@ void GrainSampler::add(const LumaView& luma, int white, GrainMotion motion) {
       },
       luma);
   filled_ = std::min(filled_ + 1, 3);
-  if (filled_ < 3 || motion == GrainMotion::kBetween) return;
+  if (filled_ < 3) return;
   std::vector<std::array<TilePixels, 3>> whole;
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
     std::array<TilePixels, 3> tile;
@@ -130,12 +130,13 @@ void GrainSampler::add(const LumaView& luma, int white, GrainMotion motion) {
     if (std::none_of(tile.begin(), tile.end(), [white](TilePixels one) { return is_clipped(one, white); }))
       whole.push_back(tile);
   }
-  if (motion == GrainMotion::kQuick) keep_flat(whole);
+  if (!is_still) keep_flat(whole);
+  GrainSums& sums = is_still ? still_ : moving_;
   for (const auto& tile : whole) {
     const Detrending detrended(tile);
-    sums_.one_apart += 0.5 * (detrended.rest(tile[0], tile[1]) + detrended.rest(tile[1], tile[2]));
-    sums_.two_apart += detrended.rest(tile[0], tile[2]);
-    sums_.values += kInnerPixels - kParameters;
+    sums.one_apart += 0.5 * (detrended.rest(tile[0], tile[1]) + detrended.rest(tile[1], tile[2]));
+    sums.two_apart += detrended.rest(tile[0], tile[2]);
+    sums.values += kInnerPixels - kParameters;
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The grain of a recording: noise of single pixels, which a sensor makes anew in every frame. A camera that averages
-// over time leaves less of it, and the same in one frame as in the next. Before a camera that moves by pixels a frame the
-// same holds for flat tiles, whatever passes over them.
+// over time leaves less of it, and the same in one frame as in the next. Before a camera that moves the same holds
+// for flat tiles, but for the faint texture of paper and ink, which lowers the ratio too.
 //
 // Model: over a small tile of a still scene, the difference of two frames is offset + contrast change + movement along
 // both gradients + grain. The first four are fitted and removed. Independent grain of variance s leaves 2 s between
@@ -30,10 +30,6 @@ struct GrainSums {
   double values = 0.0;     // degrees of freedom: pixels less fitted parameters
 };
 
-// How far the scene moved between each two of three frames in a row: too little to leave the linear model, by more than
-// its blur in each of them, or neither.
-enum class GrainMotion { kStill, kQuick, kBetween };
-
 // Samples the grain of tiles at fixed positions in the image.
 class GrainSampler {
  public:
@@ -42,18 +38,19 @@ class GrainSampler {
   explicit GrainSampler(std::vector<PixelPosition> tiles) : tiles_(std::move(tiles)) {}
   // Continues at other positions. The sequence begins again.
   void place(std::vector<PixelPosition> tiles);
-  // Adds a frame. It is evaluated together with the last two, unless the sequence was broken. Of a scene that moves
-  // quickly only flat tiles count. Tiles that touch black (0) or `white` are excluded: clipping removes grain.
-  void add(const LumaView& luma, int white, GrainMotion motion);
+  // Adds a frame. It is evaluated together with the last two, unless the sequence was broken. Of a scene that moved
+  // by more than 0.1 px in these three only flat tiles count, and apart. Tiles that touch black (0) or `white` are excluded: clipping removes grain.
+  void add(const LumaView& luma, int white, bool is_still);
   // Breaks the sequence: the next frame has none before it.
   void interrupt() { filled_ = 0; }
-  [[nodiscard]] const GrainSums& sums() const { return sums_; }
+  [[nodiscard]] const GrainSums& still() const { return still_; }
+  [[nodiscard]] const GrainSums& moving() const { return moving_; }
 
  private:
   std::vector<PixelPosition> tiles_;
   std::array<std::vector<std::uint16_t>, 3> frames_;  // the tiles' pixels, the newest first
   int filled_ = 0;
-  GrainSums sums_;
+  GrainSums still_, moving_;
 };
 
 }  // namespace moiregauge

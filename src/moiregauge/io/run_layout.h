@@ -48,7 +48,7 @@ template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 
 // The run.
 template <> inline constexpr std::size_t kFields<InputInfo> = 12;
-template <> inline constexpr std::size_t kFields<CameraProcessing> = 3;
+template <> inline constexpr std::size_t kFields<CameraProcessing> = 4;
 template <> inline constexpr std::size_t kFields<GrainSums> = 3;
 template <> inline constexpr std::size_t kFields<SlopeSteps> = 2;
 template <> inline constexpr std::size_t kFields<FrameRange> = 3;

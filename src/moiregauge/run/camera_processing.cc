@@ -14,14 +14,15 @@ namespace moiregauge {
 namespace {
 
 constexpr std::size_t kMaxTiles = 96;
-// The fit of a tile's movement is linear: 0.1 px of it leaves 0.005 of the second derivative. From 1.5 px on what passes
-// over a tile has nothing in common with what was there.
-constexpr double kStill_px = 0.1, kQuick_px = 1.5;
+// The fit of a tile's movement is linear: 0.1 px of it leaves 0.005 of the second derivative.
+constexpr double kStill_px = 0.1;
 constexpr double kAnchor = 0.2;     // of a disc's diameter: how far it may move from where the tiles were placed
 constexpr double kDiscTiles = 0.6;  // of a disc's diameter: the side of a square inside it
 
 // Independent grain has a ratio of 1, known to sqrt(2 / values). A share of 0.05 of the frame before lowers it by 0.05.
 constexpr double kIndependent = 0.96;
+// Faint texture of a third of the grain's variance that passes by at half a pixel a frame lowers it by 0.08.
+constexpr double kIndependentMoving = 0.85;
 constexpr double kSureOfGrain = 4.0;  // u
 constexpr double kMinValues = 2000.0;
 // Rounding to whole grey levels alone keeps 0.05 of a quiet sensor's variance of 0.1: less means none.
@@ -90,24 +91,22 @@ std::vector<ImagePoint> reference_centres(const Reference& reference, const Obse
   return centres;
 }
 
-// The largest and the smallest distance of any centre between two frames, px.
-std::pair<double, double> distances(const std::vector<ImagePoint>& a, const std::vector<ImagePoint>& b) {
-  double largest = 0.0, smallest = INFINITY;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double away = length(a[i] - b[i]);
-    largest = std::max(largest, away), smallest = std::min(smallest, away);
-  }
-  return {largest, smallest};
+double largest_distance(const std::vector<ImagePoint>& a, const std::vector<ImagePoint>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, length(a[i] - b[i]));
+  return largest;
 }
 
-GrainMotion motion_of(const std::vector<std::vector<ImagePoint>>& last) {
-  if (last.size() < 3) return GrainMotion::kBetween;
-  double largest = 0.0, smallest = INFINITY;
-  for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 2}}) {
-    const auto [most, least] = distances(last[static_cast<std::size_t>(a)], last[static_cast<std::size_t>(b)]);
-    largest = std::max(largest, most), smallest = std::min(smallest, least);
-  }
-  return largest < kStill_px ? GrainMotion::kStill : smallest > kQuick_px ? GrainMotion::kQuick : GrainMotion::kBetween;
+bool is_still(const std::vector<std::vector<ImagePoint>>& last) {
+  return last.size() == 3 && largest_distance(last[0], last[1]) < kStill_px &&
+         largest_distance(last[0], last[2]) < kStill_px;
+}
+
+// Is the noise of frames alike?
+bool is_alike(const GrainSums& grain, double independent) {
+  if (grain.values < kMinValues) return false;
+  const double limit = std::min(independent, 1.0 - kSureOfGrain * std::sqrt(2.0 / grain.values));
+  return grain.one_apart < limit * grain.two_apart;
 }
 
 // Does a target move by more than its u within a few rows?
@@ -173,14 +172,14 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
   std::vector<ImagePoint> centres = reference_centres(reference, seen);
   const View view{seen.stage2, reference.lens};
   const double reach = kAnchor * reference.diameter_px(reference.circles.front(), view);
-  if (placed_.size() != centres.size() || distances(placed_, centres).first > reach) {
+  if (placed_.size() != centres.size() || largest_distance(placed_, centres) > reach) {
     sampler_.place(tiles_of(reference, view));
     last_.clear();
     placed_ = centres;
   }
   last_.insert(last_.begin(), std::move(centres));
   if (last_.size() > 3) last_.pop_back();
-  sampler_.add(frame.luma, (1 << bits) - 1, motion_of(last_));
+  sampler_.add(frame.luma, (1 << bits) - 1, is_still(last_));
 }
 
 void ProcessingWatch::repeat(long frame) {
@@ -210,12 +209,12 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   };
   if (distrust_moving(samples, is_repeated) > 0)
     fault = {"", "record without dropped frames: a target that moves is not where a repeated frame shows it"};
-  const GrainSums& grain = processing.grain;
-  if (grain.values < kMinValues) return fault;
-  const bool has_none = !is_lossy && grain.two_apart < 2.0 * kNoGrain * grain.values;
-  const double limit = std::min(kIndependent, 1.0 - kSureOfGrain * std::sqrt(2.0 / grain.values));
-  if (!has_none && grain.one_apart > limit * grain.two_apart) return fault;
+  const GrainSums& still = processing.still;
+  const bool has_none = !is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values;
+  const bool alike_still = is_alike(still, kIndependent);
+  if (!has_none && !alike_still && !is_alike(processing.moving, kIndependentMoving)) return fault;
   if (distrust_moving(samples, [](long) { return true; }) == 0) return fault;
+  const GrainSums& grain = alike_still ? still : processing.moving;
   const std::string shown =
       has_none ? "still parts of the picture hold no noise at all"
                : fmt::format("its noise is alike from frame to frame: {:.2f} of what independent frames have",

@@ -16,7 +16,7 @@ namespace moiregauge {
 
 // What the pixels of a run show of it.
 struct CameraProcessing {
-  GrainSums grain;             // of the references, between frames in which they stayed where they were
+  GrainSums still, moving;  // grain of the references' prints and discs, by whether the camera moved
   SlopeSteps steps;            // of all prints, in the reference frame
   std::vector<long> repeated;  // numbers of frames that show the one before again
 };
@@ -33,7 +33,7 @@ class ProcessingWatch {
   void repeat(long frame);
   // Breaks the sequence: a frame shows nothing whole.
   void interrupt();
-  [[nodiscard]] CameraProcessing result() const { return {sampler_.sums(), steps_, repeated_}; }
+  [[nodiscard]] CameraProcessing result() const { return {sampler_.still(), sampler_.moving(), steps_, repeated_}; }
 
  private:
   GrainSampler sampler_;
