@@ -28,10 +28,13 @@ const std::array<Eigen::Vector2d, kSide * kSide>& places() {
 constexpr std::size_t kThinSide = 24;  // sample points along each axis
 constexpr double kThinReach = 1.6;     // periods: two lines or more each way, so that half the pitch does not fit
 constexpr int kProfileOrder = 3;       // harmonics of one profile
-constexpr int kThinTerms = 1 + 4 * kProfileOrder;
+constexpr int kFirstProduct = 1 + 4 * kProfileOrder;
+constexpr int kThinTerms = kFirstProduct + 4;  // and harmonics (1, 1) and (1, -1)
 // Amplitude of the second harmonic, relative to the first: cos(pi d) for lines of share d, 0.5 at a third of the pitch.
 // The seed's error and ragged edges lower it.
 constexpr double kMinProbedSecond = 0.3;
+// Harmonics (1, 1) and (1, -1), relative to the first: 0.2 for thin lines, 0.8 for small dots and squares.
+constexpr double kMaxProbedDiagonal = 0.5;
 
 }  // namespace
 
@@ -99,6 +102,9 @@ double explained_by_thin_lines(const LatticeSeed& seed, const Image<float>& grey
         row[at + 1] = sn;
       }
     }
+    const auto wave1 = row.segment<2>(1), wave2 = row.segment<2>(1 + 2 * kProfileOrder);
+    row.segment<2>(kFirstProduct) = wave1[0] * wave2;
+    row.segment<2>(kFirstProduct + 2) = wave1[1] * wave2;
     row[kThinTerms] = double{grey.at(px, py)};
     sums.selfadjointView<Eigen::Lower>().rankUpdate(row);
   }
@@ -109,11 +115,15 @@ double explained_by_thin_lines(const LatticeSeed& seed, const Image<float>& grey
   normal.diagonal().array() += 1e-6 * count;
   const Eigen::Matrix<double, kThinTerms, 1> right = sums.row(kThinTerms).head<kThinTerms>().transpose();
   const Eigen::Matrix<double, kThinTerms, 1> profile = normal.ldlt().solve(right);
+  double strongest = 0.0;
   for (int axis = 0; axis < 2; ++axis) {
     const auto first = profile.segment<2>(1 + 2 * axis * kProfileOrder),
                second = profile.segment<2>(3 + 2 * axis * kProfileOrder);
     if (second.norm() < kMinProbedSecond * first.norm()) return 0.0;
+    strongest = std::max(strongest, first.norm());
   }
+  // Two harmonics of one size make four products of which the norm is twice that.
+  if (0.5 * profile.tail<4>().norm() > kMaxProbedDiagonal * strongest) return 0.0;
   const double left = sums(kThinTerms, kThinTerms) - profile.dot(right);
   return variation > 0.0 ? std::clamp(1.0 - left / variation, 0.0, 1.0) : 0.0;
 }
