@@ -3,13 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+
+#include <opencv2/imgproc.hpp>
 
 #include "moiregauge/markers/patch_growth.h"
 
 namespace moiregauge {
 namespace {
 
-constexpr std::size_t kMostAttempts = 500;  // of the best seeds, in a picture full of things that repeat
+constexpr std::size_t kMostAttempts = 500;     // of the best seeds, in a picture full of things that repeat
+constexpr std::size_t kMaxThinAttempts = 100;  // each takes about 2 ms
+// Smoothing keeps 0.6 of a pitch's fundamental and 0.1 of its second harmonic.
+constexpr double kPitchesPerSigma = 6.0;
 constexpr double kEdge_px = 1.0;  // the last strip that belongs may be cut by the edge, and the lattice is not exact
 
 // In grey levels of 8 bits, whatever the depth.
@@ -27,6 +33,26 @@ Image<float> grey_of(const LumaView& luma, int bits) {
       luma);
   return out;
 }
+
+// Gaussian copies of a picture, made when they are first used, by steps of 1.4 in sigma.
+class SmoothedPictures {
+ public:
+  explicit SmoothedPictures(const Image<float>& grey) : grey_(grey) {}
+  const Image<float>& for_pitch(double pitch_px) {
+    const int step = static_cast<int>(std::lround(2.0 * std::log2(pitch_px / kPitchesPerSigma)));
+    const auto [at, is_new] = copies_.try_emplace(step);
+    if (is_new) {
+      at->second = grey_;
+      cv::Mat pixels(grey_.height(), grey_.width(), CV_32F, at->second.row(0).data());
+      cv::GaussianBlur(pixels, pixels, cv::Size(), std::exp2(0.5 * step));
+    }
+    return at->second;
+  }
+
+ private:
+  const Image<float>& grey_;
+  std::map<int, Image<float>> copies_;
+};
 
 ImageExtent extent_of_wave(const Eigen::RowVector2d& k) { return {k.x(), k.y()}; }
 
@@ -107,19 +133,30 @@ std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingS
   };
   GrowthLimits limits{options.min_periods, options.min_explained, options.min_modulation, {}};
   limits.taken = [&](ImagePoint at) { return in_any(patches, at, 0.0); };
-  std::size_t attempts = 0;
-  for (const LatticeSeed& seed : find_lattice_seeds(grey, options.min_modulation)) {
-    if (in_any(patches, seed.centre, 1.0 / seed.k1.norm()) || in_any(spent, seed.centre, 0.0)) continue;
-    if (++attempts > kMostAttempts) break;
-    const Grown grown = grow_patch(grey, seed, limits);
-    if (grown.outcome == Growth::kNoLattice) continue;
-    const SeenPatch patch = seen_patch(grown.patch);
-    // Where two overlap, the first, whose seed was the purer, is the print; the other is a harmonic or a piece of it.
-    const bool keeps =
-        grown.outcome == Growth::kPatch &&
-        std::none_of(patches.begin(), patches.end(), [&](const SeenPatch& p) { return overlap(p, patch); });
-    (keeps ? patches : spent).push_back(patch);
-  }
+  const auto search = [&](const std::vector<LatticeSeed>& seeds, std::size_t max_attempts, const auto& grow) {
+    std::size_t attempts = 0;
+    for (const LatticeSeed& seed : seeds) {
+      if (in_any(patches, seed.centre, 1.0 / seed.k1.norm()) || in_any(spent, seed.centre, 0.0)) continue;
+      if (++attempts > max_attempts) break;
+      const Grown grown = grow(seed);
+      if (grown.outcome == Growth::kNoLattice) continue;
+      const SeenPatch patch = seen_patch(grown.patch);
+      // Where two overlap, the first, whose seed was the purer, is the print; the other is a harmonic or a piece of it.
+      const bool keeps =
+          grown.outcome == Growth::kPatch &&
+          std::none_of(patches.begin(), patches.end(), [&](const SeenPatch& p) { return overlap(p, patch); });
+      (keeps ? patches : spent).push_back(patch);
+    }
+  };
+  const LatticeSeeds seeds = find_lattice_seeds(grey, options.min_modulation);
+  SmoothedPictures smoothed(grey);
+  const SmoothedPicture smoothed_for = [&](double pitch_px) -> const Image<float>& {
+    return smoothed.for_pitch(pitch_px);
+  };
+  search(seeds.thin_lines, kMaxThinAttempts,
+         [&](const LatticeSeed& seed) { return grow_thin_lines(grey, smoothed_for, seed, limits); });
+  spent.clear();
+  search(seeds.plain, kMostAttempts, [&](const LatticeSeed& seed) { return grow_patch(grey, seed, limits); });
   std::stable_sort(patches.begin(), patches.end(),
                    [](const SeenPatch& a, const SeenPatch& b) { return a.modulation > b.modulation; });
   return patches;

@@ -23,7 +23,10 @@ constexpr double kLobe = 1.7;            // bins, the main lobe of the window
 constexpr double kPairShare = 0.25;      // of the spectrum, that two fundamentals must hold
 constexpr double kLinesShare = 0.5;      // and one
 constexpr double kLeastExplained = 0.4;  // of a tile's grey levels
-constexpr double kSecondShare = 0.15;    // of the first's power, that makes a second one of it
+// Thin lines spread their power over many harmonics, so that the plain probe may see less than it requires.
+constexpr double kMinPlainOfThin = 0.2;
+constexpr double kMinThinExplained = 0.5;
+constexpr double kSecondShare = 0.15;  // of the first's power, that makes a second one of it
 
 Image<float> halved(const Image<float>& from) {
   Image<float> out(from.width() / 2, from.height() / 2);
@@ -212,18 +215,27 @@ void add_level(const Image<float>& grey, int scale, double min_modulation, std::
 
 }  // namespace
 
-std::vector<LatticeSeed> find_lattice_seeds(const Image<float>& grey, double min_modulation) {
-  std::vector<LatticeSeed> seeds;
+LatticeSeeds find_lattice_seeds(const Image<float>& grey, double min_modulation) {
+  LatticeSeeds found;
+  std::vector<LatticeSeed>& seeds = found.plain;
   Image<float> level = grey;
   for (int scale = 1; level.width() >= kTile && level.height() >= kTile; scale *= 2) {
     add_level(level, scale, min_modulation, seeds);
     level = halved(level);
   }
-  for (LatticeSeed& seed : seeds) seed.score = explained_by(seed, grey);
+  for (LatticeSeed& seed : seeds) {
+    seed.score = explained_by(seed, grey);
+    if (seed.score < kMinPlainOfThin || seed.k2.isZero()) continue;
+    LatticeSeed thin = seed;
+    thin.score = explained_by_thin_lines(seed, grey);
+    if (thin.score > kMinThinExplained) found.thin_lines.push_back(thin);
+  }
   std::erase_if(seeds, [](const LatticeSeed& seed) { return seed.score < kLeastExplained; });
-  std::stable_sort(seeds.begin(), seeds.end(),
-                   [](const LatticeSeed& a, const LatticeSeed& b) { return a.score > b.score; });
-  return seeds;
+  for (auto* list : {&found.plain, &found.thin_lines}) {
+    std::stable_sort(list->begin(), list->end(),
+                     [](const LatticeSeed& a, const LatticeSeed& b) { return a.score > b.score; });
+  }
+  return found;
 }
 
 }  // namespace moiregauge

@@ -19,8 +19,14 @@ struct LatticeSeed {
   double score = 0.0;        // share of the grey levels' variance about the centre that it explains
 };
 
-// The tile of each neighbourhood that is a lattice and hardly anything else, best first. min_modulation: grey levels,
-// below which a tile counts as flat.
-[[nodiscard]] std::vector<LatticeSeed> find_lattice_seeds(const Image<float>& grey, double min_modulation);
+// Seeds by the kind of print, each list best first.
+struct LatticeSeeds {
+  std::vector<LatticeSeed> plain;
+  std::vector<LatticeSeed> thin_lines;  // grids of lines thinner than a third of the pitch; some are in `plain` too
+};
+
+// Finds the tile of each neighbourhood that is a lattice and hardly anything else. min_modulation: grey levels, below
+// which a tile counts as flat.
+[[nodiscard]] LatticeSeeds find_lattice_seeds(const Image<float>& grey, double min_modulation);
 
 }  // namespace moiregauge

@@ -20,10 +20,24 @@ constexpr int kMostRounds = 16;               // 2 kCore kStretch^16: more perio
 constexpr std::size_t kSeedPixels = 600;      // tell whether a seed is worth growing
 constexpr std::size_t kGrowingPixels = 1600;  // tell where the next strip is
 constexpr std::size_t kFinalPixels = 20000;   // all of a marker: only then do the finest harmonics cancel
+// Second harmonic of thin lines, relative to the first: cos(pi d) for lines of share d of the pitch, 0.5 at a third.
+constexpr double kMinSecondOfThin = 0.4;
+// Harmonic (1, 1) of thin lines, relative to the first: 0.18 for a share of 0.16, 0.41 at a third. Dots have more.
+constexpr double kMaxDiagonalOfThin = 0.5;
+constexpr double kMinThinPeriods = 4.0;  // along both axes: smoothing makes chance patterns of fewer look periodic
 
 int order_for(const Lattice& lattice) {
   const double finest = std::max(lattice.k.row(0).norm(), lattice.k.row(1).norm());
   return std::clamp(static_cast<int>(1.0 / (finest * kFinestHarmonic_px)), 1, kHighestOrder);
+}
+
+// Crossed lines thinner than a third of the pitch. Their harmonics (2, 0) and (0, 2), which a checkerboard lacks, are
+// nearly as large as the fundamentals.
+bool has_thin_lines(const LatticeModel& model) {
+  const double x = model.amplitude(1, 0), y = model.amplitude(0, 1);
+  return !model.lattice.lines && model.amplitude(2, 0) > kMinSecondOfThin * x &&
+         model.amplitude(0, 2) > kMinSecondOfThin * y &&
+         std::max(model.amplitude(1, 1), model.amplitude(1, -1)) < kMaxDiagonalOfThin * std::max(x, y);
 }
 
 // The product of square waves has harmonic (1, 1) of its fundamentals' size; on a checkerboard, whose fundamentals lie
@@ -32,7 +46,7 @@ int order_for(const Lattice& lattice) {
 enum class Diagonal { kNo, kYes, kUnclear };
 
 Diagonal is_checkerboard(const LatticeModel& model) {
-  if (model.lattice.lines) return Diagonal::kNo;
+  if (model.lattice.lines || has_thin_lines(model)) return Diagonal::kNo;
   const double first = 0.5 * (model.amplitude(1, 0) + model.amplitude(0, 1));
   const double diagonal = std::max(model.amplitude(1, 1), model.amplitude(1, -1));
   const double next = std::max(model.amplitude(2, 1), model.amplitude(2, -1));
@@ -228,9 +242,8 @@ Grown grown(const Image<float>& grey, GrownPatch patch, bool diagonal, const Gro
   return {Growth::kPatch, patch};
 }
 
-}  // namespace
-
-Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const GrowthLimits& limits) {
+// A box of a few periods about the seed.
+GrownPatch core_at(const LatticeSeed& seed) {
   GrownPatch core;
   Lattice& lattice = core.model.lattice;
   lattice.origin = seed.centre;
@@ -240,10 +253,21 @@ Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const Growth
       lattice.lines ? Eigen::RowVector2d(-seed.k1.y(), seed.k1.x()) : Eigen::RowVector2d(seed.k2.transpose());
   const Eigen::Vector2d half = (kCore_px * lattice.k.rowwise().norm()).cwiseMax(kCore);
   core.box = {-half, half};
+  return core;
+}
+
+bool has_moved(const GrownPatch& patch, const LatticeSeed& seed) {
+  return (patch.model.lattice.k.row(0).transpose() - seed.k1).norm() > 0.3 * seed.k1.norm();
+}
+
+}  // namespace
+
+Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const GrowthLimits& limits) {
+  GrownPatch core = core_at(seed);
   // The fundamentals alone find the lattice from farther away; the whole series then makes it sharp.
   if (!fit_lattice(grey, core.box, core.to_phi, {1, false, kSeedPixels}, core.model) || !is_sound(core)) return {};
   if (!fit_patch(grey, core) || core.model.explained() < limits.min_explained) return {};
-  if ((lattice.k.row(0).transpose() - seed.k1).norm() > 0.3 * seed.k1.norm()) return {};
+  if (has_moved(core, seed)) return {};
   if (is_taken(core, limits)) return {Growth::kTaken, core};
   const Diagonal diagonal = is_checkerboard(core.model);
   if (diagonal != Diagonal::kUnclear) return grown(grey, core, diagonal == Diagonal::kYes, limits);
@@ -252,6 +276,25 @@ Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const Growth
   if (straight.outcome != Growth::kPatch || turned.outcome != Growth::kPatch)
     return turned.outcome == Growth::kPatch ? turned : straight;
   return area_px(turned.patch) > area_px(straight.patch) ? turned : straight;
+}
+
+Grown grow_thin_lines(const Image<float>& grey, const SmoothedPicture& smoothed_for, const LatticeSeed& seed,
+                      const GrowthLimits& limits) {
+  GrownPatch core = core_at(seed);
+  if (!fit_lattice(grey, core.box, core.to_phi, {1, false, kSeedPixels}, core.model) || !is_sound(core)) return {};
+  if (!fit_patch(grey, core) || !has_thin_lines(core.model) || has_moved(core, seed)) return {};
+  if (is_taken(core, limits)) return {Growth::kTaken, core};
+  const Image<float>& smoothed = smoothed_for(1.0 / core.model.lattice.k.row(0).norm());
+  if (!fit_patch(smoothed, core) || core.model.explained() < limits.min_explained || has_moved(core, seed)) return {};
+  GrowthLimits thin = limits;
+  thin.min_periods = std::max(limits.min_periods, kMinThinPeriods);
+  thin.min_sigma = 0.0;  // smoothing takes most of it; the picture itself decides below
+  Grown out = grown(smoothed, core, false, thin);
+  if (out.outcome != Growth::kPatch) return out;
+  if (!fit_patch(grey, out.patch, kFinalPixels) || !has_thin_lines(out.patch.model)) return {};
+  if (out.patch.model.sigma < limits.min_sigma) out.outcome = Growth::kTooSmall;
+  out.patch.pattern = pattern_of(out.patch.model, out.patch.to_phi, false);
+  return out;
 }
 
 }  // namespace moiregauge

@@ -33,4 +33,12 @@ struct Grown {
 };
 [[nodiscard]] Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const GrowthLimits& limits);
 
+// Grows a grid of thin lines on a smoothed copy of the picture: ragged edges and uneven ink end it nowhere there. The
+// series and the lattice of the result are fitted to `grey` itself.
+// Returns kNoLattice where the pattern is no grid of lines thinner than a third of the pitch.
+// `smoothed_for`: the picture smoothed by sigma = pitch / 6 or so, of a pitch in px.
+using SmoothedPicture = std::function<const Image<float>&(double pitch_px)>;
+[[nodiscard]] Grown grow_thin_lines(const Image<float>& grey, const SmoothedPicture& smoothed_for,
+                                    const LatticeSeed& seed, const GrowthLimits& limits);
+
 }  // namespace moiregauge
