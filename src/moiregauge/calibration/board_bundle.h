@@ -58,6 +58,16 @@ struct BoardState {
 [[nodiscard]] CameraBlock uncertainty_of(const BoardData& data, const BoardPrior& prior, const BoardModel& model,
                                          const BoardState& state, double patch_px);
 
+// Returns the delete-one-view jackknife (Quenouille 1956; Efron and Stein 1981): u^2 = (n-1)/n sum (p_v - mean p)^2, p_v
+// solved without view v. Zeros: fewer than three views, or one of the solutions failed.
+[[nodiscard]] CameraBlock jackknife_uncertainty(const BoardData& data, const BoardPrior& prior, const BoardModel& model,
+                                                const BoardState& state);
+
+// Returns by view the scatter under the common camera divided by that under a camera solved from the view alone.
+// Near 1 for views of one camera, whatever the print has wrong.
+[[nodiscard]] std::vector<double> misfit_ratios(const BoardData& data, const BoardPrior& prior, const BoardModel& model,
+                                                const BoardState& state);
+
 // Which ninth of the view's board a point lies in: 0 to 8.
 inline constexpr std::size_t kBoardPatches = 9;
 [[nodiscard]] std::vector<std::size_t> patch_of(std::span<const BoardPointSeen> points);

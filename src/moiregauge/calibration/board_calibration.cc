@@ -157,6 +157,9 @@ tl::expected<BoardCalibration, std::string> calibrate_board(std::span<const Boar
   solve_with_places(work, everything);
   out.patch_px = patch_scatter(work);
   out.u = uncertainty_of(work.data, work.prior, everything, work.state, out.patch_px);
+  const CameraBlock between_views = jackknife_uncertainty(work.data, work.prior, everything, work.state);
+  for (std::size_t k = 0; k < out.u.size(); ++k) out.u[k] = std::max(out.u[k], between_views[k]);
+  const std::vector<double> misfits = misfit_ratios(work.data, work.prior, everything, work.state);
   const BoardModel chosen = choose(work, options);
   out.model = {.radial = chosen.radial, .tangential = chosen.tangential};
   out.k3 = chosen.k3;
@@ -167,7 +170,8 @@ tl::expected<BoardCalibration, std::string> calibrate_board(std::span<const Boar
   out.matched = work.matched;
   double squares = 0.0;
   for (std::size_t v = 0; v < work.views.size(); ++v) {
-    const CalibratedView view = described(work, v, out.camera);
+    CalibratedView view = described(work, v, out.camera);
+    view.misfit_ratio = misfits[v];
     out.views[static_cast<std::size_t>(work.views[v] - views.data())] = view;
     const auto n = work.data.views[v].size();
     squares += view.rms_px * view.rms_px * static_cast<double>(n);

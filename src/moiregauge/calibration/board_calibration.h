@@ -47,17 +47,20 @@ struct BoardNull {
 };
 
 struct CalibratedView {
-  std::string left_out;   // why, in words; empty: it was used, and the rest holds
-  double tilt_rad = 0.0;  // between the board's normal and the line of sight to its middle
-  double rms_px = 0.0;    // reprojection error, rms length
-  int outliers = 0;       // points that fit no picture of a flat lattice, left out
+  std::string left_out;       // why, in words; empty: it was used, and the rest holds
+  double tilt_rad = 0.0;      // between the board's normal and the line of sight to its middle
+  double rms_px = 0.0;        // reprojection error, rms length
+  double misfit_ratio = 1.0;  // scatter under the common camera by that under the view's own, both by their freedom
+  int outliers = 0;           // points that fit no picture of a flat lattice, left out
   BoardNull null;
 };
 
 struct BoardCalibration {
-  Camera camera;                              // fx = fy
-  std::array<double, kCameraParameters> u{};  // standard uncertainties, everything free; 0: held at 0
-  SceneModel model;                           // radial, tangential: taken or found needless
+  Camera camera;  // fx = fy
+  // Standard uncertainties, everything free; 0: held at 0. From three views on never less than what leaving out each
+  // view in turn shows, for residuals have much in common within a view (a bent board, a bias of its corners).
+  std::array<double, kCameraParameters> u{};
+  SceneModel model;  // radial, tangential: taken or found needless
   bool k3 = false;
   double chi2_dof = 0.0;  // by the points' own noise
   double point_px = 0.0;  // standard uncertainty of a point beyond that noise, from the residuals

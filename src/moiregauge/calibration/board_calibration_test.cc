@@ -154,6 +154,24 @@ TEST(CalibrateBoard, LeavesOutWhatIsNotTheSameCameraOrBoard) {
   expect_the_camera(*solved);
 }
 
+// A camera zoomed about its centre is another camera.
+TEST(CalibrateBoard, ViewsOfAnotherZoomAreNamed) {
+  auto views = views_of(kLooks, {});
+  const auto one = calibrate_board(views, {});
+  ASSERT_TRUE(one) << one.error();
+  // 96 coordinates less 13 or 6 parameters: the ratio of two such scatters is within 0.2 of 1.
+  for (const CalibratedView& view : one->views) EXPECT_NEAR(view.misfit_ratio, 1.0, 0.2);
+  for (std::size_t v = 0; v < 3; ++v) {
+    for (BoardPointSeen& p : views[v].points)
+      p.at = {kCamera.cx + 1.3 * (p.at.x - kCamera.cx), kCamera.cy + 1.3 * (p.at.y - kCamera.cy)};
+  }
+  const auto mixed = calibrate_board(views, {});
+  ASSERT_TRUE(mixed) << mixed.error();
+  int named = 0;  // as another board, or by its misfit
+  for (const CalibratedView& view : mixed->views) named += !view.left_out.empty() || view.misfit_ratio > 3.0 ? 1 : 0;
+  EXPECT_GE(named, 3);
+}
+
 TEST(CalibrateBoard, RefusesWhenNothingShowsABoard) {
   EXPECT_FALSE(calibrate_board({}, {}));
   EXPECT_FALSE(calibrate_board(std::vector<BoardView>{{1600, 1200, {}}}, {}));

@@ -15,6 +15,13 @@ namespace {
 
 // Beyond this f is hardly known, and an angle read with it neither.
 constexpr double kPoorlyKnown = 0.02;  // relative
+// Of the principal point by the picture's larger side: beyond the first it is hardly known, beyond the second it could
+// be anywhere in the picture and the solution around it is meaningless.
+constexpr double kPoorCentre = 0.05, kUnknownCentre = 0.2;
+constexpr double kUnknownFocalShare = 0.5;  // u of f by f: the same for the focal length
+// Views of one camera scatter about it by up to 2.0 times what a camera of their own leaves (bent boards and prints of the
+// real sets); views of mixed cameras by 4 to 9 times.
+constexpr double kMaxMisfitRatio = 3.0;
 
 struct Parameter {
   const char* name;
@@ -50,6 +57,25 @@ std::string view_line(const std::string& name, const CalibratedView& v, std::siz
                      v.null.lattice, v.outliers > 0 ? fmt::format("   {} points left out", v.outliers) : "");
 }
 
+struct Centre {
+  const char* name;
+  double u;  // px
+};
+Centre worse_centre(const BoardCalibration& s) {
+  return s.u[1] >= s.u[2] ? Centre{"cx", s.u[1]} : Centre{"cy", s.u[2]};
+}
+
+double larger_side(const Camera& camera) { return std::max(camera.width, camera.height); }
+
+std::vector<std::string> misfits_of(const CalibrateReport& report) {
+  std::vector<std::string> names;
+  for (std::size_t v = 0; v < report.solved.views.size(); ++v) {
+    const CalibratedView& view = report.solved.views[v];
+    if (view.left_out.empty() && view.misfit_ratio > kMaxMisfitRatio) names.push_back(report.names[v]);
+  }
+  return names;
+}
+
 std::size_t used_of(const BoardCalibration& s) {
   return static_cast<std::size_t>(
       std::count_if(s.views.begin(), s.views.end(), [](const CalibratedView& v) { return v.left_out.empty(); }));
@@ -77,6 +103,36 @@ std::string calibrate_lines(const CalibrateReport& report) {
   return text;
 }
 
+std::optional<std::string> calibrate_refusal(const CalibrateReport& report, const std::string& photos) {
+  const BoardCalibration& s = report.solved;
+  if (used_of(s) < 2)
+    return fmt::format(
+        "one photograph does not determine a camera: {} ({} given, 1 usable): give five to fifteen of the "
+        "same board, tilted towards each side",
+        photos, s.views.size());
+  if (const auto misfits = misfits_of(report); 3 * misfits.size() >= used_of(s))
+    return fmt::format(
+        "no one camera explains the photographs: {} and {} of {} others: give photographs of one camera, "
+        "at one focus and zoom",
+        misfits.front(), misfits.size() - 1, used_of(s) - 1);
+  if (s.u[0] > kUnknownFocalShare * s.camera.fx)
+    return fmt::format(
+        "the photographs do not determine the focal length: {} (u is {:.0f} % of it): add some with the "
+        "board tilted by 30 to 45 degrees, each towards another side",
+        photos, 100.0 * s.u[0] / s.camera.fx);
+  if (const Centre c = worse_centre(s); c.u > kUnknownCentre * larger_side(s.camera))
+    return fmt::format(
+        "the photographs do not determine the principal point: {} (u of {} is {:.0f} px): add some with "
+        "the board tilted by 30 to 45 degrees, each towards another side",
+        photos, c.name, c.u);
+  if (const auto fold = s.camera.fold_px(); fold && s.k3)
+    return fmt::format(
+        "the solved lens folds inside the picture: {} (k3, {:.0f} px from the principal point): leave out "
+        "--k3, or add photographs with the board in the picture's corners",
+        photos, *fold);
+  return std::nullopt;
+}
+
 std::vector<std::string> calibrate_warnings(const CalibrateReport& report) {
   const BoardCalibration& s = report.solved;
   std::vector<std::string> out;
@@ -89,6 +145,21 @@ std::vector<std::string> calibrate_warnings(const CalibrateReport& report) {
         fmt::format("f is hardly determined (u is {:.0f} % of it): add photographs with the board tilted by 30 "
                     "to 45 degrees, each towards another side",
                     100.0 * s.u[0] / s.camera.fx));
+  if (const Centre c = worse_centre(s); c.u > kPoorCentre * larger_side(s.camera))
+    out.push_back(
+        fmt::format("the principal point is hardly determined (u of {} is {:.0f} px): add photographs with the board "
+                    "tilted by 30 to 45 degrees, each towards another side",
+                    c.name, c.u));
+  if (const auto fold = s.camera.fold_px(); fold && !s.k3)
+    out.push_back(fmt::format(
+        "the camera is usable only within {:.0f} px of its principal point: the solved lens folds there. Add "
+        "photographs with the board in the picture's corners",
+        *fold));
+  for (const std::string& name : misfits_of(report))
+    out.push_back(
+        fmt::format("{} fits the common camera poorly: its board is bent or its camera is another. Check the "
+                    "photograph or leave it out",
+                    name));
   return out;
 }
 

@@ -2,6 +2,7 @@
 // What `moiregauge calibrate` says: on the terminal, and in the camera file.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ struct CalibrateReport {
 };
 
 [[nodiscard]] std::string calibrate_lines(const CalibrateReport& report);
+
+// Returns why the solved camera is no camera to measure with, as an error line without `error: `. `photos`: the input as
+// given. Empty: it is one.
+[[nodiscard]] std::optional<std::string> calibrate_refusal(const CalibrateReport& report, const std::string& photos);
 
 // One line each: photographs left out, parameters that the photographs hardly determine.
 [[nodiscard]] std::vector<std::string> calibrate_warnings(const CalibrateReport& report);

@@ -23,9 +23,9 @@ constexpr std::array kCameras{
                 "Raspberry Pi documentation, camera hardware"},
     // 26 mm equivalent (by the diagonal of 4:3) is 67 deg; stabilised video uses about nine tenths of the width.
     NamedCamera{"phone-4k", "telephone, main camera of 26 mm equivalent, video 2160p", 3840, 2160, 0.0, 62.0, true,
-                "computed from the equivalent focal length makers state"},
+                "computed from the equivalent focal length makers state", true},
     NamedCamera{"phone-1080p", "telephone, main camera of 26 mm equivalent, video 1080p", 1920, 1080, 0.0, 62.0, true,
-                "computed from the equivalent focal length makers state"},
+                "computed from the equivalent focal length makers state", true},
 };
 
 }  // namespace

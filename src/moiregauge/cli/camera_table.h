@@ -16,6 +16,7 @@ struct NamedCamera {
   double hfov_deg = 0.0;      // 0: its lens is chosen (--focal)
   bool rolls = false;         // rolling shutter
   std::string_view source;
+  bool compresses = false;  // records with a codec that predicts frames from each other
 };
 
 [[nodiscard]] std::optional<NamedCamera> camera_named(const std::string& name);

@@ -113,6 +113,7 @@ int run(const CalibrateWords& words) {
       report.solved.views[i].left_out =
           fmt::format("its print is {}, the others' {}", name_of(photo.board->pattern), report.pattern);
   }
+  if (const auto refusal = calibrate_refusal(report, words.photos.front())) return fail(Exit::kRefused, *refusal);
   if (const auto written = write_file_atomically(words.output, camera_text(report)); !written)
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another file with -o", written.error()));

@@ -2,6 +2,7 @@
 #include "moiregauge/cli/command_inspect.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -21,6 +22,7 @@
 #include "moiregauge/drawing/overlay_inspection.h"
 #include "moiregauge/image/upper_bits.h"
 #include "moiregauge/io/atomic_file.h"
+#include "moiregauge/run/codec.h"
 
 namespace moiregauge::cli {
 namespace {
@@ -106,6 +108,22 @@ tl::expected<void, std::string> write_inspection(const fs::path& output, const I
   });
 }
 
+// With the codec's share, as `measure` will state it. The frame after this one says whether the codec predicts; the
+// coarser of the two steps counts. `frame` is not valid afterwards.
+std::vector<ExpectedUncertainty> expected_of(Reference& reference, const Frame& frame, FrameSource& source) {
+  note_quantisers(frame.quantiser, reference.site, reference.lens, reference.seen);
+  Observation next_seen = reference.seen;
+  if (const auto next = source.next(); next && *next)
+    note_quantisers((*next)->quantiser, reference.site, reference.lens, next_seen);
+  std::vector<Quantiser> later;
+  for (std::size_t i = 0; i < next_seen.markers.size(); ++i) {
+    const Quantiser &now = reference.seen.markers[i].quantiser, &then = next_seen.markers[i].quantiser;
+    later.push_back({std::isnan(now.step) || std::isnan(then.step) ? kUnknownStep : std::max(now.step, then.step),
+                     now.predicted || then.predicted});
+  }
+  return expected_uncertainties(reference, later);
+}
+
 int report_refusal(const InspectReport& report, const std::string& output) {
   return fail(Exit::kRefused,
               fmt::format("nothing to measure: {}, frame {}: found {}; {}: see {}/overlay.png", report.input.path,
@@ -132,9 +150,10 @@ int run(const InspectWords& words) {
   const int bits = (*source)->info().bits;
   InspectReport report{
       (*source)->info(), frame->number, frame->time_s, inspect_picture({frame->luma, bits}, *options), {}, {}};
-  if (report.seen.reference) report.expected = expected_uncertainties(*report.seen.reference);
+  const Image<std::uint8_t> grey = upper_bits(frame->luma, bits);
+  if (report.seen.reference) report.expected = expected_of(*report.seen.reference, *frame, **source);
   report.exit = is_usable(report.seen, has_scale) ? Exit::kMeasured : Exit::kRefused;
-  if (const auto written = write_inspection(output, report, upper_bits(frame->luma, bits)); !written)
+  if (const auto written = write_inspection(output, report, grey); !written)
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   if (words.measure.json)

@@ -37,6 +37,9 @@ void add_camera_options(CLI::App& command, PlanWords& words) {
       .add_option("--readout", words.readout,
                   "rolling shutter: first row's exposure to the last one's, e.g. 18ms [none]")
       ->type_name("TIME");
+  command.add_flag("--lossless", words.lossless, "the recording is raw or lossless, also by a telephone");
+  command.add_flag("--compressed", words.compressed,
+                   "the recording is compressed video (H.264, H.265), as telephones make");
   command.add_option("--vibration", words.vibration, "of the targets: amplitude and frequency, e.g. 0.5mm@5Hz")
       ->type_name("A@F");
   command.add_option("--camera-vibration", words.camera_vibration, "of the camera's direction, e.g. 0.01deg@10Hz")

@@ -117,8 +117,11 @@ std::string next_after_inspect(const InspectReport& report) {
                  "stands still\n";
   }
   if (report.seen.unit == BoardUnit::kPitch) return "next: give --pitch (e.g. --pitch 10mm) for millimetres\n";
-  return "next: look at overlay.png, then measure; u is noise alone, k = 1: what lens and depth add shows when the "
-         "camera moves\n";
+  const bool is_lossy = std::any_of(report.expected.begin(), report.expected.end(),
+                                    [](const ExpectedUncertainty& e) { return e.codec.x > 0.0 || e.codec.y > 0.0; });
+  return fmt::format(
+      "next: look at overlay.png, then measure; u is {}, k = 1: what lens and depth add shows when the camera moves\n",
+      is_lossy ? "noise and codec" : "noise alone");
 }
 
 }  // namespace

@@ -65,6 +65,15 @@ std::string print_words(const RecordingSetup& s) {
                      targets == 1 ? "" : "s", mm.words("mm"), px.words("px"));
 }
 
+std::string codec_words(const RecordingSetup& s) {
+  double worst = 0.0;
+  for (const PlannedTarget& t : planned_targets(s)) worst = std::fmax(worst, std::fmax(t.codec.x, t.codec.y));
+  return fmt::format(
+      "compressed video, a typical quantiser of {:.3g} grey levels: {} of u are the codec's. Record raw or lossless "
+      "(--lossless) to avoid it",
+      s.codec.step, length_words(worst));
+}
+
 std::string blur_words(const RecordingSetup& s) {
   const PlannedBlur blur = planned_blur(s);
   if (!s.target_swing && !s.camera_swing)
@@ -115,9 +124,10 @@ std::string uncertainty_table(const RecordingSetup& s) {
     text += row("", s.site.markers[t.marker].name,
                 {length_words(t.u.x), length_words(t.u.y), length_words(t.full_bound.x), length_words(t.full_bound.y),
                  length_words(t.phase_bound.x), length_words(t.phase_bound.y)});
-  return text + line("",
-                     "dx, dy: noise alone, one frame against another, as measure will state it; bound: of one frame, "
-                     "every edge counted; phase: of one frame, fundamentals alone");
+  return text +
+         line("", fmt::format("dx, dy: {}, one frame against another, as measure will state it; bound: of one frame, "
+                              "every edge counted; phase: of one frame, fundamentals alone",
+                              s.codec.is_lossless() ? "noise alone" : "noise and codec"));
 }
 
 using Json = nlohmann::ordered_json;
@@ -137,6 +147,7 @@ std::string plan_text(const PlanOrder& order) {
            fmt::format("{:.2g} % of the displacement, until the prints' rulers are told (--print-scale of measure); "
                        "what lens and places add shows when the camera moves",
                        100.0 * s.site.known_to.print_scale));
+  if (!s.codec.is_lossless()) text += line("codec", codec_words(s));
   text += line("blur", blur_words(s)) + line("motion", motion_words(s)) + line("shutter", shutter_words(order)) +
           line("turns", turn_words(s));
   const auto advice = advice_for(s, order.rolls_untold);
@@ -155,6 +166,7 @@ std::string plan_json(const PlanOrder& order) {
   for (const PlannedTarget& t : planned_targets(s))
     targets.push_back({{"name", s.site.markers[t.marker].name},
                        {"u_mm", pair(t.u)},
+                       {"codec_mm", pair(t.codec)},
                        {"bound_mm", pair(t.full_bound)},
                        {"phase_bound_mm", pair(t.phase_bound)}});
   for (const Marker& m : s.site.markers) {
@@ -181,6 +193,7 @@ std::string plan_json(const PlanOrder& order) {
       {"psf_px", s.optics.psf_sigma_px},
       {"fps", s.fps},
       {"exposure_s", s.exposure_s},
+      {"codec_step", s.codec.step},
       {"readout_s", order.rolls_untold ? Json(nullptr) : Json(s.readout_s)},
       {"markers", markers},
       {"targets", targets},

@@ -19,6 +19,9 @@ namespace {
 
 constexpr double kLayoutShare = 0.8;  // of the picture, where no span is given: the rest is for the camera's turning
 
+// A telephone's: most of its frames are predicted from others.
+constexpr Quantiser kUsualCodec{kUsualStep, true};
+
 std::optional<double> number_of(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -74,6 +77,7 @@ Done choose_camera(const PlanWords& words, PlanOrder& order) {
       pixel_mm = 0.001 * known->pixel_um;
       if (fov_deg == 0.0 && words.focal.empty()) fov_deg = known->hfov_deg;
       order.camera_source = known->source;
+      if (known->compresses) order.setup.codec = kUsualCodec;
       order.rolls_untold = known->rolls && words.readout.empty();
     } else if (std::filesystem::exists(words.camera)) {
       const auto read = read_camera(words.camera);
@@ -206,6 +210,10 @@ tl::expected<PlanOrder, UsageError> understood(const PlanWords& words) {
   if (!distance) return tl::unexpected(distance.error());
   order.setup.distance_mm = *distance;
   if (const auto done = choose_camera(words, order); !done) return tl::unexpected(done.error());
+  if (words.lossless && words.compressed)
+    return usage("--lossless and --compressed together: the recording is one of them: leave one out");
+  if (words.lossless) order.setup.codec = {};
+  if (words.compressed) order.setup.codec = kUsualCodec;
   for (const auto step : {choose_numbers, choose_swings, choose_layout}) {
     if (const auto done = step(words, order.setup); !done) return tl::unexpected(done.error());
   }

@@ -18,6 +18,7 @@ struct PlanWords {
   std::string distance, camera, resolution, pixel, focal, exposure, readout, vibration, camera_vibration;
   std::optional<double> fov_deg;
   double noise = 1.5, contrast = 170.0, psf_px = 0.7, fps = 30.0;
+  bool lossless = false, compressed = false;
   bool json = false;
 };
 

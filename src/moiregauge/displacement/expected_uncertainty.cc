@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/layout.h"
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/phase/sampling_moire.h"
@@ -27,9 +28,42 @@ BoardExtent shown(const RasterPlan& plan, BoardExtent u) {
   return {std::isnan(seen.x) ? kNotMeasured : u.x, std::isnan(seen.y) ? kNotMeasured : u.y};
 }
 
+// As solve_two_stage.cc has it: the codec's error of target and references, in a later frame and in the reference frame.
+class ExpectedCodec {
+ public:
+  ExpectedCodec(const Reference& reference, std::span<const Quantiser> later) : reference_(reference), later_(later) {}
+
+  [[nodiscard]] BoardExtent of_target(std::size_t target, std::span<const Matrix2> weights) const {
+    std::vector<BoardExtent> now, then;
+    for (const CirclePoint& point : reference_.circles) {
+      now.push_back(of_marker(point.marker, later(point.marker), Lag::kShared));
+      then.push_back(of_marker(point.marker, first(point.marker), Lag::kShared));
+    }
+    const Lag lag_then = reference_.seen.frame == 0 ? Lag::kShared : Lag::kOwn;
+    return hypot3(hypot3(through_references(weights, now), through_references(weights, then), {}),
+                  of_marker(target, later(target), Lag::kOwn), of_marker(target, first(target), lag_then));
+  }
+
+ private:
+  [[nodiscard]] Quantiser first(std::size_t marker) const {
+    const Quantiser& quantiser = reference_.seen.markers[marker].quantiser;
+    return {reference_.step_of(marker, quantiser), quantiser.predicted};
+  }
+  [[nodiscard]] Quantiser later(std::size_t marker) const {
+    if (marker >= later_.size()) return first(marker);
+    return {reference_.step_of(marker, later_[marker]), later_[marker].predicted};
+  }
+  [[nodiscard]] BoardExtent of_marker(std::size_t marker, const Quantiser& quantiser, Lag lag) const {
+    return codec_mm(reference_, marker, reference_.seen.markers[marker].patch, quantiser, lag);
+  }
+
+  const Reference& reference_;
+  std::span<const Quantiser> later_;
+};
+
 }  // namespace
 
-std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& reference) {
+std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& reference, std::span<const Quantiser> later) {
   std::vector<BoardPoint> places;
   std::vector<BoardExtent> noise = reference_noise(reference, reference.seen), bound = noise;
   for (std::size_t k = 0; k < reference.circles.size(); ++k) {
@@ -37,12 +71,13 @@ std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& referen
     places.push_back(reference.circles[k].board);
     if (reference.site.markers[i].grating) bound[k] = noise_mm(reference.plans[i], at_the_bound(reference, i));
   }
+  const ExpectedCodec codec(reference, later);
   std::vector<ExpectedUncertainty> out;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     if (!is_target(reference, i)) continue;
     const BoardExtent none{kNotMeasured, kNotMeasured};
     if (reference.seen.markers[i].loss != Loss::kNone) {
-      out.push_back({i, none, none});
+      out.push_back({i, none, none, none});
       continue;
     }
     const RasterPlan& plan = reference.plans[i];
@@ -50,7 +85,8 @@ std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& referen
     const auto since_reference_frame = [&](const PatchReading& patch, const std::vector<BoardExtent>& references) {
       return shown(plan, std::sqrt(2.0) * hypot3(noise_mm(plan, patch), through_references(weights, references), {}));
     };
-    out.push_back({i, since_reference_frame(reference.seen.markers[i].patch, noise),
+    const BoardExtent lossy = shown(plan, codec.of_target(i, weights));
+    out.push_back({i, hypot3(since_reference_frame(reference.seen.markers[i].patch, noise), lossy, {}), lossy,
                    since_reference_frame(at_the_bound(reference, i), bound)});
   }
   return out;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/phase/sampling_moire.h"
 #include "moiregauge/units/units.h"
 
@@ -44,7 +45,7 @@ Reference five_markers(Pattern of_target) {
 }
 
 TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
-  const auto expected = expected_uncertainties(five_markers(Pattern::kGrid));
+  const auto expected = expected_uncertainties(five_markers(Pattern::kGrid), {});
   ASSERT_EQ(expected.size(), 1U);
   EXPECT_EQ(expected[0].marker, 4U);
   // Target and references read to s; u_x = (s/2) sqrt(1 + (a/b)^2) through the references (layout.h); both frames
@@ -62,8 +63,23 @@ TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
   EXPECT_NEAR(expected[0].bound.y, bound.y, 1e-9 * bound.y);
 }
 
+// Of a predicted frame the target lags by its own share of the dead zone, which no noise bound contains.
+TEST(ExpectedUncertainty, ACodecThatPredictsAddsTheLagThatMeasureStates) {
+  const Reference reference = five_markers(Pattern::kGrid);
+  const std::vector<Quantiser> later(5, {kUsualStep, true});
+  const auto lossless = expected_uncertainties(reference, {}), lossy = expected_uncertainties(reference, later);
+  const double slope = 60.0 * kTurn / (kPitch_mm / kMmPerPx) / std::sqrt(2.0);
+  const double own = codec_u_px(later[4], Lag::kOwn, slope, 80.0 * 80.0) * kMmPerPx;
+  EXPECT_GE(lossy[0].codec.y, own);
+  EXPECT_LE(lossy[0].codec.y, 1.2 * own);  // references lag together: 0.2 / 0.55 of it, halved by four of them
+  EXPECT_NEAR(lossy[0].u.y, std::hypot(lossless[0].u.y, lossy[0].codec.y), 1e-12);
+  EXPECT_EQ(lossless[0].codec.y, 0.0);
+  const std::vector<Quantiser> unknown(5, {kUnknownStep, true});  // the usual step is assumed
+  EXPECT_DOUBLE_EQ(expected_uncertainties(reference, unknown)[0].u.x, lossy[0].u.x);
+}
+
 TEST(ExpectedUncertainty, LinesShowNothingAlongThemselves) {
-  const auto expected = expected_uncertainties(five_markers(Pattern::kLinesY));
+  const auto expected = expected_uncertainties(five_markers(Pattern::kLinesY), {});
   ASSERT_EQ(expected.size(), 1U);
   EXPECT_TRUE(std::isnan(expected[0].u.x));
   EXPECT_GT(expected[0].u.y, 0.0);
@@ -72,7 +88,7 @@ TEST(ExpectedUncertainty, LinesShowNothingAlongThemselves) {
 TEST(ExpectedUncertainty, ATargetThatIsNotSeenPromisesNothing) {
   Reference reference = five_markers(Pattern::kGrid);
   reference.seen.markers[4].loss = Loss::kNoModulation;
-  const auto expected = expected_uncertainties(reference);
+  const auto expected = expected_uncertainties(reference, {});
   ASSERT_EQ(expected.size(), 1U);
   EXPECT_TRUE(std::isnan(expected[0].u.x) && std::isnan(expected[0].bound.y));
 }

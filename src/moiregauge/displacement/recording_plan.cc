@@ -8,6 +8,9 @@
 
 #include <Eigen/Geometry>
 
+#include "moiregauge/displacement/codec_error.h"
+#include "moiregauge/displacement/layout.h"
+#include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/observation/print_model.h"
 #include "moiregauge/units/units.h"
 
@@ -44,16 +47,54 @@ Grating within(const RecordingSetup& setup, const Marker& marker, double clear_p
   return print;
 }
 
-Matrix2 information_planned(const RecordingSetup& setup, const Marker& marker, const Grating& print, Bound bound) {
+PrintTemplate print_planned(const RecordingSetup& setup, const Marker& marker, const Grating& print) {
   const double scale = px_per_mm(setup, marker.z_mm.value_or(0.0));
   const PlannedBlur blur = planned_blur(setup);
   PlannedOptics optics = setup.optics;
   // The direction of a swing is not known before: it blurs both axes.
   optics.blur_x_px = optics.blur_y_px =
       marker.role == Role::kTarget ? std::hypot(blur.target_px, blur.camera_px) : blur.camera_px;
-  const double pixels = print.width_mm * print.height_mm * scale * scale;
+  return planned_print(print.pattern, print.pitch_mm * scale, optics);
+}
+
+double pixels_of_print(const RecordingSetup& setup, const Marker& marker, const Grating& print) {
+  const double scale = px_per_mm(setup, marker.z_mm.value_or(0.0));
+  return print.width_mm * print.height_mm * scale * scale;
+}
+
+Matrix2 information_planned(const RecordingSetup& setup, const Marker& marker, const Grating& print, Bound bound) {
   const double sigma = std::sqrt(setup.noise_sigma * setup.noise_sigma + kRounding);
-  return shift_information(print, planned_print(print.pattern, print.pitch_mm * scale, optics), pixels, sigma, bound);
+  return shift_information(print, print_planned(setup, marker, print), pixels_of_print(setup, marker, print), sigma,
+                           bound);
+}
+
+// The codec's error of one print along the board's axes, mm.
+Extent<frame::Board> codec_of_print(const RecordingSetup& setup, const Marker& marker, const Quantiser& quantiser,
+                                    Lag lag) {
+  const Grating& print = *marker.grating;
+  // Of one pixel of unit noise: the mean squared slope of its grey levels, per mm^2.
+  const Matrix2 slopes = shift_information(print, print_planned(setup, marker, print), 1.0, 1.0, Bound::kFull);
+  const double scale = px_per_mm(setup, marker.z_mm.value_or(0.0)), pixels = pixels_of_print(setup, marker, print);
+  const auto along = [&](int axis) {
+    return codec_u_px(quantiser, lag, std::sqrt(std::max(0.0, slopes(axis, axis))) / scale, pixels) / scale;
+  };
+  return {along(0), along(1)};
+}
+
+// Of a frame against the reference frame, which is the recording's first: a key frame lags behind nothing.
+Extent<frame::Board> codec_of_target(const RecordingSetup& setup, std::size_t target) {
+  const Quantiser &now = setup.codec, then{setup.codec.step, false};
+  std::vector<BoardPoint> places;
+  std::vector<Extent<frame::Board>> references;
+  for (const Marker& marker : setup.site.markers) {
+    if (marker.role != Role::kReference || !marker.grating) continue;
+    places.push_back(marker.grating->centre);
+    references.push_back(hypot3(codec_of_print(setup, marker, now, Lag::kShared),
+                                codec_of_print(setup, marker, then, Lag::kShared), {}));
+  }
+  const Marker& marker = setup.site.markers[target];
+  const auto through = through_references(reference_weights(places, marker.grating->centre), references);
+  return hypot3(codec_of_print(setup, marker, now, Lag::kOwn), codec_of_print(setup, marker, then, Lag::kOwn), through);
 }
 
 // Every part of a print tells where it is by itself: so one print tells a turn and a stretch too. The means of 8 x 8
@@ -174,8 +215,9 @@ std::vector<PlannedTarget> planned_targets(const RecordingSetup& setup) {
   for (std::size_t i = 0; i < setup.site.markers.size(); ++i) {
     const Marker& marker = setup.site.markers[i];
     if (marker.role != Role::kTarget || !marker.grating) continue;
+    const Extent<frame::Board> codec = setup.codec.is_lossless() ? Extent<frame::Board>{} : codec_of_target(setup, i);
     out.push_back({i, bound_of(setup, i, Bound::kPhase), bound_of(setup, i, Bound::kFull),
-                   std::sqrt(2.0) * bound_of(setup, i, Bound::kFull, kPrintEdgePx)});
+                   hypot3(std::sqrt(2.0) * bound_of(setup, i, Bound::kFull, kPrintEdgePx), codec, {}), codec});
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #include "moiregauge/displacement/layout_bound.h"
 #include "moiregauge/displacement/planned_print.h"
 #include "moiregauge/geometry/camera.h"
+#include "moiregauge/image/quantiser.h"
 #include "moiregauge/site/site.h"
 
 namespace moiregauge {
@@ -30,6 +31,7 @@ struct RecordingSetup {
   double fps = 30.0;
   double exposure_s = 0.0;
   double readout_s = 0.0;  // rolling shutter, first to last row
+  Quantiser codec;         // of the recording's frames; the default loses nothing
   std::optional<Swing> target_swing, camera_swing;
 };
 
@@ -38,8 +40,9 @@ struct PlannedTarget {
   Extent<frame::Board> phase_bound{};  // mm, one frame, fundamentals over the whole prints (k = 1)
   Extent<frame::Board> full_bound{};   // every harmonic
   // Of a displacement since the reference frame, as `precise` reads it: every harmonic over the windows it takes (edges
-  // of 2.4 px left out), both frames' noise.
+  // of 2.4 px left out), both frames' noise, and the codec's share.
   Extent<frame::Board> u{};
+  Extent<frame::Board> codec{};  // mm; 0: nothing is lost
 };
 
 // NaN where an axis is not shown or the references do not determine it. Every print is seen square on, at its height;

@@ -38,6 +38,20 @@ TEST(RecordingPlan, TheRigsBoundIsTheDesigns) {
   EXPECT_NEAR(1000.0 * targets[0].phase_bound.x, 2.5, 0.05);
 }
 
+// The codec's share is that of codec_error.h for the slopes of the planned print, and adds to the noise.
+TEST(RecordingPlan, ACompressedRecordingIsWorthItsDeadZone) {
+  RecordingSetup setup = rig(340.0, 340.0);
+  const PlannedTarget raw = planned_targets(setup)[0];
+  EXPECT_EQ(raw.codec.x, 0.0);
+  setup.codec = {kUsualStep, true};
+  const PlannedTarget lossy = planned_targets(setup)[0];
+  EXPECT_NEAR(lossy.u.x, std::hypot(raw.u.x, lossy.codec.x), 1e-12);
+  EXPECT_GT(lossy.u.x, 5.0 * raw.u.x);
+  EXPECT_LT(lossy.codec.x, 0.13 / px_per_mm(setup) * 1.2);  // kMostLag_px, and what references add
+  setup.codec.predicted = false;                            // key frames only: errors average out over the print
+  EXPECT_LT(planned_targets(setup)[0].codec.x, 0.2 * lossy.codec.x);
+}
+
 // Small prints far apart are points: what their size tells beside is next to nothing.
 // sd = p / (2 pi) (s / a) sqrt(2 / N), a = 2 contrast / (2 pi) for crossed lines before the lens takes its part;
 // through four references at (+-a, +-b): layout.h.

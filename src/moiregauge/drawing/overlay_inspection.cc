@@ -231,9 +231,10 @@ std::vector<Piece> legend_of(const InspectionOverlay& contents) {
   if (!seen.rejected.empty())
     pieces.back().text += drawn > 0 ? fmt::format(" ({} drawn, dashed)", drawn) : " (inside what was found)";
   for (const ExpectedUncertainty& e : contents.expected)
-    pieces.push_back({fmt::format("{}: expected {} (k = 1, noise alone)", name_of(seen, static_cast<int>(e.marker)),
-                                  expected_words(seen, e)),
-                      kTargetColour, false, true});
+    pieces.push_back(
+        {fmt::format("{}: expected {} (k = 1, {})", name_of(seen, static_cast<int>(e.marker)), expected_words(seen, e),
+                     e.codec.x > 0.0 || e.codec.y > 0.0 ? "noise and codec" : "noise alone"),
+         kTargetColour, false, true});
   if (!seen.reference)
     pieces.push_back({"No measurement can begin here: " + seen.missing, kRejectedColour, false, true});
   return pieces;

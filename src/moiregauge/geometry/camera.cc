@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/geometry/camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace moiregauge {
@@ -28,6 +29,19 @@ Bent bend(const Camera& c, double x, double y) {
 ImagePoint Camera::distort(IdealPoint ideal) const {
   const Bent b = bend(*this, (ideal.x - cx) / fx, (ideal.y - cy) / fy);
   return {fx * b.x + cx, fy * b.y + cy};
+}
+
+std::optional<double> Camera::fold_px() const {
+  const double corner = std::hypot(std::max(cx, width - 1.0 - cx) / fx, std::max(cy, height - 1.0 - cy) / fy);
+  constexpr double kStep = 1e-3;         // of the corner's radius: far finer than a lens bends
+  constexpr double kMaxStretch = 100.0;  // ideal by seen radius; no picture needs more
+  double seen = 0.0;
+  for (double r = 0.0; seen < corner && r < kMaxStretch * corner; r += kStep * corner) {
+    const double s = r * r;
+    if (!(1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3)) > 0.0)) return seen * fx;
+    seen = r * (1.0 + s * (k1 + s * (k2 + s * k3)));
+  }
+  return std::nullopt;
 }
 
 IdealPoint Camera::undistort(ImagePoint seen) const {

@@ -5,6 +5,8 @@
 //   u = fx xd + cx, v = fy yd + cy        (docs.opencv.org, calib3d; camera x right, y down, z forward)
 #pragma once
 
+#include <optional>
+
 #include "moiregauge/units/point.h"
 
 namespace moiregauge {
@@ -19,6 +21,9 @@ struct Camera {
   [[nodiscard]] ImagePoint distort(IdealPoint ideal) const;
   // The inverse, by Newton iteration to 1e-12 px; exact inverse within the model's monotone range.
   [[nodiscard]] IdealPoint undistort(ImagePoint seen) const;
+  // Returns the distance from the principal point, px as seen, at which the radial model turns back on itself. Beyond
+  // it the lens has no inverse. Empty: it does not within the picture (width and height must be stated).
+  [[nodiscard]] std::optional<double> fold_px() const;
   [[nodiscard]] bool is_distortion_free() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
 };
 

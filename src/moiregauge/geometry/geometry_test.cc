@@ -110,6 +110,18 @@ TEST(Camera, UndistortingUndoesTheLens) {
   }
 }
 
+// r (1 + k1 r^2) turns back at r^2 = -1 / (3 k1), where 2/3 of r are seen.
+TEST(Camera, ABarrelFoldsWhereItsSlopeVanishes) {
+  const Camera strong{.width = 1601, .height = 1201, .fx = 1000.0, .fy = 1000.0, .cx = 800.0, .cy = 600.0, .k1 = -0.3};
+  ASSERT_TRUE(strong.fold_px());
+  EXPECT_NEAR(*strong.fold_px(), 2.0 / 3.0 * std::sqrt(1.0 / 0.9) * 1000.0, 1.0);
+  Camera weak = strong;
+  weak.k1 = -0.1;  // 1217 px: the corner is at 1000
+  EXPECT_FALSE(weak.fold_px());
+  weak.k1 = 0.3;
+  EXPECT_FALSE(weak.fold_px());
+}
+
 TEST(Camera, TheLensesOfTheRigAreNamedByTheirDistortionAtTheSensorsCorner) {
   Camera camera{4104, 1012, 3478.26, 3478.26, 2059.3, 494.3};
   camera.k1 = -0.0225;

@@ -9,6 +9,7 @@
 
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/image/upper_bits.h"
+#include "moiregauge/markers/layout_symmetry.h"
 #include "moiregauge/observation/reference_by_gratings.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
@@ -407,6 +408,10 @@ void conclude(const MeasureOptions& options, Measurement& out) {
   }
   out.refusal.clear();
   complete_markers(out);
+  // Without a site file the picture's own directions count, and there is no layout to contradict them.
+  if (!options.pitch_mm) {
+    if (auto note = symmetry_note(options.site)) out.warnings.push_back(*std::move(note));
+  }
   if (auto note = note_on_first_frames(out, options)) out.warnings.push_back(*std::move(note));
   SolveOptions how = options.solve;
   how.rotation_deg = out.input.rotation_deg;

@@ -10,6 +10,8 @@
 namespace moiregauge::sheet {
 namespace {
 
+// By its diameter identification knows it from the others: nine of its spreads of 2.5 %.
+constexpr double kMarkedCircle = 1.25;
 constexpr double kReferencePitches = 4.0, kTargetPitches = 6.0, kCirclePitches = 2.0;
 
 double or_else(double stated, double otherwise) { return stated > 0.0 ? stated : otherwise; }
@@ -118,8 +120,10 @@ tl::expected<Site, std::string> site_of_set(const SetRequest& r) {
   const Sizes s = sizes_of(r);
   const double x = 0.5 * r.span.x, y = 0.5 * r.span.y;
   Site site;
+  // The larger circle tells a mirrored, upside-down or half-turned picture of the sheets.
   site.markers = {reference(r, "NW", {-x, y}, 1.0), reference(r, "NE", {x, y}, -1.0), reference(r, "SW", {-x, -y}, 1.0),
                   reference(r, "SE", {x, -y}, -1.0)};
+  site.markers.front().circle->diameter_mm = kMarkedCircle * s.circle;
   if (r.references == 6) add_inner_references(r, site.markers);
   add_targets(r, site.markers);
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
@@ -136,9 +140,10 @@ tl::expected<Site, std::string> site_of_set(const SetRequest& r) {
 
 Extent<frame::Board> widest_span(const SetRequest& r, Extent<frame::Board> room) {
   const Sizes s = sizes_of(r);
-  const double quiet = std::max(r.pitch_mm, 0.5 * s.circle);
+  const double quiet = std::max(r.pitch_mm, 0.5 * kMarkedCircle * s.circle);
   const auto rounded = [](double mm) { return mm > 100.0 ? 10.0 * std::floor(0.1 * mm) : std::floor(mm); };
-  return {rounded(room.x - s.circle - 2.0 * quiet), rounded(room.y - std::max(s.circle, s.reference) - 2.0 * quiet)};
+  return {rounded(room.x - kMarkedCircle * s.circle - 2.0 * quiet),
+          rounded(room.y - std::max(kMarkedCircle * s.circle, s.reference) - 2.0 * quiet)};
 }
 
 }  // namespace moiregauge::sheet

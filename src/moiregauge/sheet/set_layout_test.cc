@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "moiregauge/markers/layout_symmetry.h"
+
 namespace moiregauge::sheet {
 namespace {
 
@@ -30,12 +32,23 @@ TEST(SetLayout, TheRigsSpanGivesTheRig) {
   const Marker& nw = named(*site, "NW");
   EXPECT_EQ(nw.circle->centre.x, -380.0);
   EXPECT_EQ(nw.circle->centre.y, 28.0);
-  EXPECT_EQ(nw.circle->diameter_mm, 20.0);
+  EXPECT_EQ(nw.circle->diameter_mm, 25.0);  // the mark
+  EXPECT_EQ(named(*site, "SE").circle->diameter_mm, 20.0);
   EXPECT_EQ(nw.grating->centre.x, -340.0);
   EXPECT_EQ(nw.grating->width_mm, 40.0);
   EXPECT_EQ(named(*site, "SE").grating->centre.x, 340.0);
   EXPECT_EQ(named(*site, "T1").grating->centre.x, 0.0);
   EXPECT_EQ(named(*site, "T1").grating->height_mm, 60.0);
+}
+
+TEST(SetLayout, NoMirrorImageAndNoHalfTurnOfASheetsLayoutLooksLikeIt) {
+  for (const int references : {4, 6}) {
+    SetRequest request = rig();
+    request.references = references;
+    const auto site = site_of_set(request);
+    ASSERT_TRUE(site) << site.error();
+    EXPECT_FALSE(symmetry_note(*site)) << *symmetry_note(*site);
+  }
 }
 
 // So that each is found by its print, whatever the span: also where the two middle references have to stand aside.
@@ -74,16 +87,17 @@ TEST(SetLayout, LinesAreForTargetsBecauseReferencesMustShowBothAxes) {
 }
 
 TEST(SetLayout, TheWidestSpanFillsTheRoomAndNoMore) {
+  constexpr double kWhite_mm = 12.5;  // the radius of the larger circle
   SetRequest request = rig();
   const Extent<frame::Board> room{394.0, 258.0};
   request.span = widest_span(request, room);
   const auto site = site_of_set(request);
   ASSERT_TRUE(site) << site.error();
   const Box box = extent_of(site->markers);
-  EXPECT_LE(box.width() + 2.0 * 10.0, room.x);
-  EXPECT_LE(box.height() + 2.0 * 10.0, room.y);
-  EXPECT_GT(box.width() + 2.0 * 10.0, room.x - 10.0);  // spans are whole centimetres
-  EXPECT_GT(box.height() + 2.0 * 10.0, room.y - 10.0);
+  EXPECT_LE(box.width() + 2.0 * kWhite_mm, room.x);
+  EXPECT_LE(box.height() + 2.0 * kWhite_mm, room.y);
+  EXPECT_GT(box.width() + 2.0 * kWhite_mm, room.x - 10.0);  // spans are whole centimetres
+  EXPECT_GT(box.height() + 2.0 * kWhite_mm, room.y - 10.0);
 }
 
 TEST(SetLayout, ATurnedPrintReachesFurther) {

@@ -33,6 +33,21 @@ for name, (scenario, frames, settings, words) in CASES.items():
     ratio = stated["bound_mm"]["y"] / planned["bound_mm"]["y"]
     runs.insist(abs(ratio - 1) < 0.08, f"{name}: bound along y {stated['bound_mm']}, planned {planned['bound_mm']}")
 
+# Of compressed footage plan, inspect and measure state one u (plan assumes the usual quantiser: within a factor of 1.7).
+clip = work / "clip"
+runs.run([program, "simulate", "small-1x", "--frames", 30, "--codec", "x264", "--quality", 20, "--quiet", "-o", clip])
+words = [next(clip.glob("video.*")), "--site", clip / "site.toml", "--quiet"]
+runs.run([program, "measure", *words, "-o", work / "clip-out"])
+stated = json.loads((work / "clip-out" / "run.json").read_text())["targets"][0]
+u = json.loads(runs.run([program, "inspect", *words, "--json", "-o", work / "clip-seen"]).stdout)["expected"][0]
+planned = json.loads(runs.run([program, "plan", *LENS, "--resolution", "1024x512", "--compressed", "--site", clip / "site.toml",
+                               "--json"]).stdout)["targets"][0]
+for axis in "xy":
+    parts = ("noise", "references", "reference_frame", "codec")
+    total = math.hypot(*(stated["budget"][part][f"{axis}_mm"] for part in parts))
+    runs.insist(1 / 1.7 < u[f"u_d{axis}_mm"] / total < 1.7, f"inspect: u along {axis} {u}, measured {total}")
+    runs.insist(1 / 1.7 < planned["u_mm"][axis] / total < 1.7, f"plan: u along {axis} {planned}, measured {total}")
+
 # The advice is what planning the changed layout gives.
 rig = ["--distance", "1.2m", "--resolution", "4104x1012", "--pixel", "3.45um", "--focal", "12mm"]
 site = (work / "rig" / "site.toml").read_text()
