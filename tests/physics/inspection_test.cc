@@ -81,7 +81,7 @@ TEST(Inspection, TheExpectedUncertaintyIsTheScatterThatIsMeasured) {
   const auto first = render8(still, 0, {0, simulator::Area::kMarkersOnly});
   const Inspection seen = inspect_picture({first.view(), 8}, {.site = simulator::site_of(still)});
   ASSERT_TRUE(seen.reference) << seen.missing;
-  const auto expected = expected_uncertainties(*seen.reference);
+  const auto expected = expected_uncertainties(*seen.reference, {});
   ASSERT_EQ(expected.size(), 1U);
   test::RunPlan plan;
   plan.first = 1;

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/camera_claim.h"
-#include "moiregauge/displacement/precise_status.h"
 #include "moiregauge/displacement/reference_fault.h"
 
 namespace moiregauge {
@@ -19,8 +18,6 @@ constexpr std::size_t kMostKeyFrames = 120;
 // beyond what a fit allows for (blur, contrast, width of lines). A wall at 8 m, prints of 8 pitches of 21 px, without
 // noise: 0.002 px of light; behind curves of gamma 1.5 to 2.6 and sharpened 0.002 to 0.003 px (tools/light-study).
 constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
-// Times the median frame's. With 60 degrees of freedom noise alone exceeds 2 once in 10^5 frames.
-constexpr double kOutlierChi2 = 5.0;
 constexpr double kRollingShare = 0.6;  // of chi2, that goes when the camera may turn
 
 // The reference frame leads.
@@ -215,18 +212,6 @@ class SceneSolver {
 PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
                            const SolveOptions& options, bool lossy) {
   return SceneSolver(reference, read, prior, options).solved(lossy);
-}
-
-double max_frame_chi2(const PreciseScene& scene) {
-  if (scene.shutter) return kRollingChi2;
-  std::vector<double> chi2;
-  for (const FrameFit& fit : scene.calibration.fits) {
-    if (fit.ok && fit.dof > 0) chi2.push_back(fit.chi2_sum / static_cast<double>(fit.dof));
-  }
-  if (chi2.empty()) return kUntrustedChi2;
-  const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
-  std::nth_element(chi2.begin(), middle, chi2.end());
-  return std::min(kUntrustedChi2, kOutlierChi2 * std::max(1.0, *middle));
 }
 
 }  // namespace moiregauge

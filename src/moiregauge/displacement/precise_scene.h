@@ -38,8 +38,4 @@ struct PreciseScene {
 [[nodiscard]] PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
                                          const SolveOptions& options, bool lossy);
 
-// Returns the chi2 per degree of freedom beyond which a frame does not lie in the scene. A frame that exceeds the others'
-// median fivefold has prints that moved in it alone, even where the median is inflated by what all frames have.
-[[nodiscard]] double max_frame_chi2(const PreciseScene& scene);
-
 }  // namespace moiregauge

@@ -170,7 +170,6 @@ std::vector<BundleFrame> tested_frames(const Reference& reference, const Observa
     const BundleFrame frame = solved.frames[k];
     return with_print_error(site, std::span(&frame, 1), solved.print_error).front();
   };
-  const double max_chi2 = max_frame_chi2(solved);
   std::vector<std::size_t> all;
   for (std::size_t n = 0; n < observations.size(); ++n) {
     if (place[n] > 0 && rest.holds(observations[n].frame)) all.push_back(n);
@@ -186,7 +185,8 @@ std::vector<BundleFrame> tested_frames(const Reference& reference, const Observa
     const FrameFit fit = fit_frame(site, scene, frame);
     for (std::size_t i = 0; i < site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
-      const Status status = precise_status(reference, observations[n], i, fit, max_chi2);
+      const Status status =
+          precise_status(reference, observations[n], i, fit, solved.shutter ? kRollingChi2 : kUntrustedChi2);
       if (status != Status::kOk) frame.points[i].reset();
     }
     out.push_back(std::move(frame));

@@ -115,7 +115,6 @@ class FramesInScene {
     ByNoise by_noise;
     if (by_noise_) by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
     const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames.starts());
-    const double max_chi2 = max_frame_chi2(solved_);
     for (std::size_t n = 0; n < observations.size(); ++n) {
       const Observation& seen = observations[n];
       FrameFit now;
@@ -129,7 +128,7 @@ class FramesInScene {
         if (!is_target(reference_, i)) continue;
         Sample sample = begun_sample(reference_, seen, i);
         if (seen.frame != reference_.seen.frame) {
-          sample.status = precise_status(reference_, seen, i, now, max_chi2);
+          sample.status = precise_status(reference_, seen, i, now, solved_.shutter ? kRollingChi2 : kUntrustedChi2);
           const bool unproven = outruns[i] && seen.markers[i].order == Order::kUnproven;
           if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
           if (has_numbers(sample.status)) fill(sample, *site_.markers[i].grating, budget, now, by_noise);

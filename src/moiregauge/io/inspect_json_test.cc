@@ -40,7 +40,7 @@ InspectReport full_of_gaps(BoardUnit unit) {
   reference.seen.markers.resize(1);
   reference.seen.markers[0].loss = Loss::kNoModulation;
   report.seen.reference = reference;
-  report.expected = {{0, {kNotMeasured, kNotMeasured}, {kNotMeasured, kNotMeasured}}};
+  report.expected = {{0, {kNotMeasured, kNotMeasured}, {0.0, 0.0}, {kNotMeasured, kNotMeasured}}};
   return report;
 }
 
