@@ -119,11 +119,10 @@ void add_memory(std::vector<Mode>& all) {
         processing(q).recursion = 0.7;
         processing(q).motion_grey = s;
       });
-  add(all, "frames averaged", "every frame the mean of N", "{:.0f}", {2, 3, 6},
-      [](Sequence& q, int seed, double s) {
-        film(q, seed);
-        processing(q).average_frames = static_cast<int>(s);
-      });
+  add(all, "frames averaged", "every frame the mean of N", "{:.0f}", {2, 3, 6}, [](Sequence& q, int seed, double s) {
+    film(q, seed);
+    processing(q).average_frames = static_cast<int>(s);
+  });
   add(all, "frames repeated", "a camera of fewer frames a second: each shown so often", "{:.0f}", {2, 3},
       [](Sequence& q, int seed, double s) {
         film(q, seed);

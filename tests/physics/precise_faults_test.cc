@@ -77,7 +77,7 @@ TEST(PreciseFaults, AReferenceThatSlipsFarCostsNoRow) {
   }
 }
 
-// Twelve frames before and twelve after: the step is known to about u sqrt(2 / 12), u = 0.8 um of a frame. Of noise chi2
+// Twelve frames before and twelve after: the step is known to about u sqrt(2 / 12), u = 0.8 um of a frame. With noise alone chi2
 // falls by 40 once in 10^8; 4 um makes it fall by about 150.
 TEST(PreciseFaults, AStepOfTwelveTimesItsUncertaintyIsNamed) {
   auto scenario = scene_named("small-six-slip");

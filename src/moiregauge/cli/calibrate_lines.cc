@@ -15,12 +15,12 @@ namespace {
 
 // Beyond this f is hardly known, and an angle read with it neither.
 constexpr double kPoorlyKnown = 0.02;  // relative
-// Of the principal point by the picture's larger side: beyond the first it is hardly known, beyond the second it could
+// u of the principal point by the larger side of the picture: beyond the first it is hardly known, beyond the second it could
 // be anywhere in the picture and the solution around it is meaningless.
 constexpr double kPoorCentre = 0.05, kUnknownCentre = 0.2;
 constexpr double kUnknownFocalShare = 0.5;  // u of f by f: the same for the focal length
 // Views of one camera scatter about it by up to 2.0 times what a camera of their own leaves (bent boards and prints of the
-// real sets); views of mixed cameras by 4 to 9 times.
+// real sets); views of mixed cameras by more.
 constexpr double kMaxMisfitRatio = 3.0;
 
 struct Parameter {

@@ -12,7 +12,7 @@ void print_out(std::string_view text);
 // Writes a file's bytes to stdout as they are.
 void put_bytes(std::string_view bytes);
 
-// Writes to stderr. Nobody can be informed of a failure, so it is ignored.
+// Writes to stderr. There is no place to report a failure, so it is ignored.
 void print_note(std::string_view text);
 
 // Brings all of stdout out. False: something was lost, and errno says why.

@@ -63,7 +63,7 @@ TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
   EXPECT_NEAR(expected[0].bound.y, bound.y, 1e-9 * bound.y);
 }
 
-// Of a predicted frame the target lags by its own share of the dead zone, which no noise bound contains.
+// In a predicted frame the target lags by its own share of the dead zone, which no noise bound contains.
 TEST(ExpectedUncertainty, ACodecThatPredictsAddsTheLagThatMeasureStates) {
   const Reference reference = five_markers(Pattern::kGrid);
   const std::vector<Quantiser> later(5, {kUsualStep, true});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The grain of a recording: noise of single pixels, which a sensor makes anew in every frame. A camera that averages
+// The grain of a recording: noise of single pixels, which in a sensor is independent from frame to frame. A camera that averages
 // over time leaves less of it, and the same in one frame as in the next. Before a camera that moves the same holds
 // for flat tiles, but for the faint texture of paper and ink, which lowers the ratio too.
 //
@@ -38,8 +38,8 @@ class GrainSampler {
   explicit GrainSampler(std::vector<PixelPosition> tiles) : tiles_(std::move(tiles)) {}
   // Continues at other positions. The sequence begins again.
   void place(std::vector<PixelPosition> tiles);
-  // Adds a frame. It is evaluated together with the last two, unless the sequence was broken. Of a scene that moved
-  // by more than 0.1 px in these three only flat tiles count, and apart. Tiles that touch black (0) or `white` are excluded: clipping removes grain.
+  // Adds a frame. It is evaluated together with the last two, unless the sequence was broken. If the scene moved
+  // by more than 0.1 px in these three, only flat tiles count, and apart. Tiles that touch black (0) or `white` are excluded: clipping removes grain.
   void add(const LumaView& luma, int white, bool is_still);
   // Breaks the sequence: the next frame has none before it.
   void interrupt() { filled_ = 0; }

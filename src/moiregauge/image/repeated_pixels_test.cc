@@ -38,7 +38,7 @@ double share(double pixel_size, double noise) {
 TEST(RepeatedPixels, OfAnEnlargedPictureAreCounted) {
   EXPECT_LT(share(1.0, 0.0), 0.02);
   EXPECT_LT(share(1.0, 2.0), 0.02);
-  // Of three pixels enlarged to four one is repeated, of two enlarged to three every other.
+  // Three pixels enlarged to four repeat one; two enlarged to three repeat every other.
   EXPECT_NEAR(share(4.0 / 3.0, 0.0), 1.0 / 3.0, 0.12);
   EXPECT_NEAR(share(1.5, 0.0), 0.5, 0.12);
   EXPECT_GT(share(2.0, 0.0), 0.9);

@@ -23,7 +23,7 @@ struct PictureList {
 };
 
 // Lists the pictures of a folder by their names' endings, in natural order; if it holds none, those of its `frames/`.
-// Where the names carry a number, each missing one is a place with a problem, so later frames keep their numbers; a
+// If the names carry a number, each missing one is a place with a problem, so later frames keep their numbers; a
 // regular stride of the numbers (0, 10, 20) is the step from frame to frame. Hidden files are excluded.
 // Empty when there is no picture.
 [[nodiscard]] tl::expected<PictureList, InputError> list_pictures(const std::string& folder);

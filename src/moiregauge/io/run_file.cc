@@ -305,8 +305,8 @@ std::string frame_bytes(const std::string& packed) { return record_of(kObservati
 
 std::string end_bytes(const Seen& seen, const MeasureOptions& options) {
   return (options.solve.rest ? record(kOptionsTag, options) : std::string{}) +
-         record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.processing, seen.input_damaged, seen.interrupted,
-                                seen.observations.size()});
+         record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.processing, seen.input_damaged,
+                                seen.interrupted, seen.observations.size()});
 }
 
 tl::expected<StoredRun, std::string> parse_run(std::istream& file, const std::string& path) {

@@ -51,8 +51,8 @@ struct StoredRun {
 // or makes no sense with those before it.
 struct KeptRun {
   StoredRun run;
-  std::size_t bytes = 0;  // of the part that is good, without an end: what comes next is written there
-  bool has_end = false;   // the last record is there, and nothing behind it
+  std::size_t bytes = 0;           // of the part that is good, without an end: what comes next is written there
+  bool has_end = false;            // the last record is there, and nothing behind it
   bool is_of_this_version = true;  // else nothing can be written behind it
 };
 

@@ -10,7 +10,7 @@ namespace moiregauge {
 namespace {
 
 // As in assignments.cc: a circle this share of the layout's size away is another circle; diameters that differ by more
-// than four spreads of 2.5 % and a quarter of a pixel on eight are told apart.
+// than four spreads of 2.5 % and a quarter of a pixel on eight are distinguished.
 constexpr double kSamePlace = 0.05;
 constexpr double kSameDiameter = 0.15;  // of ln(diameter)
 

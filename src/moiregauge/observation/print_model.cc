@@ -177,7 +177,11 @@ namespace {
 class Learning {
  public:
   Learning(const LumaView& luma, const Grating& grating, PrintFromImage map, double mm_per_px, bool in_light)
-      : in_light_(in_light), luma_(&luma), grating_(&grating), map_(std::move(map)), pixel_(mm_per_px / grating.pitch_mm) {
+      : in_light_(in_light),
+        luma_(&luma),
+        grating_(&grating),
+        map_(std::move(map)),
+        pixel_(mm_per_px / grating.pitch_mm) {
     window_ = safe_window(grating, mm_per_px);
   }
 

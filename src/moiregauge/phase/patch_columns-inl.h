@@ -103,8 +103,7 @@ HWY_INLINE void expand(V one, const Level& l, V u, V v, const Put& put) {
 }
 
 HWY_INLINE Level times(const Level& l, V f) {
-  return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f),
-          hn::Mul(l.edge, f)};
+  return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f), hn::Mul(l.edge, f)};
 }
 
 }  // namespace HWY_NAMESPACE

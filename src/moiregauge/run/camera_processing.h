@@ -14,9 +14,9 @@
 
 namespace moiregauge {
 
-// What the pixels of a run show of it.
+// The evidence in a run's pixels.
 struct CameraProcessing {
-  GrainSums still, moving;  // grain of the references' prints and discs, by whether the camera moved
+  GrainSums still, moving;     // grain of the references' prints and discs, by whether the camera moved
   SlopeSteps steps;            // of all prints, in the reference frame
   std::vector<long> repeated;  // numbers of frames that show the one before again
 };

@@ -230,7 +230,7 @@ class Run {
     seen.frame = frame.number;
     seen.time_s = frame.time_s;
     note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
-    // What is solved and followed is what is kept: a run that is resumed or solved again gives the same bits.
+    // Only values that are kept are followed and solved: a run that is resumed or solved again gives the same bits.
     seen = out_.observations.rounded(seen);
     (void)follower_->follow(*out_.reference, seen);
     return seen;

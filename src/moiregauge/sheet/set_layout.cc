@@ -120,7 +120,7 @@ tl::expected<Site, std::string> site_of_set(const SetRequest& r) {
   const Sizes s = sizes_of(r);
   const double x = 0.5 * r.span.x, y = 0.5 * r.span.y;
   Site site;
-  // The larger circle tells a mirrored, upside-down or half-turned picture of the sheets.
+  // The larger circle shows a mirrored, upside-down or half-turned picture of the sheets.
   site.markers = {reference(r, "NW", {-x, y}, 1.0), reference(r, "NE", {x, y}, -1.0), reference(r, "SW", {-x, -y}, 1.0),
                   reference(r, "SE", {x, -y}, -1.0)};
   site.markers.front().circle->diameter_mm = kMarkedCircle * s.circle;

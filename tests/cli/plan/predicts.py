@@ -33,7 +33,7 @@ for name, (scenario, frames, settings, words) in CASES.items():
     ratio = stated["bound_mm"]["y"] / planned["bound_mm"]["y"]
     runs.insist(abs(ratio - 1) < 0.08, f"{name}: bound along y {stated['bound_mm']}, planned {planned['bound_mm']}")
 
-# Of compressed footage plan, inspect and measure state one u (plan assumes the usual quantiser: within a factor of 1.7).
+# For compressed footage plan, inspect and measure state one u (plan assumes the usual quantiser: within a factor of 1.7).
 clip = work / "clip"
 runs.run([program, "simulate", "small-1x", "--frames", 30, "--codec", "x264", "--quality", 20, "--quiet", "-o", clip])
 words = [next(clip.glob("video.*")), "--site", clip / "site.toml", "--quiet"]
