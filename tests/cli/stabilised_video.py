@@ -61,7 +61,8 @@ def main():
         "--set", "rotation.z.scale=8", "-o", work / "run")
     out = run(program, "measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", 10, "--video", "--exaggerate", TIMES,
               "-o", work / "out")
-    assert not out.stderr, out.stderr
+    # The rig's layout looks the same in a mirror, and every run of it says so.
+    assert all("would pass unnoticed" in line for line in out.stderr.splitlines()), out.stderr
     film = pictures_of(work / "out/stabilised.mp4")
     assert len(film) == FRAMES, len(film)
     part = (film.shape[2] - GAP) // 2
