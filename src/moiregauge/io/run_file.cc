@@ -226,8 +226,12 @@ class RunReader {
 
  private:
   bool count_place() { return ++places_ > 0; }
+  // Options come a second time with a statement of rest; those that make no sense leave the first ones as they are.
   bool take_options(const std::string& payload) {
-    return read_whole(payload, version_, run_.options) && run_.options.method != nullptr && is_sound(run_.options.site);
+    MeasureOptions options;
+    if (!read_whole(payload, version_, options) || options.method == nullptr || !is_sound(options.site)) return false;
+    run_.options = std::move(options);
+    return true;
   }
   bool take_reference(const std::string& payload) {
     Reference reference;
