@@ -125,7 +125,7 @@ def case_special_files():
 
 
 def case_huge_claims():
-    """What a file claims takes neither memory nor time before it is refused."""
+    """A file with huge claims is refused before it costs memory or time."""
     simulate(program, work / "run", "small-1xyz", 2)
     site = (work / "run/site.toml").read_text()
     head, target = site.split("[[target]]")

@@ -1,4 +1,4 @@
-"""What is not determined is not stated: a refused run says nothing of camera and prints, and no run states a camera whose focal length
+"""Nothing undetermined is stated: a refused run says nothing of camera and prints, and no run states a camera whose focal length
 is unknown to more than a tenth. A slip of one of four references is answered in one way everywhere."""
 import json
 import re

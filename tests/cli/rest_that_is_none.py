@@ -27,7 +27,7 @@ def refused(*words):
     return lines[0]
 
 
-# Nothing is written but what was seen: the next command goes on with it.
+# Nothing is written but what was seen: the next command resumes from it.
 run([*plain, "-o", work / "as-it-is"])
 text = refused(*plain, "--rest", "0:12", "-o", work / "out")
 insist(not (work / "out").exists(), "results were written")

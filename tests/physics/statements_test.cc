@@ -106,7 +106,7 @@ bool finds(const test::MeasuredRun& run, const std::string& what) {
 }
 
 // 11 mm stated, 10 mm printed: it looks like a print of 11 mm that is 120 mm further away (1200 mm 1.1 - 1200 mm).
-TEST(ApparentSize, OfAPitchStatedATenthTooLargeIsTold) {
+TEST(ApparentSize, ContradictsAPitchStatedATenthTooLarge) {
   const auto scenario = scenario_of("small-1xyz", 0.0);
   Site site = simulator::site_of(scenario);
   site.markers.back().grating->pitch_mm = 11.0;
@@ -118,7 +118,7 @@ TEST(ApparentSize, OfAPitchStatedATenthTooLargeIsTold) {
   EXPECT_TRUE(finds(run, "further away")) << ::testing::PrintToString(run.solution.findings);
 }
 
-TEST(ApparentSize, OfPrintsWhereTheyAreStatedIsNotTold) {
+TEST(ApparentSize, AgreesWithPrintsAtTheirStatedDepth) {
   EXPECT_FALSE(
       finds(test::measured(scenario_of("small-1xyz"), {.method = "precise", .step = 8, .frames = 16}), "looks"));
 }

@@ -20,7 +20,7 @@ void set_pattern(Scenario& s, Pattern pattern) {
   for (auto& marker : s.markers) marker.print.grating->pattern = pattern;
 }
 
-void pose_anew(Scenario& s, double x_deg, double y_deg, double z_deg) {
+void draw_poses(Scenario& s, double x_deg, double y_deg, double z_deg) {
   s.mount.rotation_x.random = x_deg;
   s.mount.rotation_y.random = y_deg;
   s.mount.rotation_z.random = z_deg;
@@ -29,7 +29,7 @@ void pose_anew(Scenario& s, double x_deg, double y_deg, double z_deg) {
 Scenario small(double percent, double within_deg) {
   Scenario s = scene("small-still");
   bend(s, percent);
-  pose_anew(s, within_deg, within_deg, within_deg);
+  draw_poses(s, within_deg, within_deg, within_deg);
   return s;
 }
 
@@ -42,7 +42,7 @@ Scenario small_in_large_picture(double percent) {
   s.camera.cx += kMore;
   s.camera.cy += kMore;
   bend(s, percent);
-  pose_anew(s, 4.0, 4.0, 4.0);
+  draw_poses(s, 4.0, 4.0, 4.0);
   return s;
 }
 
@@ -57,7 +57,7 @@ Scenario orbit(double percent, double within_deg) {
   Scenario s = scene("small-still");
   s.mount.pivot_z_mm = s.mount.distance_mm;
   bend(s, percent);
-  pose_anew(s, 0.5 * within_deg, within_deg, 0.0);
+  draw_poses(s, 0.5 * within_deg, within_deg, 0.0);
   state_heights(s);
   return s;
 }
@@ -120,7 +120,7 @@ void add_unknown_lens(std::vector<PreciseCase>& all) {
       .name = "unknown-1-rig-8", .gate = "<= 1.0 x", .scenario = scene("rig-1x"), .runs = 2, .coverage_runs = 0};
   rig.scenario.mount.rotation_x.knots.clear();
   rig.scenario.camera.k1 = -0.0225;
-  pose_anew(rig.scenario, 4.0, 4.0, 4.0);
+  draw_poses(rig.scenario, 4.0, 4.0, 4.0);
   all.push_back(rig);
   for (auto& c : all) {
     if (c.name.starts_with("unknown")) c.scenario.known_to.position_mm = 5.0;

@@ -51,7 +51,7 @@ struct CalibratedView {
   double tilt_rad = 0.0;      // between the board's normal and the line of sight to its middle
   double rms_px = 0.0;        // reprojection error, rms length
   double misfit_ratio = 1.0;  // scatter under the common camera by that under the view's own, both by their freedom
-  int outliers = 0;           // points that fit no picture of a flat lattice, left out
+  int outliers = 0;           // points that fit no picture of a flat lattice, excluded
   BoardNull null;
 };
 

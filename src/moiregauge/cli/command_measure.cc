@@ -122,7 +122,7 @@ int ended(const Measurement& measured, const MeasureOptions& options, const Repo
                                               measured.observations.back().frame, words.output));
 }
 
-// A statement that the frames contradict gives no results, and costs no frames: `solve` and --resume go on with them.
+// A statement that the frames contradict gives no results, and costs no frames: `solve` and --resume use them again.
 int kept_without_results(const Measurement& measured, MeasureOptions options, UnfinishedRun& journal,
                          const RunPlace& place) {
   if (measured.observations.empty()) return fail(Exit::kUsage, measured.contradiction);

@@ -251,7 +251,7 @@ std::optional<HevcQuantiser> HevcHeaders::read_slice(BitReader& bits, int unit_t
   if (!picture || !sequences_[picture->sequence]) return std::nullopt;
   const Sequence& sequence = *sequences_[picture->sequence];
   if (!is_first) {
-    if (picture->has_dependent_slices && bits.flag()) return std::nullopt;  // goes on with the slice before
+    if (picture->has_dependent_slices && bits.flag()) return std::nullopt;  // continues the slice before
     bits.skip(sequence.address_bits);
   }
   bits.skip(picture->extra_bits);

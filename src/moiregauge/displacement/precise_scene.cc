@@ -105,7 +105,7 @@ class SceneSolver {
     judged_ = out_.references_verified = true;
     out_.frames = std::move(rest);
     out_.calibration = std::move(calibration);
-    tell_movement(*at_once_->moved);
+    report_movement(*at_once_->moved);
     return true;
   }
 
@@ -114,15 +114,15 @@ class SceneSolver {
     const ReferenceVerdict verdict = blaming_camera(at_once_ && !out_.shutter ? *at_once_ : tested());
     judged_ = true;
     out_.references_verified = verdict.verified && !verdict.doubtful;
-    if (verdict.doubtful) tell_doubt(verdict);
+    if (verdict.doubtful) report_doubt(verdict);
     if (!verdict.moved) return;
     out_.frames = read_.without(*verdict.moved);
     out_.shutter.reset();
     solve();
-    if (is_solved()) tell_movement(*verdict.moved);
+    if (is_solved()) report_movement(*verdict.moved);
   }
 
-  void tell_doubt(const ReferenceVerdict& verdict) {
+  void report_doubt(const ReferenceVerdict& verdict) {
     out_.doubtful = true;
     const bool slips_later = verdict.since && *verdict.since > reference_.seen.frame;
     out_.remedy = slips_later ? fmt::format("measure the frames before it with --frames {}:{}, or use six references",
@@ -150,7 +150,7 @@ class SceneSolver {
     return out_.camera_contradicted ? of_any_lens : verdict;
   }
 
-  void tell_movement(std::size_t marker) {
+  void report_movement(std::size_t marker) {
     const Movement went = movement_of(site_, out_.calibration.bundle.scene, read_, marker);
     note(fmt::format("reference '{}' moves by up to {:.3f} mm (u {:.4f} mm) against the others and is left out",
                      site_.markers[marker].name, went.mm, went.u_mm));

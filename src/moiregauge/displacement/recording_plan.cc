@@ -72,7 +72,7 @@ Matrix2 information_planned(const RecordingSetup& setup, const Marker& marker, c
 Extent<frame::Board> codec_of_print(const RecordingSetup& setup, const Marker& marker, const Quantiser& quantiser,
                                     Lag lag) {
   const Grating& print = *marker.grating;
-  // Of one pixel of unit noise: the mean squared slope of its grey levels, per mm^2.
+  // Information of one pixel of unit noise: the mean squared slope of its grey levels, per mm^2.
   const Matrix2 slopes = shift_information(print, print_planned(setup, marker, print), 1.0, 1.0, Bound::kFull);
   const double scale = px_per_mm(setup, marker.z_mm.value_or(0.0)), pixels = pixels_of_print(setup, marker, print);
   const auto along = [&](int axis) {
@@ -81,7 +81,7 @@ Extent<frame::Board> codec_of_print(const RecordingSetup& setup, const Marker& m
   return {along(0), along(1)};
 }
 
-// Of a frame against the reference frame, which is the recording's first: a key frame lags behind nothing.
+// The reference frame is assumed to be the recording's first: a key frame lags behind nothing.
 Extent<frame::Board> codec_of_target(const RecordingSetup& setup, std::size_t target) {
   const Quantiser &now = setup.codec, then{setup.codec.step, false};
   std::vector<BoardPoint> places;

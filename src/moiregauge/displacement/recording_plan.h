@@ -39,8 +39,8 @@ struct PlannedTarget {
   std::size_t marker = 0;              // index in the site
   Extent<frame::Board> phase_bound{};  // mm, one frame, fundamentals over the whole prints (k = 1)
   Extent<frame::Board> full_bound{};   // every harmonic
-  // Of a displacement since the reference frame, as `precise` reads it: every harmonic over the windows it takes (edges
-  // of 2.4 px left out), both frames' noise, and the codec's share.
+  // u of a displacement since the reference frame, as `precise` reads it: every harmonic over its windows (without edges
+  // of 2.4 px), both frames' noise, and the codec's share.
   Extent<frame::Board> u{};
   Extent<frame::Board> codec{};  // mm; 0: nothing is lost
 };

@@ -16,7 +16,7 @@
 namespace moiregauge {
 namespace {
 
-// Frames of the rest that are tested, evenly spread. No more than twice as many as the bundle takes for key frames.
+// Frames of the rest that are tested, evenly spread. No more than twice as many as the bundle adjustment has key frames.
 constexpr std::size_t kMaxRestFrames = 240;
 // Variance by which the frames may scatter beyond their stated noise: u is held to 12 % (docs/accuracy.md).
 constexpr double kNoiseSlack = 1.25;

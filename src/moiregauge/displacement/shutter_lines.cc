@@ -22,7 +22,7 @@ std::string shutter_note(const Scene& scene, bool given, double relative, double
   // Of rows that are not trusted there is none at worst.
   const std::string left =
       worst > 0.0 ? fmt::format(", {:.4f} mm are left in u at worst (frame {})", worst, frame) : "";
-  return fmt::format("rolling shutter: rows are read over {}: up to {:.3f} mm were taken out{}", over, taken_out_mm,
+  return fmt::format("rolling shutter: rows are read over {}: up to {:.3f} mm were corrected{}", over, taken_out_mm,
                      left);
 }
 

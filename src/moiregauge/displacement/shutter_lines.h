@@ -8,7 +8,7 @@
 
 namespace moiregauge {
 
-// "rolling shutter: rows are read over 18.00 ms (solved, u 0.40 ms): up to 0.310 mm were taken out, 0.0130 mm are left in
+// "rolling shutter: rows are read over 18.00 ms (solved, u 0.40 ms): up to 0.310 mm were corrected, 0.0130 mm are left in
 // u at worst (frame 52)".
 // relative       the readout as a part of the time between frames: what is told where frames have no times
 // taken_out_mm   what the same frames would have been wrong by, taken for rows read at once

@@ -181,8 +181,8 @@ void add_to(std::vector<std::string>& notes, std::optional<std::string> line) {
   if (line) notes.push_back(*std::move(line));
 }
 
-void tell_shutter(Solution& solution, const Reference& reference, const Shutter& shutter, const FrameSeries& read,
-                  bool given) {
+void report_shutter(Solution& solution, const Reference& reference, const Shutter& shutter, const FrameSeries& read,
+                    bool given) {
   const bool timed = std::isfinite(reference.seen.time_s);
   Scene& scene = *solution.scene;
   scene.readout_s = timed ? shutter.readout_s : kNotTimed;
@@ -234,7 +234,7 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
     solution.findings.push_back(std::move(line));
   FramesInScene(reference, scene, run.lossy ? std::optional(run.seen.frames) : std::nullopt)
       .measure(observations, run.seen.place, solution);
-  if (scene.shutter) tell_shutter(solution, reference, *scene.shutter, run.read, options.readout_s.has_value());
+  if (scene.shutter) report_shutter(solution, reference, *scene.shutter, run.read, options.readout_s.has_value());
   return solution;
 }
 

@@ -36,7 +36,7 @@ struct Tone {
 };
 [[nodiscard]] std::string_view name_of(ToneSource source);
 
-// Returns the light that a grey level stands for; both relative to white (1). Continues each curve beyond white, and
+// Returns the light that caused a grey level; both relative to white (1). Continues each curve beyond white, and
 // gives 0 below black. Sources: IEC 61966-2-1 (sRGB), ITU-R BT.709-6, ITU-R BT.2100-2 (HLG, PQ).
 [[nodiscard]] double light_of(const ToneCurve& curve, double grey);
 

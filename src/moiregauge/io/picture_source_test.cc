@@ -17,6 +17,8 @@
 namespace moiregauge {
 namespace {
 
+using std::string_literals::operator""s;
+
 void write_grey(const std::string& path, std::uint16_t grey, TestPng shape = {}) {
   const auto pixels = static_cast<std::size_t>(shape.width * shape.height * (shape.colour ? 3 : 1));
   write_test_png(path, shape, std::vector<std::uint16_t>(pixels, grey));
@@ -248,14 +250,18 @@ TEST(PngReader, ColourBecomesLumaByTheOneFormula) {
   EXPECT_EQ(std::get<0>(read_png(folder / "c.png").value().grey).at(0, 0), (77 * 200 + 150 * 100 + 29 * 50 + 128) >> 8);
 }
 
+// Writes a small picture whose header claims `side` (big-endian) as width and height, with that header's check sum.
+void write_claim(const std::string& path, const std::string& side, const std::string& checksum) {
+  write_grey(path, 0);
+  std::string bytes = text_of(path);
+  bytes.replace(16, 8, side + side);
+  bytes.replace(29, 4, checksum);
+  put_text(path, bytes);
+}
+
 TEST(PngReader, AHeaderThatPromisesTooManyPixelsIsRefusedUnread) {
   const TestFolder folder;
-  write_grey(folder / "bomb.png", 0);
-  std::string bytes = text_of(folder / "bomb.png");
-  // width and height 32000, with the checksum that belongs to them
-  bytes.replace(16, 8, std::string("\0\0\x7d\0\0\0\x7d\0", 8));
-  bytes.replace(29, 4, "\xa6\xe9\x8d\xd1");
-  put_text(folder / "bomb.png", bytes);
+  write_claim(folder / "bomb.png", "\0\0\x7d\0"s, "\xa6\xe9\x8d\xd1");  // 32000
   const auto picture = read_png(folder / "bomb.png");
   ASSERT_FALSE(picture);
   EXPECT_EQ(picture.error().kind, InputErrorKind::kUnsupported) << picture.error().message;
@@ -263,12 +269,7 @@ TEST(PngReader, AHeaderThatPromisesTooManyPixelsIsRefusedUnread) {
 
 TEST(PngReader, AHeaderIsRefusedBeforeLibpngTakesMemoryForARow) {
   const TestFolder folder;
-  write_grey(folder / "bomb.png", 0);
-  std::string bytes = text_of(folder / "bomb.png");
-  // Width and height 2147483647, with the check sum that belongs to them.
-  bytes.replace(16, 8, std::string("\x7f\xff\xff\xff\x7f\xff\xff\xff", 8));
-  bytes.replace(29, 4, "\x31\xa2\x54\xba");
-  put_text(folder / "bomb.png", bytes);
+  write_claim(folder / "bomb.png", "\x7f\xff\xff\xff"s, "\x31\xa2\x54\xba");  // 2147483647
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_DATA, &before), 0);
   const rlimit little{std::size_t{1} << 30, before.rlim_max};  // half of the row

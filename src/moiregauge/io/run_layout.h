@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What run.mgj stores. A struct is stored field by field in the order of its declaration; when it gains one, its number
-// below must follow (the compiler insists). kAdded says since which version it is there, so that older files still read.
+// Lists the structs that run.mgj stores. A struct is stored field by field in the order of its declaration. When it
+// gains one, its number below must follow (the compiler insists). kAdded says since which version it is there, so that
+// older files still read.
 #pragma once
 
 #include "moiregauge/io/stored_values.h"

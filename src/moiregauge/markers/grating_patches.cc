@@ -141,7 +141,7 @@ std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingS
       const Grown grown = grow(seed);
       if (grown.outcome == Growth::kNoLattice) continue;
       const SeenPatch patch = seen_patch(grown.patch);
-      // Where two overlap, the first, whose seed was the purer, is the print; the other is a harmonic or a piece of it.
+      // If two overlap, the first is the print, because its seed was purer. The other is a harmonic or a piece of it.
       const bool keeps =
           grown.outcome == Growth::kPatch &&
           std::none_of(patches.begin(), patches.end(), [&](const SeenPatch& p) { return overlap(p, patch); });

@@ -8,8 +8,8 @@
 
 namespace moiregauge {
 
-// Returns a note if the reference circles and their diameters map onto themselves, within what identification tells
-// apart, by a mirror image or a half turn. No picture of such a layout shows whether it was mirrored or turned.
+// Returns a note if the reference circles and their diameters map onto themselves, within what identification
+// distinguishes, by a mirror image or a half turn. No picture of such a layout shows whether it was mirrored or turned.
 [[nodiscard]] std::optional<std::string> symmetry_note(const Site& site);
 
 }  // namespace moiregauge

@@ -26,7 +26,7 @@ TEST(LayoutSymmetry, OneCircleOfAnotherSizeShowsThemAll) {
   Site site = rectangle_of_circles();
   site.markers[0].circle->diameter_mm = 25.0;
   EXPECT_FALSE(symmetry_note(site));
-  site.markers[0].circle->diameter_mm = 21.0;  // 5 %: identification cannot tell
+  site.markers[0].circle->diameter_mm = 21.0;  // 5 %: identification cannot see it
   EXPECT_TRUE(symmetry_note(site));
 }
 

@@ -107,7 +107,7 @@ std::optional<IdealFromBoard> first_view(const Reference& reference, const std::
 }
 
 // A reference that slips drags the homography of all circles along. Five that are left have two coordinates to spare.
-constexpr std::size_t kLeastToTellSlip = 6;
+constexpr std::size_t kMinReferencesForSlip = 6;
 constexpr double kSlip_px = 0.5;  // rms of all circles about their homography; a lens of -2 % makes as much...
 constexpr double kSlipExplains =
     0.25;  // ...but then no single circle explains it: of that, rms, that may stay without it
@@ -152,7 +152,7 @@ void read_slipped(const GreyPicture& picture, const Reference& reference, const 
 
 // Removes the circle that alone contradicts all others, and returns its marker.
 std::optional<std::size_t> remove_slipped(std::vector<CirclePoint>& points) {
-  if (points.size() < kLeastToTellSlip) return std::nullopt;
+  if (points.size() < kMinReferencesForSlip) return std::nullopt;
   const double all = circle_residual_px(points);
   if (!(all > kSlip_px)) return std::nullopt;
   double least = std::numeric_limits<double>::infinity();
@@ -261,7 +261,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
     const SeenCircle* circle = nullptr;
     if (slipped == i)
       circle = &*now.circles[i];
-    else if (!now.circles[i] && now.points.size() + 1 >= kLeastToTellSlip)
+    else if (!now.circles[i] && now.points.size() + 1 >= kMinReferencesForSlip)
       circle = circle_of_slipped(reference, now, view, point);
     if (circle) read_slipped(picture, reference, view, i, *circle, observation.markers[i], work);
   }

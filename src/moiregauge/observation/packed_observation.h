@@ -3,8 +3,8 @@
 //
 // Positions in the picture (maps, circle centres) and travel stay doubles: a float at 4000 px is off by 1e-4 px, a tenth
 // of u. All else is single precision, relative 6e-8. Phases (wrapped) are off by 1.2e-7 rad then, 0.2 nm of a pitch of
-// 10 mm. What a print's points show is kept as the difference from the template's grid, 0.01 pitches at most for a print
-// that was followed: off by 5e-10 pitches. u of a print is 5e-5 pitches at best.
+// 10 mm. The readings of a print's points are kept as differences from the template's grid, 0.01 pitches at most for a
+// print that was followed: off by 5e-10 pitches. u of a print is 5e-5 pitches at best.
 //
 // Nothing is kept that follows from the rest: the nine points are where the window's map has them, and their information
 // matrix is the reference frame's times a factor (decision 0020).

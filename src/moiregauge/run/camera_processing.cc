@@ -165,7 +165,7 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
 }
 
 void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits) {
-  // A codec that predicts frames from each other repeats grain by itself; its error has its own part in u.
+  // A codec that predicts frames from each other repeats grain without noise reduction; its error has its own part in u.
   const Quantiser& codec = frame.quantiser.whole;
   if (!seen.references_seen || reference.circles.empty() || (codec.predicted && !codec.is_lossless()))
     return interrupt();

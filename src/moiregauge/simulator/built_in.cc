@@ -75,7 +75,7 @@ void turn(Mount& mount, const Sway& sway) {
   if (sway.all_axes) mount.rotation_y.knots = mount.rotation_z.knots = knots;
 }
 
-void pose_anew(Mount& mount, double within_deg, double within_mm) {
+void draw_poses(Mount& mount, double within_deg, double within_mm) {
   for (Track* track : {&mount.rotation_x, &mount.rotation_y, &mount.rotation_z}) track->random = within_deg;
   for (Track* track : {&mount.shift_x, &mount.shift_y, &mount.shift_z}) track->random = within_mm;
 }
@@ -97,7 +97,7 @@ SceneMarker& marker_named(Scenario& scenario, std::string_view name) {
 
 // The site does not state the target's height, so the instrument must find it.
 void travel(Scenario& scenario, double within_mm) {
-  pose_anew(scenario.mount, 1.0, within_mm);
+  draw_poses(scenario.mount, 1.0, within_mm);
   marker_named(scenario, "mid").place.z_mm = -30.0;
 }
 
@@ -202,7 +202,7 @@ Scenario ink_jet(double share_of_picture) {
   scenario.mount.board_x_deg = 3.0;
   scenario.mount.board_y_deg = -4.0;
   scenario.mount.board_z_deg = 1.5;
-  pose_anew(scenario.mount, 0.3, 0.0);
+  draw_poses(scenario.mount, 0.3, 0.0);
   const double s = share_of_picture, x = 458.0 * s - 133.0, y = 343.0 * s - 75.0;
   place_markers(scenario, {x + 65.0, y, 22.0, x, y, 60.0, 0.0});
   SceneMarker& target = marker_named(scenario, "mid");
@@ -228,7 +228,7 @@ struct Programme {
 };
 
 constexpr std::array kProgrammes{
-    Programme{"spread-1", [](Scenario& s) { pose_anew(s.mount, 1.0, 0.0); }},
+    Programme{"spread-1", [](Scenario& s) { draw_poses(s.mount, 1.0, 0.0); }},
     Programme{"orbit-20", [](Scenario& s) { orbit(s, 20.0); }},
     Programme{"orbit-40", [](Scenario& s) { orbit(s, 40.0); }},
     Programme{"travel-5", [](Scenario& s) { travel(s, 5.0); }},

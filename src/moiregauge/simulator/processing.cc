@@ -34,7 +34,7 @@ int half_of_gaussian(double sigma_px) { return static_cast<int>(std::ceil(3.0 * 
 int half_of_bilateral(double sigma_px) { return static_cast<int>(std::ceil(2.0 * sigma_px)); }
 constexpr int kHalfOfLowPass = 12;
 
-// A picture whose border pixels go on for ever.
+// A picture continued by its border pixels without end.
 double beyond_edges(const Image<double>& picture, int x, int y) {
   return picture.at(std::clamp(x, 0, picture.width() - 1), std::clamp(y, 0, picture.height() - 1));
 }
