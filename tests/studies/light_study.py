@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Grey levels that are not light: a drone before a wall through tone curves and sharpening, against the truth.
 
-    light_study.py --program MOIREGAUGE [--frames 40] [--tones linear,gamma:1.5,...] [--sharpen 0,0.6] [--seeds 1]
+    light_study.py --program MOIREGAUGE [--frames 40] [--tones linear,gamma:1.5,...] [--sharpen 0,0.6] [--seeds 1,2,3] [--noise 1.5]
 
 Prints a table, one row for each tone curve, sharpening and site.
 """
@@ -11,10 +11,13 @@ import csv
 import json
 import math
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
 
+HEIGHTS_MM = {"T1": 0, "T2": -150, "T3": 0}  # of the targets, in front of the references' plane
+SURVEYED = "[known_to]\nposition_mm = 0.01\nrotation_deg = 0.001\nheight_mm = 0.01\nprint_scale = 0.0005\n"
 TONES = ["linear", "gamma:1.5", "gamma:2.2", "gamma:2.6", "srgb", "s-curve"]
 
 
@@ -67,36 +70,57 @@ def main():
     parser.add_argument("--frames", type=int, default=40)
     parser.add_argument("--tones", default=",".join(TONES))
     parser.add_argument("--sharpen", default="0,0.6")
-    parser.add_argument("--seeds", default="1")
+    parser.add_argument("--seeds", default="1,2,3")
+    parser.add_argument("--noise", default="1.5", help="grey levels")
     options = parser.parse_args()
     program = options.program.resolve()
-    print("| tone curve | sharpened | seed | site | mapped by (source) | rows ok | rms error dx / dy, um | rms u dx / dy, um | within 1.96 u | lies |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    print("| tone curve | sharpened | site | mapped by (source) | rows ok | rms error dx / dy, um | rms u dx / dy, um | within 1.96 u | lies |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for tone in options.tones.split(","):
         for sharpen in options.sharpen.split(","):
+            tallies = {}
             for seed in options.seeds.split(","):
-                one_clip(program, options.frames, tone, sharpen, seed)
+                one_clip(program, options, tone, sharpen, seed, tallies)
+            for site, tally in tallies.items():
+                print_row(tone, sharpen, site, tally)
 
 
-def one_clip(program, frames, tone, sharpen, seed):
+def sites(plain):
+    """The site as stated, surveyed, and surveyed with the heights of the targets."""
+    with_heights = plain
+    for name, z_mm in HEIGHTS_MM.items():
+        with_heights = with_heights.replace(f'name = "{name}"\n', f'name = "{name}"\nz_mm = {z_mm}\n')
+    return {"usual": plain, "surveyed": plain + SURVEYED, "surveyed, targets' heights too": with_heights + SURVEYED}
+
+
+def one_clip(program, options, tone, sharpen, seed, tallies):
     with tempfile.TemporaryDirectory() as folder:
         clip = pathlib.Path(folder) / "clip"
-        run([program, "simulate", "drone", "--frames", frames, "--seed", seed, "--markers-only", "--quiet", "-o", clip,
-             "--set", f"processing.tone={tone}", "--set", f"processing.sharpen={sharpen}"])
+        run([program, "simulate", "drone", "--frames", options.frames, "--seed", seed, "--markers-only", "--quiet", "-o", clip,
+             "--set", f"processing.tone={tone}", "--set", f"processing.sharpen={sharpen}", "--set", f"noise.sigma={options.noise}"])
         without_tags(clip / "frames")
-        plain = (clip / "site.toml").read_text().split("[known_to]")[0]
-        surveyed = "[known_to]\nposition_mm = 0.01\nrotation_deg = 0.001\nheight_mm = 0.01\nprint_scale = 0.0005\n"
-        for name, text in (("usual", plain), ("surveyed", plain + surveyed)):
-            site, out = pathlib.Path(folder) / f"{name}.toml", pathlib.Path(folder) / name
+        for name, text in sites((clip / "site.toml").read_text().split("[known_to]")[0]).items():
+            site, out = pathlib.Path(folder) / "site.toml", pathlib.Path(folder) / "out"
             site.write_text(text)
             run([program, "measure", clip / "frames", "--site", site, "--fps", 10, "--quiet", "-o", out])
             tone_read, rows, ok, lies, found = errors(out, clip / "truth.csv")
-            pairs = found["dx"] + found["dy"]
-            inside = sum(abs(e) <= 1.96 * u for e, u in pairs) / max(1, len(pairs))
-            print(f"| {tone} | {sharpen} | {seed} | {name} | {tone_read['tone']} ({tone_read['tone_source']}) | {ok} of {rows} | "
-                  f"{rms([e for e, _ in found['dx']]):.1f} / {rms([e for e, _ in found['dy']]):.1f} | "
-                  f"{rms([u for _, u in found['dx']]):.1f} / {rms([u for _, u in found['dy']]):.1f} | {100 * inside:.1f} % | {lies} |",
-                  flush=True)
+            shutil.rmtree(out)
+            tally = tallies.setdefault(name, {"tones": [], "rows": 0, "ok": 0, "lies": 0, "dx": [], "dy": []})
+            tally["tones"].append(f"{tone_read['tone']} ({tone_read['tone_source']})")
+            tally["rows"] += rows
+            tally["ok"] += ok
+            tally["lies"] += lies
+            tally["dx"] += found["dx"]
+            tally["dy"] += found["dy"]
+
+
+def print_row(tone, sharpen, site, tally):
+    pairs = tally["dx"] + tally["dy"]
+    inside = sum(abs(e) <= 1.96 * u for e, u in pairs) / max(1, len(pairs))
+    print(f"| {tone} | {sharpen} | {site} | {', '.join(dict.fromkeys(tally['tones']))} | {tally['ok']} of {tally['rows']} | "
+          f"{rms([e for e, _ in tally['dx']]):.1f} / {rms([e for e, _ in tally['dy']]):.1f} | "
+          f"{rms([u for _, u in tally['dx']]):.1f} / {rms([u for _, u in tally['dy']]):.1f} | {100 * inside:.1f} % | {tally['lies']} |",
+          flush=True)
 
 
 main()

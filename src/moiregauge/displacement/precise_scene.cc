@@ -9,15 +9,18 @@
 
 #include "moiregauge/displacement/camera_claim.h"
 #include "moiregauge/displacement/reference_fault.h"
+#include "moiregauge/observation/overshoot.h"
 
 namespace moiregauge {
 namespace {
 
 constexpr std::size_t kMostKeyFrames = 120;
 // px at the print's edge per e-fold of distance, standard uncertainty: what a change of distance makes of an edge's shape
-// beyond what a fit allows for (blur, contrast, width of lines). A wall at 8 m, prints of 8 pitches of 21 px, without
-// noise: 0.002 px of light; behind curves of gamma 1.5 to 2.6 and sharpened 0.002 to 0.003 px (tools/light-study).
+// beyond what a fit allows for (blur, contrast, width of lines). A wall at 8 m, prints of 7 pitches of 21 px, without
+// noise: 0.0001 to 0.005 px for point spreads of 0.5 to 1.4 px. Sharpened by 0.6 to 1.2, where the template exceeds its
+// plateaus by 0.06 to 0.15 of their difference: up to 0.011 and 0.016 px (tools/light-study --noise 0).
 constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
+constexpr double kEdgePerOvershoot = 0.07;
 constexpr double kRollingShare = 0.6;  // of chi2, that goes when the camera may turn
 
 // The reference frame leads.
@@ -161,13 +164,15 @@ class SceneSolver {
   void allow_for_apparent_size(bool lossy) {
     Scene& scene = out_.calibration.bundle.scene;
     const bool is_light = reference_.light_per_grey.empty() && !lossy;
-    const double edge_px = is_light ? kEdgeOfLight : kEdgeOfGrey;
+    const double unsharpened_px = is_light ? kEdgeOfLight : kEdgeOfGrey;
     const double distance_mm = out_.calibration.bundle.frames.front().pose.shift[2];
     for (std::size_t i = 0; i < site_.markers.size(); ++i) {
       const Marker& marker = site_.markers[i];
       if (marker.role != Role::kTarget || !marker.grating) continue;
       const double half_px = 0.5 * std::min(marker.grating->width_mm, marker.grating->height_mm) /
                              reference_.view.mm_per_px(marker.grating->centre);
+      const auto& print = reference_.prints[i];
+      const double edge_px = std::hypot(unsharpened_px, print ? kEdgePerOvershoot * overshoot_of(*print) : 0.0);
       const double prior = out_.calibration.prior.u_markers[i].value[MarkerShape::kHeight];
       double& variance = scene.full_covariance(shape_row(i, MarkerShape::kHeight), shape_row(i, MarkerShape::kHeight));
       const double room = std::max(0.0, prior * prior - variance);

@@ -19,11 +19,14 @@ constexpr int kLeastPixelsPerUnknown = 4;
 constexpr double kStillMoving = 0.1;
 // Of noise, each of the print's columns explains one sigma^2, give or take a third.
 constexpr double kSeenPattern = 4.0;
-// follow_patch, pitches. A step from so near leaves a hundredth of itself, about as far as normal equations of another
-// frame are from this one's.
+// follow_patch, pitches. Normal equations of another frame leave up to a tenth of a step, and up to a hundredth of what
+// blur and width of lines make of the grey levels, given as the shift that makes as much. A remainder that follows the
+// camera's distance does not average over frames: 1e-5 pitches of it look like 0.4 mm of depth at 8 m.
 constexpr double kNear = 0.02;
-constexpr double kStands = 0.002;
-constexpr int kMostPasses = 3;  // of each kind
+constexpr double kConverged = 2e-4;
+constexpr double kShapeConverged = 5e-4;
+constexpr double kStands = 0.002;  // farther off, the patch's own normal equations are needed
+constexpr int kMostPasses = 3;     // of each kind
 
 // The homography about the identity, in (u, v), that comes nearest to a field given at the nine points: rows are
 // a0 a1 a2 b0 b1 b2 g h of  u + a0 + a1 u + a2 v - u (g u + h v),  v + b0 + b1 u + b2 v - v (g u + h v).
@@ -68,7 +71,10 @@ class Passes {
   // Over all rows. Without a system one is made, with the last pass' contrast.
   tl::expected<void, Failure> pass(const PatchSystem* known) {
     if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
-    if (known == nullptr && is_lit_) model_.gain = model_.contrast;
+    if (known == nullptr && is_lit_) {
+      for (double& part : model_.shape) part *= relative_;  // it counts in units of the gain
+      model_.gain = model_.contrast;
+    }
     NormalMatrix normal;
     sum_patch(luma_, model_, print_.nodes(), box_, sums_, known == nullptr ? &normal : nullptr);
     if (sums_.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
@@ -108,6 +114,7 @@ class Passes {
   }
 
   [[nodiscard]] double last_step() const { return last_step_; }
+  [[nodiscard]] double shape_step() const { return shape_step_; }
   [[nodiscard]] PatchAtRest at_rest() const { return {*own_, model_.light, model_.gain}; }
   [[nodiscard]] PatchFit fit(const PatchSystem* known) const;
 
@@ -127,7 +134,9 @@ class Passes {
     if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
     // The slopes were taken with an earlier contrast.
     relative_ = model_.gain[0] / model_.contrast[0];
-    blur_ = {value(kLightColumns), value(kLightColumns + 1)};
+    for (std::size_t k = 0; k < model_.shape.size(); ++k)
+      model_.shape[k] += value(static_cast<Eigen::Index>(kLightColumns + k));
+    shape_step_ = relative_ * system.shift_like(value);
     const auto& at_points = values_at_points();
     dx_ = relative_ * (at_points * value.segment<kFieldColumns>(kBaseColumns));
     dy_ = relative_ * (at_points * value.tail<kFieldColumns>());
@@ -172,8 +181,8 @@ class Passes {
   bool is_lit_ = false;          // light and contrast are this frame's
   PrintFromImage seen_through_;  // the map of the last pass
   Field dx_, dy_;                // what it added at the nine points, pitches
-  std::array<double, 2> blur_{};
   double relative_ = 1.0, sigma_ = 0.0, last_step_ = 0.0;
+  double shape_step_ = 0.0;  // what it added to blur and width, as a shift that changes grey levels as much, pitches
 };
 
 PatchFit Passes::fit(const PatchSystem* known) const {
@@ -191,7 +200,7 @@ PatchFit Passes::fit(const PatchSystem* known) const {
   fit.window_from_image = window_from_print(w) * seen_through_;
   fit.light = model_.light, fit.gain = model_.contrast;
   for (std::size_t a = 0; a < 2; ++a)
-    fit.fundamental[a] = model_.contrast[0] * (1.0 - kTurn * kTurn * relative_ * blur_[a]);
+    fit.fundamental[a] = model_.contrast[0] * (1.0 - kTurn * kTurn * relative_ * model_.shape[a]);
   fit.sigma = sigma_;
   fit.last_step = last_step_;
   fit.pixels = sums_.pixels;
@@ -236,7 +245,7 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
   }
   for (int k = 0; rows == Rows::kAll && k < kMostPasses; ++k) {
     if (const auto done = passes.pass(&at_rest.system); !done) return tl::unexpected(done.error());
-    if (passes.last_step() < kStands) break;
+    if (passes.last_step() < kConverged && passes.shape_step() < kShapeConverged) break;
   }
   if (rows == Rows::kAll && !(passes.last_step() < kStands)) return stand_by_own_equations(passes);
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);

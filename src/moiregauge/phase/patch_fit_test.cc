@@ -287,5 +287,33 @@ TEST(PatchFit, MoreBlurBehindAToneCurveMakesNoPrintSmaller) {
   EXPECT_NEAR(growth_by_blur(2.2), growth_by_blur(1.0), 0.001);
 }
 
+// A camera 6 % nearer sees less blur, in pitches. What the reference frame's normal equations make of that must not pass
+// for a larger print. A remainder that changes with distance looks like depth: 1e-5 pitches like 0.4 mm at 8 m.
+TEST(PatchFit, FollowedNearerThePrintIsAsLargeAsAFreshFitSays) {
+  constexpr double kBlur_px = 0.757, kNearer = 0.94;
+  const auto print = testing::template_of(13, [](double x, double y) { return grey_of_grid({x, y}, kBlur_px, 1.0); });
+  const auto at_rest = oblique(0.0);
+  const auto far_away = seen(
+      at_rest, {}, [](PrintPoint p) { return grey_of_grid(p, kBlur_px, 1.0); }, 1);
+  const auto rest = fit_patch(far_away.view(), at_rest, kWindow, print, {});
+  ASSERT_TRUE(rest);
+  Matrix3 nearer = Matrix3::Identity();
+  nearer.diagonal() << kNearer, kNearer, 1.0;
+  for (const double turn_deg : {0.5, 2.0, 4.0}) {
+    const PrintFromImage truth(nearer * oblique(turn_deg).matrix());
+    const auto picture = seen(
+        truth, {}, [](PrintPoint p) { return grey_of_grid(p, kNearer * kBlur_px, 1.0); }, 2);
+    const auto start = off_by(truth, 0.004, -0.003, 0.0005);
+    const auto fresh = fitted(picture.view(), start, kWindow, print, {.passes = 6});
+    const auto followed = follow_patch(picture.view(), start, kWindow, print, {.row_step = 2}, rest->at_rest);
+    ASSERT_TRUE(fresh && followed);
+    const auto growth = [&](const PatchFit& fit) {
+      const auto off = [&](std::size_t k) { return fit.print[k].x - truth(fit.image[k]).x; };
+      return (off(5) - off(3)) / 2.0;
+    };
+    EXPECT_NEAR(growth(*followed), growth(*fresh), 1e-5) << turn_deg;
+  }
+}
+
 }  // namespace
 }  // namespace moiregauge

@@ -20,6 +20,7 @@ PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox
   for (int i = 0; i < 9; ++i)
     job.uv_from_px[static_cast<std::size_t>(i)] = static_cast<float>(h(i / 3, i % 3) / h(2, 2));
   job.light = in_floats(model.light), job.contrast = in_floats(model.contrast), job.gain = in_floats(model.gain);
+  job.shape = in_floats(model.shape);
   const double side = nodes.side;
   job.nodes = {static_cast<float>(side * w.centre.x), static_cast<float>(side * w.half_x),
                static_cast<float>(side * w.centre.y), static_cast<float>(side * w.half_y)};

@@ -25,7 +25,7 @@ constexpr int registers_of(Sum sum) { return sum == Sum::kShift ? kShiftColumns 
 struct PatchJob {
   std::array<float, 9> uv_from_px{};  // a homography, row by row, its last element 1
   int x = 0, y = 0;                   // of the middle pixel
-  std::array<float, 3> light{}, contrast{}, gain{};
+  std::array<float, 3> light{}, contrast{}, gain{}, shape{};
   std::array<float, 4> nodes{};  // print coordinates in nodes: [0] + u [1], [2] + v [3]
   const PrintNodes* table = nullptr;
   PixelBox box;

@@ -29,11 +29,15 @@ struct Patch {
   Table table;
   Plane light, contrast, gain;
   V side, x0, half_x, y0, half_y, one;
+  V blur_x, blur_y, width;
+  bool has_shape;         // a first pass knows of none
   V row_x, row_y, row_z;  // by which u z, v z and z change along a row
 
   explicit Patch(const PatchJob& job) : table(*job.table), light(job.light), contrast(job.contrast), gain(job.gain) {
     const auto set = [](float value) { return hn::Set(Float(), value); };
     side = table.side, one = table.one;
+    blur_x = set(job.shape[0]), blur_y = set(job.shape[1]), width = set(job.shape[2]);
+    has_shape = job.shape != std::array<float, 3>{};
     x0 = set(job.nodes[0]), half_x = set(job.nodes[1]), y0 = set(job.nodes[2]), half_y = set(job.nodes[3]);
     row_x = set(job.uv_from_px[0]), row_y = set(job.uv_from_px[3]), row_z = set(job.uv_from_px[6]);
   }
@@ -89,9 +93,11 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
   const auto in = hn::And(there, hn::Le(hn::Max(hn::Abs(u), hn::Abs(v)), patch.one));
   if (hn::AllFalse(d, in)) return 0;
   Level l = patch.table.at(plus(patch.x0, u, patch.half_x), plus(patch.y0, v, patch.half_y));
-  const V left = hn::IfThenElseZero(in, hn::Sub(hn::Sub(grey, patch.light(u, v)), hn::Mul(patch.contrast(u, v), l.t)));
   const V gain = hn::Mul(patch.gain(u, v), patch.side), bend = hn::Mul(gain, patch.side);
   l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend), hn::Mul(l.edge, bend)};
+  V shown = plus(patch.light(u, v), patch.contrast(u, v), l.t);
+  if (patch.has_shape) shown = plus(plus(plus(shown, patch.blur_x, l.bx), patch.blur_y, l.by), patch.width, l.edge);
+  const V left = hn::IfThenElseZero(in, hn::Sub(grey, shown));
   const V inside = hn::IfThenElseZero(in, patch.one);
   if constexpr (kSum == Sum::kShift) {
     add_shift(left, inside, l, sums);

@@ -58,7 +58,8 @@ using PatchPlane = std::array<double, 3>;
 struct PatchModel {
   PrintFromImage map;
   PatchWindow window;
-  PatchPlane light{}, contrast{};  // taken off the grey levels before they are summed
+  PatchPlane light{}, contrast{};                            // taken off the grey levels before they are summed
+  std::array<double, kBlurColumns + kWidthColumns> shape{};  // blur along X and Y, width of the lines: also taken off
   PatchPlane gain{1.0, 0.0, 0.0};  // times the template's slopes and second derivatives: the columns of blur and field
 };
 

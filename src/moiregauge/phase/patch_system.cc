@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/phase/patch_system.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/LU>
 
 namespace moiregauge {
@@ -76,6 +79,14 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
 NormalVector PatchSystem::solved(const PatchSums& sums) const {
   return (static_cast<double>(pixels_) / sums.pixels) *
          per_length_.cwiseProduct(ldlt_.solve(per_length_.cwiseProduct(sums.right)));
+}
+
+double PatchSystem::shift_like(const NormalVector& value) const {
+  const double slope = std::max(normal_(kBaseColumns, kBaseColumns),
+                                normal_(kBaseColumns + kFieldColumns, kBaseColumns + kFieldColumns));
+  double largest2 = 0.0;
+  for (int k = kLightColumns; k < kBaseColumns; ++k) largest2 = std::max(largest2, value(k) * value(k) * normal_(k, k));
+  return std::sqrt(largest2 / slope);
 }
 
 }  // namespace moiregauge

@@ -35,6 +35,8 @@ class PatchSystem {
 
   // The unknowns, where as many pixels as in the sums see the window.
   [[nodiscard]] NormalVector solved(const PatchSums& sums) const;
+  // Returns the shift (pitches) that changes grey levels as much, rms, as blur and width of `value` do.
+  [[nodiscard]] double shift_like(const NormalVector& value) const;
   // Of the field at the nine points (x of all, then y), per (grey level / gain)^2 of noise; the rest eliminated.
   [[nodiscard]] PatchInformation information(int pixels) const {
     return (static_cast<double>(pixels) / pixels_) * information_;
