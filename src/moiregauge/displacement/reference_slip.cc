@@ -9,6 +9,10 @@
 namespace moiregauge {
 namespace {
 
+// A place of its own for one frame is two unknowns. Of noise alone they lower chi2 by so much once in 10^8 (exp(-20)) for
+// each frame.
+constexpr double kOwnPlace = 40.0;
+
 // Where the reference stands in each frame that shows it, against the scene of the others, mm.
 struct Way {
   std::vector<long> frame;
@@ -38,14 +42,18 @@ Way way_of(const Site& site, const std::vector<FrameFit>& fits, std::span<const 
   return way;
 }
 
-// chi2 of the way about the best of a place (and, from frame `first` of it on, a second one).
-double chi2_about(const Way& way, const Eigen::LLT<Eigen::MatrixXd>& root, std::size_t first) {
+// Returns chi2 of the way about the best of a place. With `first`, about two: one before that frame of the way, one after
+// it. That frame is at the second place, or anywhere if it was exposed while the reference slipped.
+enum class Slipping { kBetweenFrames, kInOneFrame };
+double chi2_about(const Way& way, const Eigen::LLT<Eigen::MatrixXd>& root, std::size_t first = 0,
+                  Slipping slipping = Slipping::kBetweenFrames) {
   const Eigen::Index rows = way.place.size();
-  const bool steps = first > 0;
-  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(rows, steps ? 4 : 2);
+  const auto step = static_cast<Eigen::Index>(first);
+  const bool has_own_place = slipping == Slipping::kInOneFrame;
+  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(rows, has_own_place ? 6 : step > 0 ? 4 : 2);
   for (Eigen::Index k = 0; 2 * k < rows; ++k) {
-    const bool after = steps && k >= static_cast<Eigen::Index>(first);
-    design.block<2, 2>(2 * k, after ? 2 : 0).setIdentity();
+    const Eigen::Index column = step == 0 || k < step ? 0 : has_own_place && k == step ? 4 : 2;
+    design.block<2, 2>(2 * k, column).setIdentity();
   }
   const Eigen::MatrixXd a = root.matrixL().solve(design);
   const Eigen::VectorXd b = root.matrixL().solve(way.place);
@@ -84,10 +92,13 @@ std::optional<ReferenceSlip> slip_of(Site site, std::span<const BundleFrame> fra
   if (way.frame.size() < 2) return std::nullopt;
   const Eigen::LLT<Eigen::MatrixXd> root(way.covariance);
   if (root.info() != Eigen::Success) return std::nullopt;
-  slip.free_fall = chi2_about(way, root, 0);
+  slip.free_fall = chi2_about(way, root);
   slip.free_rows = static_cast<long>(way.place.size()) - 2;
   for (std::size_t first = 1; first < way.frame.size(); ++first) {
-    const double fall = slip.free_fall - chi2_about(way, root, first);
+    double left = chi2_about(way, root, first);
+    if (first + 1 < way.frame.size())
+      left = std::min(left, chi2_about(way, root, first, Slipping::kInOneFrame) + kOwnPlace);
+    const double fall = slip.free_fall - left;
     if (fall > slip.step_fall) slip.step_fall = fall, slip.first = way.frame[first];
   }
   return slip;

@@ -8,6 +8,7 @@
 
 #include "moiregauge/geometry/pose.h"
 #include "moiregauge/observation/follow_marker.h"
+#include "moiregauge/observation/slipped_circle.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
@@ -106,20 +107,6 @@ std::optional<IdealFromBoard> first_view(const Reference& reference, const std::
   return view_through(reference, board, ideal, prediction.view.value_or(reference.seen.stage1));
 }
 
-// A reference that slips drags the homography of all circles along. Five that are left have two coordinates to spare.
-constexpr std::size_t kMinReferencesForSlip = 6;
-constexpr double kSlip_px = 0.5;  // rms of all circles about their homography; a lens of -2 % makes as much...
-constexpr double kSlipExplains =
-    0.25;  // ...but then no single circle explains it: of that, rms, that may stay without it
-
-double circle_residual_px(const std::vector<CirclePoint>& points) {
-  const auto view = fit_circles(points);
-  if (!view) return std::numeric_limits<double>::infinity();
-  double sum = 0.0;
-  for (const CirclePoint& p : points) sum += std::pow(length((*view)(p.board) - p.ideal), 2);
-  return std::sqrt(sum / static_cast<double>(points.size()));
-}
-
 // A reference that slips by more than identification allows is no member of the layout any more. Its circle is the one of
 // its size nearest to its place; whether its print belongs to it, the print's template decides.
 constexpr double kSlipReach = 1.5;  // diameters
@@ -148,25 +135,6 @@ void read_slipped(const GreyPicture& picture, const Reference& reference, const 
   seen.circle = circle;
   follow_marker(picture, reference, view, i, went, seen, work);
   if (seen.loss == Loss::kNone) seen.loss = Loss::kCovered;
-}
-
-// Removes the circle that alone contradicts all others, and returns its marker.
-std::optional<std::size_t> remove_slipped(std::vector<CirclePoint>& points) {
-  if (points.size() < kMinReferencesForSlip) return std::nullopt;
-  const double all = circle_residual_px(points);
-  if (!(all > kSlip_px)) return std::nullopt;
-  double least = std::numeric_limits<double>::infinity();
-  std::vector<CirclePoint> best;
-  std::size_t slipped = 0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    std::vector<CirclePoint> others = points;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    const double residual = circle_residual_px(others);
-    if (residual < least) least = residual, slipped = points[k].marker, best = std::move(others);
-  }
-  if (!(least < kSlipExplains * all)) return std::nullopt;
-  points = std::move(best);
-  return slipped;
 }
 
 void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,

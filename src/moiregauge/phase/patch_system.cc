@@ -57,8 +57,8 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
   NormalMatrix n = normal;
   const double slopes = n(0, 0) + n(3, 3);
   for (int i = kLightColumns; i < kBaseColumns; ++i) n(i, i) = n(i, i) * (1.0 + kBlurRidge) + 1e-12 * slopes;
-  if (!options.along_x) silence(n, kBaseColumns, kFieldColumns);
-  if (!options.along_y) silence(n, kBaseColumns + kFieldColumns, kFieldColumns);
+  if (!options.along_x) silence(n, kLightColumns, 1), silence(n, kBaseColumns, kFieldColumns);
+  if (!options.along_y) silence(n, kLightColumns + 1, 1), silence(n, kBaseColumns + kFieldColumns, kFieldColumns);
   if (!options.has_width) silence(n, kWidthColumn, kWidthColumns);
   PatchSystem s;
   // Columns of unit length, or the pivots would compare grey levels with slopes.
@@ -66,8 +66,9 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
   s.ldlt_.compute(s.per_length_.asDiagonal() * n * s.per_length_.asDiagonal());
   if (s.ldlt_.info() != Eigen::Success || !s.ldlt_.isPositive() || !(s.ldlt_.vectorD().minCoeff() > kLeastPivot))
     return std::nullopt;
-  if (!options.along_x) s.per_length_.segment<kFieldColumns>(kBaseColumns).setZero();
-  if (!options.along_y) s.per_length_.tail<kFieldColumns>().setZero();
+  if (!options.along_x)
+    s.per_length_(kLightColumns) = 0.0, s.per_length_.segment<kFieldColumns>(kBaseColumns).setZero();
+  if (!options.along_y) s.per_length_(kLightColumns + 1) = 0.0, s.per_length_.tail<kFieldColumns>().setZero();
   if (!options.has_width) s.per_length_.segment<kWidthColumns>(kWidthColumn).setZero();
   s.information_ = at_points(n, options);
   s.normal_ = normal;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/slipped_circle.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace moiregauge {
+namespace {
+
+// Rms of all circles about their homography. A lens of -2 % makes as much, but then no single circle explains it.
+constexpr double kSlip_px = 0.5;
+constexpr double kSlipExplains = 0.25;  // of that rms, the share that may stay without the circle
+
+double circle_residual_px(const std::vector<CirclePoint>& points) {
+  const auto view = fit_circles(points);
+  if (!view) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const CirclePoint& p : points) sum += std::pow(length((*view)(p.board) - p.ideal), 2);
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+}  // namespace
+
+std::optional<std::size_t> remove_slipped(std::vector<CirclePoint>& points) {
+  if (points.size() < kMinReferencesForSlip) return std::nullopt;
+  const double all = circle_residual_px(points);
+  if (!(all > kSlip_px)) return std::nullopt;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<CirclePoint> best;
+  std::size_t slipped = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    std::vector<CirclePoint> others = points;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    const double residual = circle_residual_px(others);
+    if (residual < least) least = residual, slipped = points[k].marker, best = std::move(others);
+  }
+  if (!(least < kSlipExplains * all)) return std::nullopt;
+  points = std::move(best);
+  return slipped;
+}
+
+}  // namespace moiregauge
