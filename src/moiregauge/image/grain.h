@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The grain of a recording: noise of single pixels, which in a sensor is independent from frame to frame. A camera that averages
 // over time leaves less of it, and the same in one frame as in the next. Before a camera that moves the same holds
-// for flat tiles, but for the faint texture of paper and ink, which lowers the ratio too.
+// for flat tiles, except for the faint texture of paper and ink, which lowers the ratio too. A Laplacian removes most of it.
 //
 // Model: over a small tile of a still scene, the difference of two frames is offset + contrast change + movement along
 // both gradients + grain. The first four are fitted and removed. Independent grain of variance s leaves 2 s between

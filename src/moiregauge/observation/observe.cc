@@ -203,7 +203,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   // Step 1: circles, first homography.
   Located now = locate(picture, reference, prediction, least);
   observation.reference_problem = now.problem;
-  const auto slipped = remove_slipped(now.points);
+  const auto slipped = remove_slipped(reference, now.points);
   const auto first = first_view(reference, now.points, prediction);
   if (!first) {
     if (observation.reference_problem.empty())

@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace moiregauge {
 namespace {
 
-// Rms of all circles about their homography. A lens of -2 % makes as much, but then no single circle explains it.
+// Rms of all circles about the homography since the reference frame. A lens of -2 % may make as much of a movement, but
+// then no single circle explains it.
 constexpr double kSlip_px = 0.5;
 constexpr double kSlipExplains = 0.25;  // of that rms, the share that may stay without the circle
 
@@ -22,22 +22,25 @@ double circle_residual_px(const std::vector<CirclePoint>& points) {
 
 }  // namespace
 
-std::optional<std::size_t> remove_slipped(std::vector<CirclePoint>& points) {
+std::optional<std::size_t> remove_slipped(const Reference& reference, std::vector<CirclePoint>& points) {
   if (points.size() < kMinReferencesForSlip) return std::nullopt;
-  const double all = circle_residual_px(points);
+  std::vector<CirclePoint> as_seen = points;
+  for (CirclePoint& point : as_seen)
+    point.board = reference.view.board(reference.seen.markers[point.marker].circle->centre);
+  const double all = circle_residual_px(as_seen);
   if (!(all > kSlip_px)) return std::nullopt;
   double least = std::numeric_limits<double>::infinity();
-  std::vector<CirclePoint> best;
   std::size_t slipped = 0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    std::vector<CirclePoint> others = points;
+  for (std::size_t k = 0; k < as_seen.size(); ++k) {
+    std::vector<CirclePoint> others = as_seen;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     const double residual = circle_residual_px(others);
-    if (residual < least) least = residual, slipped = points[k].marker, best = std::move(others);
+    if (residual < least) least = residual, slipped = k;
   }
   if (!(least < kSlipExplains * all)) return std::nullopt;
-  points = std::move(best);
-  return slipped;
+  const std::size_t marker = points[slipped].marker;
+  points.erase(points.begin() + static_cast<std::ptrdiff_t>(slipped));
+  return marker;
 }
 
 }  // namespace moiregauge

@@ -7,7 +7,6 @@
 #include "moiregauge/observation/cover.h"
 #include "moiregauge/observation/disc_centre.h"
 #include "moiregauge/observation/patch_of_points.h"
-#include "moiregauge/observation/slipped_circle.h"
 
 namespace moiregauge {
 namespace {
@@ -65,7 +64,6 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
   const auto search = discs(picture, reference, *prediction.expected, rows, who);
   if (!search) return std::nullopt;
   const auto points = circle_points(reference.site, reference.lens, *search, who);
-  if (auto others = points; remove_slipped(others)) return std::nullopt;
   const auto first = fit_circles(points);
   if (!first) return std::nullopt;
   Observation seen;

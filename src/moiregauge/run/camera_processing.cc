@@ -21,8 +21,10 @@ constexpr double kDiscTiles = 0.6;  // of a disc's diameter: the side of a squar
 
 // Independent grain has a ratio of 1, known to sqrt(2 / values). A share of 0.05 of the frame before lowers it by 0.05.
 constexpr double kIndependent = 0.96;
-// Faint texture of a third of the grain's variance that passes by at half a pixel a frame lowers it by 0.08.
-constexpr double kIndependentMoving = 0.85;
+// Before a moving camera, faint texture of a third of the grain's variance that passes by at half a pixel a frame lowers it
+// by 0.02. A lossy codec removes fine grain and leaves its own pattern, which changes with what passes by.
+constexpr double kIndependentMoving = 0.95;
+constexpr double kIndependentMovingLossy = 0.85;
 constexpr double kSureOfGrain = 4.0;  // u
 constexpr double kMinValues = 2000.0;
 // Rounding to whole grey levels alone keeps 0.05 of a quiet sensor's variance of 0.1: less means none.
@@ -212,7 +214,9 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   const GrainSums& still = processing.still;
   const bool has_none = !is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values;
   const bool alike_still = is_alike(still, kIndependent);
-  if (!has_none && !alike_still && !is_alike(processing.moving, kIndependentMoving)) return fault;
+  if (!has_none && !alike_still &&
+      !is_alike(processing.moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving))
+    return fault;
   if (distrust_moving(samples, [](long) { return true; }) == 0) return fault;
   const GrainSums& grain = alike_still ? still : processing.moving;
   const std::string shown =
