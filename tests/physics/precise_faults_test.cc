@@ -88,6 +88,20 @@ TEST(PreciseFaults, AStepOfTwelveTimesItsUncertaintyIsNamed) {
   EXPECT_TRUE(notes(run, "reference 'NE' moves")) << ::testing::PrintToString(run.solution.notes);
 }
 
+// A knock: for one frame a reference is 0.15 mm away, and then back. That is no step, and too short to be a movement of the run.
+TEST(PreciseFaults, AReferenceThatIsKnockedForOneFrameIsNamed) {
+  auto scenario = scene_named("small-six-slip");
+  for (auto& marker : scenario.markers) {
+    if (marker.print.name == "NE") marker.dy.knots = {{1.22, 0.0}, {1.28, 0.15}, {1.32, 0.15}, {1.38, 0.0}};
+  }
+  const auto run = precisely(scenario, {.frames = 24});
+  EXPECT_TRUE(notes(run, "reference 'NE' moves by up to 0.15")) << ::testing::PrintToString(run.solution.notes);
+  for (const Sample& s : run.samples) EXPECT_EQ(s.status, Status::kOk) << "frame " << s.frame;
+  // The largest of 23 is within 4 u.
+  EXPECT_LT(test::largest(run.error_x_um), 4.0 * test::rms(run.u_x_um));
+  EXPECT_LT(test::largest(run.error_y_um), 4.0 * test::rms(run.u_y_um));
+}
+
 TEST(PreciseFaults, FourReferencesCannotVerifyEachOther) {
   EXPECT_FALSE(precisely(scene_named("small-1xyz"), {.frames = 12}).solution.references_verified);
 }

@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Mutations: is a wrong threshold caught by a test?
+
+    mutate.py --root CHECKOUT --work FOLDER [--only WORD] [--labels unit,physics,...]
+
+Copies the sources to FOLDER and makes one program of all mutations, each behind a switch in the environment. Then runs
+the tests for one mutation at a time until one fails. Prints a table, one row for each mutation.
+"""
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+HEADER = """#pragma once
+#include <cstdlib>
+namespace moiregauge {
+// Is mutation number n the one to be tried?
+inline bool is_mutated(int n) {
+  static const int active = [] {
+    const char* const value = std::getenv("MOIREGAUGE_MUTATION");
+    return value == nullptr ? 0 : std::atoi(value);
+  }();
+  return n == active;
+}
+}  // namespace moiregauge
+"""
+LABELS = "unit,physics,paper,real,faults,cli"
+
+
+def copied(root, work):
+    """Copies what git tracks, without touching files that are the same: a second run builds what changed."""
+    files = subprocess.run(["git", "-C", root, "ls-files", "-z"], check=True, capture_output=True, text=True).stdout
+    for name in filter(None, files.split("\0")):
+        source, copy = root / name, work / name
+        if not source.is_file() or copy.is_file() and copy.read_bytes() == source.read_bytes():
+            continue
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(source, copy)
+
+
+def read_list(path):
+    mutations = []
+    for line in path.read_text().splitlines():
+        if line and not line.startswith("#"):
+            mutations.append(line.split())
+    return mutations
+
+
+def switch(work, number, file, name, value):
+    """Puts a switch in front of the constant's value, and returns the line as it was."""
+    path = work / "src/moiregauge" / file
+    text = path.read_text()
+    found = list(re.finditer(rf"^(inline )?constexpr ([^;]*\b{name} = )([^,;]+)", text, re.M))
+    if len(found) != 1:
+        sys.exit(f"mutate: {file}: {name} is set {len(found)} times, not once")
+    at = found[0]
+    text = (text[:at.start()] + (at[1] or "") + "const " + at[2] + f"is_mutated({number}) ? {value} : {at[3]}" + text[at.end():])
+    if "moiregauge/mutation.h" not in text:
+        text = re.sub(r"^#include", '#include "moiregauge/mutation.h"\n#include', text, count=1, flags=re.M)
+    path.write_text(text)
+    return at[3]
+
+
+def first_failure(work, number, labels):
+    """The name of the first test that fails, or nothing."""
+    environment = dict(os.environ, MOIREGAUGE_MUTATION=str(number))
+    for label in labels:
+        done = subprocess.run(["ctest", "--preset", "check", "-L", f"^{label}$", "--stop-on-failure", "--parallel", "2"], cwd=work,
+                              env=environment, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            failed = re.search(r"^\s*\d+ - (\S+).*\((?:Failed|Timeout|SEGFAULT|Subprocess aborted)", done.stdout, re.M)
+            return failed[1] if failed else "(" + label + ")"
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--root", required=True, type=pathlib.Path)
+    parser.add_argument("--work", required=True, type=pathlib.Path)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--labels", default=LABELS)
+    options = parser.parse_args()
+    work = options.work.resolve()
+    work.mkdir(parents=True, exist_ok=True)
+    copied(options.root.resolve(), work)
+    (work / "src/moiregauge/mutation.h").write_text(HEADER)
+    mutations = read_list(options.root / "tests/mutations/mutations.txt")
+    before = [switch(work, number, *mutation) for number, mutation in enumerate(mutations, 1)]
+    launchers = [f"-DCMAKE_{language}_COMPILER_LAUNCHER=ccache" for language in ("C", "CXX")] if "CCACHE_DIR" in os.environ or \
+        subprocess.run(["which", "ccache"], capture_output=True, check=False).returncode == 0 else []
+    for command in (["cmake", "--preset", "check", *launchers], ["cmake", "--build", "--preset", "check"]):
+        done = subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit(f"mutate: {' '.join(command)}:\n{done.stdout[-4000:]}{done.stderr[-2000:]}")
+    labels = options.labels.split(",")
+    none = first_failure(work, 0, ["unit"])
+    if none:
+        sys.exit(f"mutate: {none} fails without a mutation")
+    print("| file | constant | value | instead | caught by |\n|---|---|---|---|---|", flush=True)
+    caught = tried = 0
+    for number, ((file, name, value), was) in enumerate(zip(mutations, before), 1):
+        if options.only not in f"{file} {name}":
+            continue
+        start = time.monotonic()
+        test = first_failure(work, number, labels)
+        tried += 1
+        caught += test is not None
+        print(f"| {file} | {name} | {was} | {value} | {test or 'none'} |", flush=True)
+        print(f"{number} of {len(mutations)}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
+    print(f"\n{caught} of {tried} mutations are caught.")
+
+
+main()
