@@ -139,15 +139,17 @@ class SceneSolver {
 
   // The test takes the model that all references together chose: to find a fault it need not be the last word.
   [[nodiscard]] ReferenceVerdict tested() const {
-    return test_references(site_, out_.frames, prior_, out_.calibration.bundle.scene.model, reference_.knows_camera());
+    return test_references(site_, out_.frames, prior_, out_.calibration.bundle.scene, reference_.knows_camera());
   }
 
   // Another lens than the one given looks like a reference that moves, until the lens may be any: then the camera is to
   // blame.
   ReferenceVerdict blaming_camera(const ReferenceVerdict& verdict) {
     if (!reference_.knows_camera() || !(verdict.moved || verdict.doubtful)) return verdict;
+    Scene any_lens = out_.calibration.bundle.scene;
+    any_lens.model = kEverything;
     const ReferenceVerdict of_any_lens =
-        test_references(site_, out_.frames, with_unknown_lens(prior_), kEverything, false);
+        test_references(site_, out_.frames, with_unknown_lens(prior_), any_lens, false);
     if (of_any_lens.moved || of_any_lens.doubtful) return verdict;
     test_camera();
     return out_.camera_contradicted ? of_any_lens : verdict;

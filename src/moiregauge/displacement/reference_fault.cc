@@ -68,25 +68,34 @@ std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<st
                    (second - best->second.left()) / unit);
 }
 
+BundleSolution solved_with_all(const Site& site, std::vector<BundleFrame> frames, const ScenePrior& prior,
+                               const Scene& start) {
+  BundleSolution from_prior = solve_bundle(site, frames, prior, start.model);
+  for (BundleFrame& frame : frames) frame.pose = pose_of(site, start, frame).value_or(frame.pose);
+  BundleSolution from_start = solve_bundle(site, frames, prior, start.model, &start);
+  const bool is_better = from_start.scene.solved && (!from_prior.scene.solved ||
+                                                     from_start.scene.penalised_cost < from_prior.scene.penalised_cost);
+  return is_better ? from_start : from_prior;
+}
+
 }  // namespace
 
 ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, const ScenePrior& prior,
-                                 const SceneModel& model, bool camera_known) {
+                                 const Scene& start, bool camera_known) {
   ReferenceVerdict verdict;
   std::vector<std::size_t> references;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const auto seen =
-        std::ranges::count_if(frames.starts(), [i](const FrameStart& start) { return bool{start.has_points[i]}; });
+        std::ranges::count_if(frames.starts(), [i](const FrameStart& one) { return bool{one.has_points[i]}; });
     if (site.markers[i].role == Role::kReference && 2 * seen > static_cast<long>(frames.size()))
       references.push_back(i);
   }
   if (references.size() < 4) return verdict;
   verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
-  const std::vector<BundleFrame> few = frames.at(key_frames(frames.starts(), kMostFrames));
-  const BundleSolution all = solve_bundle(site, few, prior, model);
+  const BundleSolution all = solved_with_all(site, frames.at(key_frames(frames.starts(), kMostFrames)), prior, start);
   std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
   for (const std::size_t r : references) {
-    if (const auto slip = slip_of(site, all.frames, prior, model, all.scene, r)) slips.emplace_back(r, *slip);
+    if (const auto slip = slip_of(site, all.frames, prior, start.model, all.scene, r)) slips.emplace_back(r, *slip);
   }
   const auto judge = [&](std::size_t marker, bool clear) {
     if (verdict.verified && clear)

@@ -20,9 +20,10 @@ struct ReferenceVerdict {
 
 // Six references show it, or five with a known camera. Four, or five without one, may show that one moves, not which:
 // four leave two coordinates of eight after a frame's pose, and a slip that a pose and the lens imitate is not seen. A
-// reference counts when it is seen in most frames.
+// reference counts when it is seen in most frames. The scene is solved from the prior and from `start`, which holds every
+// reference at rest, with the model of `start`. The one that costs less counts: either may end in a false valley.
 [[nodiscard]] ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, const ScenePrior& prior,
-                                               const SceneModel& model, bool camera_known);
+                                               const Scene& start, bool camera_known);
 
 struct Movement {
   double mm = 0.0;
