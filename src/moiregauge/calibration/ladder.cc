@@ -63,8 +63,8 @@ std::optional<Scene> with_heights_for_scales(const ScenePrior& prior, const Bund
 // A camera that turns by a degree before a flat board shows f, its distance and a lens of one shape nearly as one. The steps
 // begin at a long focal length, and may end in a valley where f is three times too large (11 200 px for 3478, at a
 // cost higher by 25 to 130, rows off by 27 um).
-constexpr double kLongFocal = 1.5;  // of the picture's larger side: cameras of a shorter focal length begin no valley
-constexpr double kShorter = 1.0 / 3.0;
+constexpr double kLongFocal = 1.5;    // of the picture's larger side: cameras of a shorter focal length begin no valley
+constexpr double kShortFocal = 0.85;  // telephones, drones, and lenses of 28 mm before a full frame
 
 // Returns the solution with the focal length times `factor`: the same directions of view, distances in proportion.
 BundleSolution at_focal_length(BundleSolution solution, double factor) {
@@ -104,7 +104,8 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
   if (const auto start = with_heights_for_scales(prior, best))
     take_if_better(solve(with_heights(best.scene.model), *start, best.frames));
   if (prior.u_camera[0] > 0.0 && best.scene.camera.fx > kLongFocal * side) {
-    const BundleSolution start = at_focal_length(best, kShorter);
+    const BundleSolution start = at_focal_length(best, kShortFocal * side / best.scene.camera.fx);
+    take_if_better(solve(with_heights(best.scene.model), start.scene, start.frames));
     take_if_better(solve(kEverything, start.scene, start.frames));
   }
   return best;
