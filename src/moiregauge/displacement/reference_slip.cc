@@ -9,7 +9,7 @@
 namespace moiregauge {
 namespace {
 
-// A place of its own for one frame is two unknowns. Of noise alone they lower chi2 by so much once in 10^8 (exp(-20)) for
+// A place of its own for one frame is two unknowns. Noise alone lets them lower chi2 by this once in 10^8 (exp(-20)) for
 // each frame.
 constexpr double kOwnPlace = 40.0;
 
