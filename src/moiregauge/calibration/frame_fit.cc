@@ -9,7 +9,6 @@
 #include "moiregauge/calibration/free_parameters.h"
 #include "moiregauge/calibration/normal_inverse.h"
 #include "moiregauge/calibration/patch_residual.h"
-#include "moiregauge/calibration/row_motion.h"
 
 namespace moiregauge {
 namespace {
@@ -188,19 +187,6 @@ FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& fram
   fit.scene_information = n.gg + n.fg.transpose() * fit.sensitivity;
   fit.ok = std::isfinite(fit.chi2_sum);
   return fit;
-}
-
-double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit,
-                       RowsRun run) {
-  if (!fit.ok) return 0.0;
-  // Of roll and the two directions in which the board is seen; as quick as they like (rad per readout).
-  FrameMotion free{};
-  for (const std::size_t k : {2, 3, 4}) free.camera[k].covariance = Eigen::Vector2d(1.0, 100.0).asDiagonal();
-  BundleFrame rolling = frame;
-  rolling.pose = fit.pose;
-  rolling.shift = fit.shift;
-  const FrameFit after = fit_frame(site, scene, set_back(site, scene, rolling, free, fit.pose, 1.0, run));
-  return after.ok ? std::max(0.0, fit.chi2_sum - after.chi2_sum) : 0.0;
 }
 
 Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames, const ScenePrior& prior,

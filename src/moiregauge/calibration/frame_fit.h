@@ -35,12 +35,6 @@ struct FrameFit {
 [[nodiscard]] FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame);
 inline constexpr double kUnknownShift = 1e4;  // mm
 
-// chi2 that the frame loses if the camera may turn while its rows are read, ever faster or slower (kTurning parameters,
-// without a prior to speak of): a rolling shutter.
-inline constexpr int kTurning = 6;
-[[nodiscard]] double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame,
-                                     const FrameFit& fit, RowsRun run);
-
 // Covariance of the scene's parameters from the frames' information and the priors of what the model leaves free.
 [[nodiscard]] Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames,
                                                const ScenePrior& prior, const SceneModel& model);

@@ -191,4 +191,17 @@ BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& se
   return out;
 }
 
+double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit,
+                       RowsRun run) {
+  if (!fit.ok) return 0.0;
+  // Roll and the two directions to the board are free. Priors: 1 rad per readout, 10 rad per readout squared.
+  FrameMotion free{};
+  for (const std::size_t k : {2, 3, 4}) free.camera[k].covariance = Eigen::Vector2d(1.0, 100.0).asDiagonal();
+  BundleFrame rolling = frame;
+  rolling.pose = fit.pose;
+  rolling.shift = fit.shift;
+  const FrameFit after = fit_frame(site, scene, set_back(site, scene, rolling, free, fit.pose, 1.0, run));
+  return after.ok ? std::max(0.0, fit.chi2_sum - after.chi2_sum) : 0.0;
+}
+
 }  // namespace moiregauge

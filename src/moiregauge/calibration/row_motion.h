@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "moiregauge/calibration/bundle.h"
+#include "moiregauge/calibration/frame_fit.h"
 #include "moiregauge/calibration/smooth_path.h"
 
 namespace moiregauge {
@@ -46,5 +47,11 @@ struct FrameMotion {
 // seen      the frame as it was read, with pose and shifts as known
 [[nodiscard]] BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& seen,
                                    const FrameMotion& motion, const Pose& reference, double readout_s, RowsRun run);
+
+// Returns how much the frame's chi-squared falls if the camera may rotate, at a changing rate, while its rows are read
+// (kTurning parameters with a wide prior). A large value suggests a rolling shutter.
+inline constexpr int kTurning = 6;
+[[nodiscard]] double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame,
+                                     const FrameFit& fit, RowsRun run);
 
 }  // namespace moiregauge

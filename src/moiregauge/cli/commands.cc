@@ -8,6 +8,7 @@
 #include "moiregauge/cli/command_export.h"
 #include "moiregauge/cli/command_help.h"
 #include "moiregauge/cli/command_inspect.h"
+#include "moiregauge/cli/command_list.h"
 #include "moiregauge/cli/command_measure.h"
 #include "moiregauge/cli/command_plan.h"
 #include "moiregauge/cli/command_reproduce.h"
@@ -56,10 +57,6 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
     refuse_empty_values(*command);
   }
   return tree;
-}
-
-std::vector<const CLI::App*> visible_commands(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
 }
 
 }  // namespace moiregauge::cli

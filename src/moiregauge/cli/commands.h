@@ -3,20 +3,12 @@
 #pragma once
 
 #include <memory>
-#include <string_view>
 
 #include <CLI/CLI.hpp>
 
 namespace moiregauge::cli {
 
-// The parser's message about an option with an empty text.
-inline constexpr std::string_view kEmptyValue = "the value is empty";
-
 // -h is the list of options, --help the command's page (pages.h); main tells the two by what parsing throws. A command
 // that ran leaves its exit code in `exit_code`, which must outlive the tree.
 [[nodiscard]] std::unique_ptr<CLI::App> command_tree(int& exit_code);
-
-// Those a user is told of, in the order of the tree.
-[[nodiscard]] std::vector<const CLI::App*> visible_commands(const CLI::App& app);
-
 }  // namespace moiregauge::cli

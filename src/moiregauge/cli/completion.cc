@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "moiregauge/cli/commands.h"
+#include "moiregauge/cli/command_list.h"
 #include "moiregauge/cli/page.h"
 #include "moiregauge/simulator/built_in.h"
 

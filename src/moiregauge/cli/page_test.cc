@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "moiregauge/cli/command_list.h"
 #include "moiregauge/cli/commands.h"
 #include "moiregauge/cli/markdown.h"
 

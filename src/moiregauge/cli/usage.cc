@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/cli/commands.h"
+#include "moiregauge/cli/command_list.h"
 #include "moiregauge/io/nearest_word.h"
 
 namespace moiregauge::cli {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "moiregauge/calibration/bundle.h"
-#include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/displacement/layout.h"
 #include "moiregauge/observation/observations.h"
 
 namespace moiregauge {

@@ -20,6 +20,10 @@ FieldRows field(double x, double y) {
 
 }  // namespace
 
+BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c) {
+  return {std::hypot(a.x, b.x, c.x), std::hypot(a.y, b.y, c.y)};
+}
+
 std::vector<Matrix2> reference_weights(std::span<const BoardPoint> references, BoardPoint target) {
   double reach = 0.0;  // coordinates relative to the target, in units of the layout: the field keeps its form
   for (const BoardPoint& p : references) reach = std::max(reach, length(p - target));

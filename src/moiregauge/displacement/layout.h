@@ -10,6 +10,11 @@
 
 namespace moiregauge {
 
+using BoardExtent = Extent<frame::Board>;
+
+// Returns the root of the sum of squares of three uncertainties, each axis by itself.
+[[nodiscard]] BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c);
+
 // W_i: a small displacement e_i of reference i (all else right) moves the homography's idea of `target` by W_i e_i.
 // Exact to first order for a homography near the identity, by least squares when there are more than four references.
 // Closed form, four references at (+-a, +-b), target in the centre: u_x = (s/2) sqrt(1 + (a/b)^2), u_y = (s/2) sqrt(1 +

@@ -10,7 +10,6 @@
 
 #include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/layout.h"
-#include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/observation/print_model.h"
 #include "moiregauge/units/units.h"
 

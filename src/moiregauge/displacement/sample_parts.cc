@@ -21,10 +21,6 @@ constexpr double kOrderLimit = 0.4;
 
 }  // namespace
 
-BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c) {
-  return {std::hypot(a.x, b.x, c.x), std::hypot(a.y, b.y, c.y)};
-}
-
 BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch) {
   const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
   const double u0 = plan.pitch_mm / kTurn * (plan.reads_x ? patch.u_phase_rad[0] : 0.0);

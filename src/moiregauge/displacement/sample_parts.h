@@ -5,14 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include "moiregauge/displacement/layout.h"
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/reference.h"
 
 namespace moiregauge {
-
-using BoardExtent = Extent<frame::Board>;
-
-[[nodiscard]] BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c);
 
 // Noise of a patch along the board's axes, mm.
 [[nodiscard]] BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch);
