@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "cases.h"
-#include "moiregauge/phase/simd_target.h"
+#include "moiregauge/phase/fit/simd_target.h"
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our chains, as `measure` runs them for one frame.
 #include "cases.h"
-#include "moiregauge/markers/circles.h"
+#include "moiregauge/detection/circles/circles.h"
 #include "product_chain.h"
 
 namespace moiregauge::bench {

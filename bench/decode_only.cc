@@ -10,7 +10,7 @@
 #include <string>
 
 #include "floor_pass.h"
-#include "moiregauge/cli/open_input.h"
+#include "moiregauge/app/open_input.h"
 
 namespace {
 

@@ -3,9 +3,9 @@
 
 #include <stdexcept>
 
-#include "moiregauge/calibration/pose.h"
+#include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/displacement/bundle_frames.h"
-#include "moiregauge/observation/track.h"
+#include "moiregauge/observation/frame/track.h"
 
 namespace moiregauge::bench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/method.h"
-#include "moiregauge/displacement/precise_budget.h"
+#include "moiregauge/displacement/precise/precise_budget.h"
 #include "recording.h"
 
 namespace moiregauge::bench {

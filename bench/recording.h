@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge::bench {

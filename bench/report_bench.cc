@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/io/run_json.h"
+#include "moiregauge/io/run_dir/run_json.h"
 #include "moiregauge/report/report_page.h"
 
 #include <nlohmann/json.hpp>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cases.h"
-#include "moiregauge/markers/circles.h"
+#include "moiregauge/detection/circles/circles.h"
 #include "product_chain.h"
 
 namespace moiregauge::bench {

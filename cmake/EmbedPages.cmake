@@ -2,7 +2,7 @@
 # So the program tells what the documentation tells, word for word.
 file(GLOB files ${FOLDER}/*.md)
 list(SORT files)
-set(text "// Made by cmake/EmbedPages.cmake; edit the pages instead.\n#include <array>\n\n#include \"moiregauge/cli/page.h\"\n\n")
+set(text "// Made by cmake/EmbedPages.cmake; edit the pages instead.\n#include <array>\n\n#include \"moiregauge/cli/help/page.h\"\n\n")
 string(APPEND text "namespace moiregauge::cli {\nnamespace {\n\nconst std::array kPages{\n")
 foreach(file IN LISTS files)
   get_filename_component(name ${file} NAME_WE)

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <random>
 
-#include <moiregauge/phase/sampling_moire.h>
+#include <moiregauge/phase/sampling_moire/sampling_moire.h>
 #include <moiregauge/units/units.h>
 #include <moiregauge/version.h>
 

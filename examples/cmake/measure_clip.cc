@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include <moiregauge/decoder/video_source.h>
-#include <moiregauge/io/picture_source.h>
+#include <moiregauge/io/pictures/picture_source.h>
 #include <moiregauge/run/measure.h>
 
 int main(int argc, char** argv) {

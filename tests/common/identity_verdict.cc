@@ -6,7 +6,7 @@
 
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/method.h"
-#include "moiregauge/observation/site_from_picture.h"
+#include "moiregauge/observation/reference/site_from_picture.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::test {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/crowded_scene.h"
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge::test {
 

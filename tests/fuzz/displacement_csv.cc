@@ -2,8 +2,8 @@
 // Any bytes as the displacement.csv of a run that is exported.
 #include <sstream>
 
-#include "moiregauge/io/table_csv.h"
-#include "moiregauge/io/uff58.h"
+#include "moiregauge/io/tables/table_csv.h"
+#include "moiregauge/io/tables/uff58.h"
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "moiregauge/decoder/hevc_headers.h"
+#include "moiregauge/decoder/headers/hevc_headers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;

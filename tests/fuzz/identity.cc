@@ -2,7 +2,7 @@
 // Any circles, wherever they lie, against a site: never a guess, and never a search without end.
 //
 // First byte: how many references the site has, 4 to 8. Then five bytes a circle: x, y (1/16 px), diameter (px).
-#include "moiregauge/markers/identity.h"
+#include "moiregauge/detection/identity/identify_markers.h"
 
 #include <cmath>
 #include <set>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as a JPEG, and as the Exif block of one.
-#include "moiregauge/io/jpeg_reader.h"
+#include "moiregauge/io/pictures/jpeg_reader.h"
 
-#include "moiregauge/io/exif_orientation.h"
+#include "moiregauge/io/pictures/exif_orientation.h"
 #include "tests/fuzz/picture_trial.h"
 
 namespace {

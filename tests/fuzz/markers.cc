@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "moiregauge/markers/circles.h"
-#include "moiregauge/markers/grating_patches.h"
-#include "moiregauge/markers/identity.h"
-#include "moiregauge/markers/indexed_lattice.h"
+#include "moiregauge/detection/circles/circles.h"
+#include "moiregauge/detection/gratings/grating_patches.h"
+#include "moiregauge/detection/identity/identify_markers.h"
+#include "moiregauge/detection/lattices/indexed_lattice.h"
 #include "tests/fuzz/input_file.h"
 
 namespace moiregauge {

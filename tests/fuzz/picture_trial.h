@@ -2,7 +2,7 @@
 // What every reader of pictures promises, asked of whatever it read.
 #pragma once
 
-#include "moiregauge/io/picture.h"
+#include "moiregauge/io/pictures/picture.h"
 #include "tests/fuzz/input_file.h"
 
 namespace moiregauge::fuzz {

@@ -3,8 +3,8 @@
 #include <string_view>
 #include <vector>
 
-#include "moiregauge/io/crc32.h"
-#include "moiregauge/io/png_reader.h"
+#include "moiregauge/base/crc32.h"
+#include "moiregauge/io/pictures/png_reader.h"
 #include "tests/fuzz/picture_trial.h"
 
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any records as run.mgj. The head is made right and so are the check sums, unless the first byte is odd; what is read
 // is written and read again and says the same, and what is kept of a file that breaks off can be kept again.
-#include "moiregauge/io/run_file.h"
+#include "moiregauge/io/journal/run_file.h"
 
 #include <algorithm>
 #include <sstream>
 
-#include "moiregauge/io/crc32.h"
-#include "moiregauge/io/stored_bytes.h"
+#include "moiregauge/base/crc32.h"
+#include "moiregauge/io/journal/stored_bytes.h"
 #include "tests/fuzz/input_file.h"
 
 namespace moiregauge {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "moiregauge/io/run_file.h"
-#include "moiregauge/io/run_layout.h"
+#include "moiregauge/io/journal/run_file.h"
+#include "moiregauge/io/journal/run_layout.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 

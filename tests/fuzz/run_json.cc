@@ -2,7 +2,7 @@
 // Any bytes as the run.json of a run that is about to be replaced.
 #include <sstream>
 
-#include "moiregauge/io/run_json_reader.h"
+#include "moiregauge/io/run_dir/run_json_reader.h"
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any text as a scenario of the simulator; a single line as what stands behind --set, and as a length.
-#include "moiregauge/io/scenario_file.h"
+#include "moiregauge/io/config/scenario_file.h"
 
-#include "moiregauge/io/length_text.h"
-#include "moiregauge/simulator/built_in.h"
+#include "moiregauge/base/length_text.h"
+#include "moiregauge/simulator/scenario/built_in.h"
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

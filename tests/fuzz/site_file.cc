@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any text as site.toml: a site that is written again as it was read, or mistakes with their places.
-#include "moiregauge/io/site_file.h"
+#include "moiregauge/io/config/site_file.h"
 
 #include "tests/fuzz/input_file.h"
 

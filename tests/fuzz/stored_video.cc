@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as an uncompressed AVI or Matroska: every pixel that is promised must lie in the file.
-#include "moiregauge/decoder/stored_video.h"
+#include "moiregauge/decoder/stored/stored_video.h"
 
 #include "tests/fuzz/input_file.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as a TIFF: its pages are pictures or errors, read in order and one of them again.
-#include "moiregauge/io/tiff_reader.h"
+#include "moiregauge/io/pictures/tiff_reader.h"
 
 #include <algorithm>
 

@@ -19,7 +19,7 @@ HELD = [
     "usr/share/zsh/vendor-completions/_moiregauge",
     "usr/share/doc/moiregauge/copyright",
     "usr/share/doc/moiregauge/examples/cmake/CMakeLists.txt",
-    "usr/include/moiregauge/phase/sampling_moire.h",
+    "usr/include/moiregauge/phase/sampling_moire/sampling_moire.h",
     "usr/lib/moiregauge/libmoiregauge_phase.a",
     "usr/lib/cmake/moiregauge/moiregauge-config.cmake",
 ]

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/displacement/layout.h"
-#include "moiregauge/phase/sampling_moire.h"
+#include "moiregauge/phase/sampling_moire/sampling_moire.h"
+#include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {

@@ -9,7 +9,7 @@
 
 #include "common/simulated_run.h"
 #include "moiregauge/displacement/follower.h"
-#include "moiregauge/simulator/built_in.h"
+#include "moiregauge/simulator/scenario/built_in.h"
 
 namespace moiregauge::test {
 namespace {

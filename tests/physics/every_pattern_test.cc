@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/observation/patch.h"
+#include "moiregauge/observation/raster/patch.h"
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 

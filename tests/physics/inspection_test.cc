@@ -6,7 +6,7 @@
 
 #include "common/simulated_run.h"
 #include "moiregauge/displacement/expected_uncertainty.h"
-#include "moiregauge/observation/inspection.h"
+#include "moiregauge/observation/views/inspection.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bound that a run states of itself, from what it saw, against the closed form of the simulated scene that it saw.
-#include "moiregauge/displacement/layout_bound.h"
+#include "moiregauge/planning/layout_bound.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/simulator/built_in.h"
+#include "moiregauge/simulator/scenario/built_in.h"
 #include "moiregauge/units/units.h"
 #include "studies/precise_bounds.h"
 

@@ -7,8 +7,8 @@
 #include <Eigen/Dense>
 
 #include "common/simulated_run.h"
+#include "moiregauge/detection/circles/circles.h"
 #include "moiregauge/geometry/conic.h"
-#include "moiregauge/markers/circles.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {

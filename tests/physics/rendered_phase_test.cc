@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/observation/patch.h"
+#include "moiregauge/observation/raster/patch.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/calibration/row_motion.h"
+#include "moiregauge/calibration/rolling_shutter/row_motion.h"
 
 namespace moiregauge {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/io/solved_scene.h"
+#include "moiregauge/io/run_dir/solved_scene.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/markers/grating_patches.h"
-#include "moiregauge/simulator/built_in.h"
+#include "moiregauge/detection/gratings/grating_patches.h"
+#include "moiregauge/simulator/scenario/built_in.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/displacement/layout.h"
+#include "moiregauge/planning/reference_weights.h"
 
 namespace moiregauge {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/observation/site_from_picture.h"
+#include "moiregauge/observation/reference/site_from_picture.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {

@@ -36,32 +36,40 @@ class CheckIncludes(unittest.TestCase):
         self.passes("results/a.h", '"moiregauge/units/units.h"')
         self.passes("drawing/a.cc", '"moiregauge/results/series.h"')
         self.passes("run/a.cc", "<chrono>")
-        self.passes("io/a.cc", '"moiregauge/simulator/scenario.h"')
+        self.passes("io/a.cc", '"moiregauge/simulator/scenario/scenario.h"')
         self.passes("cli/a.cc", '"moiregauge/decoder/video.h"')
 
     def test_a_module_may_not_look_right(self):
         self.refused("units/a.h", '"moiregauge/site/site.h"', "units includes site")
-        self.refused("image/a.h", '"moiregauge/phase/sampling_moire.h"', "image includes phase")
+        self.refused("image/a.h", '"moiregauge/phase/sampling_moire/sampling_moire.h"', "image includes phase")
         self.refused("displacement/a.cc", '"moiregauge/run/frame_source.h"', "displacement includes run")
         self.refused("run/a.cc", '"moiregauge/io/png.h"', "run includes io")
-        self.refused("phase/a_test.cc", '"moiregauge/markers/circles.h"', "in a test")
+        self.refused("phase/a_test.cc", '"moiregauge/detection/circles/circles.h"', "in a test")
 
     def test_the_simulator_is_blind_to_the_instrument(self):
         self.refused("simulator/a.cc", '"moiregauge/geometry/camera.h"', "simulator includes geometry")
-        self.refused("simulator/a_test.cc", '"moiregauge/phase/sampling_moire.h"', "stays blind")
-        self.refused("phase/a.cc", '"moiregauge/simulator/scenario.h"', "phase includes simulator")
+        self.refused("simulator/a_test.cc", '"moiregauge/phase/sampling_moire/sampling_moire.h"', "stays blind")
+        self.refused("phase/a.cc", '"moiregauge/simulator/scenario/scenario.h"', "phase includes simulator")
 
     def test_nobody_includes_the_command_line(self):
         self.refused("io/a.cc", '"moiregauge/cli/exit.h"', "nothing may include cli")
 
-    def test_opencv_lives_in_the_sources_of_markers(self):
-        self.passes("markers/a.cc", "<opencv2/imgproc.hpp>")
-        self.refused("markers/a.h", "<opencv2/core.hpp>", "OpenCV in a header")
-        self.refused("geometry/a.cc", "<opencv2/core.hpp>", "only markers may")
+    def test_opencv_is_used_in_the_sources_of_detection_only(self):
+        self.passes("detection/circles/a.cc", "<opencv2/imgproc.hpp>")
+        self.refused("detection/circles/a.h", "<opencv2/core.hpp>", "OpenCV in a header")
+        self.refused("geometry/a.cc", "<opencv2/core.hpp>", "only detection may")
 
-    def test_ceres_lives_in_calibration(self):
-        self.passes("calibration/a.cc", "<ceres/ceres.h>")
-        self.refused("geometry/a.cc", "<ceres/ceres.h>", "only calibration may")
+    def test_ceres_is_used_in_board_only(self):
+        self.passes("board/a.cc", "<ceres/ceres.h>")
+        self.passes("calibration/scene/a_test.cc", "<ceres/ceres.h>")
+        self.refused("calibration/scene/a.cc", "<ceres/ceres.h>", "only board may")
+
+    def test_a_sub_folder_may_not_look_right(self):
+        self.passes("detection/gratings/a.cc", '"moiregauge/detection/circles/circles.h"')
+        self.passes("displacement/precise/a.cc", '"moiregauge/displacement/method.h"')
+        self.refused("detection/circles/a.cc", '"moiregauge/detection/gratings/grating_fit.h"', "order of the folders")
+        self.refused("displacement/a.cc", '"moiregauge/displacement/precise/precise_scene.h"', "order of the folders")
+        self.refused("detection/new/a.cc", '"moiregauge/detection/circles/circles.h"', "has no folder new")
 
     def test_the_core_is_pure(self):
         for header in ["<thread>", "<chrono>", "<fstream>", "<random>", "<spdlog/spdlog.h>", "<tbb/parallel_for.h>"]:

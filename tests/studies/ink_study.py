@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Thin-line grids from an ink-jet printer in a telephone's pictures of 12 Mpx: found, and measured, against the truth.
 
-    ink_study.py --program MOIREGAUGE [--frames 6] [--seeds 20]
+    ink_study.py --program MOIREGAUGE [--frames 12] [--seeds 20]
 
 Prints a table, one row for each draw of paper, ink and camera motion.
 """
@@ -22,11 +22,11 @@ def one_draw(program, seed, frames, tally):
     """The numbers of crossed gratings and of all gratings found in the first picture, and the draw's errors in um."""
     with tempfile.TemporaryDirectory() as folder:
         clip, out = pathlib.Path(folder) / "clip", pathlib.Path(folder) / "out"
-        run([program, "simulate", "ink", "--frames", frames, "--seed", seed, "--quiet", "--set", "sensor.fps=2", "-o", clip])
+        run([program, "simulate", "ink", "--frames", frames, "--seed", seed, "--quiet", "-o", clip])
         run([program, "inspect", clip / "frames", "--quiet", "-o", out])
         found = json.loads((out / "inspect.json").read_text())
         shutil.rmtree(out)
-        run([program, "measure", clip / "frames", "--site", clip / "site.toml", "--fps", 2, "--quiet", "-o", out])
+        run([program, "measure", clip / "frames", "--site", clip / "site.toml", "--fps", 10, "--quiet", "-o", out])
         own = Tally()
         for each in (own, tally):
             each.add(out, clip / "truth.csv")
@@ -37,7 +37,7 @@ def one_draw(program, seed, frames, tally):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)
-    parser.add_argument("--frames", type=int, default=6)
+    parser.add_argument("--frames", type=int, default=12)
     parser.add_argument("--seeds", type=int, default=20)
     options = parser.parse_args()
     program, whole, tally = options.program.resolve(), 0, Tally()

@@ -6,8 +6,8 @@
 
 #include <Eigen/Dense>
 
-#include "moiregauge/displacement/layout.h"
-#include "moiregauge/phase/sampling_moire.h"
+#include "moiregauge/phase/sampling_moire/sampling_moire.h"
+#include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::study {

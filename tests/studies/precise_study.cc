@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "common/simulated_run.h"
-#include "moiregauge/simulator/settings.h"
+#include "moiregauge/simulator/scenario/settings.h"
 #include "studies/lens.h"
 #include "studies/precise_bounds.h"
 #include "studies/precise_cases.h"

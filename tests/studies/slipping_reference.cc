@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/observation/print_model.h"
+#include "moiregauge/observation/print/print_model.h"
 #include "studies/dice.h"
 #include "studies/trust_scenarios.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "moiregauge/calibration/bundle.h"
+#include "moiregauge/calibration/scene/bundle.h"
 #include "studies/lens.h"
 
 namespace moiregauge::study {

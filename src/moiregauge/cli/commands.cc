@@ -3,18 +3,18 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/cli/command_calibrate.h"
-#include "moiregauge/cli/command_completion.h"
-#include "moiregauge/cli/command_export.h"
-#include "moiregauge/cli/command_help.h"
-#include "moiregauge/cli/command_inspect.h"
-#include "moiregauge/cli/command_list.h"
-#include "moiregauge/cli/command_measure.h"
-#include "moiregauge/cli/command_plan.h"
-#include "moiregauge/cli/command_reproduce.h"
-#include "moiregauge/cli/command_sheet.h"
-#include "moiregauge/cli/command_simulate.h"
-#include "moiregauge/cli/command_solve.h"
+#include "moiregauge/cli/help/command_completion.h"
+#include "moiregauge/cli/help/command_help.h"
+#include "moiregauge/cli/help/command_list.h"
+#include "moiregauge/cli/measure/command_export.h"
+#include "moiregauge/cli/measure/command_inspect.h"
+#include "moiregauge/cli/measure/command_measure.h"
+#include "moiregauge/cli/measure/command_solve.h"
+#include "moiregauge/cli/plan/command_calibrate.h"
+#include "moiregauge/cli/plan/command_plan.h"
+#include "moiregauge/cli/plan/command_sheet.h"
+#include "moiregauge/cli/reproduce/command_reproduce.h"
+#include "moiregauge/cli/reproduce/command_simulate.h"
 #include "moiregauge/version.h"
 
 namespace moiregauge::cli {

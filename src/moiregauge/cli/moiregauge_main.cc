@@ -12,12 +12,12 @@
 #include <glog/logging.h>
 #include <CLI/CLI.hpp>
 
-#include "moiregauge/cli/command_help.h"
 #include "moiregauge/cli/commands.h"
-#include "moiregauge/cli/exit_line.h"
-#include "moiregauge/cli/terminal_text.h"
-#include "moiregauge/cli/usage.h"
-#include "moiregauge/phase/simd_target.h"
+#include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/cli/common/terminal_text.h"
+#include "moiregauge/cli/help/command_help.h"
+#include "moiregauge/cli/help/usage.h"
+#include "moiregauge/phase/fit/simd_target.h"
 
 namespace {
 

@@ -14,8 +14,8 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/decoder/child_process.h"
-#include "moiregauge/decoder/stored_source.h"
+#include "moiregauge/decoder/child/child_process.h"
+#include "moiregauge/decoder/stored/stored_source.h"
 
 namespace moiregauge {
 namespace {

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/decoder/videos_for_tests.h"
-#include "moiregauge/io/test_folder.h"
 
 namespace moiregauge {
 namespace {

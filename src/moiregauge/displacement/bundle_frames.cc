@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "moiregauge/calibration/pose.h"
+#include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/sample_parts.h"
 

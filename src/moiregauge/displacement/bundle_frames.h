@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "moiregauge/calibration/frame_series.h"
-#include "moiregauge/displacement/codec_error.h"
+#include "moiregauge/calibration/scene/frame_series.h"
 #include "moiregauge/displacement/method.h"
+#include "moiregauge/planning/codec_error.h"
 
 namespace moiregauge {
 

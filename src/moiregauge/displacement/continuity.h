@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "moiregauge/calibration/frame_series.h"
+#include "moiregauge/calibration/scene/frame_series.h"
 #include "moiregauge/displacement/sample.h"
 
 namespace moiregauge {

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "moiregauge/displacement/codec_error.h"
-#include "moiregauge/displacement/layout.h"
 #include "moiregauge/displacement/sample_parts.h"
-#include "moiregauge/phase/sampling_moire.h"
+#include "moiregauge/phase/sampling_moire/sampling_moire.h"
+#include "moiregauge/planning/codec_error.h"
+#include "moiregauge/planning/reference_weights.h"
 
 namespace moiregauge {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "moiregauge/displacement/sample.h"
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge {
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/displacement/codec_error.h"
-#include "moiregauge/phase/sampling_moire.h"
+#include "moiregauge/phase/sampling_moire/sampling_moire.h"
+#include "moiregauge/planning/codec_error.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {
@@ -48,7 +48,7 @@ TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
   const auto expected = expected_uncertainties(five_markers(Pattern::kGrid), {});
   ASSERT_EQ(expected.size(), 1U);
   EXPECT_EQ(expected[0].marker, 4U);
-  // Target and references read to s; u_x = (s/2) sqrt(1 + (a/b)^2) through the references (layout.h); both frames
+  // Target and references read to s; u_x = (s/2) sqrt(1 + (a/b)^2) through the references (reference_weights.h); both frames
   // count.
   const auto since_reference_frame = [](double s) {
     return Extent<frame::Board>{s * std::sqrt(2.0 * (1.0 + 0.25 * (1.0 + kA * kA / (kB * kB)))),

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "moiregauge/displacement/sample.h"
-#include "moiregauge/observation/observe.h"
+#include "moiregauge/observation/frame/observe.h"
 
 namespace moiregauge {
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/displacement/layout_bound.h"
+#include "moiregauge/planning/layout_bound.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {

@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "moiregauge/calibration/calibrate.h"
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/calibration/model/calibrate.h"
+#include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge {
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Dense>
 
-#include "moiregauge/displacement/layout.h"
+#include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge {

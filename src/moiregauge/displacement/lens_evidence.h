@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "moiregauge/observation/observations.h"
+#include "moiregauge/observation/reference/observations.h"
 
 namespace moiregauge {
 

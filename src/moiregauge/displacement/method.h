@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "moiregauge/calibration/scene.h"
+#include "moiregauge/calibration/scene/scene.h"
 #include "moiregauge/displacement/sample.h"
-#include "moiregauge/observation/observations.h"
-#include "moiregauge/observation/observe.h"
+#include "moiregauge/observation/frame/observe.h"
+#include "moiregauge/observation/reference/observations.h"
 #include "moiregauge/units/frame_range.h"
 
 namespace moiregauge {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "moiregauge/displacement/layout.h"
 #include "moiregauge/displacement/sample.h"
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
+#include "moiregauge/planning/reference_weights.h"
 
 namespace moiregauge {
 

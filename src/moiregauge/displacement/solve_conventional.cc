@@ -4,11 +4,11 @@
 #include <cmath>
 #include <vector>
 
-#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/continuity.h"
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/planning/codec_error.h"
 
 namespace moiregauge {
 namespace {

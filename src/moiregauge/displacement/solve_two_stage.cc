@@ -3,13 +3,13 @@
 #include <cmath>
 #include <optional>
 
-#include "moiregauge/displacement/codec_error.h"
 #include "moiregauge/displacement/continuity.h"
 #include "moiregauge/displacement/follower.h"
-#include "moiregauge/displacement/layout.h"
 #include "moiregauge/displacement/lens_evidence.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/planning/codec_error.h"
+#include "moiregauge/planning/reference_weights.h"
 
 namespace moiregauge {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/decoder/video_source.h"
-#include "moiregauge/io/test_folder.h"
 
 namespace moiregauge {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <jpeglib.h>
 
-#include "moiregauge/drawing/surface.h"
+#include "moiregauge/drawing/surface/surface.h"
 
 namespace moiregauge {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/drawing/png_bytes.h"
-#include "moiregauge/drawing/surface.h"
+#include "moiregauge/drawing/surface/png_bytes.h"
+#include "moiregauge/drawing/surface/surface.h"
 
 namespace moiregauge {
 namespace {

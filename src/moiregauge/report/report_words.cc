@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/observation/scale_check.h"
+#include "moiregauge/observation/reference/scale_check.h"
 
 namespace moiregauge {
 namespace {

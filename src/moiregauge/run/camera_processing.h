@@ -9,7 +9,7 @@
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/image/grain.h"
 #include "moiregauge/image/repeated_pixels.h"
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/run/frame_source.h"
 
 namespace moiregauge {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "moiregauge/observation/observations.h"
+#include "moiregauge/observation/reference/observations.h"
 
 namespace moiregauge {
 

@@ -3,7 +3,7 @@
 // crops).
 #pragma once
 
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/run/frame_source.h"
 
 namespace moiregauge {

@@ -20,7 +20,7 @@ namespace moiregauge {
 struct InputInfo {
   std::string path;
   std::string sha256;       // of the file's bytes; of a folder: over the pictures' bytes in order. A source leaves it
-                            // empty: it is taken beside the measuring, not before it (cli/fingerprint.h)
+                            // empty: it is taken beside the measuring, not before it (app/fingerprint.h)
   long frames = -1;         // number of frames in the input; -1: not known before the end
   int width = 0;            // px, as displayed
   int height = 0;           // px, as displayed

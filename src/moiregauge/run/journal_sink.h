@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <variant>
 
-#include "moiregauge/phase/tone_evidence.h"
+#include "moiregauge/phase/fit/tone_evidence.h"
 #include "moiregauge/run/codec.h"
 
 namespace moiregauge {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "moiregauge/observation/reference.h"
+#include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge {
 

@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/detection/identity/layout_symmetry.h"
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/image/upper_bits.h"
-#include "moiregauge/markers/layout_symmetry.h"
-#include "moiregauge/observation/reference_by_gratings.h"
+#include "moiregauge/observation/reference/reference_by_gratings.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
 #include "moiregauge/run/light.h"

@@ -10,7 +10,7 @@
 
 #include <tl/expected.hpp>
 
-#include "moiregauge/observation/site_from_picture.h"
+#include "moiregauge/observation/reference/site_from_picture.h"
 #include "moiregauge/results/peaks.h"
 #include "moiregauge/results/summary.h"
 #include "moiregauge/run/camera_processing.h"

@@ -4,8 +4,8 @@
 
 #include <tl/expected.hpp>
 
+#include "moiregauge/base/output_error.h"
 #include "moiregauge/run/measure.h"
-#include "moiregauge/run/output_error.h"
 
 namespace moiregauge {
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "moiregauge/drawing/canvas.h"
+#include "moiregauge/drawing/surface/canvas.h"
 
 namespace moiregauge::sheet {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "moiregauge/drawing/canvas.h"
+#include "moiregauge/drawing/surface/canvas.h"
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/drawing/canvas.h"
+#include "moiregauge/drawing/surface/canvas.h"
 #include "moiregauge/sheet/draw_sheet.h"
 #include "moiregauge/units/units.h"
 

@@ -8,7 +8,7 @@
 
 #include <cairo.h>
 
-#include "moiregauge/drawing/surface.h"
+#include "moiregauge/drawing/surface/surface.h"
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/units.h"
 

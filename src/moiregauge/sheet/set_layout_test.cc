@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/markers/layout_symmetry.h"
+#include "moiregauge/detection/identity/layout_symmetry.h"
 
 namespace moiregauge::sheet {
 namespace {

@@ -10,7 +10,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
-#include "moiregauge/drawing/surface.h"
+#include "moiregauge/drawing/surface/surface.h"
 #include "moiregauge/sheet/draw_sheet.h"
 #include "moiregauge/sheet/mounting_plan.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/simulator/faults_for_tests.h"
-#include "moiregauge/simulator/texture.h"
+#include "moiregauge/simulator/rendering/texture.h"
 
 namespace moiregauge::simulator {
 namespace {

@@ -8,12 +8,12 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "moiregauge/simulator/background.h"
-#include "moiregauge/simulator/exposure.h"
-#include "moiregauge/simulator/gaussian.h"
-#include "moiregauge/simulator/lighting.h"
-#include "moiregauge/simulator/processing.h"
 #include "moiregauge/simulator/recorder.h"
+#include "moiregauge/simulator/rendering/background.h"
+#include "moiregauge/simulator/rendering/exposure.h"
+#include "moiregauge/simulator/rendering/lighting.h"
+#include "moiregauge/simulator/rendering/processing.h"
+#include "moiregauge/simulator/scenario/gaussian.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge::simulator {

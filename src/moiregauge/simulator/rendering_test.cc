@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/simulator/projection.h"
+#include "moiregauge/simulator/rendering/projection.h"
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 

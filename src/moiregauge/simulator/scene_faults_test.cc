@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/simulator/faults_for_tests.h"
-#include "moiregauge/simulator/projection.h"
-#include "moiregauge/simulator/settings.h"
+#include "moiregauge/simulator/rendering/projection.h"
+#include "moiregauge/simulator/scenario/settings.h"
 
 namespace moiregauge::simulator {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/simulator/settings.h"
+#include "moiregauge/simulator/scenario/settings.h"
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "moiregauge/simulator/projection.h"
+#include "moiregauge/simulator/rendering/projection.h"
 
 namespace moiregauge::simulator {
 

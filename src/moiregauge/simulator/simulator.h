@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "moiregauge/image/image.h"
-#include "moiregauge/simulator/built_in.h"
-#include "moiregauge/simulator/scenario.h"
+#include "moiregauge/simulator/scenario/built_in.h"
+#include "moiregauge/simulator/scenario/scenario.h"
 #include "moiregauge/site/site.h"
 #include "moiregauge/units/point.h"
 

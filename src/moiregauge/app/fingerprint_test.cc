@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/app/fingerprint.h"
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/base/folder_for_tests.h"
+
+namespace moiregauge::cli {
+namespace {
+
+constexpr std::size_t kBytes = 4 << 20;  // a pass over them is still going on when the first question comes
+
+InputOptions with_threads(int threads) {
+  InputOptions options;
+  options.threads = threads;
+  return options;
+}
+
+TEST(Fingerprint, BesideTheMeasuringItIsTheSameAsBeforeIt) {
+  const TestFolder folder;
+  put_text(folder / "video.avi", std::string(kBytes, 'x'));
+  Fingerprint beside(folder / "video.avi", with_threads(4));
+  Fingerprint before(folder / "video.avi", with_threads(1));
+  EXPECT_EQ(beside.hex(), before.hex());
+  EXPECT_EQ(beside.hex().size(), 64U);
+}
+
+TEST(Fingerprint, WhoGivesUpDoesNotWaitForIt) {
+  const TestFolder folder;
+  put_text(folder / "video.avi", std::string(kBytes, 'x'));
+  for (int k = 0; k < 20; ++k) Fingerprint(folder / "video.avi", with_threads(4));
+}
+
+}  // namespace
+}  // namespace moiregauge::cli

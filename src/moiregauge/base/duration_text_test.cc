@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/base/duration_text.h"
+
+#include <gtest/gtest.h>
+
+namespace moiregauge {
+namespace {
+
+TEST(DurationText, ReadsMillisecondsSecondsAndMicroseconds) {
+  EXPECT_EQ(duration_s("18ms").value(), 0.018);
+  EXPECT_EQ(duration_s(" 0.018 s ").value(), 0.018);
+  EXPECT_EQ(duration_s("18000us").value(), 0.018);
+  EXPECT_EQ(duration_s("0ms").value(), 0.0);
+}
+
+TEST(DurationText, RefusesWhatHasNoUnitAndWhatIsNoTime) {
+  EXPECT_NE(duration_s("18").error().find("write 18ms"), std::string::npos);
+  for (const char* text : {"", "ms", "-1ms", "nan ms", "inf s", "18 min", "1,8ms", "18ms18"})
+    EXPECT_FALSE(duration_s(text)) << text;
+}
+
+}  // namespace
+}  // namespace moiregauge

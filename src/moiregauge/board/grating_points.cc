@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+#include <utility>
+#include <variant>
+
+#include "moiregauge/board/seen_board.h"
+#include "moiregauge/detection/gratings/grating_fit.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr double kLatticeReach = 1.25;  // pitches to either side of a point: what its lattice is fitted to
+constexpr double kExplained = 0.7;      // of the grey levels round a point
+constexpr double kAsMuch = 0.95;        // of what is explained in the middle: less where the print ends within reach
+constexpr double kNodeFarOff = 0.15;    // pitches from where the neighbour expects it
+constexpr double kNoise =
+    1e-3;  // pitches, roughly: how far a point's own pixels tell it. The scatter of many says more
+// All of a print's pixels: strewn ones would alias with its sharp edges.
+constexpr LatticeFitOptions kFit{.order = kHighestOrder, .perspective = true, .most_pixels = 10000};
+using Cell = std::pair<int, int>;
+
+struct Node {
+  ImagePoint at;
+  Lattice lattice;  // its origin at `at`
+  double explained = 0.0;
+};
+
+Image<float> grey_of(const LumaView& luma) {
+  Image<float> out(width_of(luma), height_of(luma));
+  std::visit(
+      [&](const auto& view) {
+        for (int y = 0; y < view.height; ++y)
+          std::transform(view.row(y).begin(), view.row(y).end(), out.row(y).begin(),
+                         [](auto grey) { return static_cast<float>(grey); });
+      },
+      luma);
+  return out;
+}
+
+// Where a harmonic's cosine is greatest, in periods of its own.
+double phase_of(const LatticeModel& model, int m, int n) {
+  for (std::size_t k = 0; k < model.harmonics.size(); ++k) {
+    if (model.harmonics[k] != Eigen::Vector2i(m, n)) continue;
+    const auto c = static_cast<Eigen::Index>(1 + 2 * k);
+    return std::atan2(model.coefficients(c + 1), model.coefficients(c)) / kTurn;
+  }
+  return 0.0;
+}
+
+bool is_inside(const Image<float>& grey, const Lattice& lattice) {
+  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    if (std::isnan(grey_at(grey, lattice.at({x * kLatticeReach, y * kLatticeReach})))) return false;
+  }
+  return true;
+}
+
+struct NodeLook {
+  double tolerance = 0.5;  // pitches
+  double explained = kExplained;
+};
+
+// The point nearest to the expected lattice's origin at which both fundamentals are at their greatest.
+std::optional<Node> look_for_node(const Image<float>& grey, const Lattice& expected, const NodeLook& how) {
+  if (!is_inside(grey, expected)) return std::nullopt;
+  LatticeModel model;
+  model.lattice = expected;
+  if (!fit_lattice(grey, {{-kLatticeReach, -kLatticeReach}, {kLatticeReach, kLatticeReach}},
+                   Eigen::Matrix2d::Identity(), kFit, model))
+    return std::nullopt;
+  if (model.explained() < how.explained) return std::nullopt;
+  const Eigen::Vector2d here = model.lattice.phi(expected.origin), peak(phase_of(model, 1, 0), phase_of(model, 0, 1));
+  const Eigen::Vector2d off = (peak - here).array() - (peak - here).array().round();
+  if (off.cwiseAbs().maxCoeff() > how.tolerance) return std::nullopt;
+  Node node;
+  node.at = model.lattice.at(here + off);
+  node.lattice.k = model.lattice.jacobian(node.at);
+  node.lattice.origin = node.at;
+  node.explained = model.explained();
+  return node;
+}
+
+}  // namespace
+
+SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
+  const Image<float> grey = grey_of(luma);
+  Lattice middle;
+  middle.origin = patch.centre;
+  middle.k << patch.k_x.x, patch.k_x.y, patch.k_y.x, patch.k_y.y;
+  std::map<Cell, Node> nodes;
+  std::queue<Cell> fresh;
+  if (const auto first = look_for_node(grey, middle, {})) {
+    nodes[{0, 0}] = *first;
+    fresh.push({0, 0});
+  }
+  for (; !fresh.empty(); fresh.pop()) {
+    const Cell cell = fresh.front();
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      const Cell next{cell.first + dx, cell.second + dy};
+      if (nodes.contains(next)) continue;
+      const Node& from = nodes.at(cell);
+      Lattice expected = from.lattice;
+      expected.origin = from.lattice.at({dx, dy});
+      // Two in a row say how the step changes.
+      if (const auto before = nodes.find({cell.first - dx, cell.second - dy}); before != nodes.end())
+        expected.origin = from.at + (from.at - before->second.at);
+      if (auto node = look_for_node(grey, expected, {kNodeFarOff, kAsMuch * nodes.at({0, 0}).explained})) {
+        nodes[next] = *node;
+        fresh.push(next);
+      }
+    }
+  }
+  SeenBoard board;
+  board.pattern = BoardPattern::kGrating;
+  if (nodes.empty()) return board;
+  int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+  for (const auto& [cell, node] : nodes) {
+    x0 = std::min(x0, cell.first), x1 = std::max(x1, cell.first);
+    y0 = std::min(y0, cell.second), y1 = std::max(y1, cell.second);
+  }
+  board.columns = x1 - x0 + 1;
+  board.rows = y1 - y0 + 1;
+  for (const auto& [cell, node] : nodes) {
+    const double pitch = 1.0 / std::sqrt(std::abs(node.lattice.k.determinant()));
+    board.points.push_back({cell.first - x0, y1 - cell.second, node.at, kNoise * pitch, pitch});
+  }
+  return board;
+}
+
+}  // namespace moiregauge

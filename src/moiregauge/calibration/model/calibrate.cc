@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/model/calibrate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "moiregauge/calibration/model/chi2.h"
+#include "moiregauge/calibration/model/marker_jitter.h"
+#include "moiregauge/calibration/model/print_error.h"
+#include "moiregauge/calibration/model/scene_model.h"
+#include "moiregauge/calibration/rolling_shutter/row_motion.h"
+
+namespace moiregauge {
+namespace {
+
+std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {
+  std::vector<FrameFit> fits;
+  for (const BundleFrame& frame : solution.frames) fits.push_back(fit_frame(site, solution.scene, frame));
+  return fits;
+}
+
+// Each estimate is made with weights of the last one; from the second on they hardly change.
+constexpr int kErrorRounds = 3;
+constexpr double kSameError = 0.01;  // of it: chi2 would change by 2 %, and what is solved by nothing
+
+// What is left when everything is free is the print's, or its place's in that frame: a height or a depth left out must
+// not pass for it.
+PrintError print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
+                          const ScenePrior& prior, const PrintError& last) {
+  const BundleSolution largest =
+      solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Stands);
+  if (!largest.scene.solved) return {};
+  const auto fits = fits_of(site, largest);
+  PrintError error;
+  error.wander_mm = wander_mm(site, largest.scene, largest.frames, fits, prior, last.wander_mm);
+  const auto wandering = with_print_error(site, noise_alone, {.wander_mm = error.wander_mm});
+  error.points_mm = print_error_mm(site, largest.scene, wandering, fits, prior);
+  return error;
+}
+
+bool is_the_same(const PrintError& a, const PrintError& b) {
+  return std::abs(a.points_mm - b.points_mm) <= kSameError * a.points_mm &&
+         std::abs(a.wander_mm - b.wander_mm) <= kSameError * a.wander_mm;
+}
+
+// Of chi2 beyond its degrees of freedom: six parameters of some eighty take a twelfth of anything.
+constexpr double kWorthAsking = 0.25;
+
+// How much of what noise alone does not explain goes when the camera may turn while rows are read. Asked before a print
+// error is allowed for: that would take it all. Nothing is asked where noise explains everything.
+ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits,
+                         RowsRun run) {
+  ShutterTest out;
+  double chi2 = 0.0, gone = 0.0;
+  long dof = 0, frames = 0;
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    if (!fits[k].ok) continue;
+    chi2 += fits[k].chi2_sum, dof += fits[k].dof;
+    ++frames;
+  }
+  if (dof <= 0 || !(chi2 > 0.0)) return out;
+  out.chi2_dof = chi2 / static_cast<double>(dof);
+  out.dof = dof;
+  const auto excess = chi2 - static_cast<double>(dof);
+  if (!(chi2 > most_by_chance(static_cast<double>(dof))) || solution.frames.front().rows) return out;
+  for (std::size_t k = 0; k < fits.size(); ++k)
+    gone += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
+  out.share = gone / chi2;
+  const double turned = gone - static_cast<double>(kTurning * frames);
+  out.asks = turned > std::log(std::max(3.0, static_cast<double>(dof))) && turned > kWorthAsking * excess;
+  return out;
+}
+
+constexpr double kStretchBeyond = 3.0;  // u
+constexpr int kWiderPriors = 2;         // the first stretch found was held back by the prior that it breaks
+
+bool is_beyond(double stretch, const ScenePrior& prior) {
+  return std::abs(stretch - prior.stretch) > kStretchBeyond * prior.u_stretch;
+}
+
+ScenePrior for_stretched(ScenePrior prior, double stretch) {
+  const double beyond = std::abs(stretch - prior.stretch);
+  prior.u_stretch = std::hypot(prior.u_stretch, beyond);
+  for (MarkerShape& u : prior.u_markers) {
+    double& scale = u.value[MarkerShape::kScale];
+    if (scale > 0.0) scale = std::hypot(scale, 0.5 * beyond);
+  }
+  return prior;
+}
+
+template <typename Frame>
+std::vector<std::size_t> chosen_of(std::span<const Frame> frames, std::size_t most) {
+  std::set<std::size_t> chosen;
+  if (frames.size() <= most) {
+    for (std::size_t i = 0; i < frames.size(); ++i) chosen.insert(i);
+  } else {
+    for (int k = 0; k < 6; ++k) {
+      const auto of = [k](const Frame& f) {
+        return k < 3 ? f.pose.turn[static_cast<std::size_t>(k)] : f.pose.shift[static_cast<std::size_t>(k - 3)];
+      };
+      const auto [low, high] = std::minmax_element(frames.begin(), frames.end(),
+                                                   [&](const Frame& a, const Frame& b) { return of(a) < of(b); });
+      chosen.insert(static_cast<std::size_t>(low - frames.begin()));
+      chosen.insert(static_cast<std::size_t>(high - frames.begin()));
+    }
+    for (std::size_t i = 0; i < most; ++i) chosen.insert(i * (frames.size() - 1) / (most - 1));
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+}  // namespace
+
+std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most) {
+  return chosen_of(frames, most);
+}
+
+std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::size_t most) {
+  return chosen_of(frames, most);
+}
+
+Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& given, Until until) {
+  Calibration best;
+  ScenePrior& prior = best.prior;
+  prior = given;
+  auto solution = ascended(site, frames, prior, Prints::kPerfect, until);
+  for (int wider = 0; wider < kWiderPriors && solution && is_beyond(solution->scene.stretch, prior); ++wider) {
+    prior = for_stretched(given, solution->scene.stretch);
+    solution = ascended(site, frames, prior, Prints::kPerfect, until);
+  }
+  if (!solution) {
+    best.bundle.scene.solved = false;
+    best.bundle.scene.problem = "no lens could be solved from these frames";
+    best.bundle.scene.camera = prior.camera;
+    best.bundle.scene.markers = prior.markers;
+    return best;
+  }
+  best.fits = fits_of(site, *solution);
+  best.shutter = shutter_test(site, *solution, best.fits, prior.rows_run);
+  for (int round = 0; round < kErrorRounds; ++round) {
+    const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
+    if (is_the_same(error, best.print_error)) break;
+    auto again = ascended(site, with_print_error(site, frames, error), prior,
+                          error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, until);
+    if (!again) break;
+    solution = std::move(again);
+    best.print_error = error;
+  }
+  best.bundle = *std::move(solution);
+  if (best.print_error.points_mm > 0.0 || best.print_error.wander_mm > 0.0) best.fits = fits_of(site, best.bundle);
+  Scene& scene = best.bundle.scene;
+  scene.covariance = scene_covariance(site, best.fits, prior, scene.model);
+  const double u_stretch = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));
+  best.stretched =
+      is_beyond(scene.stretch, given) && std::abs(scene.stretch - given.stretch) > kStretchBeyond * u_stretch;
+  return best;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/model/marker_jitter.h"
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/QR>
+
+#include "moiregauge/calibration/model/chi2.h"
+#include "moiregauge/calibration/scene/patch_residual.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kPose = 6;
+using Shift18 = Eigen::Matrix<double, PatchResidual::kSize, 2>;
+
+// A frame's references, each by the two coordinates in which its shift shows: Q' of residuals, of the columns of what
+// was solved of the frame (its pose, and its motion while rows are read), and of the scene's, those taken out; and what
+// a shift of a millimetre is there.
+struct Common {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd by_frame, by_scene, by_shift;
+  Eigen::MatrixXd covariance;  // of what was solved of the frame
+};
+
+Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit) {
+  std::vector<std::size_t> seen;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (frame.points[i] && site.markers[i].grating && site.markers[i].role == Role::kReference) seen.push_back(i);
+  }
+  const auto rows = static_cast<Eigen::Index>(2 * seen.size());
+  std::vector<Eigen::Index> solved;
+  for (Eigen::Index k = 0; k < kPose; ++k) solved.push_back(k);
+  for (Eigen::Index k = 0; frame.rows && k < kMotionParameters; ++k)
+    solved.push_back(fit.covariance.rows() - kMotionParameters + k);
+  Common c{Eigen::VectorXd::Zero(rows), Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(solved.size())),
+           Eigen::MatrixXd::Zero(rows, scene_parameters(site.markers.size())), Eigen::MatrixXd::Zero(rows, rows),
+           fit.covariance(solved, solved)};
+  const CommonNumbers camera = numbers_of(scene);
+  const TurnedPose pose(fit.pose);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const std::size_t i = seen[k];
+    const auto row = static_cast<Eigen::Index>(2 * k);
+    const PatchResidual patch(*frame.points[i], *site.markers[i].grating);
+    auto design = patch.design(camera, scene.markers[i], pose, fit.shift[i]);
+    const Shift18 shift = design.middleCols<2>(PatchColumn::kShape);
+    const Eigen::HouseholderQR<Shift18> qr(shift);
+    const Shift18 q = qr.householderQ() * Shift18::Identity();
+    if (frame.rows) {
+      const auto by_motion = (patch.root() * frame.rows->by_marker[i].leftCols<kMotionParameters>()).eval();
+      design.col(PatchColumn::kResidual) += by_motion * fit.motion;
+      c.by_frame.block<2, kMotionParameters>(row, kPose) = q.transpose() * by_motion;
+    }
+    const Eigen::Matrix<double, 2, PatchColumn::kColumns> along = q.transpose() * design;
+    c.residual.segment<2>(row) = along.col(PatchColumn::kResidual);
+    c.by_frame.block<2, kPose>(row, 0) = along.middleCols<kPose>(PatchColumn::kPose);
+    c.by_shift.block<2, 2>(row, row) = along.middleCols<2>(PatchColumn::kShape);
+    c.by_scene.block<2, kCommonParameters>(row, 0) = along.leftCols<kCommonParameters>();
+    c.by_scene.block<2, kShapeParameters>(row, shape_row(i, 0)) =
+        along.middleCols<kShapeParameters>(PatchColumn::kShape);
+  }
+  c.by_scene += c.by_frame * fit.sensitivity(solved, Eigen::all);
+  return c;
+}
+
+}  // namespace
+
+double wander_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
+                 std::span<const FrameFit> fits, const ScenePrior& prior, double already) {
+  const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, scene.model);
+  const auto parameters = covariance.rows();
+  std::vector<Common> all;
+  Eigen::MatrixXd told = Eigen::MatrixXd::Zero(parameters, parameters);  // of the scene, by a wander of 1 mm
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (!fits[k].ok) continue;
+    all.push_back(common_of(site, scene, frames[k], fits[k]));
+    const Eigen::MatrixXd s = all.back().by_scene.transpose() * all.back().by_shift;
+    told.noalias() += s * s.transpose();
+  }
+  double chi2 = 0.0, dof = 0.0, per_wander = 0.0;
+  for (const Common& c : all) {
+    const Eigen::MatrixXd by_scene = c.by_scene * covariance;  // Q' S C
+    const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(c.residual.size(), c.residual.size()) -
+                                 c.by_frame * c.covariance * c.by_frame.transpose() - by_scene * c.by_scene.transpose();
+    const Eigen::MatrixXd own = c.by_scene.transpose() * c.by_shift;
+    const Eigen::MatrixXd of_others = told - own * own.transpose();
+    chi2 += c.residual.squaredNorm();
+    dof += left.trace();
+    per_wander += (left * c.by_shift).squaredNorm() + (by_scene * of_others * by_scene.transpose()).trace();
+  }
+  if (!(dof > 0.0 && per_wander > 0.0)) return already;
+  if (already == 0.0 && chi2 <= most_by_chance(dof)) return 0.0;
+  return std::sqrt(std::max(0.0, already * already + (chi2 - dof) / per_wander));
+}
+
+}  // namespace moiregauge

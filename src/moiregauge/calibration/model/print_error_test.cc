@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/model/print_error.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/calibration/model/marker_jitter.h"
+#include "moiregauge/calibration/scene/patch_residual.h"
+#include "moiregauge/calibration/scene/rig_for_tests.h"
+
+namespace moiregauge {
+namespace {
+
+using test::kPitch;
+
+constexpr double kNoise_mm = 1e-3;
+constexpr std::uint64_t kPrintSeed = 11;  // printed with every failure
+
+struct Truth {
+  Site site;
+  Scene scene;
+  ScenePrior prior;
+};
+
+Truth truth() {
+  Truth t;
+  for (const BoardPoint at : {BoardPoint{-300, 150}, {300, 150}, {-300, -150}, {300, -150}, {0, 0}}) {
+    Marker m;
+    m.role = at.x == 0.0 ? Role::kTarget : Role::kReference;
+    m.grating = Grating{at, 60.0, 60.0, kPitch, 0.0, Pattern::kGrid};
+    t.site.markers.push_back(m);
+  }
+  t.scene.camera = {2000, 1500, 2500, 2500, 1000, 750, -0.05, 0, 0, 0, 0};
+  t.scene.markers.resize(t.site.markers.size());
+  t.scene.model = {.radial = true};
+  t.prior = scene_prior(t.site, 2000, 1500, std::nullopt);
+  return t;
+}
+
+// Every patch's nine points with noise of their own, and with an error in each and in common.
+std::vector<BundleFrame> views(const Truth& t, double error_mm, double common_mm, int count = 12) {
+  std::mt19937_64 rng(kPrintSeed);
+  std::normal_distribution<double> normal;
+  const Camera& c = t.scene.camera;
+  const double camera[]{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  std::vector<BundleFrame> frames;
+  for (int k = 0; k < count; ++k) {
+    BundleFrame frame;
+    frame.pose = {{0.2 * normal(rng), 0.2 * normal(rng), 0.2 * normal(rng)}, {0, 0, 1200}};
+    for (const Marker& m : t.site.markers) {
+      PatchFit fit;
+      const double common[]{common_mm * normal(rng), common_mm * normal(rng)};
+      for (std::size_t n = 0; n < kPatchPoints; ++n) {
+        const double x = 20.0 * (static_cast<double>(n % 3) - 1.0), y = 20.0 * (static_cast<double>(n / 3) - 1.0);
+        const double pose[]{frame.pose.turn[0],  frame.pose.turn[1],  frame.pose.turn[2],
+                            frame.pose.shift[0], frame.pose.shift[1], frame.pose.shift[2]};
+        const auto image = projected(camera, pose, {m.grating->centre.x + x, m.grating->centre.y + y, 0.0});
+        fit.image[n] = {image[0], image[1]};
+        fit.print[n] = {(x + common[0] + error_mm * normal(rng) + kNoise_mm * normal(rng)) / kPitch,
+                        (y + common[1] + error_mm * normal(rng) + kNoise_mm * normal(rng)) / kPitch};
+      }
+      fit.information = PatchInformation::Identity() * (kPitch * kPitch) / (kNoise_mm * kNoise_mm);
+      frame.points.emplace_back(fit);
+      frame.shift.push_back({});
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+// The scene is the truth: nothing of it was solved from these frames.
+ScenePrior known(const Truth& t) {
+  ScenePrior prior = t.prior;
+  for (double& u : prior.u_camera) u = 1e-12;
+  for (MarkerShape& u : prior.u_markers) u.value = {};
+  return prior;
+}
+
+std::vector<FrameFit> fits_of(const Truth& t, const std::vector<BundleFrame>& frames) {
+  std::vector<FrameFit> fits;
+  for (const BundleFrame& frame : frames) fits.push_back(fit_frame(t.site, t.scene, frame));
+  return fits;
+}
+
+double estimate(const Truth& t, const std::vector<BundleFrame>& frames) {
+  return print_error_mm(t.site, t.scene, frames, fits_of(t, frames), known(t));
+}
+
+double wander(const Truth& t, const std::vector<BundleFrame>& frames, double already = 0.0) {
+  return wander_mm(t.site, t.scene, frames, fits_of(t, frames), known(t), already);
+}
+
+TEST(PrintError, OfAPerfectPrintIsNone) {
+  const Truth t = truth();
+  EXPECT_EQ(estimate(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kPrintSeed;
+}
+
+// Five prints in twelve views: 960 degrees of freedom tell a scatter to 1 / sqrt(2 n) = 2.3 %; what the nine share are
+// 120 numbers only, hardly in chi2. Four of these, and 2 % for the split between the two.
+TEST(PrintError, IsToldFromTheNoiseByWhatNoiseDoesNotExplain) {
+  const Truth t = truth();
+  for (const double error_mm : {0.002, 0.01})
+    EXPECT_NEAR(estimate(t, views(t, error_mm, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kPrintSeed;
+}
+
+TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
+  const Truth t = truth();
+  const auto frames = views(t, 0.01, 0.01);
+  double chi2 = 0.0, dof = 0.0;
+  for (const BundleFrame& frame : with_print_error(t.site, frames, {.points_mm = 0.01})) {
+    const FrameFit fit = fit_frame(t.site, t.scene, frame);
+    chi2 += fit.chi2_sum;
+    dof += static_cast<double>(fit.dof);
+  }
+  EXPECT_NEAR(chi2 / dof, 1.0, 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
+}
+
+// Pixels that miss the template by as much as noise alone would in every frame: of their residuals half the variance
+// scatters. 984 degrees of freedom, a hundred more that say 1; of 0.74 the scatter is 0.5 sqrt(2 / 984) / (2 * 0.74).
+TEST(PrintError, OfResidualsThatAreTheSameInAllFramesIsNotTakenForNoise) {
+  const Truth t = truth();
+  auto frames = views(t, 0.0, 0.0);
+  for (BundleFrame& frame : frames) {
+    for (auto& points : frame.points) points->information *= 0.5;
+  }
+  const auto fits = fits_of(t, frames);
+  double dof = 0.0;
+  for (const FrameFit& fit : fits) dof += static_cast<double>(fit.dof);
+  const double share = noise_share(t.site, t.scene.model, fits, known(t));
+  EXPECT_NEAR(share, std::sqrt((0.5 * dof + 100.0) / (dof + 100.0)), 4.0 * 0.35 * std::sqrt(2.0 / dof))
+      << "seed " << kPrintSeed;
+  double chi2 = 0.0;
+  for (const FrameFit& fit : fits_of(t, with_print_error(t.site, frames, {.noise_share = share}))) chi2 += fit.chi2_sum;
+  EXPECT_GT(chi2 / dof, 0.8) << "nearly all that chi2 was short of";
+  EXPECT_LT(chi2 / dof, 1.0 + 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
+}
+
+TEST(Wander, OfMarkersThatStandStillIsNone) {
+  const Truth t = truth();
+  EXPECT_EQ(wander(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kPrintSeed;
+}
+
+// Four references have eight coordinates as wholes; a pose takes up six of them, or less where a print's own turn and
+// scale hold it: 200 numbers at least in 100 views tell a scatter to 5 %. Four of these.
+TEST(Wander, IsToldThoughThePosesTakeUpMostOfIt) {
+  const Truth t = truth();
+  for (const double wander_um : {3.0, 30.0, 300.0})
+    EXPECT_NEAR(1e3 * wander(t, views(t, 0.0, 1e-3 * wander_um, 100)) / wander_um, 1.0, 0.2) << "seed " << kPrintSeed;
+}
+
+TEST(Wander, StaysAsItIsOnceTheWeightsAllowForIt) {
+  const Truth t = truth();
+  const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {.wander_mm = 0.03});
+  EXPECT_NEAR(wander(t, frames, 0.03) / 0.03, 1.0, 0.2) << "seed " << kPrintSeed;
+}
+
+// A print of lines says nothing along them, and an error of the print does not change that.
+TEST(PrintError, LeavesUnknownWhatThePrintDoesNotShow) {
+  const Truth t = truth();
+  auto frames = views(t, 0.0, 0.0);
+  auto& information = frames.front().points.front()->information;
+  information.bottomRightCorner<kPatchPoints, kPatchPoints>().setZero();
+  const auto with = with_print_error(t.site, frames, {.points_mm = 0.01});
+  const auto& kept = with.front().points.front()->information;
+  EXPECT_LT((kept.bottomRows<kPatchPoints>().cwiseAbs().maxCoeff()), 1e-9);
+  // One point of nine: its own 1 and 10 um, and 10 um in common.
+  const Eigen::MatrixXd shown = kept.topLeftCorner<kPatchPoints, kPatchPoints>();
+  EXPECT_NEAR(shown.inverse()(0, 0) * kPitch * kPitch, 1e-6 + 2e-4, 1e-8);
+}
+
+}  // namespace
+}  // namespace moiregauge

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/model/rolling_shutter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "moiregauge/calibration/scene/frame_pose.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kReadoutRounds = 6;
+constexpr double kStands = 0.1;  // of its own u: a readout that moves by less
+constexpr int kReadoutSteps = 3;
+// A telephone's, where nothing is known: s, and relative standard uncertainty. Where motion is quicker than the frames
+// show, nothing else tells it.
+constexpr double kUsual = 0.018, kUsualWithin = 0.5;
+constexpr double kShortest = 0.01;  // of the time between frames, or of a tenth of a second if that is less
+// The readout is told with the scene held: what the two have in common shows in point-level runs as a thousandth.
+constexpr double kReadoutOfScene = 0.002;
+constexpr double kMostWidening = 1e6;
+
+// Frames as a global shutter would have seen them: each is set back when it is asked for.
+struct SetBack {
+  const Site& site;
+  FrameSeries given;
+  Scene scene;
+  std::vector<FrameStart> read;  // as known when they were set back
+  std::vector<FrameMotion> motions;
+  double readout_s = 0.0;
+  RowsRun run = RowsRun::kDown;
+
+  [[nodiscard]] BundleFrame frame(std::size_t k) const {
+    BundleFrame seen = given[k];
+    // It starts from what the prior's camera has for its pose.
+    const Pose pose = std::exchange(seen.pose, read[k].pose);
+    const auto shift = std::exchange(seen.shift, read[k].shift);
+    seen.time_s = read[k].time_s;
+    BundleFrame out = set_back(site, scene, seen, motions[k], read.front().pose, readout_s, run);
+    out.pose = pose;
+    out.shift = shift;
+    return out;
+  }
+};
+
+// The part of a frame's fit that is kept of all frames.
+struct FitSummary {
+  bool ok = false;
+  Pose pose;
+  PathPlace path_variance = PathPlace::Zero();
+  std::vector<std::optional<Extent<frame::Board>>> shift;  // one per site marker; nothing: not fitted
+  std::vector<Extent<frame::Board>> variance;              // of the shifts, mm^2
+  double chi2_sum = 0.0;
+  long dof = 0;
+  Motion motion = Motion::Zero();
+  std::optional<Motion> motion_variance;
+};
+
+FitSummary summary_of(const FrameFit& fit, bool has_motion) {
+  FitSummary out;
+  out.ok = fit.ok;
+  out.pose = fit.pose;
+  out.shift.resize(fit.shift_row.size());
+  out.variance.resize(fit.shift_row.size());
+  out.chi2_sum = fit.chi2_sum, out.dof = fit.dof;
+  if (!fit.ok) return out;
+  out.path_variance = path_variance(fit.pose, fit.covariance);
+  for (std::size_t i = 0; i < fit.shift_row.size(); ++i) {
+    const int row = fit.shift_row[i];
+    if (row < 0) continue;
+    out.shift[i] = fit.shift[i];
+    out.variance[i] = {fit.covariance(row, row), fit.covariance(row + 1, row + 1)};
+  }
+  out.motion = fit.motion;
+  if (has_motion) out.motion_variance = fit.covariance.diagonal().tail<kMotionParameters>();
+  return out;
+}
+
+class Rounds {
+ public:
+  Rounds(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key, const ScenePrior& prior,
+         std::optional<double> readout_s, double side)
+      : site_(site),
+        as_given_(frames),
+        read_(frames.starts().begin(), frames.starts().end()),
+        key_(key),
+        prior_(prior),
+        side_(side),
+        known_to_(readout_s ? kGivenReadout : kUsualWithin) {
+    scene_.camera = prior.camera;
+    scene_.markers = prior.markers;
+    order_.resize(frames.size());
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    const bool timed = std::ranges::all_of(read_, [](const auto& f) { return std::isfinite(f.time_s); });
+    for (FrameStart& f : read_) f.time_s = timed ? f.time_s : static_cast<double>(f.frame);
+    std::stable_sort(order_.begin(), order_.end(), [&](auto a, auto b) { return read_[a].time_s < read_[b].time_s; });
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < order_.size(); ++k)
+      steps.push_back(read_[order_[k]].time_s - read_[order_[k - 1]].time_s);
+    if (steps.empty()) return;
+    std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
+    out_.interval_s = steps[steps.size() / 2];
+    expected_s_ = out_.readout_s = readout_s.value_or(side * std::min(kUsual, 0.5 * out_.interval_s));
+    out_.u_readout_s = known_to_ * std::abs(out_.readout_s);
+  }
+
+  Shutter solved() {
+    if (!(out_.interval_s > 0.0)) return without("there are not enough frames to tell the camera's motion");
+    note_rows();
+    fits_ = fits_of(as_given_);
+    take_poses();
+    bool is_last = false;
+    for (int round = 0;; ++round) {
+      is_last = is_last || round == kReadoutRounds;
+      follow_path();
+      const double before = out_.readout_s;
+      // Paths of the first round are those of rows read at once: they would tell any readout.
+      if (round > 0) solve_readout();
+      set_all_back();
+      // All but the last one only lead the path: the bends of a long valley are not worth their steps there.
+      out_.calibration = calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kStands : Until::kChi2Stands);
+      if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
+      scene_ = out_.calibration.bundle.scene;
+      fits_ = fits_of(out_.frames);
+      take_poses();
+      widen();
+      if (is_last) break;
+      is_last = round >= 2 && std::abs(out_.readout_s - before) < kStands * out_.u_readout_s;
+    }
+    count_cost();
+    return std::move(out_);
+  }
+
+ private:
+  Shutter without(std::string why) {
+    out_.problem = std::move(why);
+    return std::move(out_);
+  }
+
+  // A print's middle is read at this share of the readout.
+  void note_rows() {
+    for (std::size_t k = 0; k < as_given_.size(); ++k) {
+      const BundleFrame frame = as_given_[k];
+      row_share_.emplace_back(site_.markers.size(), 0.0);
+      for (std::size_t i = 0; i < frame.points.size(); ++i) {
+        if (frame.points[i])
+          row_share_[k][i] = share_of_row(frame.points[i]->image[kPatchPoints / 2], prior_.camera, prior_.rows_run);
+      }
+    }
+  }
+
+  [[nodiscard]] FrameFit fit_of(BundleFrame frame) const {
+    // With another focal length the pose is elsewhere.
+    frame.pose = pose_of(site_, scene_, frame).value_or(frame.pose);
+    return fit_frame(site_, scene_, frame);
+  }
+
+  [[nodiscard]] std::vector<FitSummary> fits_of(const FrameSeries& frames) const {
+    std::vector<FitSummary> fits;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const BundleFrame frame = frames[k];
+      fits.push_back(summary_of(fit_of(frame), frame.rows.has_value()));
+    }
+    return fits;
+  }
+
+  // Where the frames stand in the scene as it is now.
+  void take_poses() {
+    for (std::size_t k = 0; k < read_.size(); ++k) {
+      if (!fits_[k].ok) continue;
+      read_[k].pose = fits_[k].pose;
+      for (std::size_t i = 0; i < site_.markers.size(); ++i) {
+        if (fits_[k].shift[i]) read_[k].shift[i] = *fits_[k].shift[i];
+      }
+    }
+  }
+
+  void follow_path() {
+    std::vector<std::size_t> known;
+    for (const std::size_t k : order_)
+      if (fits_[k].ok) known.push_back(k);
+    motions_.assign(read_.size(), FrameMotion{{}, std::vector<TargetMotion>(site_.markers.size())});
+    out_.u_target.assign(read_.size(), std::vector<Extent<frame::Board>>(site_.markers.size()));
+    std::vector<double> time;
+    std::vector<PathPlace> places, variances;
+    for (const std::size_t k : known) {
+      time.push_back(read_[k].time_s);
+      places.push_back(path_place(fits_[k].pose, read_.front().pose));
+      const double excess =
+          fits_[k].dof > 0 ? std::max(1.0, fits_[k].chi2_sum / static_cast<double>(fits_[k].dof)) : 1.0;
+      variances.push_back(excess * fits_[k].path_variance);
+    }
+    for (int c = 0; c < kPathParameters; ++c) {
+      std::vector<double> value, variance;
+      for (std::size_t n = 0; n < known.size(); ++n) {
+        const double last = n > 0 ? value.back() : places[n](c);
+        value.push_back(c < 3 ? last + std::remainder(places[n](c) - last, kTurn) : places[n](c));
+        variance.push_back(variances[n](c));
+      }
+      const auto path = smooth_path(time, value, variance);
+      for (std::size_t n = 0; n < known.size(); ++n) motions_[known[n]].camera[static_cast<std::size_t>(c)] = path[n];
+    }
+    for (FrameMotion& motion : motions_) widened(motion);
+    for (std::size_t i = 0; i < site_.markers.size(); ++i) follow_target(i);
+  }
+
+  void follow_target(std::size_t i) {
+    std::vector<std::size_t> known;
+    for (const std::size_t k : order_)
+      if (fits_[k].ok && fits_[k].shift[i]) known.push_back(k);
+    std::vector<double> time;
+    for (const std::size_t k : known) time.push_back(read_[k].time_s);
+    for (const auto axis : {&Extent<frame::Board>::x, &Extent<frame::Board>::y}) {
+      std::vector<double> value, variance;
+      for (const std::size_t k : known) {
+        value.push_back((*fits_[k].shift[i]).*axis);
+        variance.push_back(fits_[k].variance[i].*axis);
+      }
+      const auto path = smooth_path(time, value, variance);
+      for (std::size_t n = 0; n < known.size(); ++n) {
+        TargetMotion& t = motions_[known[n]].targets[i];
+        t.rate.*axis = path[n].rate;
+        t.acceleration.*axis = path[n].acceleration;
+        const double delay = out_.readout_s * row_share_[known[n]][i];
+        const auto& c = path[n].covariance;
+        out_.u_target[known[n]][i].*axis =
+            std::abs(delay) * std::sqrt(std::max(0.0, c(0, 0) + 0.25 * delay * delay * c(1, 1)));
+      }
+    }
+  }
+
+  void widened(FrameMotion& motion) const {
+    // Of what the spline does not see nothing is known but that it is quick: as quick as the frames follow each other.
+    const double quick = kTurn / out_.interval_s;
+    for (std::size_t c = 0; c < motion.camera.size(); ++c) {
+      auto& p = motion.camera[c].covariance;
+      const double rate = (wider_[c] - 1.0) * p(0, 0);
+      p(0, 0) += rate;
+      p(1, 1) = p(1, 1) * wider_[c + kPathParameters] + quick * quick * rate;
+    }
+  }
+
+  void set_all_back() {
+    auto set = std::make_shared<const SetBack>(
+        SetBack{site_, as_given_, scene_, read_, motions_, out_.readout_s, prior_.rows_run});
+    out_.frames = as_given_.with([set = std::move(set)](std::size_t k) { return set->frame(k); });
+  }
+
+  // Gauss and Newton's steps of the one number, scene and paths held.
+  void solve_readout() {
+    const double prior = 1.0 / std::pow(known_to_ * expected_s_, 2);
+    for (int step = 0; step < kReadoutSteps; ++step) {
+      set_all_back();
+      double information = prior, slope = prior * (out_.readout_s - expected_s_);
+      for (std::size_t k = 0; k < out_.frames.size(); ++k) {
+        const FrameFit f = fit_of(out_.frames[k]);
+        if (!f.ok) continue;
+        // A frame that does not fit counts less.
+        const double weight = f.dof > 0 ? 1.0 / std::max(1.0, f.chi2_sum / static_cast<double>(f.dof)) : 1.0;
+        information += weight * f.readout_information;
+        slope += weight * f.readout_slope;
+      }
+      const double next = side_ * (out_.readout_s - slope / information);
+      const double shortest = kShortest * std::min(out_.interval_s, 0.1);
+      out_.bounded = !(next > shortest && next < out_.interval_s);
+      out_.readout_s = side_ * std::clamp(next, shortest, out_.interval_s);
+      out_.u_readout_s = std::hypot(1.0 / std::sqrt(information), kReadoutOfScene * out_.readout_s);
+    }
+  }
+
+  // Expectation and maximisation for the variance of what the motion is otherwise than expected.
+  void widen() {
+    for (std::size_t c = 0; c < wider_.size(); ++c) {
+      double found = 0.0, expected = 0.0;
+      for (std::size_t k = 0; k < fits_.size(); ++k) {
+        if (!fits_[k].ok || !fits_[k].motion_variance) continue;
+        const auto at = static_cast<Eigen::Index>(c);
+        found += fits_[k].motion(at) * fits_[k].motion(at) + (*fits_[k].motion_variance)(at);
+        const auto& p = motions_[k].camera[c % kPathParameters].covariance;
+        expected += c < kPathParameters ? p(0, 0) : p(1, 1);
+      }
+      if (expected > 0.0) wider_[c] = std::clamp(wider_[c] * found / expected, 1.0, kMostWidening);
+    }
+  }
+
+  void count_cost() {
+    for (const std::size_t k : key_) {
+      if (fits_[k].ok) out_.motion_cost += fits_[k].motion.dot(out_.frames[k].rows->information * fits_[k].motion);
+    }
+  }
+
+  const Site& site_;
+  const FrameSeries& as_given_;
+  std::vector<FrameStart> read_;                // with poses and shifts as they become known
+  std::vector<std::vector<double>> row_share_;  // by frame, then site marker
+  std::span<const std::size_t> key_;
+  const ScenePrior& prior_;
+  double side_, known_to_, expected_s_ = 0.0;
+  std::vector<std::size_t> order_;  // by time
+  Scene scene_;
+  std::vector<FitSummary> fits_;
+  std::vector<FrameMotion> motions_;
+  std::array<double, kMotionParameters> wider_ = [] {
+    std::array<double, kMotionParameters> one{};
+    one.fill(1.0);
+    return one;
+  }();
+  Shutter out_;
+};
+
+double chi2_of(const ShutterTest& t) { return t.chi2_dof * static_cast<double>(t.dof); }
+
+double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.motion_cost; }
+
+}  // namespace
+
+Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
+                      const ScenePrior& prior, std::optional<double> readout_s) {
+  Shutter down = Rounds(site, frames, key, prior, readout_s, 1.0).solved();
+  constexpr double kTold = 3.0;
+  if (readout_s || (down.problem.empty() && down.readout_s > kTold * down.u_readout_s)) return down;
+  Shutter up = Rounds(site, frames, key, prior, readout_s, -1.0).solved();
+  // Sensors are rarely upside down: it takes more than a frame's worth of evidence.
+  constexpr double kClearly = 100.0;
+  if (!up.problem.empty()) return down;
+  return down.problem.empty() && cost_of(down) < cost_of(up) + kClearly ? down : up;
+}
+
+bool pays(const Shutter& shutter, const Calibration& at_once) {
+  if (!shutter.problem.empty()) return false;
+  // What is solved must also be a readout: a reference that slips lets chi2 fall with a path bent to it, and none.
+  constexpr double kReadout = 3.0;  // u
+  if (!(std::abs(shutter.readout_s) > kReadout * shutter.u_readout_s)) return false;
+  if (shutter.bounded) return false;
+  constexpr double kGoodPart = 0.25;
+  const ShutterTest &before = at_once.shutter, &after = shutter.calibration.shutter;
+  const double gain = chi2_of(before) - cost_of(shutter);
+  const double taken = 1.0 + static_cast<double>(before.dof - after.dof);
+  return gain > std::log(std::max(3.0, static_cast<double>(before.dof))) * taken &&
+         gain > kGoodPart * (chi2_of(before) - static_cast<double>(before.dof));
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/model/scene_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "moiregauge/calibration/scene/free_parameters.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::array kModels{SceneModel{}, SceneModel{.radial = true}, SceneModel{.radial = true, .tangential = true}};
+
+template <std::size_t kSize>
+int count(const std::array<bool, kSize>& is_free) {
+  return static_cast<int>(std::count(is_free.begin(), is_free.end(), true));
+}
+
+int parameters(const Site& site, const SceneModel& model) {
+  int sum = count(free_common(model));
+  for (const Marker& m : site.markers) sum += count(free_shape(model, m.role));
+  return sum;
+}
+
+// Focal lengths beyond these are no camera's that sees a board: the bundle has run away.
+bool is_sane(const Scene& scene, int side) {
+  return scene.solved && scene.camera.fx > 0.15 * side && scene.camera.fx < 50.0 * side;
+}
+
+// What noise does not explain can pull f anywhere, for a prior of 60 % weighs nothing against it. Then f is better held
+// until the print's error is known.
+constexpr double kBeyondNoise = 2.0;  // chi2 per degree of freedom
+
+long rows_of(std::span<const BundleFrame> frames) {
+  long patches = 0;
+  for (const BundleFrame& f : frames)
+    patches += std::count_if(f.points.begin(), f.points.end(), [](const auto& p) { return p.has_value(); });
+  return 2 * kPatchPoints * patches;
+}
+
+// From so many u on a print's scale is no print's: the steps took for it what is a height.
+constexpr double kOddScale = 5.0;
+
+// A print that hangs nearer looks larger. From far off the steps may take the one for the other, and end in a valley in
+// which scales are many u from what is known of them (a reference 30 mm nearer than the site has it: 48 u, f 35 % off).
+// The scene from which another valley is looked for: heights say what such scales did. Nothing where there are none.
+std::optional<Scene> with_heights_for_scales(const ScenePrior& prior, const BundleSolution& best) {
+  Scene scene = best.scene;
+  bool odd = false;
+  const double distance_mm = best.frames.front().pose.shift[2];
+  for (std::size_t i = 0; i < scene.markers.size(); ++i) {
+    auto& value = scene.markers[i].value;
+    const double off = value[MarkerShape::kScale] - prior.markers[i].value[MarkerShape::kScale];
+    if (!(std::abs(off) > kOddScale * prior.u_markers[i].value[MarkerShape::kScale])) continue;
+    odd = true;
+    value[MarkerShape::kScale] -= off;
+    value[MarkerShape::kHeight] += off * distance_mm;
+  }
+  return odd ? std::optional(std::move(scene)) : std::nullopt;
+}
+
+// A camera that turns by a degree before a flat board shows f, its distance and a lens of one shape nearly as one. The steps
+// begin at a long focal length, and may end in a valley where f is three times too large (11 200 px for 3478, at a
+// cost higher by 25 to 130, rows off by 27 um).
+constexpr double kLongFocal = 1.5;    // of the picture's larger side: cameras of a shorter focal length begin no valley
+constexpr double kShortFocal = 0.85;  // telephones, drones, and lenses of 28 mm before a full frame
+
+// Returns the solution with the focal length times `factor`: the same directions of view, distances in proportion.
+BundleSolution at_focal_length(BundleSolution solution, double factor) {
+  Camera& camera = solution.scene.camera;
+  camera.fx *= factor, camera.fy *= factor;
+  camera.k1 *= factor * factor, camera.k2 *= std::pow(factor, 4);
+  camera.p1 *= factor, camera.p2 *= factor;
+  for (BundleFrame& frame : solution.frames) frame.pose.shift[2] *= factor;
+  return solution;
+}
+
+// Heights and depths cost nothing beyond what their priors ask, which is in the cost: left out where they are true they
+// bend the lens, and u, which is stated with them, would be about another scene. Solved from all there is, a scene
+// also leaves a valley into which too small a model has led it; of rough prints too, where every parameter has its
+// price.
+BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePrior& prior, BundleSolution best,
+                           double price, Prints prints, Until until) {
+  const int side = std::max(prior.camera.width, prior.camera.height);
+  const auto due = [&](const SceneModel& m) {
+    return price * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
+                                             : count(free_common(m)) - count(free_common(best.scene.model)));
+  };
+  const auto take_if_better = [&](BundleSolution larger) {
+    const double gain = best.scene.penalised_cost - larger.scene.penalised_cost;
+    if (is_sane(larger.scene, side) && gain > due(larger.scene.model)) best = std::move(larger);
+  };
+  const auto with_heights = [](SceneModel model) {
+    model.heights = model.depth = true;
+    return model;
+  };
+  const auto solve = [&](const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) {
+    return bundle.solve(model, scene, frames, FocalLength::kAsModel, until);
+  };
+  BundleSolution all = solve(kEverything, best.scene, best.frames);
+  take_if_better(solve(with_heights(best.scene.model), all.scene, all.frames));
+  take_if_better(std::move(all));
+  if (const auto start = with_heights_for_scales(prior, best))
+    take_if_better(solve(with_heights(best.scene.model), *start, best.frames));
+  if (prior.u_camera[0] > 0.0 && best.scene.camera.fx > kLongFocal * side) {
+    const BundleSolution start = at_focal_length(best, kShortFocal * side / best.scene.camera.fx);
+    take_if_better(solve(with_heights(best.scene.model), start.scene, start.frames));
+    take_if_better(solve(kEverything, start.scene, start.frames));
+  }
+  return best;
+}
+
+// A model whose first step should gain no more than this part of its price is not solved.
+constexpr double kLeastPrediction = 0.25;
+
+}  // namespace
+
+std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
+                                       Prints prints, Until until) {
+  const Bundle bundle(site, frames, prior);
+  BundleSolution best;
+  const int side = std::max(prior.camera.width, prior.camera.height);
+  const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
+  bool have = false;
+  const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
+    const double due = have ? price * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
+    if (from != nullptr && bundle.predicted_reduction(model, *from) < kLeastPrediction * due) return false;
+    const auto solved = [&](FocalLength f) { return bundle.solve(model, from->scene, from->frames, f, until); };
+    BundleSolution solution = from == nullptr ? bundle.solve(model) : solved(FocalLength::kAsModel);
+    if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)
+      solution = solved(FocalLength::kHeld);
+    if (!is_sane(solution.scene, side)) return false;
+    if (have && best.scene.penalised_cost - solution.scene.penalised_cost < due) return false;
+    best = std::move(solution);
+    have = true;
+    return true;
+  };
+  for (const SceneModel& model : kModels) attempt(model, have ? &best : nullptr);
+  for (const bool heights : {true, false}) {
+    SceneModel model = best.scene.model;
+    (heights ? model.heights : model.depth) = true;
+    if (have) attempt(model, &best);
+  }
+  if (!have) return std::nullopt;
+  return with_shapes(bundle, site, prior, std::move(best), price, prints, until);
+}
+
+}  // namespace moiregauge

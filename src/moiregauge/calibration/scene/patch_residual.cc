@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/scene/patch_residual.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace moiregauge {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Matrix3d cross_with(const Vector3d& a) {
+  Matrix3d m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
+// How print coordinates change with pixels at each of the nine, from the points themselves: the map X = (a x + b y + c)
+// / (1 + g x + h y) by linear least squares. It only weighs residuals, so its own noise does not count.
+std::array<Matrix2d, kPatchPoints> print_per_image(const PatchFit& fit) {
+  const ImagePoint middle = fit.image[kPatchPoints / 2];
+  const double side = std::max(1e-300, length(fit.image.back() - fit.image.front()));
+  std::array<Vector2d, kPatchPoints> at;
+  Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();
+  Eigen::Matrix<double, 8, 1> right = Eigen::Matrix<double, 8, 1>::Zero();
+  const PrintPoint origin = fit.print[kPatchPoints / 2];
+  for (std::size_t n = 0; n < kPatchPoints; ++n) {
+    const double x = (fit.image[n].x - middle.x) / side, y = (fit.image[n].y - middle.y) / side;
+    const double u = fit.print[n].x - origin.x, v = fit.print[n].y - origin.y;
+    at[n] = {x, y};
+    Eigen::Matrix<double, 2, 8> row;
+    row << x, y, 1, 0, 0, 0, -u * x, -u * y, 0, 0, 0, x, y, 1, -v * x, -v * y;
+    normal.noalias() += row.transpose().lazyProduct(row);
+    right.noalias() += row.transpose() * Vector2d(u, v);
+  }
+  const Eigen::Matrix<double, 8, 1> h = normal.ldlt().solve(right);
+  std::array<Matrix2d, kPatchPoints> out;
+  for (std::size_t n = 0; n < kPatchPoints; ++n) {
+    const double x = at[n].x(), y = at[n].y(), w = (1.0 + h(6) * x + h(7) * y);
+    const double u = (h(0) * x + h(1) * y + h(2)) / w, v = (h(3) * x + h(4) * y + h(5)) / w;
+    out[n] << h(0) - u * h(6), h(1) - u * h(7), h(3) - v * h(6), h(4) - v * h(7);
+    out[n] /= w * side;
+    if (!out[n].allFinite()) out[n].setZero();
+  }
+  return out;
+}
+
+// A point of the camera's space in the picture, with the derivatives by that space and by the camera.
+struct Projection {
+  Vector2d image;
+  Eigen::Matrix<double, 2, 3> by_point;
+  Eigen::Matrix<double, 2, kCameraParameters> by_camera;
+};
+
+Projection projection(const CommonNumbers& c, const Vector3d& p) {
+  const auto [f, cx, cy, k1, k2, p1, p2, k3, stretch] = c;
+  const double w = 1.0 / p.z(), x = p.x() * w, y = p.y() * w, r2 = x * x + y * y;
+  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3));
+  const double xx = r2 + 2.0 * x * x, xy = 2.0 * x * y, yy = r2 + 2.0 * y * y;
+  const double xd = x * radial + p1 * xy + p2 * xx, yd = y * radial + p1 * yy + p2 * xy;
+  const double xd_x = radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x;
+  const double yd_y = radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x;
+  const double mixed = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
+  Projection out;
+  out.image = {f * xd + cx, f * yd + cy};
+  out.by_point << xd_x, mixed, -(xd_x * x + mixed * y), mixed, yd_y, -(mixed * x + yd_y * y);
+  out.by_point *= f * w;
+  const double r4 = r2 * r2, r6 = r4 * r2;
+  out.by_camera << xd, 1, 0, f * x * r2, f * x * r4, f * xy, f * xx, f * x * r6,  //
+      yd, 0, 1, f * y * r2, f * y * r4, f * yy, f * xy, f * y * r6;
+  return out;
+}
+
+}  // namespace
+
+CommonNumbers numbers_of(const Camera& c, double stretch) {
+  return {c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3, stretch};
+}
+CommonNumbers numbers_of(const Scene& scene) { return numbers_of(scene.camera, scene.stretch); }
+
+TurnedPose::TurnedPose(const Pose& pose)
+    : rotation(Matrix3d::Identity()), left(Matrix3d::Identity()), shift(pose.shift.data()) {
+  const Vector3d turn(pose.turn.data());
+  const double angle2 = turn.squaredNorm(), angle = std::sqrt(angle2);
+  const Matrix3d k = cross_with(turn), kk = k * k;
+  // Below a tenth of a radian (1 - cos a) / a^2 and (a - sin a) / a^3 are their series: the differences cancel.
+  const bool small = angle < 0.1;
+  const double one_less_cos =
+      small ? 0.5 - angle2 * (1.0 / 24 - angle2 * (1.0 / 720 - angle2 / 40320)) : (1.0 - std::cos(angle)) / angle2;
+  const double less_sin = small ? 1.0 / 6 - angle2 * (1.0 / 120 - angle2 * (1.0 / 5040 - angle2 / 362880))
+                                : (angle - std::sin(angle)) / (angle2 * angle);
+  rotation += (1.0 - angle2 * less_sin) * k + one_less_cos * kk;
+  left += one_less_cos * k + less_sin * kk;
+}
+
+PatchResidual::PatchResidual(const PatchFit& fit, const Grating& grating)
+    : image_(fit.image),
+      print_(fit.print),
+      x_mm_(grating.centre.x),
+      y_mm_(grating.centre.y),
+      angle_rad_(grating.angle_rad),
+      pitch_mm_(grating.pitch_mm),
+      pitches_per_px_(print_per_image(fit)) {
+  // Pivoted, so that an axis that the print does not show comes last, with nothing.
+  const Eigen::LDLT<PatchInformation> ldlt(fit.information);
+  PatchInformation upper = ldlt.matrixU();
+  upper = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal() * upper;
+  const PatchInformation order = ldlt.transpositionsP() * PatchInformation::Identity();
+  root_.noalias() = upper * order;
+}
+
+PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const MarkerShape& shape,
+                                            const TurnedPose& pose, Extent<frame::Board> shift) const {
+  const double angle = angle_rad_ + shape.value[MarkerShape::kTurn], scale = 1.0 + shape.value[MarkerShape::kScale];
+  const double half = 0.5 * common[kStretchParameter];
+  const double c = pitch_mm_ * std::cos(angle), s = pitch_mm_ * std::sin(angle);
+  const double x0 = x_mm_ + shape.value[MarkerShape::kX] + shift.x, y0 = y_mm_ + shape.value[MarkerShape::kY] + shift.y;
+  Design off;
+  for (std::size_t n = 0; n < kPatchPoints; ++n) {
+    const double px = (1.0 + half) * print_[n].x, py = (1.0 - half) * print_[n].y;
+    const double bx = c * px - s * py, by = s * px + c * py;
+    const Vector3d turned =
+        pose.rotation * Vector3d(x0 + scale * bx, -(y0 + scale * by), -shape.value[MarkerShape::kHeight]);
+    const Projection seen = projection(common, turned + pose.shift);
+    const Eigen::Matrix<double, 2, 3> by_point = pitches_per_px_[n].lazyProduct(seen.by_point);
+    const Eigen::Matrix<double, 2, 3> by_board = by_point.lazyProduct(pose.rotation);  // of (X, -Y, -Z)
+    Eigen::Matrix<double, 2, PatchColumn::kColumns> rows;
+    rows.leftCols<kCameraParameters>() = pitches_per_px_[n].lazyProduct(seen.by_camera);
+    const double ex = 0.5 * scale * print_[n].x, ey = -0.5 * scale * print_[n].y;  // by half the stretch
+    rows.col(kStretchParameter) = (c * ex - s * ey) * by_board.col(0) - (s * ex + c * ey) * by_board.col(1);
+    auto by_shape = rows.middleCols<MarkerShape::kParameters>(PatchColumn::kShape);
+    by_shape.col(MarkerShape::kX) = by_board.col(0);
+    by_shape.col(MarkerShape::kY) = -by_board.col(1);
+    by_shape.col(MarkerShape::kTurn) = scale * (-by * by_board.col(0) - bx * by_board.col(1));
+    by_shape.col(MarkerShape::kScale) = bx * by_board.col(0) - by * by_board.col(1);
+    by_shape.col(MarkerShape::kHeight) = -by_board.col(2);
+    const Eigen::Matrix<double, 2, 3> by_turn = by_point.lazyProduct(cross_with(turned));
+    rows.middleCols<3>(PatchColumn::kPose) = -by_turn.lazyProduct(pose.left);
+    rows.middleCols<3>(PatchColumn::kPose + 3) = by_point;
+    rows.col(PatchColumn::kResidual) = pitches_per_px_[n] * (seen.image - Vector2d(image_[n].x, image_[n].y));
+    off.row(static_cast<Eigen::Index>(n)) = rows.row(0);
+    off.row(static_cast<Eigen::Index>(n) + kPatchPoints) = rows.row(1);
+  }
+  Design whitened;
+  whitened.noalias() = root_ * off;
+  return whitened;
+}
+
+PatchResidual::Vector PatchResidual::residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
+                                              Extent<frame::Board> shift) const {
+  const std::array<double, 6> place{pose.turn[0],  pose.turn[1],  pose.turn[2],
+                                    pose.shift[0], pose.shift[1], pose.shift[2]};
+  const std::array<double, 2> moved{shift.x, shift.y};
+  Vector r;
+  (*this)(common.data(), shape.value.data(), place.data(), moved.data(), r.data());
+  return r;
+}
+
+double PatchResidual::chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
+                           Extent<frame::Board> shift) const {
+  return residual(common, shape, pose, shift).squaredNorm();
+}
+
+std::array<double, 3> PatchResidual::board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,
+                                           std::size_t n) const {
+  const double angle = angle_rad_ + shape.value[MarkerShape::kTurn];
+  const double pitch = pitch_mm_ * (1.0 + shape.value[MarkerShape::kScale]);
+  const double c = pitch * std::cos(angle), s = pitch * std::sin(angle);
+  const double px = (1.0 + 0.5 * stretch) * print_[n].x, py = (1.0 - 0.5 * stretch) * print_[n].y;
+  return {x_mm_ + shape.value[MarkerShape::kX] + shift.x + c * px - s * py,
+          y_mm_ + shape.value[MarkerShape::kY] + shift.y + s * px + c * py, shape.value[MarkerShape::kHeight]};
+}
+
+}  // namespace moiregauge

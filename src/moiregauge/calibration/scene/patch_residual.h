@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one formula that joins a scene to what was seen: nine points of a print, projected, against the nine pixels that
+// show them. Written for doubles and for Ceres' numbers with derivatives, and once more with its derivatives in closed
+// form, which cost far less.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "moiregauge/calibration/scene/scene.h"
+#include "moiregauge/phase/fit/patch_fit.h"
+#include "moiregauge/site/site.h"
+
+namespace moiregauge {
+
+// Turns v by the rotation whose axis times angle is `turn` (Rodrigues' formula; its first order where the angle is
+// nearly 0).
+template <typename T>
+std::array<T, 3> turned_by(const T* turn, const std::array<T, 3>& v) {
+  using std::cos, std::sin, std::sqrt;
+  const T angle2 = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
+  const std::array<T, 3> cross{turn[1] * v[2] - turn[2] * v[1], turn[2] * v[0] - turn[0] * v[2],
+                               turn[0] * v[1] - turn[1] * v[0]};
+  if (!(angle2 > T(1e-24))) return {v[0] + cross[0], v[1] + cross[1], v[2] + cross[2]};
+  const T angle = sqrt(angle2), c = cos(angle), s = sin(angle) / angle;
+  const T along = (turn[0] * v[0] + turn[1] * v[1] + turn[2] * v[2]) * (T(1.0) - c) / angle2;
+  return {v[0] * c + cross[0] * s + turn[0] * along, v[1] * c + cross[1] * s + turn[1] * along,
+          v[2] * c + cross[2] * s + turn[2] * along};
+}
+
+// Image of a board point: pose, then OpenCV's lens model; camera begins with f cx cy k1 k2 p1 p2 k3.
+template <typename T>
+std::array<T, 2> projected(const T* camera, const T* pose, const std::array<T, 3>& board) {
+  auto p = turned_by(pose, {board[0], -board[1], -board[2]});
+  const T x = (p[0] + pose[3]) / (p[2] + pose[5]), y = (p[1] + pose[4]) / (p[2] + pose[5]);
+  const T r2 = x * x + y * y;
+  const T radial = T(1.0) + r2 * (camera[3] + r2 * (camera[4] + r2 * camera[7]));
+  const T xd = x * radial + T(2.0) * camera[5] * x * y + camera[6] * (r2 + T(2.0) * x * x);
+  const T yd = y * radial + camera[5] * (r2 + T(2.0) * y * y) + T(2.0) * camera[6] * x * y;
+  return {camera[0] * xd + camera[1], camera[0] * yd + camera[2]};
+}
+
+using CommonNumbers = std::array<double, kCommonParameters>;  // f cx cy k1 k2 p1 p2 k3, stretch
+[[nodiscard]] CommonNumbers numbers_of(const Camera& camera, double stretch);
+[[nodiscard]] CommonNumbers numbers_of(const Scene& scene);
+
+// A pose as what it does to points, and how that changes with its turn: d(R v) = (left d turn) x R v.
+struct TurnedPose {
+  explicit TurnedPose(const Pose& pose);
+  Eigen::Matrix3d rotation, left;
+  Eigen::Vector3d shift;
+};
+
+// The columns of a patch's design: whitened residual and its derivatives. A shift has those of the place.
+struct PatchColumn {
+  static constexpr int kCommon = 0;
+  static constexpr int kShape = kCommon + kCommonParameters;
+  static constexpr int kPose = kShape + MarkerShape::kParameters;
+  static constexpr int kResidual = kPose + 6;
+  static constexpr int kColumns = kResidual + 1;
+};
+
+// Whitened: its squared length is chi2 of the patch, with as many degrees as its information has rank.
+class PatchResidual {
+ public:
+  static constexpr int kSize = 2 * kPatchPoints;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Design = Eigen::Matrix<double, kSize, PatchColumn::kColumns>;
+  PatchResidual(const PatchFit& fit, const Grating& grating);
+
+  template <typename T>
+  bool operator()(const T* common, const T* shape, const T* pose, const T* shift, T* residual) const {
+    using std::cos, std::sin;
+    const T angle = T(angle_rad_) + shape[2];
+    const T scale = T(pitch_mm_) * (T(1.0) + shape[3]);
+    const T c = scale * cos(angle), s = scale * sin(angle), half = T(0.5) * common[kStretchParameter];
+    std::array<T, kSize> off;  // pitches
+    for (std::size_t n = 0; n < kPatchPoints; ++n) {
+      const T px = (T(1.0) + half) * print_[n].x, py = (T(1.0) - half) * print_[n].y;
+      const std::array<T, 3> board{T(x_mm_) + shape[0] + shift[0] + c * px - s * py,
+                                   T(y_mm_) + shape[1] + shift[1] + s * px + c * py, shape[4]};
+      const auto image = projected(common, pose, board);
+      const T dx = image[0] - image_[n].x, dy = image[1] - image_[n].y;
+      off[n] = pitches_per_px_[n](0, 0) * dx + pitches_per_px_[n](0, 1) * dy;
+      off[kPatchPoints + n] = pitches_per_px_[n](1, 0) * dx + pitches_per_px_[n](1, 1) * dy;
+    }
+    for (int i = 0; i < kSize; ++i) {
+      residual[i] = T(0.0);
+      for (int j = 0; j < kSize; ++j) residual[i] += root_(i, j) * off[static_cast<std::size_t>(j)];
+    }
+    return true;
+  }
+  // With nothing displaced: a reference.
+  template <typename T>
+  bool operator()(const T* common, const T* shape, const T* pose, T* residual) const {
+    const T still[2]{T(0.0), T(0.0)};
+    return (*this)(common, shape, pose, still, residual);
+  }
+
+  [[nodiscard]] Design design(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
+                              Extent<frame::Board> shift) const;
+  [[nodiscard]] double chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
+                            Extent<frame::Board> shift) const;
+
+  // Where print point n is, as `projected` takes it: (X, Y, Z) on the board, mm.
+  [[nodiscard]] std::array<double, 3> board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,
+                                            std::size_t n) const;
+  // The residual in pitches per pixel by which point n is projected elsewhere.
+  [[nodiscard]] const Eigen::Matrix2d& pitches_per_px(std::size_t n) const { return pitches_per_px_[n]; }
+  [[nodiscard]] Vector residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
+                                Extent<frame::Board> shift) const;
+
+  // Whitens: root^T root is the patch's information.
+  [[nodiscard]] const Eigen::Matrix<double, kSize, kSize>& root() const { return root_; }
+
+ private:
+  std::array<ImagePoint, kPatchPoints> image_;
+  std::array<PrintPoint, kPatchPoints> print_;
+  double x_mm_, y_mm_, angle_rad_, pitch_mm_;
+  std::array<Eigen::Matrix2d, kPatchPoints> pitches_per_px_;
+  Eigen::Matrix<double, kSize, kSize> root_;
+};
+
+}  // namespace moiregauge

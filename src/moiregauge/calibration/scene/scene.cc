@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/scene/scene.h"
+
+#include <cmath>
+
+namespace moiregauge {
+namespace {
+
+constexpr double kDeterminedFocal = 0.1;  // u, relative
+
+}  // namespace
+
+std::string SceneModel::name() const {
+  std::string text = "plane";
+  if (radial) text += " + radial";
+  if (tangential) text += " + tangential";
+  if (heights) text += " + heights";
+  if (depth) text += " + depth";
+  return text;
+}
+
+bool determines_camera(const Scene& scene) {
+  const Eigen::MatrixXd& covariance = scene.stated_covariance();
+  return scene.solved && scene.model.radial && covariance.size() > 0 &&
+         std::sqrt(covariance(0, 0)) <= kDeterminedFocal * scene.camera.fx;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/common/interrupt.h"
+
+#include <atomic>
+
+namespace moiregauge::cli {
+namespace {
+
+// Set by a handler, read by threads that draw.
+std::atomic<bool> asked_to_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void on_interrupt(int signal) {
+  if (asked_to_stop) std::signal(signal, SIG_DFL), std::raise(signal);  // takes effect when we return
+  asked_to_stop = true;
+}
+
+}  // namespace
+
+bool interrupted() { return asked_to_stop; }
+
+InterruptGuard::InterruptGuard() {
+  asked_to_stop = false;
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  sigaction(SIGINT, &action, &old_interrupt_);
+  sigaction(SIGTERM, &action, &old_terminate_);
+}
+
+InterruptGuard::~InterruptGuard() {
+  sigaction(SIGINT, &old_interrupt_, nullptr);
+  sigaction(SIGTERM, &old_terminate_, nullptr);
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/common/layout_words.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "moiregauge/base/length_text.h"
+
+namespace moiregauge::cli {
+namespace {
+
+constexpr int kMostTargets = 100;
+// From finer than any printer draws to larger than any structure.
+constexpr double kMinLength_mm = 0.01;
+constexpr double kMaxLength_mm = 1e6;
+constexpr double kUnmeasuredPrintScale = 0.001;  // relative, k = 1
+
+tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutWords& words, const Room& room) {
+  sheet::SetRequest request;
+  const std::string pattern = words.pattern.empty() ? "grid" : words.pattern;
+  const auto known = pattern_named(pattern);
+  if (!known || *known == Pattern::kAuto)
+    return usage(fmt::format(
+        "pattern: --pattern {}: choose one of grid, squares, dots, lines-x, lines-y, checkerboard, cosine", pattern));
+  request.pattern = *known;
+  request.references = words.references.value_or(4);
+  request.targets = words.targets.value_or(1);
+  if (request.references != 4 && request.references != 6)
+    return usage(fmt::format("references: --references {}: 4, or 6 (which can check each other)", request.references));
+  if (request.targets < 0 || request.targets > kMostTargets)
+    return usage(fmt::format("targets: --targets {}: 0 to {}", request.targets, kMostTargets));
+  const struct {
+    const char* option;
+    const std::string& text;
+    double& value;
+  } lengths[] = {{"--pitch", words.pitch, request.pitch_mm},
+                 {"--reference-size", words.reference_size, request.reference_size_mm},
+                 {"--target-size", words.target_size, request.target_size_mm},
+                 {"--circle", words.circle, request.circle_diameter_mm}};
+  for (const auto& length : lengths) {
+    const auto mm = length_or(length.option, length.text, length.value);
+    if (!mm) return tl::unexpected(mm.error());
+    if (!length.text.empty() && !(*mm >= kMinLength_mm && *mm <= kMaxLength_mm))
+      return usage(fmt::format("length: {} {}: give one from {:g} to {:g} mm", length.option, length.text,
+                               kMinLength_mm, kMaxLength_mm));
+    length.value = *mm;
+  }
+  if (!words.span.empty()) {
+    const auto span = size_mm(words.span);
+    if (!span) return usage(fmt::format("span: --span {}: {}", words.span, span.error()));
+    if (!(std::max(span->x, span->y) <= kMaxLength_mm))
+      return usage(fmt::format("span: --span {}: give up to {:g} mm each way", words.span, kMaxLength_mm));
+    request.span = *span;
+  } else {
+    request.span = sheet::widest_span(request, room.size);
+    if (!(request.span.x > 0.0 && request.span.y > 0.0))
+      return usage(fmt::format("layout: {}: no room for prints of {:g} mm pitch: choose more room or a smaller --pitch",
+                               room.name, request.pitch_mm));
+  }
+  return request;
+}
+
+bool asks_for_a_layout(const LayoutWords& words) {
+  return !words.pitch.empty() || !words.pattern.empty() || !words.span.empty() || !words.reference_size.empty() ||
+         !words.target_size.empty() || !words.circle.empty() || words.references || words.targets;
+}
+
+}  // namespace
+
+void add_layout_options(CLI::App& command, LayoutWords& words) {
+  command.add_option("--pitch", words.pitch, "pitch of the gratings with its unit [10mm]")->type_name("LENGTH");
+  command
+      .add_option("--pattern", words.pattern, "grid, squares, dots, lines-x, lines-y, checkerboard or cosine [grid]")
+      ->type_name("NAME");
+  command.add_option("--references", words.references, "4, or 6, which can check each other [4]")->type_name("N");
+  command.add_option("--targets", words.targets, "targets, in a row at half height [1]")->type_name("N");
+  command.add_option("--span", words.span, "between the outermost circles, e.g. 760x300mm [as far as there is room]")
+      ->type_name("WxH");
+  command.add_option("--reference-size", words.reference_size, "side of a reference's grating [4 pitches]")
+      ->type_name("LENGTH");
+  command.add_option("--target-size", words.target_size, "side of a target's grating [6 pitches]")->type_name("LENGTH");
+  command.add_option("--circle", words.circle, "diameter of the circles [2 pitches]")->type_name("LENGTH");
+  command.add_option("--site", words.site, "the markers of this site.toml instead")->type_name("FILE");
+}
+
+tl::expected<double, UsageError> length_or(const char* option, const std::string& text, double otherwise) {
+  if (text.empty()) return otherwise;
+  const auto mm = length_mm(text);
+  if (!mm) return usage(fmt::format("length: {} {}: {}", option, text, mm.error()));
+  return *mm;
+}
+
+tl::expected<Extent<frame::Board>, std::string> size_mm(const std::string& text) {
+  const std::string how = "write width x height with a unit, e.g. 760x56mm";
+  const auto cross = text.find('x');
+  if (cross == std::string::npos || text.find('x', cross + 1) != std::string::npos) return tl::unexpected(how);
+  std::string width = text.substr(0, cross);
+  const std::string height = text.substr(cross + 1);
+  const auto ends_in_unit = [](const std::string& t) {
+    const auto last = t.find_last_not_of(' ');
+    return last != std::string::npos && std::isdigit(static_cast<unsigned char>(t[last])) == 0 && t[last] != '.';
+  };
+  if (!ends_in_unit(width)) {
+    const auto unit = height.find_last_of("0123456789.");
+    if (unit == std::string::npos) return tl::unexpected(how);
+    width += height.substr(unit + 1);
+  }
+  const auto x = length_mm(width), y = length_mm(height);
+  if (!x || !y) return tl::unexpected(how);
+  return Extent<frame::Board>{*x, *y};
+}
+
+tl::expected<Site, UsageError> site_of_layout(const LayoutWords& words, const Room& room) {
+  if (!words.site.empty()) {
+    if (asks_for_a_layout(words))
+      return usage(
+          "--site with a layout's options: the site file states pitch, pattern, sizes and places: leave those out");
+    return site_of_file(words.site);
+  }
+  const auto request = request_of(words, room);
+  if (!request) return tl::unexpected(request.error());
+  auto site = sheet::site_of_set(*request);
+  if (!site) return usage("layout: " + site.error());
+  // A printer's scale is not known before its rulers are measured.
+  site->known_to.print_scale = kUnmeasuredPrintScale;
+  return *std::move(site);
+}
+
+}  // namespace moiregauge::cli

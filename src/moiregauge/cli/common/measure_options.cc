@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/common/measure_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "moiregauge/base/duration_text.h"
+#include "moiregauge/base/length_text.h"
+#include "moiregauge/base/plain_file.h"
+#include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/io/config/camera_file.h"
+#include "moiregauge/io/config/site_file.h"
+
+namespace moiregauge::cli {
+namespace {
+
+bool parse_long(const std::string& text, long& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+std::string method_names() {
+  std::string names;
+  for (const Method& method : kMethods) names += fmt::format("{}{}", names.empty() ? "" : ", ", method.name);
+  return names;
+}
+
+// "no site file: nowhere.toml: check the name": without a file there is no mistake to correct.
+tl::expected<void, UsageError> is_there(const std::string& kind, const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return usage(fmt::format("no {}: {}: check the name", kind, path));
+  const std::string other = kind_unless_plain(path);
+  if (other.empty()) return {};
+  return usage(fmt::format("no {}: {}: it is {}: give a plain file", kind, path, other));
+}
+
+// A site file often lies beside the pictures: in a simulated recording's folder, or beside a clip. It is named, not taken:
+// what scales a bridge's millimetres is said, never found.
+UsageError no_scale(const std::string& input) {
+  namespace fs = std::filesystem;
+  std::string site = "a site file (docs/file-formats.md)";
+  for (const fs::path& beside : {fs::path(input) / "site.toml", fs::path(input).parent_path() / "site.toml"}) {
+    std::error_code error;
+    if (!fs::is_regular_file(beside, error)) continue;
+    site = fmt::format("the site file beside it: --site {}", beside.string());
+    break;
+  }
+  return {
+      fmt::format("no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or {}", site)};
+}
+
+}  // namespace
+
+tl::expected<const Method*, UsageError> method_of(const std::string& word) {
+  const Method* method = method_named(word);
+  if (method == nullptr)
+    return usage(fmt::format("unknown method: --method {}: choose one of {}", word, method_names()));
+  return method;
+}
+
+tl::expected<Site, UsageError> site_of_file(const std::string& path) {
+  if (const auto found = is_there("site file", path); !found) return tl::unexpected(found.error());
+  auto site = read_site(path);
+  if (!site) return usage(mistakes_in("site file", path, fmt::format("{}", fmt::join(site.error(), "\n"))));
+  return *std::move(site);
+}
+
+tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options) {
+  if (const auto found = is_there("camera file", path); !found) return found;
+  const auto known = read_known_camera(path);
+  if (!known) return usage(mistakes_in("camera file", path, known.error()));
+  options.camera = known->camera;
+  options.solve.u_camera = known->u;
+  return {};
+}
+
+tl::expected<FrameRange, UsageError> rest_frames(const std::string& text) {
+  const auto range = frame_range(text);
+  const auto colons = std::count(text.begin(), text.end(), ':');
+  if (!range || colons != 1)
+    return usage(fmt::format("frames at rest: --rest {}: write A:B, half open, e.g. 0:20", text));
+  return range;
+}
+
+tl::expected<double, UsageError> readout_time(const std::string& text) {
+  const auto seconds = duration_s(text);
+  if (!seconds) return usage(fmt::format("readout time: --readout {}: {}", text, seconds.error()));
+  return *seconds;
+}
+
+namespace {
+
+// Beyond, it is no printer's stretch but another pitch.
+constexpr double kMostStretch = 0.05;
+
+std::optional<double> parse_factor(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value - 1.0) <= kMostStretch))
+    return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleWords& words) {
+  if (words.factor.empty()) {
+    if (words.u)
+      return usage("--u-print-scale without --print-scale: give what the rulers showed, e.g. --print-scale 1.0012");
+    return std::nullopt;
+  }
+  const std::string_view text = words.factor;
+  const auto comma = text.find(',');
+  const auto x = parse_factor(text.substr(0, comma));
+  const auto y = comma == std::string_view::npos ? x : parse_factor(text.substr(comma + 1));
+  if (!x || !y)
+    return usage(
+        fmt::format("print scale: --print-scale {}: write measured over nominal length of the rulers, e.g. 1.0012, "
+                    "or along x and y 1.0012,0.9990",
+                    words.factor));
+  PrintScale scale = mean_of_rulers(*x, *y);
+  if (!words.u) return scale;
+  if (!(*words.u > 0.0 && *words.u <= kMostStretch))
+    return usage(
+        fmt::format("print scale: --u-print-scale {}: write a relative standard uncertainty, e.g. 0.0002 (0.02 mm "
+                    "of 100 mm)",
+                    *words.u));
+  scale.u = *words.u;
+  return scale;
+}
+
+void add_print_scale(CLI::App& command, PrintScaleWords& words) {
+  command
+      .add_option(
+          "--print-scale", words.factor,
+          "what the sheet's rulers showed: measured over nominal length, e.g. 1.0012; or along x and y: 1.0012,0.9990")
+      ->type_name("FACTOR");
+  command.add_option("--u-print-scale", words.u, "its relative standard uncertainty, e.g. 0.0002 [the site's word]")
+      ->type_name("U");
+}
+
+tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
+  FrameRange range;
+  if (text.empty()) return range;
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ':')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  const auto wrong = [&] {
+    return usage(fmt::format("frame selection: --frames {}: write A:B or A:B:STEP, half open, e.g. 0:100:2", text));
+  };
+  if (parts.size() < 2 || parts.size() > 3) return wrong();
+  if (!parts[0].empty() && !parse_long(parts[0], range.first)) return wrong();
+  if (!parts[1].empty() && !parse_long(parts[1], range.end)) return wrong();
+  if (parts.size() == 3 && !parts[2].empty() && !parse_long(parts[2], range.step)) return wrong();
+  if (range.first < 0 || range.step < 1 || (!parts[1].empty() && range.end <= range.first)) return wrong();
+  return range;
+}
+
+std::string default_output(const std::string& input, const std::string& suffix) {
+  namespace fs = std::filesystem;
+  fs::path path = fs::path(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  std::string name = path.filename().string();
+  if (name == "." || name == "..") name = fs::absolute(path).lexically_normal().filename().string();
+  if (const auto percent = name.find('%'); percent != std::string::npos) {
+    name.resize(percent);
+  } else if (std::error_code error; !fs::is_directory(input, error)) {
+    name = fs::path(name).stem().string();
+  }
+  while (!name.empty() && (name.back() == '_' || name.back() == '-')) name.pop_back();
+  return (name.empty() ? "run" : name) + suffix;
+}
+
+std::optional<std::string> camera_problem(const Camera& camera, const InputInfo& input) {
+  if (camera.width <= 0 || (camera.width == input.width && camera.height == input.height)) return std::nullopt;
+  return fmt::format("camera file is for {} x {} px, the pictures have {} x {}: {}: calibrate at the recording's size",
+                     camera.width, camera.height, input.width, input.height, input.path);
+}
+
+tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
+  MeasureOptions options;
+  const auto method = method_of(words.method);
+  if (!method) return tl::unexpected(method.error());
+  options.method = *method;
+  if (words.resume && words.restart)
+    return usage(
+        "--resume and --restart together: one goes on with an unfinished run, the other throws it away: leave one out");
+  if (!words.pitch.empty() && !words.site.empty())
+    return usage("--pitch and --site together: the site file states the pitch: leave one of them out");
+  if (!words.axes.empty() && words.pitch.empty())
+    return usage("--axes without --pitch: the site file states the axes: leave --axes out");
+  if (!words.axes.empty() && words.axes != "print" && words.axes != "image")
+    return usage(fmt::format("unknown axes: --axes {}: choose one of print, image", words.axes));
+  if (words.axes == "image") options.axes = BoardAxes::kImage;
+  if (!words.pitch.empty()) {
+    const auto pitch = length_mm(words.pitch);
+    if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", words.pitch, pitch.error()));
+    options.pitch_mm = *pitch;
+  }
+  if (words.site.empty() && words.pitch.empty()) return tl::unexpected(no_scale(words.input));
+  if (!words.site.empty()) {
+    auto site = site_of_file(words.site);
+    if (!site) return tl::unexpected(site.error());
+    options.site = std::move(*site);
+  }
+  const auto print_scale = print_scale_of(words.print_scale);
+  if (!print_scale) return tl::unexpected(print_scale.error());
+  if (*print_scale) {
+    options.print_scale = **print_scale;
+    options.site = with_prints_scaled(std::move(options.site), **print_scale);
+    if (options.pitch_mm) *options.pitch_mm *= options.print_scale.factor;
+  }
+  if (!words.camera.empty()) {
+    if (const auto taken = take_camera(words.camera, options); !taken) return tl::unexpected(taken.error());
+  }
+  // From a picture in eleven days to a million a second: beyond, times are lost in rounding.
+  if (words.fps && !(*words.fps >= 1e-6 && *words.fps <= 1e6))
+    return usage(fmt::format("frame rate: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *words.fps));
+  auto range = frame_range(words.frames);
+  if (!range) return tl::unexpected(range.error());
+  options.frames = *range;
+  if (!words.rest.empty()) {
+    const auto rest = rest_frames(words.rest);
+    if (!rest) return tl::unexpected(rest.error());
+    options.solve.rest = *rest;
+  }
+  if (!words.readout.empty()) {
+    const auto readout = readout_time(words.readout);
+    if (!readout) return tl::unexpected(readout.error());
+    options.solve.readout_s = *readout;
+  }
+  if (!words.template_use.empty()) {
+    const auto use = template_use_named(words.template_use);
+    if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", words.template_use));
+    options.observe.template_use = *use;
+  }
+  if (!words.tone.empty() && words.tone != "auto") {
+    options.tone = tone_curve_named(words.tone);
+    if (!options.tone)
+      return usage(fmt::format(
+          "unknown tone curve: --tone {}: choose one of auto, linear, srgb, bt709, hlg, pq, gamma:2.2 (0.2 to 5)",
+          words.tone));
+  }
+  if (words.exaggeration && !words.video)
+    return usage("--exaggerate without --video: it belongs to the video: add --video, or leave it out");
+  if (words.exaggeration && !(*words.exaggeration >= 1.0 && *words.exaggeration <= 1e5))
+    return usage(fmt::format("factor: --exaggerate {}: give a number from 1 to 100000", *words.exaggeration));
+  if (words.reference_frame && *words.reference_frame < 0)
+    return usage(fmt::format("reference frame: --reference-frame {}: give a frame of the input; the first is 0",
+                             *words.reference_frame));
+  options.reference_frame = words.reference_frame;
+  return options;
+}
+
+}  // namespace moiregauge::cli

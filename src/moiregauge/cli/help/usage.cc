@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/help/usage.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "moiregauge/base/nearest_word.h"
+#include "moiregauge/cli/help/command_list.h"
+
+namespace moiregauge::cli {
+namespace {
+
+struct Step {
+  std::string_view command;
+  std::string_view words;
+  std::string_view what;
+};
+
+constexpr std::array kSteps{
+    Step{"plan", "--distance 5m --camera phone-4k", "what to expect of a camera, a distance and a layout"},
+    Step{"sheet", "", "print markers: a circle and a grating each"},
+    Step{"inspect", "clip.mp4 --pitch 10mm", "what is seen in your clip, before anything is measured"},
+    Step{"measure", "clip.mp4 --pitch 10mm", "displacement in millimetres, into the folder clip-moiregauge"},
+    Step{"simulate", "small-1xyz", "no clip at hand: draw one whose truth is known"},
+};
+
+bool is_option(const std::string& word) { return word.size() > 1 && word.front() == '-'; }
+
+std::string without_dashes(const std::string& word) {
+  const auto begin = word.find_first_not_of('-');
+  return begin == std::string::npos ? "" : word.substr(begin, word.find('=') - begin);
+}
+
+std::string unknown_option(const CLI::App& command, const std::string& word) {
+  std::vector<std::string_view> known;
+  for (const CLI::Option* option : command.get_options())
+    known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+  const auto nearest = nearest_word(without_dashes(word), known);
+  return fmt::format("unknown option: {} {}: {}", command.get_name(), word.substr(0, word.find('=')),
+                     nearest ? fmt::format("did you mean --{}?", *nearest)
+                             : fmt::format("moiregauge {} -h lists the options", command.get_name()));
+}
+
+std::string unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string_view> known;
+  for (const CLI::App* command : visible_commands(app)) known.emplace_back(command->get_name());
+  const auto nearest = nearest_word(word, known);
+  return fmt::format(
+      "unknown command: {}: {}", word,
+      nearest ? fmt::format("did you mean moiregauge {}?", *nearest) : "moiregauge -h lists the commands");
+}
+
+// "moiregauge calibrate PHOTOS --pitch LENGTH": what cannot be left out.
+std::string least_words(const CLI::App& command) {
+  std::string words = "moiregauge " + command.get_name();
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_required()) continue;
+    words += " " + option->get_name(option->get_positional());
+    if (!option->get_positional()) words += " " + option->get_type_name();
+  }
+  return words;
+}
+
+// Behind the last ": ", where CLI11 names the option and its value.
+std::string subject_of(const std::string& text) {
+  const auto colon = text.rfind(": ");
+  return colon == std::string::npos ? text : text.substr(colon + 2);
+}
+
+std::string mistake_in(const CLI::App& command, const CLI::ParseError& error) {
+  const std::string name = command.get_name();
+  const auto left_over = command.remaining();
+  if (const auto option = std::find_if(left_over.begin(), left_over.end(), is_option); option != left_over.end())
+    return unknown_option(command, *option);
+  if (!left_over.empty())
+    return fmt::format("a word too many: {} {}: leave it out, or put an option before it (moiregauge {} -h)", name,
+                       left_over.front(), name);
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
+    return fmt::format("something is missing: {}: {}: write {}", name, error.what(), least_words(command));
+  if (std::string_view(error.what()).ends_with(kEmptyValue))
+    return fmt::format("empty value: {} {}: give it a value, or leave it out", name,
+                       std::string_view(error.what()).substr(0, std::string_view(error.what()).find(':')));
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr)
+    return fmt::format("not a number to use: {} {}: moiregauge {} -h says what it takes", name,
+                       subject_of(error.what()), name);
+  return fmt::format("usage: {} {}: moiregauge {} -h says what it takes", name, error.what(), name);
+}
+
+}  // namespace
+
+std::string first_words(const CLI::App& app) {
+  std::string text = app.get_description() + "\n\n";
+  for (const Step& step : kSteps) {
+    const auto commands = visible_commands(app);
+    const bool is_there = std::any_of(commands.begin(), commands.end(),
+                                      [&](const CLI::App* command) { return command->get_name() == step.command; });
+    if (!is_there) continue;
+    const std::string line = fmt::format("moiregauge {} {}", step.command, step.words);
+    text += fmt::format("  {:<48} {}\n", line, step.what);
+  }
+  return text + "\nAll commands: moiregauge -h. One in full: moiregauge help measure\n";
+}
+
+std::string usage_mistake(const CLI::App& app, const CLI::ParseError& error) {
+  const auto left_over = app.remaining();
+  const auto commands = app.get_subcommands();
+  if (commands.empty() && left_over.empty()) return "no command: moiregauge: moiregauge -h lists the commands";
+  if (commands.empty() && !is_option(left_over.front())) return unknown_command(app, left_over.front());
+  if (!left_over.empty())
+    return fmt::format("unknown option: {}: it goes behind its command: moiregauge {} -h lists a command's options",
+                       left_over.front(), commands.empty() ? "measure" : commands.front()->get_name());
+  return mistake_in(*commands.front(), error);
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/measure/command_export.h"
+
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "moiregauge/base/atomic_file.h"
+#include "moiregauge/base/plain_file.h"
+#include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/cli/common/measure_options.h"
+#include "moiregauge/cli/common/terminal_text.h"
+#include "moiregauge/io/tables/displacement_h5.h"
+#include "moiregauge/io/tables/table_csv.h"
+#include "moiregauge/io/tables/uff58.h"
+
+namespace moiregauge::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportWords {
+  std::string run, format = "wide", output, time, gaps = "refuse";
+  std::vector<std::string> markers;
+  bool only_ok = false, replace = false, quiet = false;
+};
+
+using Text = tl::expected<std::string, std::string>;
+
+Text hdf5_of(const RunTable& table, Gaps) {
+  std::string bytes = displacement_h5(table);
+  if (bytes.empty())
+    return tl::unexpected(std::string("cannot write: HDF5: out of memory: choose fewer rows with --time"));
+  return bytes;
+}
+
+struct Format {
+  const char* name;
+  const char* ending;
+  Text (*write)(const RunTable&, Gaps);
+};
+constexpr std::array kExports{
+    Format{"wide", "-wide.csv", [](const RunTable& table, Gaps) -> Text { return wide_csv(table); }},
+    Format{"long", "-long.csv", [](const RunTable& table, Gaps) -> Text { return long_csv(table); }},
+    Format{"hdf5", ".h5", hdf5_of},
+    Format{"uff58", ".uff", uff58},
+};
+
+const Format* format_named(const std::string& name) {
+  for (const Format& format : kExports) {
+    if (name == format.name) return &format;
+  }
+  return nullptr;
+}
+
+// "2:8.5", either end may be left out.
+std::optional<std::pair<std::optional<double>, std::optional<double>>> time_range(const std::string& text) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos) return std::nullopt;
+  std::array<std::optional<double>, 2> ends;
+  const std::array<std::string, 2> parts{text.substr(0, colon), text.substr(colon + 1)};
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (parts[k].empty()) continue;
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(parts[k].data(), parts[k].data() + parts[k].size(), value);
+    if (error != std::errc{} || end != parts[k].data() + parts[k].size()) return std::nullopt;
+    ends[k] = value;
+  }
+  if (ends[0] && ends[1] && !(*ends[1] > *ends[0])) return std::nullopt;
+  return std::pair{ends[0], ends[1]};
+}
+
+constexpr const char* kStandardOutput = "-";
+
+// Only a plain file is ever replaced, and none of a run's own.
+std::optional<std::string> output_problem(const ExportWords& words, const std::string& output) {
+  std::error_code error;
+  const fs::file_status there = fs::symlink_status(output, error);
+  if (!fs::exists(there)) return std::nullopt;
+  if (!fs::is_regular_file(there))
+    return fmt::format("not a plain file: {}: it is {}, and is not replaced: choose another with -o, or - for stdout",
+                       output, fs::is_symlink(there) ? "a link" : kind_unless_plain(output));
+  const fs::path folder = fs::path(output).has_parent_path() ? fs::path(output).parent_path() : fs::path(".");
+  if (fs::equivalent(folder, words.run, error))
+    return fmt::format("part of the run: {}: it is not replaced: choose a file outside the run with -o", output);
+  if (words.replace) return std::nullopt;
+  return fmt::format("file exists: {}: choose another with -o, or give --replace", output);
+}
+
+int run(const ExportWords& words) {
+  const Format* format = format_named(words.format);
+  if (format == nullptr)
+    return fail(Exit::kUsage,
+                fmt::format("unknown format: --format {}: choose one of wide, long, hdf5, uff58", words.format));
+  if (words.gaps != "refuse" && words.gaps != "split")
+    return fail(Exit::kUsage, fmt::format("gaps: --gaps {}: choose one of refuse, split", words.gaps));
+  if (words.gaps != "refuse" && words.format != "uff58")
+    return fail(Exit::kUsage, fmt::format("gaps: --gaps {}: {} keeps gaps as they are: leave it out, or give --format "
+                                          "uff58",
+                                          words.gaps, words.format));
+  Selection selection{words.markers, {}, {}, words.only_ok};
+  if (!words.time.empty()) {
+    const auto range = time_range(words.time);
+    if (!range)
+      return fail(Exit::kUsage,
+                  fmt::format("time range: --time {}: write seconds A:B, half open, e.g. 2:8.5", words.time));
+    selection.from_s = range->first, selection.until_s = range->second;
+  }
+  const std::string output = words.output.empty() ? default_output(words.run, format->ending) : words.output;
+  const bool to_stdout = output == kStandardOutput;
+  if (!to_stdout) {
+    if (const auto problem = output_problem(words, output)) return fail(Exit::kUsage, *problem);
+  }
+  auto table = read_run_table(words.run);
+  if (!table) return fail(Exit::kInputUnreadable, table.error());
+  if (!table->complete && !words.quiet)
+    print_note(fmt::format(
+        "note: {}: the run was interrupted or its input is damaged: these are the samples there are\n", words.run));
+  const auto chosen = selected(*std::move(table), selection);
+  if (!chosen) return fail(Exit::kUsage, chosen.error());
+  const auto bytes = format->write(*chosen, words.gaps == "split" ? Gaps::kSplit : Gaps::kRefuse);
+  if (!bytes) return fail(Exit::kUsage, bytes.error());
+  if (to_stdout) {
+    put_bytes(*bytes);
+    return 0;
+  }
+  if (const auto written = write_file_atomically(output, *bytes); !written)
+    return fail(Exit::kOutputUnwritable, fmt::format("{}: make room or choose another file with -o", written.error()));
+  if (!words.quiet)
+    print_out(fmt::format("{}: {} rows of {} target{}\n", output, chosen->samples.size(), chosen->markers.size(),
+                          chosen->markers.size() == 1 ? "" : "s"));
+  return 0;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("export", "The samples of a finished run for other programs");
+  auto words = std::make_shared<ExportWords>();
+  command->add_option("DIR", words->run, "folder that `measure` wrote")->type_name("DIR")->required();
+  command->add_option("--format", words->format, "wide, long (CSV), hdf5 or uff58 [wide]")
+      ->type_name("wide|long|hdf5|uff58");
+  command->add_option("--markers", words->markers, "only these targets: A,B [all]")->type_name("NAMES")->delimiter(',');
+  command->add_option("--time", words->time, "only these seconds, half open: A:B [all]")->type_name("A:B");
+  command->add_flag("--only-ok", words->only_ok, "numbers of rows that are not `ok` become NaN");
+  command
+      ->add_option("--gaps", words->gaps,
+                   "uff58, which knows no gap: refuse, or split into unbroken stretches [refuse]")
+      ->type_name("refuse|split");
+  command
+      ->add_option("-o,--out", words->output,
+                   "file to write, - for stdout [<run>-wide.csv, <run>.h5, ... in the current folder]")
+      ->type_name("FILE");
+  command->add_flag("--replace", words->replace, "write over an older file");
+  command->add_flag("--quiet", words->quiet, "print nothing but errors");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/measure/command_inspect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/app/open_input.h"
+#include "moiregauge/base/atomic_file.h"
+#include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/cli/common/measure_options.h"
+#include "moiregauge/cli/common/output_folder.h"
+#include "moiregauge/cli/common/progress.h"
+#include "moiregauge/cli/common/terminal_text.h"
+#include "moiregauge/cli/measure/inspect_lines.h"
+#include "moiregauge/drawing/overlays/overlay_inspection.h"
+#include "moiregauge/image/upper_bits.h"
+#include "moiregauge/run/codec.h"
+
+namespace moiregauge::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InspectWords {
+  MeasureWords measure;  // the words both commands have
+  long frame = 0;
+};
+
+// What `measure` understands by the same words. Neither site nor pitch is no mistake here.
+tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& words) {
+  MeasureWords known = words.measure;
+  const bool has_scale = !known.site.empty() || !known.pitch.empty();
+  if (!has_scale) known.pitch = "1mm";  // any: it is not used
+  auto understood_words = understood(known);
+  if (!understood_words) return tl::unexpected(understood_words.error());
+  if (words.frame < 0)
+    return tl::unexpected(
+        UsageError{fmt::format("frame: --frame {}: give a frame of the input; the first is 0", words.frame)});
+  InspectOptions options;
+  if (!known.site.empty()) options.site = std::move(understood_words->site);
+  if (has_scale) options.pitch_mm = understood_words->pitch_mm;
+  options.axes = understood_words->axes;
+  options.lens = understood_words->camera.value_or(Camera{});
+  options.observe = understood_words->observe;
+  return options;
+}
+
+struct Failed {
+  Exit exit;
+  std::string message;
+};
+
+// The frame with that number; valid until the source is asked again.
+tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quiet) {
+  Progress progress("looking for the frame", quiet);
+  long seen = 0;
+  while (true) {
+    auto frame = source.next();
+    if (!frame) return tl::unexpected(Failed{Exit::kInputUnreadable, frame.error().message});
+    const std::string& path = source.info().path;
+    if (!*frame) {
+      if (seen == 0)
+        return tl::unexpected(
+            Failed{Exit::kInputUnreadable, fmt::format("no pictures: {}: give a video or pictures", path)});
+      return tl::unexpected(
+          Failed{Exit::kUsage, fmt::format("no such frame: --frame {}: {} has {}, the first is 0", number, path,
+                                           seen == 1 ? "1 frame" : fmt::format("{} frames", seen))});
+    }
+    if ((*frame)->number == number && (*frame)->damaged)
+      return tl::unexpected(
+          Failed{Exit::kInputUnreadable,
+                 fmt::format("damaged frame: {}, frame {}: choose another with --frame", path, number)});
+    if ((*frame)->number == number) return **frame;
+    seen = (*frame)->number + 1;
+    progress.show(seen, number + 1);
+  }
+}
+
+// With a scale the question is whether a measurement can begin here; without, whether there is anything to be seen.
+bool is_usable(const Inspection& seen, bool has_scale) {
+  return seen.reference || (!has_scale && (!seen.patches.empty() || !seen.lattices.empty()));
+}
+
+std::string json_text(const InspectReport& report) {
+  return inspect_json(report).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+tl::expected<void, std::string> write_inspection(const fs::path& output, const InspectReport& report,
+                                                 const Image<std::uint8_t>& grey) {
+  std::error_code error;
+  fs::create_directories(output, error);
+  if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
+  const std::string caption =
+      fmt::format("{}, frame {}: {} x {} px", report.input.path, report.frame, report.seen.width, report.seen.height);
+  const auto overlay = draw_inspection({grey.view(), report.seen, report.expected, caption});
+  const std::string path = (output / "overlay.png").string();
+  if (overlay.empty()) return tl::unexpected(path + ": out of memory");
+  return write_file_atomically(path, {reinterpret_cast<const char*>(overlay.data()), overlay.size()}).and_then([&] {
+    return write_file_atomically((output / "inspect.json").string(), json_text(report));
+  });
+}
+
+// With the codec's share, as `measure` will state it. The frame after this one says whether the codec predicts; the
+// coarser of the two steps counts. `frame` is not valid afterwards.
+std::vector<ExpectedUncertainty> expected_of(Reference& reference, const Frame& frame, FrameSource& source) {
+  note_quantisers(frame.quantiser, reference.site, reference.lens, reference.seen);
+  Observation next_seen = reference.seen;
+  if (const auto next = source.next(); next && *next)
+    note_quantisers((*next)->quantiser, reference.site, reference.lens, next_seen);
+  std::vector<Quantiser> later;
+  for (std::size_t i = 0; i < next_seen.markers.size(); ++i) {
+    const Quantiser &now = reference.seen.markers[i].quantiser, &then = next_seen.markers[i].quantiser;
+    later.push_back({std::isnan(now.step) || std::isnan(then.step) ? kUnknownStep : std::max(now.step, then.step),
+                     now.predicted || then.predicted});
+  }
+  return expected_uncertainties(reference, later);
+}
+
+int report_refusal(const InspectReport& report, const std::string& output) {
+  return fail(Exit::kRefused,
+              fmt::format("nothing to measure: {}, frame {}: found {}; {}: see {}/overlay.png", report.input.path,
+                          report.frame, found_in_short(report.seen), report.seen.missing, output));
+}
+
+int run(const InspectWords& words) {
+  const auto options = inspect_options(words);
+  if (!options) return fail(Exit::kUsage, options.error().message);
+  const bool has_scale = options->site || options->pitch_mm;
+  const std::string& input = words.measure.input;
+  const std::string output = words.measure.output.empty() ? default_output(input, "-inspect") : words.measure.output;
+  if (!is_free(output, "inspect.json"))
+    return fail(Exit::kUsage,
+                fmt::format("output folder is taken: {}: it holds something else than an inspection: choose "
+                            "another with -o",
+                            output));
+  const auto source =
+      open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads, words.measure.max_pixels});
+  if (!source) return fail(Exit::kInputUnreadable, source.error().message);
+  if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
+  const auto frame = frame_of(**source, words.frame, words.measure.quiet);
+  if (!frame) return fail(frame.error().exit, frame.error().message);
+  const int bits = (*source)->info().bits;
+  InspectReport report{
+      (*source)->info(), frame->number, frame->time_s, inspect_picture({frame->luma, bits}, *options), {}, {}};
+  const Image<std::uint8_t> grey = upper_bits(frame->luma, bits);
+  if (report.seen.reference) report.expected = expected_of(*report.seen.reference, *frame, **source);
+  report.exit = is_usable(report.seen, has_scale) ? Exit::kMeasured : Exit::kRefused;
+  if (const auto written = write_inspection(output, report, grey); !written)
+    return fail(Exit::kOutputUnwritable,
+                fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
+  if (words.measure.json)
+    print_out(json_text(report));
+  else if (!words.measure.quiet)
+    print_out(inspect_lines(report));
+  return report.exit == Exit::kRefused ? report_refusal(report, output) : 0;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("inspect", "Show everything that is seen in one frame, and who is taken for what");
+  auto words = std::make_shared<InspectWords>();
+  MeasureWords& shared = words->measure;
+  command->add_option("INPUT", shared.input, "video, picture, folder of pictures, multi-page TIFF, or printf pattern")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--frame", words->frame, "which frame to look at, the first is 0 [0]")->type_name("N");
+  command->add_option("--site", shared.site, "site.toml: what is printed where")->type_name("FILE");
+  command->add_option("--pitch", shared.pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
+      ->type_name("LENGTH");
+  command->add_option("--axes", shared.axes, "without a site file, x lies along: print or image [print]")
+      ->type_name("print|image");
+  command->add_option("--camera", shared.camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command->add_option("--fps", shared.fps, "frames per second of a folder of pictures")->type_name("N");
+  command->add_option("-o,--out", shared.output, "output folder [<input>-inspect]")->type_name("DIR");
+  add_max_pixels(*command, shared.max_pixels);
+  command->add_flag("--sequence", shared.sequence, "INPUT is a printf pattern such as shot%04d.png");
+  command->add_flag("--quiet", shared.quiet, "print nothing but errors");
+  command->add_flag("--json", shared.json, "print inspect.json on stdout instead of text");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/plan/command_sheet.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <memory>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/cli/common/terminal_text.h"
+#include "moiregauge/cli/measure/report_lines.h"
+#include "moiregauge/cli/plan/sheet_words.h"
+#include "moiregauge/io/config/site_file.h"
+#include "moiregauge/io/run_dir/file_set.h"
+#include "moiregauge/sheet/sheet_files.h"
+
+namespace moiregauge::cli {
+namespace {
+
+// The date that a reproducible build gives its files (reproducible-builds.org); without it they have none.
+std::string date_of_files() {
+  const char* text = std::getenv("SOURCE_DATE_EPOCH");
+  if (text == nullptr) return {};
+  std::time_t seconds = 0;
+  const auto [end, error] = std::from_chars(text, text + std::strlen(text), seconds);
+  std::tm parts{};
+  if (error != std::errc{} || *end != '\0' || ::gmtime_r(&seconds, &parts) == nullptr) return {};
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", parts);
+}
+
+std::string site_text(const sheet::SheetSet& set) {
+  return "# The markers of sheets.pdf. Places are where they are to hang: write here where they do (and the z_mm of a\n"
+         "# target that stands before or behind the references), and in [known_to] how well that is known.\n" +
+         write_site(set.site);
+}
+
+int run(const SheetWords& words) {
+  const auto order = understood(words);
+  if (!order) return fail(Exit::kUsage, order.error().message);
+  const auto set = sheet::sheets_of(order->site, order->page);
+  if (!set) return fail(Exit::kUsage, fmt::format("sheets: {}", set.error()));
+  const sheet::SheetFiles files = sheet::files_of(*set, order->ink, date_of_files());
+  std::vector<NamedBytes> named{
+      {"sheets.pdf", files.pdf}, {"mounting.pdf", files.plan}, {"site.toml", site_text(*set)}};
+  for (const auto& [name, text] : files.svg) named.emplace_back(name + ".svg", text);
+  for (const auto& [name, bytes] : named) {
+    if (bytes.empty())
+      return fail(Exit::kInternalError, fmt::format("cannot draw: {}: out of memory: choose smaller paper", name));
+  }
+  const auto written = write_file_set(words.output, named, words.replace ? Existing::kReplace : Existing::kRefuse);
+  if (!written) return fail_output(written.error());
+  if (words.quiet) return 0;
+  print_out(fmt::format("{} marker{} on {} sheet{} of {}: {}/sheets.pdf\n", set->site.markers.size(),
+                        set->site.markers.size() == 1 ? "" : "s", set->sheets.size(),
+                        set->sheets.size() == 1 ? "" : "s", order->page.paper.name, words.output));
+  print_out(fmt::format("places: {0}/site.toml, to take along: {0}/mounting.pdf\n", words.output));
+  print_out(fmt::format(
+      "next: print at 100 %, measure the 100 mm rulers, hang, film; moiregauge measure CLIP --site {}/site.toml\n",
+      words.output));
+  return 0;
+}
+
+}  // namespace
+
+void add_sheet(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("sheet", "Print-ready marker sheets (PDF, SVG) with their site.toml");
+  auto words = std::make_shared<SheetWords>();
+  add_layout_options(*command, words->layout);
+  command->add_option("--paper", words->paper, "A0 to A5, letter, legal, tabloid, or a size such as 300x400mm [A4]")
+      ->type_name("SIZE");
+  command->add_option("--orientation", words->orientation, "auto, portrait or landscape [auto]")->type_name("WORD");
+  command->add_flag("--separate", words->separate, "one marker a sheet, even where all fit on one");
+  command->add_flag("--inverted", words->inverted, "light lines on dark (circles stay dark)");
+  command->add_option("--ink", words->ink_percent, "how dark, per cent of black [100]")->type_name("PERCENT");
+  command
+      ->add_option("--gamma", words->gamma,
+                   "cosine: 1 for video cameras and telephones, 2.2 for cameras with linear output [1]")
+      ->type_name("G");
+  command->add_option("-o,--out", words->output, "folder to write [sheets]")->type_name("DIR");
+  command->add_flag("--replace", words->replace, "take the place of an earlier set in DIR");
+  command->add_flag("--quiet", words->quiet, "print nothing but errors");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

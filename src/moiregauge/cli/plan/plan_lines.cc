@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/plan/plan_lines.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/app/plan_advice.h"
+#include "moiregauge/units/units.h"
+#include "moiregauge/version.h"
+
+namespace moiregauge::cli {
+namespace {
+
+constexpr std::size_t kLabel = 12, kWidth = 100;
+
+// A label and its sentence, broken between words.
+std::string line(const std::string& label, const std::string& words) {
+  std::string text = fmt::format("{:<{}}", label, kLabel), rest = words;
+  while (rest.size() > kWidth) {
+    auto cut = rest.rfind(' ', kWidth);
+    if (cut == std::string::npos) break;
+    text += rest.substr(0, cut) + "\n" + std::string(kLabel, ' ');
+    rest.erase(0, cut + 1);
+  }
+  return text + rest + "\n";
+}
+
+struct Range {
+  double low = 1e300, high = 0.0;
+  void include(double v) { low = std::min(low, v), high = std::max(high, v); }
+  [[nodiscard]] std::string words(const char* unit) const {
+    return high - low < 0.005 * high ? fmt::format("{:.3g} {}", high, unit)
+                                     : fmt::format("{:.3g} to {:.3g} {}", low, high, unit);
+  }
+};
+
+std::string camera_words(const PlanOrder& order) {
+  const Camera& c = order.setup.camera;
+  const double fov = 2.0 * degrees_from_radians(std::atan(0.5 * c.width / c.fx));
+  return fmt::format("{}{} x {} px, f = {:.0f} px ({:.3g} deg across){}",
+                     order.camera_name.empty() ? "" : order.camera_name + ": ", c.width, c.height, c.fx, fov,
+                     order.camera_source.empty() ? "" : "; source: " + order.camera_source);
+}
+
+std::string scale_words(const RecordingSetup& s) {
+  const double scale = px_per_mm(s);
+  return fmt::format("{:.3g} mm/px at {:.3g} m; the picture shows {:.3g} x {:.3g} m", 1.0 / scale,
+                     0.001 * s.distance_mm, 0.001 * s.camera.width / scale, 0.001 * s.camera.height / scale);
+}
+
+std::string print_words(const RecordingSetup& s) {
+  Range mm, px;
+  int references = 0, targets = 0;
+  for (const Marker& m : s.site.markers) {
+    (m.role == Role::kReference ? references : targets) += 1;
+    if (!m.grating) continue;
+    mm.include(m.grating->pitch_mm);
+    px.include(m.grating->pitch_mm * px_per_mm(s, m.z_mm.value_or(0.0)));
+  }
+  return fmt::format("{} references, {} target{}; pitch {} = {} (8 to 30 are good)", references, targets,
+                     targets == 1 ? "" : "s", mm.words("mm"), px.words("px"));
+}
+
+std::string codec_words(const RecordingSetup& s) {
+  double worst = 0.0;
+  for (const PlannedTarget& t : planned_targets(s)) worst = std::fmax(worst, std::fmax(t.codec.x, t.codec.y));
+  return fmt::format(
+      "compressed video, a typical quantiser of {:.3g} grey levels: {} of u are the codec's. Record raw or lossless "
+      "(--lossless) to avoid it",
+      s.codec.step, length_words(worst));
+}
+
+std::string blur_words(const RecordingSetup& s) {
+  const PlannedBlur blur = planned_blur(s);
+  if (!s.target_swing && !s.camera_swing)
+    return fmt::format("exposure {:.3g} ms; give --vibration 0.5mm@5Hz or --camera-vibration 0.01deg@10Hz to see it",
+                       1000.0 * s.exposure_s);
+  std::string words = fmt::format("exposure {:.3g} ms:", 1000.0 * s.exposure_s);
+  if (s.target_swing) words += fmt::format(" the target's vibration {:.2g} px", blur.target_px);
+  if (s.camera_swing) words += fmt::format("{} the camera's {:.2g} px", s.target_swing ? "," : "", blur.camera_px);
+  return words + ", at its fastest";
+}
+
+std::string motion_words(const RecordingSetup& s) {
+  double pitch = 1e300;
+  for (const Marker& m : s.site.markers) {
+    if (m.grating && m.role == Role::kTarget) pitch = std::min(pitch, m.grating->pitch_mm);
+  }
+  return fmt::format(
+      "half a pitch, {:.3g} mm, from frame to frame ({:.3g} mm/s at {:g} frames/s); more where the print's outline "
+      "shows",
+      0.5 * pitch, 0.5 * pitch * s.fps, s.fps);
+}
+
+std::string shutter_words(const PlanOrder& order) {
+  const RecordingSetup& s = order.setup;
+  if (order.rolls_untold) return "rolling, readout not told: give --readout";
+  if (!(s.readout_s > 0.0)) return "all rows at once";
+  const ShutterError e = shutter_error(s);
+  std::string words = fmt::format("rolling: {:.3g} ms between a target's row and a reference's", 1000.0 * e.lag_s);
+  if (s.camera_swing) words += fmt::format("; the camera's vibration is worth {}", length_words(e.camera_mm));
+  if (s.target_swing) words += fmt::format("; the target moves {} meanwhile", length_words(e.target_mm));
+  return words;
+}
+
+std::string turn_words(const RecordingSetup& s) {
+  const TurningRoom room = turning_room(s);
+  if (room.pan < 0.0) return "a marker is outside the picture as it is";
+  return fmt::format("before a marker leaves the picture: pan {:.2g}, tilt {:.2g}, roll {:.2g} deg to either side",
+                     degrees_from_radians(room.pan), degrees_from_radians(room.tilt), degrees_from_radians(room.roll));
+}
+
+std::string uncertainty_table(const RecordingSetup& s) {
+  const auto row = [](const std::string& label, const std::string& name, const std::array<std::string, 6>& cells) {
+    return fmt::format("{:<{}}{:<12} {:>9} {:>9}   {:>9} {:>9}   {:>9} {:>9}\n", label, kLabel, name, cells[0],
+                       cells[1], cells[2], cells[3], cells[4], cells[5]);
+  };
+  std::string text = row("u (k = 1)", "of", {"dx", "dy", "bound dx", "dy", "phase dx", "dy"});
+  for (const PlannedTarget& t : planned_targets(s))
+    text += row("", s.site.markers[t.marker].name,
+                {length_words(t.u.x), length_words(t.u.y), length_words(t.full_bound.x), length_words(t.full_bound.y),
+                 length_words(t.phase_bound.x), length_words(t.phase_bound.y)});
+  return text +
+         line("", fmt::format("dx, dy: {}, one frame against another, as measure will state it; bound: of one frame, "
+                              "every edge counted; phase: of one frame, fundamentals alone",
+                              s.codec.is_lossless() ? "noise alone" : "noise and codec"));
+}
+
+using Json = nlohmann::ordered_json;
+
+Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+Json pair(Extent<frame::Board> e) { return {{"x", number(e.x)}, {"y", number(e.y)}}; }
+
+}  // namespace
+
+std::string plan_text(const PlanOrder& order) {
+  const RecordingSetup& s = order.setup;
+  std::string text =
+      line("camera", camera_words(order)) + line("scale", scale_words(s)) + line("prints", print_words(s));
+  text += uncertainty_table(s);
+  text +=
+      line("on top",
+           fmt::format("{:.2g} % of the displacement, until the prints' rulers are told (--print-scale of measure); "
+                       "what lens and places add shows when the camera moves",
+                       100.0 * s.site.known_to.print_scale));
+  if (!s.codec.is_lossless()) text += line("codec", codec_words(s));
+  text += line("blur", blur_words(s)) + line("motion", motion_words(s)) + line("shutter", shutter_words(order)) +
+          line("turns", turn_words(s));
+  const auto advice = advice_for(s, order.rolls_untold);
+  for (const std::string& words : advice) text += line("advice", words);
+  if (advice.empty()) text += line("advice", "none: go and film");
+  return text;
+}
+
+std::string plan_json(const PlanOrder& order) {
+  const RecordingSetup& s = order.setup;
+  const Camera& c = s.camera;
+  const PlannedBlur blur = planned_blur(s);
+  const ShutterError shutter = shutter_error(s);
+  const TurningRoom room = turning_room(s);
+  Json targets = Json::array(), markers = Json::array();
+  for (const PlannedTarget& t : planned_targets(s))
+    targets.push_back({{"name", s.site.markers[t.marker].name},
+                       {"u_mm", pair(t.u)},
+                       {"codec_mm", pair(t.codec)},
+                       {"bound_mm", pair(t.full_bound)},
+                       {"phase_bound_mm", pair(t.phase_bound)}});
+  for (const Marker& m : s.site.markers) {
+    if (!m.grating) continue;
+    markers.push_back({{"name", m.name},
+                       {"role", m.role == Role::kReference ? "reference" : "target"},
+                       {"x_mm", m.grating->centre.x},
+                       {"y_mm", m.grating->centre.y},
+                       {"pitch_px", m.grating->pitch_mm * px_per_mm(s, m.z_mm.value_or(0.0))}});
+  }
+  const Json json{
+      {"moiregauge", kVersion},
+      {"schema", 1},
+      {"camera",
+       {{"name", order.camera_name},
+        {"width", c.width},
+        {"height", c.height},
+        {"f_px", c.fx},
+        {"source", order.camera_source}}},
+      {"distance_mm", s.distance_mm},
+      {"mm_per_px", 1.0 / px_per_mm(s)},
+      {"noise", s.noise_sigma},
+      {"contrast", s.optics.contrast},
+      {"psf_px", s.optics.psf_sigma_px},
+      {"fps", s.fps},
+      {"exposure_s", s.exposure_s},
+      {"codec_step", s.codec.step},
+      {"readout_s", order.rolls_untold ? Json(nullptr) : Json(s.readout_s)},
+      {"markers", markers},
+      {"targets", targets},
+      {"u_print_scale", s.site.known_to.print_scale},
+      {"blur_px", {{"target", blur.target_px}, {"camera", blur.camera_px}}},
+      {"shutter", {{"lag_s", shutter.lag_s}, {"camera_mm", shutter.camera_mm}, {"target_mm", shutter.target_mm}}},
+      {"turns_deg",
+       {{"pan", degrees_from_radians(room.pan)},
+        {"tilt", degrees_from_radians(room.tilt)},
+        {"roll", degrees_from_radians(room.roll)}}},
+      {"in_picture", room.pan >= 0.0},
+      {"advice", advice_for(s, order.rolls_untold)}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace moiregauge::cli

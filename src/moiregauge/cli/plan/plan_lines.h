@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// A plan as lines to read, and as JSON.
+#pragma once
+
+#include <string>
+
+#include "moiregauge/cli/plan/plan_words.h"
+
+namespace moiregauge::cli {
+
+[[nodiscard]] std::string plan_text(const PlanOrder& order);
+[[nodiscard]] std::string plan_json(const PlanOrder& order);
+
+}  // namespace moiregauge::cli

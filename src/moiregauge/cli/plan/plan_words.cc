@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/plan/plan_words.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "moiregauge/app/camera_table.h"
+#include "moiregauge/base/duration_text.h"
+#include "moiregauge/base/length_text.h"
+#include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/io/config/camera_file.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge::cli {
+namespace {
+
+constexpr double kLayoutShare = 0.8;  // of the picture, where no span is given: the rest is for the camera's turning
+
+// A telephone's: most of its frames are predicted from others.
+constexpr Quantiser kUsualCodec{kUsualStep, true};
+
+std::optional<double> number_of(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value > 0.0)) return std::nullopt;
+  return value;
+}
+
+// "4104x1012"
+std::optional<std::pair<int, int>> pixels_of(const std::string& text) {
+  const auto cross = text.find('x');
+  if (cross == std::string::npos) return std::nullopt;
+  const auto w = number_of(std::string_view(text).substr(0, cross)),
+             h = number_of(std::string_view(text).substr(cross + 1));
+  if (!w || !h || *w < 16 || *h < 16 || *w > 1e5 || *h > 1e5 || *w != std::floor(*w) || *h != std::floor(*h))
+    return std::nullopt;
+  return std::pair{static_cast<int>(*w), static_cast<int>(*h)};
+}
+
+// "0.5mm@5Hz": amplitude by `amplitude_of`, then hertz.
+template <typename Amplitude>
+std::optional<Swing> swing_from(const std::string& text, Amplitude amplitude_of) {
+  const auto at = text.find('@');
+  if (at == std::string::npos || text.size() < at + 4 || text.substr(text.size() - 2) != "Hz") return std::nullopt;
+  const auto frequency = number_of(std::string_view(text).substr(at + 1, text.size() - at - 3));
+  const std::optional<double> amplitude = amplitude_of(text.substr(0, at));
+  constexpr double kMaxAmplitude = 1e5;  // mm or rad
+  constexpr double kMaxFrequency_hz = 1e6;
+  if (!frequency || !amplitude || *frequency > kMaxFrequency_hz || *amplitude > kMaxAmplitude) return std::nullopt;
+  return Swing{*amplitude, *frequency};
+}
+
+std::optional<double> mm_of(const std::string& text) {
+  const auto mm = length_mm(text);
+  return mm ? std::optional(*mm) : std::nullopt;
+}
+
+std::optional<double> rad_of(const std::string& text) {
+  if (text.size() < 4 || text.substr(text.size() - 3) != "deg") return std::nullopt;
+  const auto degrees = number_of(std::string_view(text).substr(0, text.size() - 3));
+  return degrees ? std::optional(radians_from_degrees(*degrees)) : std::nullopt;
+}
+
+using Done = tl::expected<void, UsageError>;
+
+// The camera's size and focal length in pixels, from a name, a file, or numbers.
+Done choose_camera(const PlanWords& words, PlanOrder& order) {
+  Camera& camera = order.setup.camera;
+  double pixel_mm = 0.0, fov_deg = words.fov_deg.value_or(0.0);
+  if (!words.camera.empty()) {
+    order.camera_name = words.camera;
+    if (const auto known = camera_named(words.camera)) {
+      camera.width = known->width, camera.height = known->height;
+      pixel_mm = 0.001 * known->pixel_um;
+      if (fov_deg == 0.0 && words.focal.empty()) fov_deg = known->hfov_deg;
+      order.camera_source = known->source;
+      if (known->compresses) order.setup.codec = kUsualCodec;
+      order.rolls_untold = known->rolls && words.readout.empty();
+    } else if (std::filesystem::exists(words.camera)) {
+      const auto read = read_camera(words.camera);
+      if (!read) return usage(mistakes_in("camera file", words.camera, read.error()));
+      if (read->width <= 0) return usage(fmt::format("camera file: {}: no width and height: state them", words.camera));
+      if (!words.focal.empty() || words.fov_deg || !words.resolution.empty())
+        return usage("a camera file with --focal, --fov or --resolution: the file states them: leave those out");
+      camera = *read;
+      return {};
+    } else {
+      return usage(
+          fmt::format("unknown camera: --camera {}: a camera file, or one of {}", words.camera, camera_names()));
+    }
+  }
+  if (!words.resolution.empty()) {
+    const auto size = pixels_of(words.resolution);
+    if (!size) return usage(fmt::format("resolution: --resolution {}: write pixels, e.g. 4096x2160", words.resolution));
+    // A telephone's other video mode shows the same view; a sensor read in part has the same pixels.
+    camera.width = size->first, camera.height = size->second;
+  }
+  if (camera.width == 0)
+    return usage(
+        "no camera: plan: give --camera NAME, or --resolution 4096x2160 with --fov 60 or --pixel 3.45um --focal 12mm");
+  const auto pixel = length_or("--pixel", words.pixel, pixel_mm);
+  if (!pixel) return tl::unexpected(pixel.error());
+  const auto focal = length_or("--focal", words.focal, 0.0);
+  if (!focal) return tl::unexpected(focal.error());
+  if (*focal > 0.0 && words.fov_deg) return usage("--focal and --fov together: either tells the lens: leave one out");
+  if (*focal > 0.0 && !(*pixel > 0.0))
+    return usage("--focal without --pixel: how large are the sensor's pixels: give e.g. --pixel 3.45um, or --fov");
+  if (*focal > 0.0) {
+    camera.fx = *focal / *pixel;
+  } else if (fov_deg > 0.0 && fov_deg < 170.0) {
+    camera.fx = 0.5 * camera.width / std::tan(0.5 * radians_from_degrees(fov_deg));
+  } else {
+    return usage(
+        "no lens: plan: give --focal 12mm (with --pixel, unless the camera is named), or --fov, degrees across the "
+        "width");
+  }
+  camera.fy = camera.fx;
+  camera.cx = 0.5 * (camera.width - 1), camera.cy = 0.5 * (camera.height - 1);
+  return {};
+}
+
+Done choose_numbers(const PlanWords& words, RecordingSetup& setup) {
+  const struct {
+    const char* option;
+    double value, low, high;
+  } numbers[] = {{"--noise", words.noise, 0.0, 100.0},
+                 {"--contrast", words.contrast, 1.0, 255.0},
+                 {"--psf", words.psf_px, 0.0, 20.0},
+                 {"--fps", words.fps, 1e-6, 1e6}};
+  for (const auto& number : numbers) {
+    if (!(number.value >= number.low && number.value <= number.high))
+      return usage(fmt::format("number: {} {:g}: from {:g} to {:g}, choose one between", number.option, number.value,
+                               number.low, number.high));
+  }
+  setup.noise_sigma = words.noise;
+  setup.optics.contrast = words.contrast;
+  setup.optics.psf_sigma_px = words.psf_px;
+  setup.fps = words.fps;
+  const struct {
+    const char* option;
+    const std::string& text;
+    double& value;
+  } times[] = {{"--exposure", words.exposure, setup.exposure_s}, {"--readout", words.readout, setup.readout_s}};
+  for (const auto& time : times) {
+    if (time.text.empty()) continue;
+    const auto seconds = duration_s(time.text);
+    if (!seconds) return usage(fmt::format("time: {} {}: {}", time.option, time.text, seconds.error()));
+    time.value = *seconds;
+  }
+  if (words.exposure.empty()) setup.exposure_s = 0.25 / setup.fps;
+  if (setup.exposure_s > 1.0 / setup.fps * (1.0 + 1e-9))
+    return usage(fmt::format("exposure: --exposure {}: longer than a frame of {:g} frames/s lasts: give less",
+                             words.exposure, setup.fps));
+  return {};
+}
+
+Done choose_swings(const PlanWords& words, RecordingSetup& setup) {
+  if (!words.vibration.empty()) {
+    setup.target_swing = swing_from(words.vibration, mm_of);
+    if (!setup.target_swing)
+      return usage(
+          fmt::format("vibration: --vibration {}: write amplitude and frequency, e.g. 0.5mm@5Hz", words.vibration));
+  }
+  if (!words.camera_vibration.empty()) {
+    setup.camera_swing = swing_from(words.camera_vibration, rad_of);
+    if (!setup.camera_swing)
+      return usage(
+          fmt::format("camera's vibration: --camera-vibration {}: write amplitude and frequency, e.g. 0.01deg@10Hz",
+                      words.camera_vibration));
+  }
+  return {};
+}
+
+Done choose_layout(const PlanWords& words, RecordingSetup& setup) {
+  const double scale = px_per_mm(setup);
+  auto site = site_of_layout(
+      words.layout,
+      {"the picture", {kLayoutShare * setup.camera.width / scale, kLayoutShare * setup.camera.height / scale}});
+  if (!site) return tl::unexpected(site.error());
+  int references = 0, targets = 0;
+  for (const Marker& marker : site->markers) {
+    if (!marker.grating) continue;
+    (marker.role == Role::kReference ? references : targets) += 1;
+    const double height = marker.z_mm.value_or(0.0);
+    if (!(height < setup.distance_mm))
+      return usage(fmt::format("heights: '{}': it stands behind the camera: give more --distance", marker.name));
+    const double pitch = marker.grating->pitch_mm * px_per_mm(setup, height);
+    if (!(pitch >= 2.5))
+      return usage(
+          fmt::format("pitch: '{}': {:.2g} px in the picture, under 2.5 nothing can be measured: choose a larger "
+                      "--pitch or go nearer",
+                      marker.name, pitch));
+  }
+  if (references < 4 || targets < 1)
+    return usage(fmt::format("layout: {} references and {} targets with gratings: it takes four and one: add some",
+                             references, targets));
+  setup.site = *std::move(site);
+  return {};
+}
+
+}  // namespace
+
+tl::expected<PlanOrder, UsageError> understood(const PlanWords& words) {
+  PlanOrder order;
+  if (words.distance.empty()) return usage("no distance: plan: give --distance from camera to prints, e.g. 5m");
+  const auto distance = length_or("--distance", words.distance, 0.0);
+  if (!distance) return tl::unexpected(distance.error());
+  order.setup.distance_mm = *distance;
+  if (const auto done = choose_camera(words, order); !done) return tl::unexpected(done.error());
+  if (words.lossless && words.compressed)
+    return usage("--lossless and --compressed together: the recording is one of them: leave one out");
+  if (words.lossless) order.setup.codec = {};
+  if (words.compressed) order.setup.codec = kUsualCodec;
+  for (const auto step : {choose_numbers, choose_swings, choose_layout}) {
+    if (const auto done = step(words, order.setup); !done) return tl::unexpected(done.error());
+  }
+  return order;
+}
+
+}  // namespace moiregauge::cli

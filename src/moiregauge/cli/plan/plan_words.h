@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of `moiregauge plan`, and what they mean.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/cli/common/layout_words.h"
+#include "moiregauge/planning/recording_plan.h"
+
+namespace moiregauge::cli {
+
+// As typed.
+struct PlanWords {
+  LayoutWords layout;
+  std::string distance, camera, resolution, pixel, focal, exposure, readout, vibration, camera_vibration;
+  std::optional<double> fov_deg;
+  double noise = 1.5, contrast = 170.0, psf_px = 0.7, fps = 30.0;
+  bool lossless = false, compressed = false;
+  bool json = false;
+};
+
+struct PlanOrder {
+  RecordingSetup setup;
+  std::string camera_name;    // of the table, or the file; empty: told in numbers
+  std::string camera_source;  // of the table
+  bool rolls_untold = false;  // a rolling shutter whose readout nobody stated
+};
+
+[[nodiscard]] tl::expected<PlanOrder, UsageError> understood(const PlanWords& words);
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/plan/sheet_words.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace moiregauge::cli {
+namespace {
+
+tl::expected<sheet::PageRequest, UsageError> page_of(const SheetWords& words) {
+  sheet::PageRequest page;
+  if (const auto known = sheet::standard_paper(words.paper)) {
+    page.paper = *known;
+  } else {
+    const auto size = size_mm(words.paper);
+    if (!size)
+      return usage(fmt::format("paper: --paper {}: one of {}, or a size such as 300x400mm", words.paper,
+                               sheet::standard_paper_names()));
+    page.paper = {fmt::format("{:g} x {:g} mm", size->x, size->y), size->x, size->y};
+  }
+  const double smallest = std::min(page.paper.width_mm, page.paper.height_mm);
+  if (smallest < sheet::kSmallestPaper_mm ||
+      std::max(page.paper.width_mm, page.paper.height_mm) > sheet::kLargestPaper_mm)
+    return usage(fmt::format("paper: --paper {}: sides from {:g} to {:g} mm", words.paper, sheet::kSmallestPaper_mm,
+                             sheet::kLargestPaper_mm));
+  if (words.orientation == "portrait")
+    page.orientation = sheet::Orientation::kPortrait;
+  else if (words.orientation == "landscape")
+    page.orientation = sheet::Orientation::kLandscape;
+  else if (words.orientation != "auto")
+    return usage(
+        fmt::format("orientation: --orientation {}: choose one of auto, portrait, landscape", words.orientation));
+  if (words.separate) page.together = sheet::Together::kNever;
+  return page;
+}
+
+tl::expected<sheet::Ink, UsageError> ink_of(const SheetWords& words) {
+  if (!(words.ink_percent >= 10.0 && words.ink_percent <= 100.0))
+    return usage(fmt::format("ink: --ink {:g}: per cent of black, 10 to 100", words.ink_percent));
+  if (!(words.gamma >= 0.3 && words.gamma <= 4.0))
+    return usage(fmt::format("gamma: --gamma {:g}: 0.3 to 4; 1 for video cameras and telephones, 2.2 for linear output",
+                             words.gamma));
+  return sheet::Ink{words.ink_percent / 100.0, words.inverted, words.gamma};
+}
+
+}  // namespace
+
+tl::expected<SheetOrder, UsageError> understood(const SheetWords& words) {
+  const auto page = page_of(words);
+  if (!page) return tl::unexpected(page.error());
+  const auto ink = ink_of(words);
+  if (!ink) return tl::unexpected(ink.error());
+  if (words.separate && words.layout.site.empty() && words.layout.span.empty())
+    return usage("--separate without --span: where the sheets are to hang is not known: give --span, e.g. 760x300mm");
+  auto site = site_of_layout(words.layout, {page->paper.name, sheet::room_on(sheet::oriented(*page, true))});
+  if (!site) return tl::unexpected(site.error());
+  return SheetOrder{*std::move(site), *page, *ink};
+}
+
+}  // namespace moiregauge::cli

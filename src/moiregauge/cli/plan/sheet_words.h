@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of `moiregauge sheet`, and what they mean.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/cli/common/layout_words.h"
+#include "moiregauge/cli/common/measure_options.h"
+#include "moiregauge/sheet/print_path.h"
+#include "moiregauge/sheet/sheet_set.h"
+
+namespace moiregauge::cli {
+
+// As typed.
+struct SheetWords {
+  LayoutWords layout;
+  std::string paper = "A4", orientation = "auto";
+  double ink_percent = 100.0, gamma = 1.0;
+  std::string output = "sheets";
+  bool inverted = false, separate = false, replace = false, quiet = false;
+};
+
+struct SheetOrder {
+  Site site;
+  sheet::PageRequest page;
+  sheet::Ink ink;
+};
+
+[[nodiscard]] tl::expected<SheetOrder, UsageError> understood(const SheetWords& words);
+
+}  // namespace moiregauge::cli

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/cli/reproduce/command_simulate.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/cli/common/interrupt.h"
+#include "moiregauge/cli/common/output_folder.h"
+#include "moiregauge/cli/common/terminal_text.h"
+#include "moiregauge/cli/reproduce/simulate_pictures.h"
+#include "moiregauge/io/config/scenario_file.h"
+#include "moiregauge/io/config/site_file.h"
+#include "moiregauge/io/config/truth_file.h"
+#include "moiregauge/simulator/scenario/settings.h"
+#include "moiregauge/simulator/simulator.h"
+
+namespace moiregauge::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using simulator::Scenario;
+template <typename Value>
+using Expected = tl::expected<Value, std::string>;
+
+struct SimulateWords {
+  std::string scenario;
+  std::string output;
+  std::vector<std::string> settings;
+  std::optional<std::uint64_t> seed;
+  std::optional<long> frames;
+  std::string codec;
+  std::optional<int> quality;
+  std::optional<int> gop;
+  int threads = 0;
+  bool markers_only = false;
+  bool list = false;
+  bool quiet = false;
+};
+
+std::string list_of_scenarios() {
+  std::string text;
+  for (const auto& entry : simulator::built_in_scenarios())
+    text += fmt::format("{:<15} {}\n", entry.name, entry.summary);
+  return text;
+}
+
+Expected<Scenario> scenario_of(const SimulateWords& words) {
+  Scenario scenario;
+  if (auto known = simulator::built_in(words.scenario)) {
+    scenario = *std::move(known);
+  } else if (!fs::is_regular_file(words.scenario)) {
+    return tl::unexpected(
+        fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list", words.scenario));
+  } else {
+    auto read = read_scenario(words.scenario);
+    if (!read)
+      return tl::unexpected(mistakes_in("scenario", words.scenario, fmt::format("{}", fmt::join(read.error(), "\n"))));
+    scenario = *std::move(read);
+  }
+  for (const std::string& setting : words.settings) {
+    if (auto applied = apply_setting(scenario, setting); !applied) {
+      return tl::unexpected(fmt::format("bad setting: --set {}: {}", setting, applied.error()));
+    }
+  }
+  if (words.seed) scenario.seed = *words.seed;
+  if (words.frames) scenario.frames = *words.frames;
+  if (auto problem = simulator::problem_with(scenario)) {
+    return tl::unexpected(fmt::format("bad scenario: {}: {}", words.scenario, *problem));
+  }
+  return scenario;
+}
+
+Expected<void> clear(const fs::path& output, bool for_video) {
+  std::error_code error;
+  fs::remove_all(output / "frames", error);
+  for (const char* name : {"truth.csv", "video.mkv", "video.mp4"}) fs::remove(output / name, error);
+  fs::create_directories(for_video ? output : output / "frames", error);
+  if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
+  return {};
+}
+
+// What --codec, --quality and --gop ask for.
+Expected<std::optional<VideoFormat>> video_of(const SimulateWords& words, const Scenario& scenario) {
+  if (words.codec.empty()) {
+    if (words.quality || words.gop)
+      return tl::unexpected(std::string("--quality and --gop belong to a video: add --codec"));
+    return std::nullopt;
+  }
+  const auto codec = codec_named(words.codec);
+  if (!codec)
+    return tl::unexpected(fmt::format("no such codec: --codec {}: choose one of ffv1, x264, mjpeg", words.codec));
+  if (words.gop && *codec != VideoCodec::kX264) return tl::unexpected(std::string("--gop is for x264: leave it out"));
+  VideoFormat format{*codec, words.quality};
+  format.is_linear = simulator::stores_light(scenario);
+  format.gop = words.gop.value_or(format.gop);
+  format.width = scenario.camera.width;
+  format.height = scenario.camera.height;
+  format.bits = scenario.sensor.bits;
+  format.fps = scenario.sensor.fps;
+  if (const auto problem = problem_with(format)) return tl::unexpected("bad --codec: " + *problem);
+  return format;
+}
+
+// The truth comes last: a folder with truth.csv in it is whole.
+Expected<void> write_simulation(const Scenario& scenario, const PicturesPlan& plan, const fs::path& output) {
+  return clear(output, plan.video.has_value())
+      .and_then([&] { return write_text((output / "truth-camera.toml").string(), truth_camera_toml(scenario)); })
+      .and_then([&] { return write_text((output / "site.toml").string(), write_site(simulator::site_of(scenario))); })
+      .and_then([&] { return write_pictures(scenario, plan, output.string()); })
+      .and_then([&] { return write_text((output / "truth.csv").string(), truth_csv(scenario)); });
+}
+
+// "rig-0.1x" is a name, not a file with an extension.
+fs::path default_folder(const std::string& scenario) {
+  const bool is_built_in = simulator::built_in(scenario).has_value();
+  return (is_built_in ? scenario : fs::path(scenario).stem().string()) + "-simulated";
+}
+
+int run(const SimulateWords& words) {
+  if (words.list) {
+    print_out(list_of_scenarios());
+    return 0;
+  }
+  if (words.scenario.empty())
+    return fail(Exit::kUsage, "no scenario: simulate: name one of moiregauge simulate --list or a file");
+  const auto scenario = scenario_of(words);
+  if (!scenario) return fail(Exit::kUsage, scenario.error());
+  const auto video = video_of(words, *scenario);
+  if (!video) return fail(Exit::kUsage, video.error());
+  const fs::path output = words.output.empty() ? default_folder(words.scenario) : fs::path(words.output);
+  if (!is_free(output, "truth-camera.toml")) {
+    return fail(Exit::kUsage,
+                fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
+                            output.string()));
+  }
+  const PicturesPlan plan{
+      .video = *video,
+      .area = words.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame,
+      .threads = words.threads,
+      .quiet = words.quiet,
+  };
+  const InterruptGuard guard;
+  if (const auto written = write_simulation(*scenario, plan, output); !written) {
+    if (interrupted())
+      return fail(Exit::kInterrupted, fmt::format("{}: {}: what is there is not whole: the same command begins anew",
+                                                  written.error(), output.string()));
+    return fail(Exit::kOutputUnwritable,
+                fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
+  }
+  if (!words.quiet)
+    print_out(fmt::format("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string()));
+  return 0;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  const auto words = std::make_shared<SimulateWords>();
+  CLI::App* command = app.add_subcommand("simulate", "Draw a recording with known truth");
+  command->add_option("SCENARIO", words->scenario, "built-in name (see --list) or TOML file")->type_name("FILE");
+  command->add_option("-o,--out", words->output, "folder to write [SCENARIO-simulated]")->type_name("DIR");
+  command->add_option("--set", words->settings, "override one value, as in lens.k1=-0.0225; may be given again")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--seed", words->seed, "another draw of the noise [1]")->type_name("N");
+  command->add_option("--frames", words->frames, "stop after so many frames")->type_name("N");
+  command->add_option("--codec", words->codec, "write a video, not pictures: ffv1 (lossless), x264 or mjpeg")
+      ->type_name("ffv1|x264|mjpeg");
+  command->add_option("--quality", words->quality, "x264: rate factor, 0 to 51 [23]; mjpeg: quantiser, 2 to 31 [3]")
+      ->type_name("N");
+  command->add_option("--gop", words->gop, "x264: frames between key frames at most [250]; 1: key frames only")
+      ->type_name("N");
+  command->add_option("--threads", words->threads, "threads [all]; never changes a byte")
+      ->check(CLI::Range(0, 1024).description(""))
+      ->type_name("N")
+      ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+  command->add_flag("--markers-only", words->markers_only, "draw the markers' windows, the rest one flat grey");
+  command->add_flag("--list", words->list, "list the built-in scenarios");
+  command->add_flag("--quiet", words->quiet, "print nothing but errors");
+  command->callback([words, &exit_code] { exit_code = run(*words); });
+}
+
+}  // namespace moiregauge::cli

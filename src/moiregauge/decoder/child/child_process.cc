@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/decoder/child/child_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "moiregauge/decoder/child/decode_child.h"
+
+extern char** environ;
+
+namespace moiregauge {
+namespace {
+
+// Before main(): glibc hands the program's words to constructors. Stands in this file so that whoever links start()
+// links it too. Never returns in the child, so nothing of the program's own runs there.
+__attribute__((constructor)) void become_the_child(int count, char** words) {
+  if (count != 3 || std::string_view(words[1]) != wire::kChildMode) return;
+  std::int64_t max_pixels = 0;
+  const std::string_view number = words[2];
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), max_pixels);
+  const bool sane = error == std::errc{} && max_pixels > 0 && max_pixels <= wire::kMostPixels;
+  ::_exit(sane ? decode_child(max_pixels) : 2);
+}
+
+// Out of the way of the child's fixed numbers, which the spawn below fills one after the other.
+int moved_up(int file) { return ::fcntl(file, F_DUPFD_CLOEXEC, 16); }
+
+int spawn(pid_t& process, const std::string& program, int input, int memory, int socket, std::string max_pixels) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, input, wire::kInputFile);
+  posix_spawn_file_actions_adddup2(&actions, memory, wire::kMemoryFile);
+  posix_spawn_file_actions_adddup2(&actions, socket, wire::kSocket);
+  posix_spawn_file_actions_addclosefrom_np(&actions, wire::kFirstUnusedFile);
+  std::string name = "moiregauge";
+  std::string mode = wire::kChildMode;
+  char* words[] = {name.data(), mode.data(), max_pixels.data(), nullptr};
+  // An interrupt from the keyboard is for the parent to answer; the child ends when the parent closes the socket.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  const int problem = ::posix_spawn(&process, program.c_str(), &actions, &attributes, words, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return problem;
+}
+
+}  // namespace
+
+tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& program, int input,
+                                                            std::int64_t max_pixels) {
+  ChildProcess child;
+  int ends[2] = {-1, -1};
+  child.memory_file_ = ::memfd_create("moiregauge-frames", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (child.memory_file_ < 0 || ::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
+    return tl::unexpected(std::string(std::strerror(errno)));
+  }
+  child.socket_ = ends[0];
+  const int files[] = {moved_up(input), moved_up(child.memory_file_), moved_up(ends[1])};
+  const int problem = spawn(child.process_, program, files[0], files[1], files[2], std::to_string(max_pixels));
+  for (const int file : files) ::close(file);
+  ::close(ends[1]);
+  if (problem == 0) return child;
+  child.process_ = -1;
+  return tl::unexpected(fmt::format("{}: {}", program, std::strerror(problem)));
+}
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept
+    : process_(std::exchange(other.process_, -1)),
+      socket_(std::exchange(other.socket_, -1)),
+      memory_file_(std::exchange(other.memory_file_, -1)),
+      memory_(std::exchange(other.memory_, nullptr)),
+      memory_bytes_(other.memory_bytes_) {}
+
+ChildProcess::~ChildProcess() {
+  if (process_ > 0) {
+    ::kill(process_, SIGKILL);
+    while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  if (memory_ != nullptr) ::munmap(const_cast<std::byte*>(memory_), memory_bytes_);
+  if (socket_ >= 0) ::close(socket_);
+  if (memory_file_ >= 0) ::close(memory_file_);
+}
+
+std::string ChildProcess::last_words() {
+  int status = 0;
+  while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  if (WIFSIGNALED(status)) return fmt::format("video decoder stopped (signal {})", WTERMSIG(status));
+  return fmt::format("video decoder stopped (exit code {})", WEXITSTATUS(status));
+}
+
+tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milliseconds watchdog) {
+  using Clock = std::chrono::steady_clock;
+  const auto until = Clock::now() + watchdog;
+  while (true) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+    pollfd waiting{socket_, POLLIN, 0};
+    const int ready = ::poll(&waiting, 1, static_cast<int>(left > 0 ? left : 0));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready > 0) break;
+    ::kill(process_, SIGKILL);
+    return tl::unexpected(
+        fmt::format("video decoder stopped (silent for {} s)", std::chrono::duration<double>(watchdog).count()));
+  }
+  wire::Record record;
+  ssize_t got = ::recv(socket_, &record, sizeof record, 0);
+  // A child that ended with our releases unread resets the connection, which is reported once and before the records
+  // it had sent: they still count.
+  if (got < 0 && errno == ECONNRESET) got = ::recv(socket_, &record, sizeof record, 0);
+  if (got == sizeof record) return record;
+  ::kill(process_, SIGKILL);  // it may have closed the socket only; SIGKILL leaves an earlier death as it was
+  return tl::unexpected(last_words());
+}
+
+void ChildProcess::release(int slot) const {
+  const wire::Release release{slot};
+  // A child that is gone cannot use the slot; receive() reports it.
+  static_cast<void>(::send(socket_, &release, sizeof release, MSG_NOSIGNAL | MSG_DONTWAIT));
+}
+
+const std::byte* ChildProcess::map(std::size_t bytes) {
+  struct stat about {};
+  const int seals = ::fcntl(memory_file_, F_GET_SEALS);
+  if (seals < 0 || (seals & F_SEAL_SHRINK) == 0) return nullptr;
+  if (::fstat(memory_file_, &about) != 0 || static_cast<std::size_t>(about.st_size) < bytes) return nullptr;
+  void* memory = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, memory_file_, 0);
+  if (memory == MAP_FAILED) return nullptr;
+  memory_ = static_cast<const std::byte*>(memory);
+  memory_bytes_ = bytes;
+  return memory_;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/decoder/child/decode_child.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "moiregauge/decoder/child/confinement.h"
+#include "moiregauge/decoder/child/wire.h"
+#include "moiregauge/decoder/headers/stream_tone.h"
+#include "moiregauge/decoder/stream/luma_plane.h"
+#include "moiregauge/decoder/stream/margin.h"
+#include "moiregauge/decoder/stream/video_stream.h"
+#include "moiregauge/image/quarter_turn.h"
+
+namespace moiregauge {
+namespace {
+
+using wire::Kind;
+using wire::Record;
+
+// What every frame of the stream must look like.
+struct Shape {
+  int width = 0;  // as stored
+  int height = 0;
+  int format = -1;
+  LumaLayout layout;
+  int rotation_deg = 0;
+  Tone tone;
+};
+
+class Child {
+ public:
+  explicit Child(std::int64_t max_pixels) : max_pixels_(max_pixels) {}
+  int run(const std::optional<std::string>& unfiltered);
+
+ private:
+  void send(const Record& record) const {
+    if (::send(wire::kSocket, &record, sizeof record, MSG_NOSIGNAL) != sizeof record) ::_exit(0);  // nobody listens
+  }
+  int fail(const VideoProblem& problem);
+  void warn(const std::string& text) const;
+  [[nodiscard]] tl::expected<void, VideoProblem> settle_shape(const VideoStream& stream);
+  [[nodiscard]] bool make_slots(const VideoStream& stream);
+  [[nodiscard]] int free_slot();
+  void write_picture(const AVFrame& frame, std::byte* out);
+  void send_frame(const VideoStream& stream, bool lost);
+  void write_quantiser(const StreamQuantiser& quantiser, std::byte* out, Record& record);
+  void send_frame(Record record, bool spoilt) const;
+  void send_rest();
+
+  std::int64_t max_pixels_;
+  Shape shape_;
+  std::byte* memory_ = nullptr;
+  std::size_t slot_bytes_ = 0;
+  std::deque<int> free_;
+  std::vector<std::byte> upright_;  // the stored picture before it is turned
+  std::int64_t number_ = 0;
+  double start_s_ = 0.0;
+  DamageMargin<Record> margin_;
+  bool warned_fields_ = false;
+};
+
+int Child::fail(const VideoProblem& problem) {
+  send_rest();
+  Record record;
+  record.kind = Kind::kFailed;
+  record.error = static_cast<std::int32_t>(problem.kind);
+  wire::put(record.what, problem.what);
+  wire::put(record.advice, problem.advice);
+  send(record);
+  return 0;
+}
+
+void Child::warn(const std::string& text) const {
+  Record record;
+  record.kind = Kind::kWarning;
+  wire::put(record.what, text);
+  send(record);
+}
+
+tl::expected<void, VideoProblem> Child::settle_shape(const VideoStream& stream) {
+  const AVFrame& frame = stream.frame();
+  const auto layout = luma_layout(static_cast<AVPixelFormat>(frame.format));
+  const auto rotation = stream.rotation_deg();
+  if (!rotation) return tl::unexpected(rotation.error());
+  if (!layout) {
+    const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));
+    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported,
+                                       fmt::format("no luma in pixels of kind {}", name ? name : "?"),
+                                       "convert the video to grey or YUV"});
+  }
+  if (frame.width <= 0 || frame.height <= 0 || frame.width > max_pixels_ / frame.height)
+    return tl::unexpected(too_many_pixels(frame.width, frame.height, max_pixels_));
+  shape_ = {frame.width, frame.height, frame.format, *layout, *rotation, tone_of(frame)};
+  return {};
+}
+
+// Sized once and sealed, so that the parent can read it without fearing that it shrinks under its eyes.
+bool Child::make_slots(const VideoStream& stream) {
+  const bool lies = shape_.rotation_deg % 180 != 0;
+  Record opened;
+  opened.kind = Kind::kOpened;
+  opened.width = lies ? shape_.height : shape_.width;
+  opened.height = lies ? shape_.width : shape_.height;
+  opened.bits = shape_.layout.bits;
+  opened.rotation_deg = shape_.rotation_deg;
+  opened.tone_kind = static_cast<std::int32_t>(shape_.tone.curve.kind);
+  opened.tone_gamma = shape_.tone.curve.gamma;
+  opened.tone_is_tagged = shape_.tone.source == ToneSource::kTag ? 1 : 0;
+  opened.is_full_range = shape_.tone.curve.is_full_range ? 1 : 0;
+  opened.frames = stream.frames();
+  opened.fps = stream.fps();
+  wire::put(opened.what, stream.codec());
+  slot_bytes_ = wire::slot_bytes(opened.width, opened.height, opened.bits);
+  opened.slots = wire::slots_for(slot_bytes_);
+  const std::size_t bytes = slot_bytes_ * static_cast<std::size_t>(opened.slots);
+  if (::ftruncate(wire::kMemoryFile, static_cast<off_t>(bytes)) != 0) return false;
+  if (::fcntl(wire::kMemoryFile, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) return false;
+  void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, wire::kMemoryFile, 0);
+  if (memory == MAP_FAILED) return false;
+  memory_ = static_cast<std::byte*>(memory);
+  for (int slot = 0; slot < opened.slots; ++slot) free_.push_back(slot);
+  send(opened);
+  return true;
+}
+
+int Child::free_slot() {
+  if (free_.empty()) {
+    wire::Release release;
+    if (::recv(wire::kSocket, &release, sizeof release, 0) != sizeof release) ::_exit(0);  // the parent has closed
+    return release.slot;
+  }
+  const int slot = free_.front();
+  free_.pop_front();
+  return slot;
+}
+
+void Child::write_picture(const AVFrame& frame, std::byte* out) {
+  if (shape_.rotation_deg == 0) return copy_luma(frame, shape_.layout, out);
+  upright_.resize(slot_bytes_);
+  copy_luma(frame, shape_.layout, upright_.data());
+  const auto turned = [&]<typename Grey>(Grey* to) {
+    const ImageView<Grey> stored{reinterpret_cast<const Grey*>(upright_.data()), shape_.width, shape_.height,
+                                 shape_.width};
+    turn_clockwise(stored, shape_.rotation_deg, to);
+  };
+  if (shape_.layout.bits == 8)
+    turned(reinterpret_cast<std::uint8_t*>(out));
+  else
+    turned(reinterpret_cast<std::uint16_t*>(out));
+}
+
+// Behind the picture; turned with it, which is right to a block where the picture does not end with one.
+void Child::write_quantiser(const StreamQuantiser& quantiser, std::byte* out, Record& record) {
+  record.quantiser_step = quantiser.whole().step;
+  record.predicted = quantiser.whole().predicted ? 1 : 0;
+  record.has_blocks = quantiser.blocks().empty() ? 0 : 1;
+  if (record.has_blocks == 0) return;
+  const int across = blocks_across(shape_.width), down = blocks_across(shape_.height);
+  auto* to =
+      reinterpret_cast<std::uint8_t*>(out + wire::picture_bytes(shape_.width, shape_.height, shape_.layout.bits));
+  turn_clockwise(ImageView<std::uint8_t>{quantiser.blocks().data(), across, down, across}, shape_.rotation_deg, to);
+}
+
+void Child::send_frame(Record record, bool spoilt) const {
+  if (spoilt && record.damaged == wire::kSound) record.damaged = wire::kSpoilt;
+  send(record);
+}
+
+void Child::send_rest() {
+  for (const auto& [record, spoilt] : margin_.rest()) send_frame(record, spoilt);
+}
+
+void Child::send_frame(const VideoStream& stream, bool lost) {
+  if (number_ == 0) start_s_ = stream.time_s();
+  if (!lost && !warned_fields_ && stream.frame().interlaced_frame != 0) {
+    warned_fields_ = true;
+    warn("the video is interlaced: the odd and even lines of a frame were seen at different times");
+  }
+  Record record;
+  record.kind = Kind::kFrame;
+  record.slot = free_slot();
+  std::byte* out = memory_ + static_cast<std::size_t>(record.slot) * slot_bytes_;
+  if (lost) {
+    std::memset(out, 0, slot_bytes_);  // nothing of an older frame may pass for this one
+  } else {
+    write_picture(stream.frame(), out);
+    write_quantiser(stream.quantiser(), out, record);
+  }
+  record.number = number_++;
+  record.time_s = stream.time_s() - start_s_;
+  // A frame without a time, where others have one, has lost its head.
+  const bool timeless = std::isnan(record.time_s) && !std::isnan(start_s_);
+  record.damaged = lost || stream.damaged() || timeless ? wire::kDamaged : wire::kSound;
+  if (const auto old = margin_.put(record, record.damaged != wire::kSound)) send_frame(old->first, old->second);
+}
+
+int Child::run(const std::optional<std::string>& unfiltered) {
+  auto opened = VideoStream::open(wire::kInputFile, max_pixels_);
+  if (!opened) return fail(opened.error());
+  VideoStream& stream = **opened;
+  while (true) {
+    const Decoded decoded = stream.next();
+    if (decoded == Decoded::kEnd && memory_ == nullptr)
+      return fail({InputErrorKind::kDamaged, "no frame can be decoded", "record or copy the video again"});
+    if (decoded == Decoded::kEnd) {
+      if (const auto problem = stream.end_problem(number_)) {
+        margin_.spoil_around();  // who cut the file need not have cut between frames
+        return fail(*problem);
+      }
+      break;
+    }
+    if (decoded == Decoded::kLost) {
+      if (stream.is_place_known() && memory_ != nullptr)
+        send_frame(stream, true);
+      else
+        margin_.spoil_around();
+      continue;
+    }
+    const AVFrame& frame = stream.frame();
+    if (memory_ == nullptr) {
+      if (const auto settled = settle_shape(stream); !settled) return fail(settled.error());
+      if (!make_slots(stream))
+        return fail({InputErrorKind::kUnreadable, "no memory for the pictures", "free some memory"});
+      if (unfiltered) warn(fmt::format("this system cannot hold the decoder back from system calls ({})", *unfiltered));
+    } else if (frame.width != shape_.width || frame.height != shape_.height || frame.format != shape_.format) {
+      return fail({InputErrorKind::kDamaged,
+                   fmt::format("frame size changed {}x{} -> {}x{} at frame {}", shape_.width, shape_.height,
+                               frame.width, frame.height, number_),
+                   "what came before counts; measure the parts one by one"});
+    }
+    send_frame(stream, false);
+  }
+  send_rest();
+  send(Record{});
+  return 0;
+}
+
+}  // namespace
+
+int decode_child(std::int64_t max_pixels) {
+  limit_resources(max_pixels);
+  const auto unfiltered = filter_system_calls();
+  count_log_errors();
+  return Child(max_pixels).run(unfiltered);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/decoder/stream/damage.h"
+
+#include <atomic>
+#include <utility>
+
+extern "C" {
+#include <libavformat/avformat.h>
+#include <libavutil/log.h>
+}
+
+namespace moiregauge {
+namespace {
+
+std::atomic<long> errors{0};  // libav has one log for the whole process, and the process is the child's own
+
+thread_local std::vector<std::int64_t> places;
+
+// `source` is what complains: nothing, or a struct that begins with a pointer to its class.
+const AVFormatContext* reader_of(void* source) {
+  if (source == nullptr || *static_cast<const AVClass**>(source) != avformat_get_class()) return nullptr;
+  const auto* container = static_cast<const AVFormatContext*>(source);
+  return container->iformat != nullptr && container->pb != nullptr ? container : nullptr;
+}
+
+void count(void* source, int level, const char* /*format*/, va_list /*values*/) {
+  if (level > AV_LOG_ERROR) return;
+  ++errors;
+  const AVFormatContext* container = reader_of(source);
+  if (container != nullptr && places.size() < 10000) places.push_back(avio_tell(container->pb));
+}
+
+}  // namespace
+
+long errors_logged() { return errors; }
+
+std::vector<std::int64_t> places_of_complaints() { return std::exchange(places, {}); }
+
+void count_log_errors() { av_log_set_callback(&count); }
+
+}  // namespace moiregauge

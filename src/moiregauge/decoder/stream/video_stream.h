@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// One video stream of one open file, decoded frame by frame. Runs in the child only.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/decoder/headers/cluster_sums.h"
+#include "moiregauge/decoder/headers/stated_size.h"
+#include "moiregauge/decoder/headers/stream_quantiser.h"
+#include "moiregauge/decoder/stream/damage.h"
+#include "moiregauge/run/frame_source.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+namespace moiregauge {
+
+struct VideoProblem {
+  InputErrorKind kind = InputErrorKind::kUnsupported;
+  std::string what;
+  std::string advice;
+};
+
+enum class Decoded { kFrame, kLost, kEnd };
+
+[[nodiscard]] VideoProblem too_many_pixels(int width, int height, std::int64_t max_pixels);
+// `file` by place, whatever else reads it.
+[[nodiscard]] ReadAt reader_of(int file);
+
+class VideoStream {
+ public:
+  // Reads through `file` alone: libav gets no name and no protocol, and every further opening is refused. No picture of
+  // more than `max_pixels` is decoded, nor memory taken for one.
+  [[nodiscard]] static tl::expected<std::unique_ptr<VideoStream>, VideoProblem> open(int file, std::int64_t max_pixels);
+  VideoStream(const VideoStream&) = delete;
+  VideoStream& operator=(const VideoStream&) = delete;
+  ~VideoStream();
+
+  // kFrame: frame() holds the next one. kLost: a packet gave none; is_place_known(): it would have been the next.
+  [[nodiscard]] Decoded next();
+  [[nodiscard]] const AVFrame& frame() const { return *frame_; }
+  [[nodiscard]] bool is_place_known() const { return decoder_->has_b_frames == 0; }
+  [[nodiscard]] bool damaged() const { return damaged_; }
+  [[nodiscard]] const StreamQuantiser& quantiser() const { return quantiser_; }  // of frame()
+  [[nodiscard]] double time_s() const;  // of the frame or the lost packet, in the stream's own count; NaN: none
+  // After kEnd: why the file is less than it says it is, `shown` frames having come out of it. Nothing when it is
+  // whole, or when nothing in it tells.
+  [[nodiscard]] std::optional<VideoProblem> end_problem(long shown) const;
+
+  [[nodiscard]] long frames() const;  // -1: the container does not say
+  [[nodiscard]] double fps() const;   // NaN: not known
+  [[nodiscard]] std::string codec() const;
+  // Clockwise quarters that show the picture upright; an error when it is mirrored or askew.
+  [[nodiscard]] tl::expected<int, VideoProblem> rotation_deg() const;
+
+ private:
+  VideoStream() = default;
+  [[nodiscard]] std::optional<VideoProblem> open_container();
+  [[nodiscard]] bool open_decoder();
+  [[nodiscard]] bool read_packet();
+  [[nodiscard]] bool send_packet();
+  void note_complaints(std::int64_t packet);
+  void note_extent();
+  void note_time();
+  [[nodiscard]] bool note_count();
+  void take_early_complaints();
+  [[nodiscard]] bool is_cut() const;
+
+  int file_ = -1;
+  std::int64_t max_pixels_ = 0;
+  std::int64_t file_bytes_ = 0;
+  std::int64_t position_ = 0;  // bytes; ours, as the descriptor's own may be shared
+  AVFormatContext* container_ = nullptr;
+  AVIOContext* bytes_ = nullptr;
+  AVCodecContext* decoder_ = nullptr;
+  AVStream* stream_ = nullptr;
+  AVFrame* frame_ = nullptr;
+  AVPacket* packet_ = nullptr;
+  Damage damage_;
+  std::optional<ClusterSums> sums_;
+  bool sums_agree_ = true;
+  std::vector<std::int64_t> early_complaints_;  // places in the file, of complaints made while probing
+  bool header_complained_ = false;
+  StreamQuantiser quantiser_;
+  long errors_seen_ = 0;
+  std::int64_t packets_ = 0;
+  std::optional<std::int64_t> began_;    // of all packets, in the stream's own count: the earliest time,
+  std::optional<std::int64_t> reached_;  // the end of the latest
+  std::int64_t chunk_end_ = 0;           // of an AVI: where the last packet ended,
+  std::int64_t count_shift_ = 0;         // how many frames libav did not see,
+  bool has_places_ = false;              // and whether its index knows places
+  std::optional<VideoProblem> tear_;     // reading ended there
+  bool draining_ = false;
+  bool last_packet_corrupt_ = false;   // by the reader's own word: cut off, mostly
+  bool last_read_complained_ = false;  // about the end
+  bool damaged_ = false;
+  std::int64_t timestamp_ = AV_NOPTS_VALUE;
+
+  friend int read_bytes(void* self, std::uint8_t* out, int size);
+  friend std::int64_t seek_bytes(void* self, std::int64_t offset, int whence);
+};
+
+}  // namespace moiregauge

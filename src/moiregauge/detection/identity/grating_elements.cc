@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/detection/identity/grating_elements.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace moiregauge {
+namespace {
+
+constexpr double kCautious = 0.5;  // pitches that a print may reach beyond its patch's outline
+// Pitches, from where the neighbour should be: lens and slant change little in one.
+constexpr double kElementStep = 0.2;
+constexpr double kOneElement = 0.2;  // relative difference of neighbours' diameters
+
+// px per pitch, along the print's x and y.
+std::array<ImageExtent, 2> steps_of(const SeenPatch& patch) {
+  Eigen::Matrix2d k;
+  k << patch.k_x.x, patch.k_x.y, patch.k_y.x, patch.k_y.y;
+  const Eigen::Matrix2d px = k.inverse();
+  return {ImageExtent{px(0, 0), px(1, 0)}, ImageExtent{px(0, 1), px(1, 1)}};
+}
+
+// Marks the circles inside the patch, and from each of them on its neighbours one pitch away, as far as there are any.
+void mark(const SeenPatch& patch, std::span<const SeenCircle> circles, std::vector<bool>& is_element) {
+  const auto steps = steps_of(patch);
+  const double pitch_px = 0.5 * (length(steps[0]) + length(steps[1]));
+  std::vector<std::size_t> open;
+  const auto take = [&](std::size_t i) {
+    is_element[i] = true;
+    open.push_back(i);
+  };
+  for (std::size_t i = 0; i < circles.size(); ++i) {
+    if (!is_element[i] && distance_px(patch, circles[i].centre) < kCautious * pitch_px) take(i);
+  }
+  while (!open.empty()) {
+    const SeenCircle& from = circles[open.back()];
+    open.pop_back();
+    for (int n = 0; n < 4; ++n) {
+      const ImagePoint there = from.centre + (n % 2 == 0 ? 1.0 : -1.0) * steps[static_cast<std::size_t>(n / 2)];
+      for (std::size_t i = 0; i < circles.size(); ++i) {
+        if (is_element[i] || length(circles[i].centre - there) > kElementStep * pitch_px) continue;
+        if (std::abs(std::log(circles[i].diameter_px / from.diameter_px)) < kOneElement) take(i);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<SeenCircle> without_elements(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+  std::vector<bool> is_element(circles.size(), false);
+  for (const SeenPatch& patch : patches) mark(patch, circles, is_element);
+  std::vector<SeenCircle> out;
+  for (std::size_t i = 0; i < circles.size(); ++i) {
+    if (!is_element[i]) out.push_back(circles[i]);
+  }
+  return out;
+}
+
+}  // namespace moiregauge

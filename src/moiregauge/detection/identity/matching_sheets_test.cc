@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/detection/identity/matching_sheets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/detection/identity/select_references.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr double kPitch = 20.0;  // px
+
+// A grating of 3 x 3 pitches, face on.
+SeenPatch grating(ImagePoint centre, double periods = 3.0) {
+  SeenPatch p;
+  p.centre = centre;
+  const double half = 0.5 * periods * kPitch;
+  p.outline = {ImagePoint{centre.x - half, centre.y - half},
+               {centre.x + half, centre.y - half},
+               {centre.x + half, centre.y + half},
+               {centre.x - half, centre.y + half}};
+  p.k_x = {1.0 / kPitch, 0.0};
+  p.k_y = {0.0, -1.0 / kPitch};
+  p.periods_x = p.periods_y = periods;
+  return p;
+}
+
+SeenCircle circle(ImagePoint centre, double axis_ratio = 1.0) {
+  SeenCircle c;
+  c.centre = centre;
+  c.diameter_px = 32.0;
+  c.axis_ratio = axis_ratio;
+  c.contrast = -120.0;
+  return c;
+}
+
+struct SheetScene {
+  std::vector<SeenCircle> circles;
+  std::vector<SeenPatch> patches;
+};
+
+// Four sheets, each with a circle 56 px beside its grating, and a target in the middle.
+SheetScene rig() {
+  SheetScene s;
+  for (const ImagePoint c : {ImagePoint{250, 170}, {750, 170}, {250, 340}, {750, 340}}) {
+    s.circles.push_back(circle(c));
+    s.patches.push_back(grating({c.x + (c.x < 500 ? 56.0 : -56.0), c.y}));
+  }
+  s.patches.push_back(grating({500, 255}, 4.0));
+  return s;
+}
+
+bool has(const std::vector<SeenCircle>& circles, ImagePoint centre) {
+  return std::any_of(circles.begin(), circles.end(),
+                     [&](const SeenCircle& c) { return length(c.centre - centre) < 1.0; });
+}
+
+TEST(LikeSheets, FourCirclesBesideGratingsOfOneKindAreASet) {
+  const SheetScene s = rig();
+  EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 4U);
+}
+
+TEST(LikeSheets, LookAlikesWithoutAGratingAreNotAmongTheOutermost) {
+  SheetScene s = rig();
+  for (const ImagePoint c : {ImagePoint{30, 30}, {990, 30}, {990, 480}, {30, 480}}) s.circles.push_back(circle(c));
+  const auto outermost = outermost_circles(s.circles, s.patches);
+  EXPECT_FALSE(outermost.doubtful);
+  ASSERT_EQ(outermost.circles.size(), 4U);
+  EXPECT_TRUE(has(outermost.circles, {250, 170}));
+  EXPECT_TRUE(has(outermost.circles, {750, 340}));
+}
+
+TEST(LikeSheets, ALookAlikeBesideTheTargetStandsToItAsNoOtherDoes) {
+  SheetScene s = rig();
+  s.circles.push_back(circle({500, 80}));  // 175 px from its centre, where a reference has 56
+  const auto sheets = like_sheets(s.circles, s.patches);
+  ASSERT_EQ(sheets.size(), 4U);
+  for (const LikeSheet& sheet : sheets) EXPECT_NE(sheet.patch, 4U);
+}
+
+TEST(LikeSheets, AnEllipseIsNoCircleOfThatPlane) {
+  SheetScene s = rig();
+  s.circles[0] = circle(s.circles[0].centre, 0.7);
+  EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 3U);
+  EXPECT_NEAR(out_of_round(s.circles[0], s.patches[0]), -std::log(0.7), 1e-12);
+}
+
+// A board tilted by 40 deg about y: circles and lattices narrow together.
+TEST(LikeSheets, ACircleSeenAtAnAngleIsRoundOnItsOwnPlane) {
+  const double narrow = std::cos(radians_from_degrees(40.0));
+  SheetScene s = rig();
+  for (SeenCircle& c : s.circles) {
+    c.centre.x *= narrow;
+    c.axis_ratio = narrow;
+    c.angle_rad = 0.5 * kPi;
+    c.diameter_px *= std::sqrt(narrow);
+  }
+  for (SeenPatch& p : s.patches) {
+    p.centre.x *= narrow;
+    for (ImagePoint& corner : p.outline) corner.x *= narrow;
+    p.k_x.x /= narrow;
+  }
+  EXPECT_NEAR(out_of_round(s.circles[0], s.patches[0]), 0.0, 1e-12);
+  EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 4U);
+}
+
+TEST(LikeSheets, WhereAReferenceIsMissingALookAlikeIsAGuess) {
+  SheetScene s = rig();
+  s.circles.erase(s.circles.begin());
+  s.circles.push_back(circle({60, 60}));
+  EXPECT_FALSE(outermost_circles(s.circles, s.patches).doubtful);  // four of one size: a reference may lack its grating
+  s.circles.push_back(circle({60, 440}));
+  EXPECT_TRUE(outermost_circles(s.circles, s.patches).doubtful);
+}
+
+TEST(LikeSheets, BareCirclesRoundThreeSheetsAreReferencesAndTheSheetsTargets) {
+  SheetScene s;
+  for (const ImagePoint c : {ImagePoint{30, 30}, {990, 30}, {990, 480}, {30, 480}, {510, 20}})
+    s.circles.push_back(circle(c));
+  for (const double x : {250.0, 500.0, 750.0}) {
+    s.circles.push_back(circle({x, 255}));
+    s.patches.push_back(grating({x + 56.0, 255}));
+  }
+  const auto outermost = outermost_circles(s.circles, s.patches);
+  EXPECT_FALSE(outermost.doubtful);
+  EXPECT_EQ(outermost.circles.size(), 5U);
+}
+
+}  // namespace
+}  // namespace moiregauge

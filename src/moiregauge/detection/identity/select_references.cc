@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/detection/identity/select_references.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "moiregauge/detection/identity/grating_elements.h"
+#include "moiregauge/detection/identity/matching_sheets.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr double kOneSize = 0.25;       // relative; perspective makes far ones smaller
+constexpr double kConcentric = 0.3;     // of the diameter
+constexpr double kNearHull = 0.5;       // diameters
+constexpr double kFarOutOfRound = 0.2;  // ln(major / minor)
+constexpr std::size_t kEnough = 4;      // references
+
+double cross(ImagePoint o, ImagePoint a, ImagePoint b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
+
+// Andrew's monotone chain; counter-clockwise in a y-up sense, without repeats.
+std::vector<ImagePoint> hull_of(std::vector<ImagePoint> p) {
+  std::sort(p.begin(), p.end(), [](ImagePoint a, ImagePoint b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  std::vector<ImagePoint> hull;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t base = hull.size();
+    for (const ImagePoint& q : p) {
+      while (hull.size() >= base + 2 && cross(hull[hull.size() - 2], hull.back(), q) <= 0) hull.pop_back();
+      hull.push_back(q);
+    }
+    hull.pop_back();
+    std::reverse(p.begin(), p.end());
+  }
+  return hull;
+}
+
+// As a circle that stands on the plane of one of the gratings. Far from a grating perspective turns the plane a little:
+// at 40 deg of tilt, 8 deg aside in the picture, by 0.13 of ln(major / minor).
+bool is_round_on_some_plane(const SeenCircle& c, std::span<const SeenPatch> patches) {
+  return patches.empty() || std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) {
+           return out_of_round(c, p) < std::hypot(kFarOutOfRound, kRoundPx / c.diameter_px);
+         });
+}
+
+std::vector<SeenCircle> outer_candidates(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+  std::vector<SeenCircle> out = without_elements(circles, patches);
+  std::erase_if(out, [&](const SeenCircle& c) { return !is_round_on_some_plane(c, patches); });
+  return out;
+}
+
+// Those of c's size, one at each place.
+std::vector<SeenCircle> like(const SeenCircle& c, const std::vector<SeenCircle>& all) {
+  std::vector<SeenCircle> out;
+  for (const SeenCircle& o : all) {
+    if (std::abs(std::log(o.diameter_px / c.diameter_px)) > kOneSize) continue;
+    const auto same = std::find_if(out.begin(), out.end(), [&](const SeenCircle& k) {
+      return length(o.centre - k.centre) < kConcentric * k.diameter_px;
+    });
+    if (same == out.end())
+      out.push_back(o);
+    else if (std::abs(o.contrast) > std::abs(same->contrast))
+      *same = o;
+  }
+  return out;
+}
+
+// Those on the hull of all.
+std::vector<SeenCircle> round_all(const std::vector<SeenCircle>& circles) {
+  std::vector<ImagePoint> places;
+  double diameter = 0.0;
+  for (const SeenCircle& c : circles) {
+    places.push_back(c.centre);
+    diameter = std::max(diameter, c.diameter_px);
+  }
+  std::vector<SeenCircle> out;
+  for (const std::size_t i : on_hull(places, kNearHull * diameter)) out.push_back(circles[i]);
+  return out;
+}
+
+// Whether some of the outermost stand beside gratings and some do not, other than the sheets and one more. Three sheets
+// within four bare circles are three targets.
+bool are_mixed(const std::vector<SeenCircle>& outermost, const std::vector<SeenCircle>& sheets,
+               std::span<const SeenPatch> patches) {
+  const auto is_outermost = [&](const SeenCircle& s) {
+    return std::any_of(outermost.begin(), outermost.end(),
+                       [&](const auto& c) { return length(c.centre - s.centre) == 0.0; });
+  };
+  if (outermost.size() == kEnough && std::all_of(sheets.begin(), sheets.end(), is_outermost)) return false;
+  return std::any_of(outermost.begin(), outermost.end(), [&](const SeenCircle& c) {
+    return std::any_of(patches.begin(), patches.end(),
+                       [&](const SeenPatch& p) { return distance_px(p, c.centre) < kGratingReach * c.diameter_px; });
+  });
+}
+
+}  // namespace
+
+std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slack) {
+  std::vector<std::size_t> out(points.size());
+  std::iota(out.begin(), out.end(), 0U);
+  if (points.size() < 4) return out;
+  const std::vector<ImagePoint> hull = hull_of({points.begin(), points.end()});
+  std::erase_if(out, [&](std::size_t i) {
+    double nearest = 1e300;
+    for (std::size_t k = 0; k < hull.size(); ++k) {
+      const ImagePoint a = hull[k], b = hull[(k + 1) % hull.size()];
+      nearest = std::min(nearest, std::abs(cross(a, b, points[i])) / std::max(length(b - a), 1e-12));
+    }
+    return nearest > slack;
+  });
+  return out;
+}
+
+OutermostCircles outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+  const std::vector<SeenCircle> all = outer_candidates(circles, patches);
+  std::vector<SeenCircle> most, sheets;
+  for (const SeenCircle& c : all) {
+    std::vector<SeenCircle> group = like(c, all);
+    const std::vector<LikeSheet> alike = like_sheets(group, patches);
+    if (alike.size() > sheets.size()) {
+      sheets.clear();
+      for (const LikeSheet& sheet : alike) sheets.push_back(group[sheet.circle]);
+    }
+    if (group.size() > most.size() || (group.size() == most.size() && c.diameter_px > most.front().diameter_px))
+      most = std::move(group);
+  }
+  if (sheets.size() >= kEnough) return {round_all(sheets), false};
+  OutermostCircles out{round_all(most), false};
+  out.doubtful = sheets.size() + 1 == kEnough && are_mixed(out.circles, sheets, patches);
+  return out;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "moiregauge/detection/circles/circle_verdict.h"
+#include "moiregauge/detection/lattices/indexed_lattice.h"
+#include "moiregauge/detection/lattices/indexing.h"
+#include "moiregauge/detection/lattices/lattice_growth.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+using markers_detail::CellPrediction;
+using markers_detail::Ellipse;
+using markers_detail::GrownLattice;
+using markers_detail::LatticeNode;
+
+// A dot where a lattice says that one must be: place, size and contrast are known, so roundness has less to prove.
+constexpr double kDotReach = 0.12;            // of the spacing
+constexpr double kSizeSlack = 1.35;           // against its neighbours
+constexpr double kMinDotContrastShare = 0.4;  // of its neighbour's
+constexpr double kMinDotCircularity = 0.78;
+constexpr double kEllipseSlack = 1.6;  // a square differs from an ellipse by two of the usual limits
+
+LatticeNode node_of(const SeenCircle& circle) {
+  return {{circle.centre.x, circle.centre.y}, circle.diameter_px, circle.contrast < 0.0 ? 0.0 : kPi};
+}
+
+Ellipse ellipse_at(const Eigen::Vector2d& centre, const SeenCircle& like, double diameter_px) {
+  const double minor = 0.5 * diameter_px * std::sqrt(like.axis_ratio), major = minor / like.axis_ratio;
+  const Eigen::Vector2d along(std::cos(like.angle_rad), std::sin(like.angle_rad)), across(-along.y(), along.x());
+  return {centre, major * along * along.transpose() + minor * across * across.transpose()};
+}
+
+// `dots` gets what is seen there, in step with the nodes.
+std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction& there, std::vector<SeenCircle>& dots) {
+  const SeenCircle& neighbour = dots[there.nearest];
+  CircleOptions options;
+  options.min_circularity = kMinDotCircularity;
+  options.min_diameter_px = there.size_px / kSizeSlack;
+  options.max_diameter_px = there.size_px * kSizeSlack;
+  const auto verdict =
+      markers_detail::judge_circle(luma, ellipse_at(there.at, neighbour, there.size_px), options, kEllipseSlack);
+  if (!verdict.circle) return std::nullopt;
+  const SeenCircle& dot = *verdict.circle;
+  const LatticeNode node = node_of(dot);
+  if (dot.diameter_px < options.min_diameter_px || dot.diameter_px > options.max_diameter_px) return std::nullopt;
+  if ((node.at - there.at).norm() > kDotReach * there.spacing_px) return std::nullopt;
+  if (dot.contrast / neighbour.contrast < kMinDotContrastShare) return std::nullopt;
+  dots.push_back(dot);
+  return node;
+}
+
+std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const SeenCircle> circles) {
+  std::vector<SeenCircle> dots(circles.begin(), circles.end());
+  std::vector<LatticeNode> nodes;
+  for (const SeenCircle& dot : dots) nodes.push_back(node_of(dot));
+  std::vector<IndexedLattice> out;
+  for (GrownLattice& lattice : grow_lattices(nodes, markers_detail::SignRule::kAlike)) {
+    if (luma != nullptr) {
+      fill_in(lattice, nodes, [&](const CellPrediction& there) { return dot_again(*luma, there, dots); });
+      if (!prune(lattice, nodes)) continue;
+    }
+    std::vector<double> u;
+    for (const SeenCircle& dot : dots) u.push_back(dot.u_centre_px);
+    auto indexing = index_upright(lattice, nodes, u);
+    indexing.lattice.dark = dots[indexing.node.front()].contrast < 0.0;
+    out.push_back(std::move(indexing.lattice));
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& a, const auto& b) { return a.points.size() > b.points.size(); });
+  return out;
+}
+
+}  // namespace
+
+std::vector<IndexedLattice> find_dot_lattices(std::span<const SeenCircle> circles) {
+  return lattices_of(nullptr, circles);
+}
+
+std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, std::span<const SeenCircle> seen) {
+  return lattices_of(&luma, seen);
+}
+
+std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, const DotSearchOptions& options) {
+  CircleOptions circles;
+  circles.min_diameter_px = options.min_diameter_px;
+  circles.max_diameter_px = options.max_diameter_px;
+  return lattices_of(&luma, find_circles(luma, circles).circles);
+}
+
+}  // namespace moiregauge

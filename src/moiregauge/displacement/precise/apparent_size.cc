@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/apparent_size.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace moiregauge {
+namespace {
+
+constexpr double kBeyond = 4.0;          // u of what the site says
+constexpr double kUnknownHeight = 0.01;  // of the size: 12 mm at 1.2 m, 80 mm at 8 m
+// A distance is known without the print's size if it is known to a third of what it is off by when the print may have
+// any size within this.
+constexpr double kAnySize = 0.1;
+constexpr double kKnownDistance = 0.1;  // u, relative
+
+struct Appearance {
+  double larger = 0.0;     // than the site says, relative
+  double nearer_mm = 0.0;  // if that is all distance
+  double pitch_mm = 0.0;   // if that is all pitch
+};
+
+// Board distance along the camera's axis, mean of the key frames, mm.
+double mean_distance_mm(const Calibration& calibration) {
+  double sum = 0.0, count = 0.0;
+  for (const FrameFit& fit : calibration.fits) {
+    if (fit.ok) sum += fit.pose.shift[2], count += 1.0;
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+Appearance appearance_of(const Marker& marker, const MarkerShape& solved, double distance) {
+  const double stated_mm = marker.z_mm.value_or(0.0);
+  const double scale = solved.value[MarkerShape::kScale], height_mm = solved.value[MarkerShape::kHeight];
+  Appearance a;
+  // A print at height h looks (1 + scale) D / (D - h) times as large as one of its pitch in the plane.
+  a.larger = (1.0 + scale) * (distance - stated_mm) / (distance - height_mm) - 1.0;
+  a.nearer_mm = (distance - stated_mm) * a.larger / (1.0 + a.larger);
+  a.pitch_mm = marker.grating->pitch_mm * (1.0 + a.larger);
+  return a;
+}
+
+double height_u_mm(const Site& site, const Calibration& calibration, ScenePrior prior, std::size_t marker) {
+  double& u_scale = prior.u_markers[marker].value[MarkerShape::kScale];
+  u_scale = std::hypot(u_scale, kAnySize);
+  const auto covariance = scene_covariance(site, calibration.fits, prior, kEverything);
+  const int row = shape_row(marker, MarkerShape::kHeight);
+  return std::sqrt(covariance(row, row));
+}
+
+// Distances are as well known as the focal length.
+bool knows_distance(const Scene& scene) {
+  return std::sqrt(scene.stated_covariance()(0, 0)) <= kKnownDistance * scene.camera.fx;
+}
+
+std::string apparent_size_note(const Marker& marker, const Appearance& a, double distance, bool knows_distance) {
+  const bool is_larger = a.larger > 0.0;
+  const double percent = 100.0 * std::abs(a.larger);
+  const std::string stated = marker.z_mm ? fmt::format("its pitch of {:.6g} mm and its z_mm of {:.6g} say",
+                                                       marker.grating->pitch_mm, *marker.z_mm)
+                                         : fmt::format("its pitch of {:.6g} mm says", marker.grating->pitch_mm);
+  const std::string by =
+      knows_distance ? fmt::format("{:.3g} mm", std::abs(a.nearer_mm))
+                     : fmt::format("{:.2g} % of the camera's distance", 100.0 * std::abs(a.nearer_mm) / distance);
+  return fmt::format(
+      "displacements of '{}' may be wrong by {:.2g} %: its print looks {:.2g} % {} than {}. Either it is {} {} {}, or "
+      "its pitch is {:.4g} mm. Measure both, and state z_mm and pitch_mm in the site file",
+      marker.name, percent, percent, is_larger ? "larger" : "smaller", stated, by,
+      is_larger ? "nearer" : "further away", marker.z_mm ? "than stated" : "than the plane of the references",
+      a.pitch_mm);
+}
+
+}  // namespace
+
+std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration) {
+  std::vector<std::string> notes;
+  const Scene& scene = calibration.bundle.scene;
+  const double distance = mean_distance_mm(calibration);
+  if (!(distance > 0.0)) return notes;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    const Marker& marker = site.markers[i];
+    if (!marker.grating) continue;
+    const bool is_stated = marker.role == Role::kReference || marker.z_mm;
+    const Appearance a = appearance_of(marker, scene.markers[i], distance);
+    const auto& u = calibration.prior.u_markers[i].value;
+    const double allowed =
+        is_stated ? kBeyond * std::hypot(u[MarkerShape::kScale], u[MarkerShape::kHeight] / distance) : kUnknownHeight;
+    if (!(std::abs(a.larger) > allowed)) continue;
+    const bool is_of_its_pitch =
+        std::abs(scene.markers[i].value[MarkerShape::kScale]) <= kBeyond * u[MarkerShape::kScale];
+    if (is_of_its_pitch && kBeyond * height_u_mm(site, calibration, calibration.prior, i) < std::abs(a.nearer_mm))
+      continue;
+    notes.push_back(apparent_size_note(marker, a, distance, knows_distance(scene)));
+  }
+  return notes;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/camera_claim.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "moiregauge/calibration/model/chi2.h"
+#include "moiregauge/displacement/precise/precise_budget.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::size_t kMaxFrames = 40;
+constexpr double kMatters = 1.0;  // u of a displacement
+// Times the quantile of chance. A template's residuals at its edges are the same in all frames, so chi2 of a right camera
+// falls by more than chance has it: by up to 34 in 16 runs of a still camera (quantile 26). Wrong cameras that change
+// displacements by more than their u: 8500 and more.
+constexpr double kBeyondTemplates = 10.0;
+
+// One side of the likelihood ratio: everything free, the camera known as `prior` has it.
+struct Side {
+  BundleSolution bundle;
+  std::vector<FrameFit> fits;
+  Eigen::MatrixXd covariance;
+};
+
+Side solved_side(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
+                 std::initializer_list<const Scene*> starts) {
+  Side side;
+  for (const Scene* start : starts) {
+    BundleSolution solution = solve_bundle(site, frames, prior, kEverything, start);
+    if (!solution.scene.solved) continue;
+    if (side.bundle.scene.solved && !(solution.scene.penalised_cost < side.bundle.scene.penalised_cost)) continue;
+    side.bundle = std::move(solution);
+  }
+  for (const BundleFrame& frame : side.bundle.frames) side.fits.push_back(fit_frame(site, side.bundle.scene, frame));
+  side.covariance = scene_covariance(site, side.fits, prior, kEverything);
+  return side;
+}
+
+// By how many u of the stated side a target's displacement differs between the two at most.
+double most_error_u(const Site& site, const Side& stated, const Side& open) {
+  if (!stated.fits.front().ok || !open.fits.front().ok) return 0.0;
+  const PreciseBudget budget(site, stated.covariance, stated.fits.front());
+  double most = 0.0;
+  for (std::size_t k = 1; k < stated.fits.size(); ++k) {
+    for (std::size_t i = 0; i < site.markers.size(); ++i) {
+      const FrameFit &a = stated.fits[k], &b = open.fits[k];
+      if (!a.ok || !b.ok || a.shift_row[i] < 0 || stated.fits.front().shift_row[i] < 0) continue;
+      const auto moved = a.shift[i] - stated.fits.front().shift[i];
+      const auto other = b.shift[i] - open.fits.front().shift[i];
+      const auto u = total(budget.budget(a, i, moved));
+      // An axis that the print does not show has a u beyond everything.
+      most = std::max({most, std::abs(moved.x - other.x) / u.x, std::abs(moved.y - other.y) / u.y});
+    }
+  }
+  return most;
+}
+
+}  // namespace
+
+std::optional<CameraContradiction> camera_contradiction(const Site& site, std::span<const BundleFrame> all,
+                                                        const ScenePrior& given, const Calibration& solved) {
+  std::vector<BundleFrame> frames;
+  for (const std::size_t k : key_frames(all, kMaxFrames)) frames.push_back(all[k]);
+  const ScenePrior unknown = with_unknown_lens(given);
+  const Calibration free = calibrate(site, frames, unknown);
+  if (!free.bundle.scene.solved) return std::nullopt;
+  const auto weighed = with_print_error(site, frames, free.print_error);
+  const Side open = solved_side(site, weighed, unknown, {&free.bundle.scene, &solved.bundle.scene});
+  const Side stated = solved_side(site, weighed, given, {&solved.bundle.scene, &free.bundle.scene});
+  if (!open.bundle.scene.solved || !stated.bundle.scene.solved) return std::nullopt;
+  const double fall = stated.bundle.scene.penalised_cost - open.bundle.scene.penalised_cost;
+  const double unit = std::max(1.0, open.bundle.scene.chi2_dof);
+  const double matters = most_error_u(site, stated, open);
+  if (!(fall > kBeyondTemplates * unit * most_by_chance(kCameraParameters)) || !(matters > kMatters))
+    return std::nullopt;
+  const auto numbers = [](const Camera& c) {
+    return std::array<double, kCameraParameters>{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  };
+  const auto shown = numbers(open.bundle.scene.camera), said = numbers(given.camera);
+  CameraContradiction worst;
+  double most = 0.0;
+  for (int k = 0; k < kCameraParameters; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const double u_shown = std::sqrt(open.covariance(k, k));
+    const double off = std::abs(shown[at] - said[at]) / std::hypot(given.u_camera[at], u_shown);
+    if (!(off > most)) continue;
+    most = off;
+    worst = {at, said[at], given.u_camera[at], shown[at], u_shown, matters};
+  }
+  return worst;
+}
+
+std::string camera_contradiction_note(const CameraContradiction& found) {
+  constexpr std::array kNames{"f", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+  return fmt::format(
+      "no row is trusted, because the references contradict --camera: its {} is {:.4g} (u {:.2g}), this footage shows "
+      "{:.4g} (u {:.2g}), and displacements would be off by up to {:.1f} u",
+      kNames[found.parameter], found.given, found.u_given, found.shown, found.u_shown, found.error_u);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/reference_fault.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "moiregauge/calibration/scene/frame_pose.h"
+#include "moiregauge/displacement/precise/reference_slip.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr std::size_t kMostFrames = 24;
+// A step to stay is two unknowns. Of noise alone chi2 falls by 40 once in 10^8 (exp(-20)) for each of some hundred
+// places of a step; from here on a reference has slipped.
+constexpr double kSlips = 40.0;
+// Which one: the most likely must be e^10 times as likely as any other.
+constexpr double kClearly = 20.0;
+// Movement of another kind, to and fro: so many times what noise makes of the way, on the average of its frames...
+constexpr double kMoves = 20.0;
+// ...and so many times that of any other reference.
+constexpr double kClearlyMoves = 3.0;
+
+struct Suspect {
+  std::size_t marker = 0;
+  double fall = 0.0;  // of chi2, in units of the most likely one's
+  long since = 0;     // frame, if it steps
+};
+
+// The two that lower chi2 most, if each in turn may move as `fall` has it; nothing from `least` on.
+std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips,
+                                                  double (*fall)(const ReferenceSlip&), double least) {
+  const ReferenceSlip* best = nullptr;
+  Suspect first;
+  for (const auto& [marker, slip] : slips) {
+    if (best != nullptr && !(fall(slip) > fall(*best))) continue;
+    best = &slip;
+    first.marker = marker;
+    first.since = slip.first;
+  }
+  if (best == nullptr || !(fall(*best) > least * best->unit())) return std::nullopt;
+  double second = 0.0;
+  for (const auto& [marker, slip] : slips) {
+    if (marker != first.marker) second = std::max(second, fall(slip) / best->unit());
+  }
+  first.fall = fall(*best) / best->unit();
+  return std::pair(first, second);
+}
+
+// Returns, among those whose step is beyond chance, the one that leaves the least of chi2, and by how much less than any other, in units
+// of its own. A large step bends the scene of every other suspect, whose own step may then look larger still.
+std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips) {
+  const std::pair<std::size_t, ReferenceSlip>* best = nullptr;
+  for (const auto& one : slips) {
+    const ReferenceSlip& slip = one.second;
+    if (!(slip.step_fall > kSlips * slip.unit())) continue;
+    if (best == nullptr || slip.left() < best->second.left()) best = &one;
+  }
+  if (best == nullptr) return std::nullopt;
+  double second = std::numeric_limits<double>::infinity();
+  for (const auto& [marker, slip] : slips) {
+    if (marker != best->first) second = std::min(second, slip.left());
+  }
+  const double unit = best->second.unit();
+  return std::pair(Suspect{best->first, best->second.step_fall / unit, best->second.first},
+                   (second - best->second.left()) / unit);
+}
+
+BundleSolution solved_with_all(const Site& site, std::vector<BundleFrame> frames, const ScenePrior& prior,
+                               const Scene& start) {
+  BundleSolution from_prior = solve_bundle(site, frames, prior, start.model);
+  for (BundleFrame& frame : frames) frame.pose = pose_of(site, start, frame).value_or(frame.pose);
+  BundleSolution from_start = solve_bundle(site, frames, prior, start.model, &start);
+  const bool is_better = from_start.scene.solved && (!from_prior.scene.solved ||
+                                                     from_start.scene.penalised_cost < from_prior.scene.penalised_cost);
+  return is_better ? from_start : from_prior;
+}
+
+}  // namespace
+
+ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, const ScenePrior& prior,
+                                 const Scene& start, bool camera_known) {
+  ReferenceVerdict verdict;
+  std::vector<std::size_t> references;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    const auto seen =
+        std::ranges::count_if(frames.starts(), [i](const FrameStart& one) { return bool{one.has_points[i]}; });
+    if (site.markers[i].role == Role::kReference && 2 * seen > static_cast<long>(frames.size()))
+      references.push_back(i);
+  }
+  if (references.size() < 4) return verdict;
+  verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
+  const BundleSolution all = solved_with_all(site, frames.at(key_frames(frames.starts(), kMostFrames)), prior, start);
+  std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
+  for (const std::size_t r : references) {
+    if (const auto slip = slip_of(site, all.frames, prior, start.model, all.scene, r)) slips.emplace_back(r, *slip);
+  }
+  const auto judge = [&](std::size_t marker, bool clear) {
+    if (verdict.verified && clear)
+      verdict.moved = marker;
+    else
+      verdict.doubtful = true;
+  };
+  const auto way = [](const ReferenceSlip& s) { return s.free_fall / static_cast<double>(std::max(1L, s.free_rows)); };
+  if (const auto step = slipped(slips)) {
+    judge(step->first.marker, step->second > kClearly);
+    verdict.since = step->first.since;
+  } else if (const auto moved = suspect(slips, way, kMoves))
+    judge(moved->first.marker, moved->first.fall > kClearlyMoves * moved->second);
+  return verdict;
+}
+
+Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, std::size_t marker) {
+  site.markers[marker].role = Role::kTarget;
+  std::optional<FrameFit> first;
+  Movement most;
+  const auto covariance = [marker](const FrameFit& fit) -> Eigen::Matrix2d {
+    return fit.covariance.block<2, 2>(fit.shift_row[marker], fit.shift_row[marker]);
+  };
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    BundleFrame frame = frames[k];
+    // Where the prior's camera takes the frame for standing is too far from the solved one's for the fit's few passes.
+    frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
+    FrameFit fit = fit_frame(site, scene, frame);
+    if (!fit.ok || fit.shift_row[marker] < 0) continue;
+    if (!first) {
+      first = std::move(fit);
+      continue;
+    }
+    const auto went = fit.shift[marker] - first->shift[marker];
+    const double mm = length(went);
+    if (!(mm > most.mm)) continue;
+    const Eigen::Vector2d along = Eigen::Vector2d(went.x, went.y) / mm;
+    most = {mm, std::sqrt(along.dot((covariance(fit) + covariance(*first)) * along))};
+  }
+  return most;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/reference_slip.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+namespace moiregauge {
+namespace {
+
+// A place of its own for one frame is two unknowns. Noise alone lets them lower chi2 by this once in 10^8 (exp(-20)) for
+// each frame.
+constexpr double kOwnPlace = 40.0;
+
+// Where the reference stands in each frame that shows it, against the scene of the others, mm.
+struct Way {
+  std::vector<long> frame;
+  Eigen::VectorXd place;       // x and y of each in turn
+  Eigen::MatrixXd covariance;  // of the frames' noise, and of the scene they have in common
+};
+
+Way way_of(const Site& site, const std::vector<FrameFit>& fits, std::span<const BundleFrame> frames,
+           const Eigen::MatrixXd& scene, std::size_t marker) {
+  std::vector<std::size_t> seen;
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    if (fits[k].ok && fits[k].shift_row[marker] >= 0) seen.push_back(k);
+  }
+  const auto rows = 2 * static_cast<Eigen::Index>(seen.size());
+  Way way{{}, Eigen::VectorXd(rows), Eigen::MatrixXd::Zero(rows, rows)};
+  Eigen::MatrixXd sensitivity(rows, scene_parameters(site.markers.size()));
+  Eigen::Index row = 0;
+  for (const std::size_t k : seen) {
+    const int at = fits[k].shift_row[marker];
+    way.frame.push_back(frames[k].frame);
+    way.place.segment<2>(row) << fits[k].shift[marker].x, fits[k].shift[marker].y;
+    way.covariance.block<2, 2>(row, row) = fits[k].covariance.block<2, 2>(at, at);
+    sensitivity.middleRows<2>(row) = fits[k].sensitivity.middleRows<2>(at);
+    row += 2;
+  }
+  way.covariance += sensitivity * scene * sensitivity.transpose();
+  return way;
+}
+
+// Returns chi2 of the way about the best of a place. With `first`, about two: one before that frame of the way, one after
+// it. That frame is at the second place, or anywhere if it was exposed while the reference slipped.
+enum class Slipping { kBetweenFrames, kInOneFrame };
+double chi2_about(const Way& way, const Eigen::LLT<Eigen::MatrixXd>& root, std::size_t first = 0,
+                  Slipping slipping = Slipping::kBetweenFrames) {
+  const Eigen::Index rows = way.place.size();
+  const auto step = static_cast<Eigen::Index>(first);
+  const bool has_own_place = slipping == Slipping::kInOneFrame;
+  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(rows, has_own_place ? 6 : step > 0 ? 4 : 2);
+  for (Eigen::Index k = 0; 2 * k < rows; ++k) {
+    const Eigen::Index column = step == 0 || k < step ? 0 : has_own_place && k == step ? 4 : 2;
+    design.block<2, 2>(2 * k, column).setIdentity();
+  }
+  const Eigen::MatrixXd a = root.matrixL().solve(design);
+  const Eigen::VectorXd b = root.matrixL().solve(way.place);
+  const Eigen::VectorXd x = (a.transpose() * a).ldlt().solve(a.transpose() * b);
+  return (b - a * x).squaredNorm();
+}
+
+}  // namespace
+
+double ReferenceSlip::unit() const {
+  const double scene = dof > 0 ? chi2 / static_cast<double>(dof) : 1.0;
+  const long left = free_rows - 2;
+  const double about = left > 0 ? (free_fall - step_fall) / static_cast<double>(left) : 1.0;
+  return std::max({1.0, scene, about});
+}
+
+std::optional<ReferenceSlip> slip_of(Site site, std::span<const BundleFrame> frames, ScenePrior prior, SceneModel model,
+                                     const Scene& start, std::size_t marker) {
+  site.markers[marker].role = Role::kTarget;
+  auto& u = prior.u_markers[marker].value;
+  u[MarkerShape::kX] = u[MarkerShape::kY] = 0.0;  // its place is what every frame tells anew
+  model.depth = model.depth || model.heights;
+  std::vector<BundleFrame> free(frames.begin(), frames.end());
+  for (BundleFrame& frame : free) frame.at_rest = false;
+  const BundleSolution solved = solve_bundle(site, free, prior, model, &start);
+  if (!solved.scene.solved) return std::nullopt;
+  ReferenceSlip slip;
+  std::vector<FrameFit> fits;
+  for (const BundleFrame& frame : solved.frames) {
+    fits.push_back(fit_frame(site, solved.scene, frame));
+    if (!fits.back().ok) continue;
+    slip.chi2 += fits.back().chi2_sum;
+    slip.dof += fits.back().dof;
+  }
+  const Way way = way_of(site, fits, solved.frames, scene_covariance(site, fits, prior, kEverything), marker);
+  if (way.frame.size() < 2) return std::nullopt;
+  const Eigen::LLT<Eigen::MatrixXd> root(way.covariance);
+  if (root.info() != Eigen::Success) return std::nullopt;
+  slip.free_fall = chi2_about(way, root);
+  slip.free_rows = static_cast<long>(way.place.size()) - 2;
+  for (std::size_t first = 1; first < way.frame.size(); ++first) {
+    double left = chi2_about(way, root, first);
+    if (first + 1 < way.frame.size())
+      left = std::min(left, chi2_about(way, root, first, Slipping::kInOneFrame) + kOwnPlace);
+    const double fall = slip.free_fall - left;
+    if (fall > slip.step_fall) slip.step_fall = fall, slip.first = way.frame[first];
+  }
+  return slip;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/rolling_shutter_text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace moiregauge {
+std::string shutter_note(const Scene& scene, bool given, double relative, double taken_out_mm, const Samples& samples) {
+  double worst = 0.0;
+  long frame = 0;
+  for (const Sample& s : samples) {
+    const double left = std::max(s.budget.shutter.x, s.budget.shutter.y);
+    if (s.status == Status::kOk && left > worst) worst = left, frame = s.frame;
+  }
+  const std::string over =
+      std::isnan(scene.readout_s)
+          ? fmt::format("{:.2f} of the time between frames", std::abs(relative))
+          : fmt::format("{:.2f} ms ({}, u {:.2f} ms)", 1e3 * std::abs(scene.readout_s),
+                        given ? "as --readout has it and the footage" : "solved", 1e3 * scene.u_readout_s);
+  // Of rows that are not trusted there is none at worst.
+  const std::string left =
+      worst > 0.0 ? fmt::format(", {:.4f} mm are left in u at worst (frame {})", worst, frame) : "";
+  return fmt::format("rolling shutter: rows are read over {}: up to {:.3f} mm were corrected{}", over, taken_out_mm,
+                     left);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Figures 4 and 8 to 11: what the camera saw, what was found in it, and the same picture held still.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "moiregauge/drawing/surface/picture_box.h"
+#include "moiregauge/observation/reference/reference.h"
+
+namespace moiregauge::figure {
+
+// Figure 4: a picture, the outlines judged in it, the centres of the circles among them.
+struct CirclesFigure {
+  GreyView picture;
+  CircleSearch search;
+};
+[[nodiscard]] Figure circles_found(const CirclesFigure& contents);
+
+// Figures 8 and 10.
+struct StabilisedFigure {
+  std::string turn;        // of the camera from `before` to `after`: "1° about x, y and z"
+  GreyView before, after;  // the reference frame, and a later one
+  const Reference* reference = nullptr;
+  const Observation* now = nullptr;     // of `after`, by the two-stage method
+  std::array<double, 2> residual_px{};  // largest displacement left in the references' gratings after each stage
+};
+[[nodiscard]] Figure before_and_after(const StabilisedFigure& contents);
+
+// Figures 9 and 11: the target over time.
+struct Shot {
+  double time_s = 0.0;
+  Image<std::uint8_t> captured, held;  // crops about the same pixel
+};
+struct CropsFigure {
+  double reference_time_s = 0.0;
+  Image<std::uint8_t> reference;
+  std::vector<Shot> shots;
+};
+[[nodiscard]] Figure crops_over_time(const CropsFigure& contents);
+
+}  // namespace moiregauge::figure

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/config/site_file.h"
+
+#include <cmath>
+#include <exception>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "moiregauge/base/control_characters.h"
+#include "moiregauge/io/config/toml_table.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+// What [grating] says for every marker that does not say otherwise.
+struct Print {
+  std::optional<double> pitch_mm;
+  bool pitch_is_wrong = false;  // said, and already reported
+  double angle_rad = 0.0;
+  Pattern pattern = Pattern::kAuto;
+};
+
+// The three keys that may stand in [grating] and in a marker.
+Print read_print(const TomlTable& table, Print print) {
+  if (table.has("pitch_mm")) {
+    print.pitch_mm = table.number_above_zero("pitch_mm");
+    print.pitch_is_wrong = !print.pitch_mm;
+  }
+  if (const auto degrees = table.number("angle_deg")) print.angle_rad = radians_from_degrees(*degrees);
+  if (const auto word = table.text("pattern")) {
+    const auto pattern = pattern_named(*word);
+    if (pattern) print.pattern = *pattern;
+    if (!pattern) {
+      table.mistake("pattern", fmt::format("pattern \"{}\" is none of auto, grid, squares, dots, lines-x, lines-y, "
+                                           "checkerboard, cosine",
+                                           *word));
+    }
+  }
+  return print;
+}
+
+std::optional<Circle> read_circle(const TomlTable& table) {
+  const auto diameter = table.number_above_zero("circle_diameter_mm");
+  const auto centre = table.pair("circle_mm");
+  if (!table.has("circle_mm") && table.has("circle_diameter_mm")) {
+    table.mistake("circle_diameter_mm", "circle_diameter_mm without circle_mm: where is the circle?");
+  }
+  if (!centre) return std::nullopt;
+  return Circle{{(*centre)[0], (*centre)[1]}, diameter.value_or(0.0)};
+}
+
+// Looking for a grating takes 3 kB per pitch along x and y: 300 MB. A picture of 64 Mpx shows no more at 25 px a pitch.
+constexpr double kMaxPitches = 1e5;
+
+// The extent must hold at least one period, or there is no grating.
+void check_size(const TomlTable& table, const Grating& grating, const char* key) {
+  if (grating.width_mm <= 0.0 || grating.height_mm <= 0.0) {
+    table.mistake(key, fmt::format("{} must be greater than 0 in both directions", key));
+  } else if (grating.pitch_mm > 0.0 && std::fmax(grating.width_mm, grating.height_mm) < grating.pitch_mm) {
+    table.mistake(key, fmt::format("a grating of {} x {} mm cannot hold one pitch of {} mm", grating.width_mm,
+                                   grating.height_mm, grating.pitch_mm));
+  } else if (grating.pitch_mm > 0.0) {
+    const double pitches =
+        std::ceil(grating.width_mm / grating.pitch_mm) * std::ceil(grating.height_mm / grating.pitch_mm);
+    if (pitches > kMaxPitches)
+      table.mistake(key,
+                    fmt::format("a grating of {:g} x {:g} mm has {:.2g} pitches of {:g} mm, and {:g} are the most: "
+                                "give the size of a part of it",
+                                grating.width_mm, grating.height_mm, pitches, grating.pitch_mm, kMaxPitches));
+  }
+}
+
+std::optional<Grating> read_grating(const TomlTable& table, const Print& general) {
+  const Print print = read_print(table, general);
+  const auto centre = table.pair("grating_mm");
+  const auto size = table.pair("grating_size_mm");
+  if (!table.has("grating_mm")) {
+    for (const char* key : {"grating_size_mm", "pitch_mm", "pattern", "angle_deg"}) {
+      if (table.has(key)) table.mistake(key, fmt::format("{} without grating_mm: where is the grating?", key));
+    }
+    return std::nullopt;
+  }
+  if (!table.has("grating_size_mm"))
+    table.mistake("grating_mm", "grating_mm without grating_size_mm: how large is it?");
+  if (!print.pitch_mm && !print.pitch_is_wrong) {
+    table.mistake("grating_mm", "no pitch: give pitch_mm in [grating] or in this marker");
+  }
+  if (!centre || !size) return std::nullopt;
+  const Grating grating{{(*centre)[0], (*centre)[1]}, (*size)[0],      (*size)[1],
+                        print.pitch_mm.value_or(0.0), print.angle_rad, print.pattern};
+  check_size(table, grating, "grating_size_mm");
+  return grating;
+}
+
+// Names go into CSV cells and file names of figures, so they must be plain. A spreadsheet runs a cell that begins with
+// =, +, - or @ as a formula.
+std::string read_name(const TomlTable& table, const std::string& fallback) {
+  const std::string name = table.text("name").value_or(fallback);
+  const bool plain = !name.empty() && name.size() <= 64 && name.find_first_of(",;\"'/\\") == std::string::npos;
+  if (!plain || name.front() == ' ' || has_control_character(name)) {
+    table.mistake("name",
+                  "name must be 1 to 64 characters without comma, semicolon, quote, slash or control character");
+  } else if (std::string_view("=+-@").find(name.front()) != std::string_view::npos) {
+    table.mistake("name", fmt::format("name \"{}\" must not begin with =, +, - or @: a spreadsheet takes it as a "
+                                      "formula; begin it with a letter",
+                                      name));
+  }
+  return name;
+}
+
+Marker read_marker(const toml::value& entry, Role role, const Print& general, const std::string& fallback_name,
+                   TomlMistakes& mistakes) {
+  const TomlTable table(entry, mistakes);
+  table.refuse_keys_outside({"name", "circle_mm", "circle_diameter_mm", "grating_mm", "grating_size_mm", "pitch_mm",
+                             "pattern", "angle_deg", "z_mm"});
+  Marker marker;
+  marker.role = role;
+  marker.name = read_name(table, fallback_name);
+  marker.circle = read_circle(table);
+  marker.grating = read_grating(table, general);
+  marker.z_mm = table.number("z_mm");
+  if (!table.has("circle_mm") && !table.has("grating_mm")) {
+    table.mistake("name", fmt::format("marker \"{}\" has neither circle_mm nor grating_mm", marker.name));
+  } else if (role == Role::kTarget && !table.has("grating_mm")) {
+    table.mistake("circle_mm", fmt::format("target \"{}\" has a circle and no grating, and only gratings are measured: "
+                                           "add grating_mm, grating_size_mm and a pitch",
+                                           marker.name));
+  }
+  return marker;
+}
+
+// Gratings that may share a place: lines along each axis, and two spares. Each is looked for in the pixels of all, so
+// hundreds of them take minutes a frame.
+constexpr int kMaxSharing = 4;
+
+// Do the two overlap by more than half of the smaller one?
+bool share_a_place(const Grating& a, const Grating& b) {
+  const auto common = [](double distance, double first, double second) {
+    return std::fmax(0.0, std::fmin(std::fmin(first, second), 0.5 * (first + second) - std::fabs(distance)));
+  };
+  const double overlap = common(b.centre.x - a.centre.x, a.width_mm, b.width_mm) *
+                         common(b.centre.y - a.centre.y, a.height_mm, b.height_mm);
+  return overlap > 0.5 * std::fmin(a.width_mm * a.height_mm, b.width_mm * b.height_mm);
+}
+
+// The last marker's grating against all before it.
+bool is_one_too_many(const Site& site) {
+  const auto& last = site.markers.back().grating;
+  if (!last) return false;
+  int sharing = 1;
+  for (std::size_t i = 0; i + 1 < site.markers.size(); ++i) {
+    if (site.markers[i].grating && share_a_place(*site.markers[i].grating, *last)) ++sharing;
+  }
+  return sharing > kMaxSharing;
+}
+
+// [[reference]] or [[target]], in the file's order.
+void read_site_markers(const TomlTable& top, Role role, const Print& general, Site& site, TomlMistakes& mistakes) {
+  const std::string key = role == Role::kReference ? "reference" : "target";
+  const toml::value* list = top.find(key);
+  if (list == nullptr) return;
+  if (!list->is_array()) {
+    top.mistake(key, fmt::format("write [[{}]] with two brackets: there may be several", key));
+    return;
+  }
+  int count = 0;
+  bool is_crowded = false;  // one mistake is enough
+  for (const toml::value& entry : list->as_array(std::nothrow)) {
+    if (!entry.is_table()) {
+      mistakes.add_at(entry, fmt::format("{} must be a table: write [[{}]]", key, key));
+      continue;
+    }
+    const std::string fallback = fmt::format("{}{}", role == Role::kReference ? "R" : "T", ++count);
+    site.markers.push_back(read_marker(entry, role, general, fallback, mistakes));
+    for (std::size_t i = 0; i + 1 < site.markers.size(); ++i) {
+      if (site.markers[i].name != site.markers.back().name) continue;
+      TomlTable(entry, mistakes)
+          .mistake("name", fmt::format("a marker named \"{}\" already exists", site.markers[i].name));
+    }
+    if (!is_crowded && is_one_too_many(site)) {
+      is_crowded = true;
+      TomlTable(entry, mistakes)
+          .mistake("grating_mm",
+                   fmt::format("more than {} gratings lie on one another here: a print is one marker", kMaxSharing));
+    }
+  }
+}
+
+KnownTo read_known_to(const TomlTable& table) {
+  table.refuse_keys_outside({"position_mm", "rotation_deg", "height_mm", "print_scale"});
+  KnownTo known_to;
+  known_to.position_mm = table.number_not_negative("position_mm").value_or(known_to.position_mm);
+  const auto degrees = table.number_not_negative("rotation_deg");
+  if (degrees) known_to.rotation_rad = radians_from_degrees(*degrees);
+  known_to.height_mm = table.number_not_negative("height_mm").value_or(known_to.height_mm);
+  known_to.print_scale = table.number_not_negative("print_scale").value_or(known_to.print_scale);
+  return known_to;
+}
+
+// [grating] or [known_to]: nothing when absent, a mistake when it is not a table.
+std::optional<TomlTable> section(const TomlTable& top, const std::string& key, TomlMistakes& mistakes) {
+  const toml::value* value = top.find(key);
+  if (value == nullptr) return std::nullopt;
+  if (value->is_table()) return TomlTable(*value, mistakes);
+  top.mistake(key, fmt::format("{} must be a section: write [{}]", key, key));
+  return std::nullopt;
+}
+
+Site read_top(const toml::value& file, TomlMistakes& mistakes) {
+  Site site;
+  const TomlTable top(file, mistakes);
+  top.refuse_keys_outside({"grating", "reference", "target", "known_to"});
+  Print print;
+  if (const auto grating = section(top, "grating", mistakes)) {
+    grating->refuse_keys_outside({"pitch_mm", "pattern", "angle_deg"});
+    print = read_print(*grating, print);
+  }
+  read_site_markers(top, Role::kReference, print, site, mistakes);
+  read_site_markers(top, Role::kTarget, print, site, mistakes);
+  if (!top.has("target")) mistakes.add(1, 1, "no [[target]]: which marker moves?");
+  if (const auto known_to = section(top, "known_to", mistakes)) site.known_to = read_known_to(*known_to);
+  return site;
+}
+
+}  // namespace
+
+tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::string& path) {
+  const auto file = parse_toml(text, path);
+  if (!file) return tl::unexpected(SiteErrors{file.error()});
+  try {
+    TomlMistakes mistakes(path);
+    Site site = read_top(*file, mistakes);
+    if (!mistakes.empty()) return tl::unexpected(mistakes.lines());
+    return site;
+  } catch (const std::exception&
+               error) {  // toml11 throws where a value is not what was asked; asked for above, but it is not our code
+    return tl::unexpected(SiteErrors{fmt::format("{}:1:1: {}", path, error.what())});
+  }
+}
+
+tl::expected<Site, SiteErrors> read_site(const std::string& path) {
+  const auto text = read_small_file(path, kTextFileLimit);
+  if (!text) return tl::unexpected(SiteErrors{text.error()});
+  return parse_site(*text, path);
+}
+
+}  // namespace moiregauge

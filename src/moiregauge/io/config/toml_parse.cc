@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/base/plain_file.h"
+#include "moiregauge/io/config/toml_table.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kDeepestNesting = 32;
+
+// A parser that calls itself for every bracket and dot can be made to run out of stack: refuse before it starts.
+// Strings are not told apart; nobody names a marker with 33 brackets.
+std::optional<std::size_t> line_nested_too_deep(const std::string& text) {
+  int brackets = 0;
+  int dots_in_key = 0;
+  bool in_key = true;
+  bool in_comment = false;
+  std::size_t line = 1;
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      dots_in_key = 0;
+      in_key = true;
+      in_comment = false;
+    }
+    if (c == '#') in_comment = true;
+    if (in_comment) continue;
+    if (c == '=') in_key = false;
+    if (c == ',' || c == '{') dots_in_key = 0;
+    if (c == '[' || c == '{') ++brackets;
+    if (c == ']' || c == '}') brackets = std::max(0, brackets - 1);
+    if (c == '.' && in_key) ++dots_in_key;
+    if (brackets > kDeepestNesting || dots_in_key > kDeepestNesting) return line;
+  }
+  return std::nullopt;
+}
+
+// TOML is UTF-8. toml11 3.7.1 reads beyond the text when it explains a string that is not (found by fuzzing), so it is
+// asked of nlohmann's JSON first, which refuses to write such a string.
+std::optional<std::size_t> line_not_utf8(const std::string& text) {
+  std::istringstream lines(text);
+  std::size_t number = 1;
+  for (std::string line; std::getline(lines, line); ++number) {
+    try {
+      static_cast<void>(nlohmann::json(line).dump());
+    } catch (const nlohmann::json::type_error&) {
+      return number;
+    }
+  }
+  return std::nullopt;
+}
+
+// toml11 explains over several lines with a drawing of the place; ours is one line.
+std::string first_line_of(const std::string& what) {
+  std::string line = what.substr(0, what.find('\n'));
+  for (const char* prefix : {"[error] ", "toml::", "detail::"}) {
+    if (line.rfind(prefix, 0) == 0) line.erase(0, std::strlen(prefix));
+  }
+  if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon)
+    line.erase(0, colon + 2);
+  if (line == "invalid line format") return "the line goes on behind its value: write numbers like 1.5, without a unit";
+  return line;
+}
+
+}  // namespace
+
+tl::expected<toml::value, std::string> parse_toml(const std::string& text, const std::string& path,
+                                                  std::size_t limit_bytes) {
+  if (text.size() > limit_bytes) {
+    return tl::unexpected(
+        fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
+  }
+  if (text.find('\0') != std::string::npos) return tl::unexpected(fmt::format("{}:1:1: this is not a text file", path));
+  if (const auto line = line_not_utf8(text)) {
+    return tl::unexpected(fmt::format("{}:{}:1: a letter is not UTF-8: save the file as UTF-8", path, *line));
+  }
+  if (const auto line = line_nested_too_deep(text)) {
+    return tl::unexpected(fmt::format("{}:{}:1: brackets or dots nest deeper than {}", path, *line, kDeepestNesting));
+  }
+  try {
+    std::istringstream stream(text);
+    return toml::parse(stream, path);
+  } catch (const toml::exception& error) {
+    return tl::unexpected(fmt::format("{}:{}:{}: {}", path, error.location().line(), error.location().column(),
+                                      printable(first_line_of(error.what()))));
+  } catch (const std::exception& error) {
+    return tl::unexpected(fmt::format("{}:1:1: {}", path, printable(first_line_of(error.what()))));
+  }
+}
+
+tl::expected<std::string, std::string> read_small_file(const std::string& path, std::size_t limit_bytes) {
+  const auto file = open_plain_file(path);
+  if (!file) return tl::unexpected(fmt::format("{}: cannot be read: {}", path, file.error()));
+  std::string text(limit_bytes + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file->get()));
+  if (std::ferror(file->get()) != 0)
+    return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  if (text.size() > limit_bytes) {
+    return tl::unexpected(
+        fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
+  }
+  return text;
+}
+
+}  // namespace moiregauge

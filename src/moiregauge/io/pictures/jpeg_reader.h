@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "moiregauge/io/pictures/picture.h"
+
+namespace moiregauge {
+
+// The luma plane of a JPEG as stored, turned upright by its Exif orientation.
+// fails      kUnreadable (missing), kUnsupported (CMYK, mirrored, too many pixels), kDamaged (cut, corrupt)
+[[nodiscard]] PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
+
+}  // namespace moiregauge

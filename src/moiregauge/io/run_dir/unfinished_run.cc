@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/run_dir/unfinished_run.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "moiregauge/base/atomic_file.h"
+#include "moiregauge/io/journal/run_identity.h"
+
+namespace moiregauge {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<OutputError> usage(std::string message) { return tl::unexpected(OutputError{true, std::move(message)}); }
+
+// Frames that a run can go on from: without a reference frame nothing was measured yet.
+long frames_of(const KeptRun& kept) {
+  return kept.run.seen.reference ? static_cast<long>(kept.run.seen.observations.size()) : 0;
+}
+
+// Takes the lock if nobody has it (of file systems that have no locks nobody does), and nobody has put the file
+// elsewhere meanwhile. Closes what is another's.
+bool is_anothers(int file, const std::string& path) {
+  const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  struct ::stat opened {};
+  struct ::stat there {};
+  const bool is_there =
+      ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &there) == 0 && opened.st_ino == there.st_ino;
+  if (!is_locked && is_there) return false;
+  ::close(file);
+  return true;
+}
+
+bool is_ours(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_empty(folder, error) || fs::exists(folder / kRunFileName, error) ||
+         fs::exists(folder / "run.json", error);
+}
+
+}  // namespace
+
+UnfinishedRun::~UnfinishedRun() {
+  journal_.reset();  // writes what was added
+  if (file_ < 0) return;
+  std::error_code error;
+  if (frames_ == 0 && !is_whole_) fs::remove_all(place_.unfinished, error);
+  ::close(file_);  // and with it the lock
+}
+
+OutputError UnfinishedRun::unwritable(const std::string& why) const {
+  const long safe = journal_ ? journal_->frames_safe() : frames_;
+  const std::string file = fmt::format("{}.unfinished/{}", place_.shown, kRunFileName);
+  if (safe == 0)
+    return {false,
+            fmt::format("cannot write results: {}: {}: free the space or choose another folder with -o", file, why)};
+  return {false, fmt::format("cannot write results: {}: {}: {} frames are safe: free space and run again with --resume",
+                             file, why, safe)};
+}
+
+std::string UnfinishedRun::in_use() const {
+  return fmt::format(
+      "output folder is in use: {}.unfinished: another process is measuring into it: wait for it, or choose another "
+      "with -o",
+      place_.shown);
+}
+
+tl::expected<std::optional<UnfinishedRun::Found>, OutputError> UnfinishedRun::find() {
+  std::error_code error;
+  Found found;
+  fs::path path = journal_path();
+  if (!fs::exists(path, error)) {
+    if (fs::exists(place_.unfinished, error) && !is_ours(place_.unfinished))
+      return usage(fmt::format(
+          "output folder is taken: {}.unfinished: it holds something else than a run: choose another with -o",
+          place_.shown));
+    path = place_.results / kRunFileName;
+    found.in_results = holds_interrupted_run(place_.results) && fs::exists(path, error);
+    if (!found.in_results) return std::nullopt;
+  }
+  found.file = ::open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC);
+  if (found.file < 0) return tl::unexpected(unwritable(std::strerror(errno)));
+  if (is_anothers(found.file, path.string())) return usage(in_use());
+  found.kept = recover_run(path.string());
+  return found;
+}
+
+tl::expected<void, OutputError> UnfinishedRun::judge(const Found& found, const RunStart& start,
+                                                     const MeasureOptions& options, Earlier earlier) const {
+  const std::string where = place_.shown + (found.in_results ? "" : ".unfinished");
+  if (!found.kept) {
+    if (earlier == Earlier::kRestart) return {};
+    return usage(fmt::format("found unfinished run: {}: it cannot be gone on with ({}): use --restart", where,
+                             found.kept.error()));
+  }
+  const RunStart& then = found.kept->run.start;
+  const std::string what = fmt::format("found unfinished run ({} frames)", frames_of(*found.kept));
+  if (then.fingerprint != start.fingerprint)
+    return usage(fmt::format("{}: {}: it is of another input ({}): choose another folder with -o, or remove it", what,
+                             where, then.input.path));
+  if (earlier == Earlier::kAsk) return usage(fmt::format("{}: {}: use --resume or --restart", what, where));
+  if (earlier == Earlier::kRestart) return {};
+  if (!found.kept->is_of_this_version)
+    return usage(
+        fmt::format("cannot resume: {}: an earlier version of moiregauge began this run: use --restart", where));
+  if (const auto differs = difference(found.kept->run, start, options))
+    return usage(
+        fmt::format("cannot resume: {}: {}: give the options it was begun with, or use --restart", where, *differs));
+  return {};
+}
+
+tl::expected<Seen, OutputError> UnfinishedRun::begin(const RunStart& start, const MeasureOptions& options,
+                                                     Earlier earlier) {
+  mend(place_);
+  auto found = find();
+  if (!found) return tl::unexpected(found.error());
+  if (!*found) return start_new(start, options, -1);
+  // Killed before anything was measured: there is nothing to ask about.
+  if (!(*found)->kept || frames_of(*(*found)->kept) > 0) {
+    if (const auto allowed = judge(**found, start, options, earlier); !allowed) {
+      ::close((*found)->file);
+      return tl::unexpected(allowed.error());
+    }
+    if (earlier == Earlier::kResume) return go_on(std::move(**found));
+  }
+  if (!(*found)->in_results) return start_new(start, options, (*found)->file);
+  ::close((*found)->file);
+  return start_new(start, options, -1);
+}
+
+tl::expected<Seen, OutputError> UnfinishedRun::start_new(const RunStart& start, const MeasureOptions& options,
+                                                         int locked) {
+  const auto failed = [&] { return tl::unexpected(unwritable(std::strerror(errno))); };
+  std::error_code error;
+  fs::create_directories(place_.unfinished, error);
+  if (error) return tl::unexpected(unwritable(error.message()));
+  if (locked < 0) {
+    locked = ::open(journal_path().c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (locked < 0) {
+      const auto why = failed();
+      fs::remove(place_.unfinished, error);
+      return why;
+    }
+    if (is_anothers(locked, journal_path())) return usage(in_use());
+  }
+  file_ = locked;
+  keep_journal_only(place_.unfinished);
+  if (::ftruncate(file_, 0) != 0) return failed();
+  journal_ = std::make_unique<JournalFile>(file_, 0, 0);
+  // On the disk at once, and the names that lead to it: from here on every sync makes frames safe.
+  if (const auto done = journal_->append(head_bytes(start, options)); !done)
+    return tl::unexpected(unwritable(done.error()));
+  if (!sync_folder(place_.unfinished.string()) || !sync_folder(place_.unfinished.parent_path().string()))
+    return failed();
+  journal_->start();
+  return Seen{};
+}
+
+tl::expected<Seen, OutputError> UnfinishedRun::go_on(Found found) {
+  const auto failed = [&] { return tl::unexpected(unwritable(std::strerror(errno))); };
+  file_ = found.file;
+  frames_ = frames_of(*found.kept);
+  if (found.in_results) {
+    std::error_code error;
+    fs::remove_all(place_.unfinished, error);
+    if (std::rename(place_.results.c_str(), place_.unfinished.c_str()) != 0) return failed();
+    if (!sync_folder(place_.unfinished.parent_path().string())) return failed();
+  }
+  if (::ftruncate(file_, static_cast<off_t>(found.kept->bytes)) != 0) return failed();
+  keep_journal_only(place_.unfinished);
+  journal_ = std::make_unique<JournalFile>(file_, found.kept->bytes, frames_);
+  journal_->start();
+  return std::move(found.kept->run.seen);
+}
+
+void UnfinishedRun::refer(const Reference& reference, const std::vector<std::string>& notes) {
+  journal_->add([reference, notes] { return reference_bytes(reference, notes); }, false);
+}
+
+void UnfinishedRun::add(const std::string& packed) {
+  ++frames_;
+  journal_->add([packed] { return frame_bytes(packed); }, true);
+}
+
+tl::expected<void, OutputError> UnfinishedRun::close() {
+  if (const auto done = journal_->finish(); !done) return tl::unexpected(unwritable(done.error()));
+  return {};
+}
+
+tl::expected<void, OutputError> UnfinishedRun::end(const Seen& seen, const MeasureOptions& options) {
+  if (const auto done = journal_->append(end_bytes(seen, options)); !done)
+    return tl::unexpected(unwritable(done.error()));
+  is_whole_ = true;
+  return {};
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/io/tables/uff58.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace moiregauge {
+namespace {
+
+constexpr double kUneven = 0.05;  // of a frame
+constexpr const char* kMark = "    -1\n";
+
+struct Reading {
+  double time_s, value_mm;
+};
+using Readings = std::vector<Reading>;
+
+// 80A1: what is no ASCII letter becomes a question mark; nothing longer than a line.
+std::string words(std::string text) {
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  text.resize(std::min<std::size_t>(text.size(), 80));
+  return (text.empty() ? "NONE" : text) + "\n";
+}
+
+std::string e13(double value) { return fmt::format("{:13.5E}", value); }
+std::string e20(double value) { return fmt::format("{:20.12E}", value); }
+// D25.17, Fortran's double: an exponent by D.
+std::string d25(double value) {
+  std::string text = fmt::format("{:25.17E}", value);
+  std::replace(text.begin(), text.end(), 'E', 'D');
+  return text;
+}
+
+// Code 5: mm, mN, degrees Celsius; to SI divide by the factors. Lines: I10,20A1,I10; 3D25.17; D25.17.
+std::string units_dataset() {
+  return fmt::format("{}   164\n{:>10}{:<20}{:>10}\n{}{}{}\n{}\n{}", kMark, 5, "mm (milli-newton)", 2, d25(1e3),
+                     d25(1e3), d25(1.0), d25(273.15), kMark);
+}
+
+// 4I10, 3E13.5: node, two coordinate systems, colour, place.
+std::string nodes_dataset(const RunTable& table) {
+  std::string text = fmt::format("{}    15\n", kMark);
+  for (std::size_t i = 0; i < table.markers.size(); ++i) {
+    const TableMarker& m = table.markers[i];
+    text +=
+        fmt::format("{:>10}{:>10}{:>10}{:>10}{}{}{}\n", i + 1, 0, 0, 1, e13(m.place.x), e13(m.place.y), e13(m.z_mm));
+  }
+  return text + kMark;
+}
+
+// I10,3I5,2(1X,20A1): kind of data, exponents of length, force and temperature, label, unit.
+std::string axis_record(int kind, int length, const char* label, const char* unit) {
+  return fmt::format("{:>10}{:>5}{:>5}{:>5} {:<20} {:<20}\n", kind, length, 0, 0, label, unit);
+}
+
+std::string data_lines(const Readings& stretch, bool is_even) {
+  std::string text;
+  const std::size_t per_line = is_even ? 4 : 2;
+  for (std::size_t i = 0; i < stretch.size(); ++i) {
+    if (!is_even) text += e13(stretch[i].time_s);
+    text += e20(stretch[i].value_mm);
+    if (i % per_line == per_line - 1 || i + 1 == stretch.size()) text += "\n";
+  }
+  return text;
+}
+
+struct Place {
+  std::size_t marker;  // index in the table
+  int axis;            // 0: x, 1: y
+  int function;        // record 6's identification
+};
+
+std::string dataset(const RunTable& table, const Place& place, const Readings& stretch, std::size_t number) {
+  constexpr int kTimeResponse = 1, kRealDouble = 4, kTime = 17, kDisplacement = 8;
+  const std::string& name = table.markers[place.marker].name;
+  const double span = stretch.back().time_s - stretch.front().time_s;
+  const double step = stretch.size() > 1 ? span / static_cast<double>(stretch.size() - 1) : 0.0;
+  bool is_even = true;
+  for (std::size_t i = 0; i < stretch.size(); ++i)
+    is_even = is_even &&
+              std::abs(stretch[i].time_s - stretch.front().time_s - static_cast<double>(i) * step) <= kUneven * step;
+  std::string text = fmt::format("{}    58\n", kMark);
+  text += words(
+      fmt::format("{} {}: displacement since frame {}", name, place.axis == 0 ? "dx" : "dy", table.reference_frame));
+  text += words(
+      fmt::format("moiregauge {}, method {}{}", table.version, table.method, table.complete ? "" : ", incomplete"));
+  text += words("NONE");  // the day it was made, which nobody knows who reads the folder
+  text += words(std::filesystem::path(table.input).filename().string());
+  text += words("NONE");
+  text += fmt::format("{:>5}{:>10}{:>5}{:>10} {:<10}{:>10}{:>4} {:<10}{:>10}{:>4}\n", kTimeResponse, place.function,
+                      number, 0, "NONE", place.marker + 1, place.axis + 1, "NONE", 0, 0);
+  text += fmt::format("{:>10}{:>10}{:>10}{}{}{}\n", kRealDouble, stretch.size(), is_even ? 1 : 0,
+                      e13(is_even ? stretch.front().time_s : 0.0), e13(is_even ? step : 0.0), e13(0.0));
+  text += axis_record(kTime, 0, "Time", "s") + axis_record(kDisplacement, 1, "Displacement", "mm");
+  text += axis_record(0, 0, "NONE", "NONE") + axis_record(0, 0, "NONE", "NONE");
+  return text + data_lines(stretch, is_even) + kMark;
+}
+
+// One axis of a target; a sample that is not there ends a stretch, and so does a frame left out of the file.
+std::vector<Readings> stretches_of(const RunTable& table, const Place& place, long frame_step) {
+  std::vector<Readings> found(1);
+  long last = -1;
+  for (const Sample& sample : table.samples) {
+    if (sample.marker != place.marker) continue;
+    const double value = place.axis == 0 ? sample.displacement.x : sample.displacement.y;
+    if (std::isnan(value)) continue;
+    if (last >= 0 && sample.frame - last != frame_step) found.emplace_back();
+    found.back().push_back({sample.time_s, value});
+    last = sample.frame;
+  }
+  return found.back().empty() ? std::vector<Readings>{} : found;
+}
+
+// How far apart selected frames are: `measure --frames A:B:STEP`.
+long frame_step_of(const RunTable& table) {
+  long step = 0, last = -1;
+  for (const Sample& sample : table.samples) {
+    if (last >= 0 && sample.frame > last) step = step == 0 ? sample.frame - last : std::min(step, sample.frame - last);
+    last = sample.frame;
+  }
+  return std::max(step, 1L);
+}
+
+std::string gap_words(const RunTable& table, const Place& place, const std::vector<Readings>& stretches, long rows) {
+  std::size_t there = 0;
+  for (const Readings& stretch : stretches) there += stretch.size();
+  return fmt::format(
+      "gaps: {} {}: {} of {} samples are there in {} stretches, and UFF 58 knows no gap: give --gaps split, or "
+      "--time without them",
+      table.markers[place.marker].name, place.axis == 0 ? "dx" : "dy", there, rows, stretches.size());
+}
+
+}  // namespace
+
+tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps) {
+  for (const Sample& sample : table.samples) {
+    if (std::isnan(sample.time_s))
+      return tl::unexpected(std::string("no time: --format uff58: this run's pictures have none: measure with --fps"));
+  }
+  const long frame_step = frame_step_of(table);
+  std::string text = units_dataset() + nodes_dataset(table);
+  int function = 0;
+  bool has_any = false;
+  for (std::size_t marker = 0; marker < table.markers.size(); ++marker) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const Place place{marker, axis, ++function};
+      const auto stretches = stretches_of(table, place, frame_step);
+      const auto rows = std::count_if(table.samples.begin(), table.samples.end(),
+                                      [&](const Sample& s) { return s.marker == marker; });
+      if (stretches.empty()) continue;
+      has_any = true;
+      const bool is_whole = stretches.size() == 1 && stretches.front().size() == static_cast<std::size_t>(rows);
+      if (!is_whole && gaps == Gaps::kRefuse) return tl::unexpected(gap_words(table, place, stretches, rows));
+      for (std::size_t k = 0; k < stretches.size(); ++k) text += dataset(table, place, stretches[k], k + 1);
+    }
+  }
+  if (!has_any)
+    return tl::unexpected(std::string("nothing measured: --format uff58: no sample has numbers: choose wider"));
+  return text;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/frame/observe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "moiregauge/geometry/pose.h"
+#include "moiregauge/observation/frame/follow_marker.h"
+#include "moiregauge/observation/frame/slipped_circle.h"
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+struct Located {
+  std::vector<CirclePoint> points;
+  std::vector<std::optional<SeenCircle>> circles;  // one per site marker
+  std::string problem;
+  CircleSearch search;  // in which they were found
+};
+
+// Circles are first looked for near where the last frame saw them, within this share of their diameter, so that a
+// neighbour cannot be taken for them; if any is not there, the whole picture is searched.
+constexpr double kCircleReach = 0.75;
+
+CircleSearch search_near(const GreyPicture& picture, const Reference& reference, const IdealFromBoard& predicted) {
+  CircleSearch search;
+  const View view{predicted, reference.lens};
+  for (const CirclePoint& point : reference.circles) {
+    const double diameter = reference.diameter_px(point, view);
+    for (const SeenCircle& circle : find_circles_near(picture.luma, view(point.board), diameter,
+                                                      kCircleReach * diameter, reference.options.circles))
+      search.circles.push_back(circle);
+  }
+  return search;
+}
+
+Located located(const Reference& reference, const CircleSearch& search, const Identified& who) {
+  Located result;
+  result.points = circle_points(reference.site, reference.lens, search, who);
+  result.circles.resize(reference.site.markers.size());
+  for (std::size_t i = 0; i < result.circles.size(); ++i) {
+    if (who.circle_of_marker[i] >= 0)
+      result.circles[i] = search.circles[static_cast<std::size_t>(who.circle_of_marker[i])];
+  }
+  result.search = search;
+  return result;
+}
+
+// Three circles cannot prove who they are; each is the one that stood there in the frame before.
+Located as_before(const Reference& reference, const CircleSearch& near, const IdealFromBoard& predicted) {
+  const View view{predicted, reference.lens};
+  Identified who;
+  who.circle_of_marker.assign(reference.site.markers.size(), -1);
+  who.image_from_board = Homography<frame::Image, frame::Board>(predicted.matrix());
+  for (const CirclePoint& point : reference.circles) {
+    const ImagePoint there = view(point.board);
+    double nearest = kCircleReach * reference.diameter_px(point, view);
+    for (std::size_t i = 0; i < near.circles.size(); ++i) {
+      const double away = length(near.circles[i].centre - there);
+      if (away < nearest) nearest = away, who.circle_of_marker[point.marker] = static_cast<int>(i);
+    }
+  }
+  return located(reference, near, who);
+}
+
+Located locate(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
+               std::size_t least) {
+  const IdealFromBoard& last = prediction.view ? *prediction.view : reference.seen.stage1;
+  const PreviousCircles previous{Homography<frame::Image, frame::Board>(last.matrix()), 0.0};
+  CircleSearch near;
+  if (prediction.view) {
+    near = search_near(picture, reference, *prediction.view);
+    if (near.circles.size() >= reference.circles.size()) {
+      const auto who = identify_next(reference.site, near, previous);
+      if (who) {
+        Located result = located(reference, near, *who);
+        if (result.points.size() == reference.circles.size()) return result;
+      }
+    }
+  }
+  const CircleSearch whole = find_circles(picture.luma, reference.options.circles);
+  const auto who = identify_next(reference.site, whole, previous);
+  if (who) return located(reference, whole, *who);
+  if (prediction.view && near.circles.size() >= least) {
+    Located result = as_before(reference, near, *prediction.view);
+    if (result.points.size() >= least) return result;
+  }
+  return {{}, {}, who.error().reason, {}};
+}
+
+// The view that carries `board` to `ideal`: a homography through four or more; through three the pose of a known camera.
+std::optional<IdealFromBoard> view_through(const Reference& reference, std::span<const BoardPoint> board,
+                                           std::span<const IdealPoint> ideal, const IdealFromBoard& near) {
+  if (board.size() == 3 && reference.knows_camera()) return view_of_three(board, ideal, reference.lens, near);
+  const auto fitted = fit_homography<frame::Ideal, frame::Board>(board, ideal);
+  return fitted ? std::optional(IdealFromBoard(*fitted)) : std::nullopt;
+}
+
+std::optional<IdealFromBoard> first_view(const Reference& reference, const std::vector<CirclePoint>& circles,
+                                         const Prediction& prediction) {
+  std::vector<BoardPoint> board;
+  std::vector<IdealPoint> ideal;
+  for (const CirclePoint& p : circles) board.push_back(p.board), ideal.push_back(p.ideal);
+  return view_through(reference, board, ideal, prediction.view.value_or(reference.seen.stage1));
+}
+
+// A reference that slips by more than identification allows is no member of the layout any more. Its circle is the one of
+// its size nearest to its place; whether its print belongs to it, the print's template decides.
+constexpr double kSlipReach = 1.5;  // diameters
+constexpr double kSameSize = 0.1;   // relative
+
+const SeenCircle* circle_of_slipped(const Reference& reference, const Located& now, const View& view,
+                                    const CirclePoint& lost) {
+  const double diameter = reference.diameter_px(lost, view);
+  const ImagePoint place = view(lost.board);
+  const SeenCircle* nearest = nullptr;
+  double away = kSlipReach * diameter;
+  for (const SeenCircle& circle : now.search.circles) {
+    const bool is_another = std::any_of(now.circles.begin(), now.circles.end(), [&](const auto& other) {
+      return other && length(other->centre - circle.centre) < 0.5 * diameter;
+    });
+    if (is_another || std::abs(circle.diameter_px - diameter) > kSameSize * diameter) continue;
+    if (length(circle.centre - place) < away) away = length(circle.centre - place), nearest = &circle;
+  }
+  return nearest;
+}
+
+// Reads the print of a reference that slipped, with its circle. It counts as covered until its template matches.
+void read_slipped(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+                  const SeenCircle& circle, MarkerObservation& seen, PatchWorkspace& work) {
+  const auto went = view.board(circle.centre) - reference.view.board(reference.seen.markers[i].circle->centre);
+  seen.circle = circle;
+  follow_marker(picture, reference, view, i, went, seen, work);
+  if (seen.loss == Loss::kNone) seen.loss = Loss::kCovered;
+}
+
+void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+                 MarkerObservation& seen, PatchWorkspace& work) {
+  seen.loss = reference.plan_loss[i];
+  if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
+  seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], {}, work);
+  seen.loss = loss_of(reference.seen.markers[i].patch, seen.patch);
+}
+
+}  // namespace
+
+Observation observe_conventional(const GreyPicture& picture, const Reference& reference, const Prediction&,
+                                 PatchWorkspace& work) {
+  Observation observation;
+  observation.references_seen = true;
+  observation.stage1 = observation.stage2 = reference.seen.stage1;
+  observation.markers.resize(reference.site.markers.size());
+  for (std::size_t i = 0; i < observation.markers.size(); ++i)
+    read_marker(picture, reference, reference.view, i, observation.markers[i], work);
+  return observation;
+}
+
+std::optional<IdealFromBoard> second_view(const Reference& reference, const std::vector<CirclePoint>& circles,
+                                          const Observation& seen) {
+  std::vector<BoardPoint> then;
+  std::vector<IdealPoint> refined;
+  for (const CirclePoint& point : circles) {
+    const MarkerObservation& now = seen.markers[point.marker];
+    if (now.loss != Loss::kNone) continue;
+    Extent<frame::Board> moved;
+    if (reference.site.markers[point.marker].grating)
+      moved =
+          displacement_between(reference.plans[point.marker], reference.seen.markers[point.marker].patch, now.patch);
+    then.push_back(point.board);
+    refined.push_back(seen.stage1(point.board + known_part(moved)));
+  }
+  return view_through(reference, then, refined, seen.stage1);
+}
+
+namespace {
+
+std::string too_few(std::size_t least, const char* what) {
+  return std::string(least == kLeastForPose ? "fewer than three " : "fewer than four ") + what;
+}
+
+// By how much a reference's print may be left behind by a lossy codec, told from its fainter fundamental; 0 of others.
+double lag_mm(const GreyPicture& picture, const Reference& reference, const CirclePoint& point) {
+  if (!(picture.rounding > 0.0)) return 0.0;
+  const RasterPlan& plan = reference.plans[point.marker];
+  const auto& modulation = reference.seen.markers[point.marker].patch.modulation;
+  const double least = !plan.reads_y   ? modulation[0]
+                       : !plan.reads_x ? modulation[1]
+                                       : std::min(modulation[0], modulation[1]);
+  const double mm_per_px = reference.view.mm_per_px(point.board);
+  const double slope = least * kTurn * mm_per_px / plan.pitch_mm / std::sqrt(2.0);
+  return std::min(dead_zone_px(picture.rounding / rounding_of_step(1.0), slope), 2.0 * kMostLag_px) * mm_per_px;
+}
+
+}  // namespace
+
+Observation observe_board(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
+                          std::size_t least, PatchWorkspace& work) {
+  Observation observation;
+  observation.markers.resize(reference.site.markers.size());
+  // Step 1: circles, first homography.
+  Located now = locate(picture, reference, prediction, least);
+  observation.reference_problem = now.problem;
+  const auto slipped = remove_slipped(reference, now.points);
+  const auto first = first_view(reference, now.points, prediction);
+  if (!first) {
+    if (observation.reference_problem.empty())
+      observation.reference_problem = too_few(least, "reference circles are seen");
+    return observation;
+  }
+  observation.stage1 = observation.stage2 = *first;
+  for (std::size_t i = 0; i < now.circles.size(); ++i) observation.markers[i].circle = now.circles[i];
+  // Step 2: the patches of the references; what they moved is added at their circles.
+  for (const CirclePoint& point : now.points)
+    read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker], work);
+  for (const CirclePoint& point : now.points) {
+    MarkerObservation& seen = observation.markers[point.marker];
+    const auto& at_rest = reference.seen.markers[point.marker].patch;
+    // A target's half reading may be told with its status; a reference's would spoil every target.
+    if (seen.loss == Loss::kNone && reference.site.markers[point.marker].grating &&
+        is_bent(reference.plans[point.marker], at_rest, seen.patch, lag_mm(picture, reference, point)))
+      seen.loss = Loss::kCovered;
+  }
+  const View view{*first, reference.lens};
+  for (const CirclePoint& point : reference.circles) {
+    const std::size_t i = point.marker;
+    const SeenCircle* circle = nullptr;
+    if (slipped == i)
+      circle = &*now.circles[i];
+    else if (!now.circles[i] && now.points.size() + 1 >= kMinReferencesForSlip)
+      circle = circle_of_slipped(reference, now, view, point);
+    if (circle) read_slipped(picture, reference, view, i, *circle, observation.markers[i], work);
+  }
+  const auto second = second_view(reference, now.points, observation);
+  if (!second) {
+    observation.reference_problem = too_few(least, "references have a readable grating");
+    return observation;
+  }
+  observation.stage2 = *second;
+  observation.references_seen = true;
+  // Step 3: the targets, through both.
+  for (std::size_t i = 0; i < observation.markers.size(); ++i) {
+    if (reference.site.markers[i].role != Role::kTarget) continue;
+    const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
+    follow_marker(picture, reference, {observation.stage2, reference.lens}, i, travel, observation.markers[i], work);
+  }
+  return observation;
+}
+
+Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
+                              PatchWorkspace& work) {
+  return observe_board(picture, reference, prediction, kLeastForHomography, work);
+}
+
+}  // namespace moiregauge

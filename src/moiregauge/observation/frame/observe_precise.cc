@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "moiregauge/observation/frame/follow_marker.h"
+#include "moiregauge/observation/frame/neighbour_ambiguity.h"
+#include "moiregauge/observation/frame/observe.h"
+#include "moiregauge/observation/frame/occlusion.h"
+#include "moiregauge/observation/frame/patch_of_points.h"
+#include "moiregauge/observation/frame/track.h"
+
+namespace moiregauge {
+namespace {
+
+// Where the print hangs, by the raster method: within a hundredth of a pixel of the truth in this frame's view.
+Extent<frame::Board> moved(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
+  return known_part(
+      displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.patch, seen.window_shift));
+}
+
+// How many pitches round its last place a target is looked for that is not there any more.
+constexpr int kLostPitches = 12;
+// A circle beside a grating tells the whole pitch as long as it is nearer to one than to the next.
+constexpr double kCircleLimit = 0.4;  // pitches
+
+Order order_by_circle(const Reference& reference, const View& view, std::size_t i, const MarkerObservation& seen) {
+  const auto& circle = reference.site.markers[i].circle;
+  const auto& then = reference.seen.markers[i].circle;
+  if (!circle || !seen.circle || !then) return Order::kUnproven;
+  const auto went = (view.board(seen.circle->centre) - reference.view.board(then->centre)) - moved(reference, seen, i);
+  return length(went) < kCircleLimit * reference.plans[i].pitch_mm ? Order::kProven : Order::kContradicted;
+}
+
+// Would the target, there, lie over another marker's grating? Other targets stand where the last frame left them.
+bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> moved, const Prediction& prediction) {
+  const Grating& own = *site.markers[target].grating;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (i == target || !site.markers[i].grating) continue;
+    const Grating& other = *site.markers[i].grating;
+    const bool travels = site.markers[i].role == Role::kTarget && i < prediction.travel.size();
+    const auto gone = travels ? prediction.travel[i] : Extent<frame::Board>{};
+    const auto apart = own.centre + moved - (other.centre + gone);
+    const double reach = 0.4 * (std::min(own.width_mm, own.height_mm) + std::min(other.width_mm, other.height_mm));
+    if (length(apart) < reach) return true;
+  }
+  return false;
+}
+
+// The whole pitch a target stands in, told from its outline or its circle; the raster reading is taken again where
+// continuity had it wrong, or had lost it.
+void prove(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+           const Prediction& prediction, MarkerObservation& seen, PatchWorkspace& work) {
+  const auto& outline = reference.prints[i]->outline;
+  const Grating& grating = *reference.site.markers[i].grating;
+  const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
+  if (seen.loss != Loss::kNone && seen.loss != Loss::kTooCoarse && outline) {
+    const auto last = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
+    const auto found = search_print(picture.luma, view, grating, *outline, last, kLostPitches, is_taken);
+    if (found) follow_marker(picture, reference, view, i, *found, seen, work);
+  }
+  if (seen.loss != Loss::kNone) return;
+  if (!outline) {
+    seen.order = order_by_circle(reference, view, i, seen);
+    return;
+  }
+  const auto here = moved(reference, seen, i);
+  const OrderVerdict verdict = prove_order(picture.luma, view, grating, *outline, here, is_taken);
+  seen.order = verdict.order;
+  if (verdict.order == Order::kProven && length(verdict.moved - here) > 0.0)
+    follow_marker(picture, reference, view, i, verdict.moved, seen, work);
+}
+
+// The raster takes a reference whose window reaches beyond its print for covered; its template says whether it is, or
+// whether it slipped.
+void read(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+          MarkerObservation& seen) {
+  if (!reference.prints[i]) return;
+  const bool is_target = reference.site.markers[i].role == Role::kTarget;
+  const bool may_have_slipped = !is_target && seen.loss == Loss::kCovered;
+  if (seen.loss != Loss::kNone && !may_have_slipped) return;
+  const bool is_elsewhere = is_target || may_have_slipped || length(seen.window_shift) > 0.0;
+  const auto d = is_elsewhere ? moved(reference, seen, i) : Extent<frame::Board>{};
+  const PrintModel& print = *reference.prints[i];
+  auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, print);
+  if (!points) return;
+  const auto& at_rest = reference.seen.markers[i].points;
+  if (!at_rest) {  // this is the reference frame
+    seen.points = *std::move(points);
+    return;
+  }
+  const CoveredBlocks covered = blocks_covered(picture, print, *at_rest, *points);
+  if (covered.any_now) {
+    auto free = free_points(picture, print, *at_rest, *points, covered.now);
+    if (!free) {
+      seen.loss = Loss::kCovered;
+      return;
+    }
+    *points = *std::move(free);
+  } else if (may_have_slipped && !is_whole(*points, *at_rest, print, picture.rounding)) {
+    return;
+  }
+  seen.cover = covered.any_now ? Cover::kNow : covered.any_then ? Cover::kAtRest : Cover::kNone;
+  if (may_have_slipped)
+    seen.patch =
+        patch_of_points(reference, i, *points, motion_of_points(reference, view, i, *points), seen.window_shift);
+  seen.loss = Loss::kNone;
+  seen.points = *std::move(points);
+}
+
+}  // namespace
+
+namespace {
+
+// A site that knows its places this much better than the pitch means the symmetry points of its prints; one that does
+// not is served as well by the view through the circles.
+constexpr double kSurveyed = 0.05;  // pitches
+// The largest relative change that an unknown lens makes to the way from a circle to its grating: 5 % at the picture's corner.
+constexpr double kLensAcross = 0.02;
+constexpr double kSureOfPlace = 3.0;  // u
+constexpr double kMinClipped = 0.01;  // share of a print's pixels: less is a sensor's faulty ones
+
+// mm from where the view puts a reference's grating, within which the print's symmetry point is the one that the site
+// means; 0 where the site does not say well enough.
+double origin_within(const Reference& reference, std::size_t i) {
+  const Marker& marker = reference.site.markers[i];
+  const double u = reference.site.known_to.position_mm;
+  if (marker.role != Role::kReference || !(u <= kSurveyed * marker.grating->pitch_mm)) return 0.0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const CirclePoint& circle : reference.circles)
+    nearest = std::min(nearest, length(circle.board - marker.grating->centre));
+  const double by_lens = std::isfinite(nearest) ? kLensAcross * nearest : 0.0;
+  return kSureOfPlace * std::hypot(u, by_lens, kSurveyed * marker.grating->pitch_mm);
+}
+
+}  // namespace
+
+void learn_prints(const GreyPicture& picture, Reference& reference) {
+  reference.prints.assign(reference.site.markers.size(), std::nullopt);
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    MarkerObservation& seen = reference.seen.markers[i];
+    if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
+    const Grating& grating = *reference.site.markers[i].grating;
+    // Clipping is a tone curve too.
+    const bool in_light = reference.light_per_grey.empty() && seen.patch.clipped_share < kMinClipped;
+    auto learned = learn_print(picture.luma, reference.view, grating, reference.options.template_use,
+                               origin_within(reference, i) / grating.pitch_mm, in_light);
+    if (!learned) continue;
+    reference.prints[i] = *std::move(learned);
+    read(picture, reference, reference.view, i, seen);
+    PrintModel& print = *reference.prints[i];
+    if (seen.points) print.misses = misses_of(picture.luma, *seen.points, print.window, print.print);
+  }
+}
+
+namespace {
+
+// Is the target where it was expected, and in the whole pitch in which its outline stands?
+bool tracked(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+             const Prediction& prediction, MarkerObservation& seen) {
+  if (!reference.prints[i] || !reference.prints[i]->outline) return false;
+  MarkerObservation here;
+  if (!track_target(picture, reference, view, i, prediction, here)) return false;
+  const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
+  if (is_taken(here.window_shift) ||
+      !ends_with_print(*here.points, *reference.seen.markers[i].points, *reference.prints[i], picture.rounding)) {
+    const OrderVerdict verdict = prove_order(picture.luma, view, *reference.site.markers[i].grating,
+                                             *reference.prints[i]->outline, here.window_shift, is_taken);
+    if (verdict.order != Order::kProven || length(verdict.moved - here.window_shift) > 0.0) return false;
+  }
+  seen = std::move(here);
+  seen.order = Order::kProven;
+  return true;
+}
+
+// By rasters first, then by outline and template.
+void look_for(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+              const Prediction& prediction, bool by_raster, MarkerObservation& seen, PatchWorkspace& work) {
+  const bool may_move = reference.site.markers[i].role == Role::kTarget;
+  if (by_raster) {
+    const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
+    follow_marker(picture, reference, view, i, travel, seen, work);
+  }
+  if (may_move && reference.prints[i]) prove(picture, reference, view, i, prediction, seen, work);
+  read(picture, reference, view, i, seen);
+}
+
+}  // namespace
+
+Observation observe_precise(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
+                            PatchWorkspace& work) {
+  auto as_expected = track_references(picture, reference, prediction);
+  if (as_expected) {
+    Observation seen = *std::move(as_expected);
+    const View view{seen.stage2, reference.lens};
+    for (std::size_t i = 0; i < seen.markers.size(); ++i) {
+      const Marker& marker = reference.site.markers[i];
+      if (marker.role != Role::kTarget || !marker.grating) continue;
+      if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
+        look_for(picture, reference, view, i, prediction, true, seen.markers[i], work);
+    }
+    doubt_what_may_be_another(reference, prediction, seen);
+    return seen;
+  }
+  const std::size_t least = reference.knows_camera() ? kLeastForPose : kLeastForHomography;
+  Observation seen = observe_board(picture, reference, prediction, least, work);
+  if (!seen.references_seen) return seen;
+  const View view{seen.stage2, reference.lens};
+  for (std::size_t i = 0; i < seen.markers.size(); ++i)
+    look_for(picture, reference, view, i, prediction, false, seen.markers[i], work);
+  doubt_what_may_be_another(reference, prediction, seen);
+  return seen;
+}
+
+}  // namespace moiregauge

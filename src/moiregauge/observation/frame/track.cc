@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/frame/track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "moiregauge/observation/frame/disc_centre.h"
+#include "moiregauge/observation/frame/occlusion.h"
+#include "moiregauge/observation/frame/patch_of_points.h"
+
+namespace moiregauge {
+namespace {
+
+// A fit that still moves so much (pitches) in its last pass began too far away.
+constexpr double kConverged = 0.005;
+// A reference this far (of its pitch) from where the circles put it may be in the next lattice line.
+constexpr double kTrackFarOff = 0.3;
+
+bool expects_all(const Reference& reference, const Prediction& prediction) {
+  if (!prediction.expected || reference.prints.size() != reference.site.markers.size()) return false;
+  for (const CirclePoint& point : reference.circles) {
+    if (!reference.prints[point.marker] || !reference.seen.markers[point.marker].points) return false;
+  }
+  return !reference.circles.empty();
+}
+
+// The discs, each by itself; who they are, the frame before said.
+std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& reference,
+                                  const IdealFromBoard& expected, Rows rows, Identified& who) {
+  const View view{expected, reference.lens};
+  CircleSearch search;
+  who.circle_of_marker.assign(reference.site.markers.size(), -1);
+  who.image_from_board = Homography<frame::Image, frame::Board>(expected.matrix());
+  for (const CirclePoint& point : reference.circles) {
+    SeenCircle circle = *reference.seen.markers[point.marker].circle;
+    circle.diameter_px = reference.diameter_px(point, view);
+    const auto centre = disc_centre(picture.luma, view(point.board), circle.diameter_px, circle, rows);
+    if (!centre) return std::nullopt;
+    circle.centre = *centre;
+    who.circle_of_marker[point.marker] = static_cast<int>(search.circles.size());
+    search.circles.push_back(circle);
+  }
+  return search;
+}
+
+std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+                               Extent<frame::Board> moved, Rows rows) {
+  const PrintModel& print = *reference.prints[i];
+  auto fit = read_points(picture.luma, view, *reference.site.markers[i].grating, moved, print, rows);
+  if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) ||
+      !is_whole(*fit, *reference.seen.markers[i].points, print, picture.rounding))
+    return std::nullopt;
+  const CoveredBlocks covered = blocks_covered(picture, print, *reference.seen.markers[i].points, *fit);
+  if (covered.any_now || covered.any_then) return std::nullopt;
+  return *std::move(fit);
+}
+
+}  // namespace
+
+std::optional<Observation> track_references(const GreyPicture& picture, const Reference& reference,
+                                            const Prediction& prediction, Rows rows) {
+  if (!expects_all(reference, prediction)) return std::nullopt;
+  Identified who;
+  const auto search = discs(picture, reference, *prediction.expected, rows, who);
+  if (!search) return std::nullopt;
+  const auto points = circle_points(reference.site, reference.lens, *search, who);
+  const auto first = fit_circles(points);
+  if (!first) return std::nullopt;
+  Observation seen;
+  seen.markers.resize(reference.site.markers.size());
+  seen.stage1 = *first;
+  const View view{*first, reference.lens};
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::size_t i = points[k].marker;
+    MarkerObservation& marker = seen.markers[i];
+    auto fit = fitted(picture, reference, view, i, {}, rows);
+    if (!fit) return std::nullopt;
+    const PrintMotion motion = motion_of_points(reference, view, i, *fit);
+    if (length(motion.displacement) > kTrackFarOff * reference.plans[i].pitch_mm) return std::nullopt;
+    marker.circle = search->circles[k];
+    marker.patch = patch_of_points(reference, i, *fit, motion, {});
+    if (rows == Rows::kAll) marker.patch.clipped_share = clipped_share(picture, *fit);
+    marker.points = *std::move(fit);
+    marker.loss = Loss::kNone;
+  }
+  const auto second = second_view(reference, points, seen);
+  if (!second) return std::nullopt;
+  seen.stage2 = *second;
+  seen.references_seen = true;
+  return seen;
+}
+
+bool track_target(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+                  const Prediction& prediction, MarkerObservation& seen, Rows rows) {
+  if (!reference.prints[i] || !reference.seen.markers[i].points || !(i < prediction.travel_expected.size()))
+    return false;
+  auto fit = fitted(picture, reference, view, i, prediction.travel_expected[i], rows);
+  if (!fit) return false;
+  const PrintMotion motion = motion_of_points(reference, view, i, *fit);
+  seen.window_shift = motion.displacement;
+  seen.patch = patch_of_points(reference, i, *fit, motion, seen.window_shift);
+  if (rows == Rows::kAll) seen.patch.clipped_share = clipped_share(picture, *fit);
+  seen.points = *std::move(fit);
+  seen.loss = Loss::kNone;
+  return true;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/frame/track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/observation/frame/disc_centre.h"
+#include "moiregauge/simulator/simulator.h"
+
+namespace moiregauge {
+namespace {
+
+struct Rig {
+  simulator::Scenario scenario = *simulator::built_in("small-1xyz");
+  Reference reference;
+  Rig() {
+    const auto first = picture(0);
+    reference = *make_reference({first.view(), 8}, simulator::site_of(scenario), Camera{}, {});
+    learn_prints({first.view(), 8}, reference);
+  }
+  [[nodiscard]] Image<std::uint8_t> picture(long frame) const {
+    return render8(scenario, frame, {0, simulator::Area::kMarkersOnly});
+  }
+};
+
+const Rig& rig() {
+  static const Rig one;
+  return one;
+}
+
+Prediction as_at_rest(const Reference& reference) {
+  Prediction p;
+  p.view = p.expected = reference.seen.stage1;
+  p.travel.resize(reference.site.markers.size());
+  p.travel_expected = p.travel;
+  return p;
+}
+
+// Frame 2: 0.02 deg and 0.1 mm after the reference frame. Both ways read the same print against the same template; the
+// long one begins a hundredth of a pixel beside the short one.
+TEST(Track, SeesWhatTheLongWaySees) {
+  const Reference& reference = rig().reference;
+  const auto now = rig().picture(2);
+  const GreyPicture picture{now.view(), 8};
+  const Prediction prediction = as_at_rest(reference);
+  const auto seen = track_references(picture, reference, prediction);
+  ASSERT_TRUE(seen);
+  PatchWorkspace work;
+  const Observation long_way = observe_board(picture, reference, prediction, kLeastForHomography, work);
+  for (const CirclePoint& point : reference.circles) {
+    const std::size_t i = point.marker;
+    const RasterPlan& plan = reference.plans[i];
+    const double px = reference.view.mm_per_px(point.board);
+    const auto& rest = reference.seen.markers[i].patch;
+    EXPECT_LT(length(seen->markers[i].circle->centre - long_way.markers[i].circle->centre), 0.1);
+    // As places on the board, each in its own first view: where stage 2 puts them.
+    const auto at = [&](const Observation& o) {
+      return o.stage1(point.board + displacement_between(plan, rest, o.markers[i].patch));
+    };
+    // A raster of some 60 px side at a noise of 1.5 grey levels reads to 0.004 px, the template to 0.001.
+    EXPECT_LT(length(at(*seen) - at(long_way)), 0.02) << reference.site.markers[i].name << ' ' << px;
+    EXPECT_NEAR(seen->markers[i].patch.modulation[0] / long_way.markers[i].patch.modulation[0], 1.0, 0.02);
+    EXPECT_NEAR(seen->markers[i].patch.gradient[0][1], long_way.markers[i].patch.gradient[0][1], 2e-3);
+  }
+}
+
+TEST(Track, ATargetIsWhereItWent) {
+  const Reference& reference = rig().reference;
+  const auto now = rig().picture(2);
+  const auto target = reference.site.markers.size() - 1;
+  const auto seen = track_references({now.view(), 8}, reference, as_at_rest(reference));
+  ASSERT_TRUE(seen);
+  MarkerObservation marker;
+  ASSERT_TRUE(track_target({now.view(), 8}, reference, {seen->stage2, {}}, target, as_at_rest(reference), marker));
+  // The paper's motion: 0.5 mm/s at 10 frames/s. Ideal lens, 0.02 deg: what is left is noise, under a micrometre.
+  EXPECT_NEAR(marker.window_shift.y, 0.1, 0.005);
+  EXPECT_NEAR(marker.window_shift.x, 0.0, 0.005);
+}
+
+TEST(Track, ACoveredReferenceIsLeftToTheLongWay) {
+  simulator::Scenario covered = rig().scenario;
+  covered.markers.front().cover.frames = {{2, 3}};
+  covered.markers.front().cover.share = 0.5;
+  const auto now = render8(covered, 2, {0, simulator::Area::kMarkersOnly});
+  EXPECT_FALSE(track_references({now.view(), 8}, rig().reference, as_at_rest(rig().reference)));
+}
+
+TEST(DiscCentre, IsWithinATwentiethOfAPixelAndOnlyWhereADiscIs) {
+  Image<std::uint8_t> picture(120, 120, 210);
+  const ImagePoint centre{58.3, 61.8};
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 120; ++x) {
+      const double inside = std::clamp(20.0 - std::hypot(x - centre.x, y - centre.y) + 0.5, 0.0, 1.0);
+      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(210.0 - 160.0 * inside - 0.2 * x));  // lit from one side
+    }
+  }
+  SeenCircle like;
+  like.contrast = -160.0;
+  const auto found = disc_centre(picture.view(), {64.0, 58.0}, 40.0, like);
+  ASSERT_TRUE(found);
+  // Light that falls by s a pixel moves the centroid of a window of radius R by (pi R^4 / 4) s over the disc's weight.
+  constexpr double kReach = 25.0, kRadius = 20.0;
+  EXPECT_LT(length(*found - centre), 0.05 + std::pow(kReach, 4) / (4.0 * kRadius * kRadius) * 0.2 / 160.0);
+  EXPECT_FALSE(disc_centre(picture.view(), {64.0, 58.0}, 36.0, like)) << "too small";
+  EXPECT_FALSE(disc_centre(picture.view(), {20.0, 20.0}, 40.0, like)) << "paper";
+  like.contrast = 160.0;
+  EXPECT_FALSE(disc_centre(picture.view(), {64.0, 58.0}, 40.0, like)) << "a light disc was asked for";
+}
+
+}  // namespace
+}  // namespace moiregauge

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/print/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "moiregauge/observation/print/print_model.h"
+#include "moiregauge/observation/print/visibility.h"
+#include "moiregauge/observation/raster/raster.h"
+
+namespace moiregauge {
+namespace {
+
+constexpr int kNear = 3;  // pitches looked round where the phase puts a print, at first
+constexpr int kFar = 24;  // and at most
+// From the best place to the next the score must fall by this part of what it does in the reference frame: a strip of
+// the print's edge may be half hidden, no more.
+constexpr double kClear = 0.5;
+// The print found must be this whole, or the best place is a guess; and show this part of the reference frame's
+// lattice.
+constexpr double kWhole = 0.5;
+constexpr double kFaint = 0.1;
+// An outline stands out if one pitch aside this part of a strip of the inside is lost.
+constexpr double kStandsOut = 0.4;
+
+struct Place {
+  int i = 0, j = 0;  // half pitches
+  double score = -1.0;
+};
+
+// Places by which a lattice is displaced onto itself: whole pitches, and for a checkerboard half of both.
+bool is_whole(const Grating& grating, int i, int j) {
+  const bool diagonal = fundamental_pitch_mm(grating) < 0.9 * grating.pitch_mm;
+  return diagonal ? (i + j) % 2 == 0 : i % 2 == 0 && j % 2 == 0;
+}
+
+// Does the window, displaced to the place, hold half of a print or more?
+bool is_print(const PresenceMap& map, const Outline& outline, const Place& p) {
+  auto cells = map.cells(outline.window, p.i, p.j);
+  if (cells.empty()) return false;
+  const auto high = cells.begin() + static_cast<std::ptrdiff_t>(cells.size() * 4 / 5);
+  std::nth_element(cells.begin(), high, cells.end());
+  const double full = *high;
+  if (full < kFaint * outline.present) return false;
+  const auto there = std::count_if(cells.begin(), cells.end(), [full](double c) { return c > 0.5 * full; });
+  return static_cast<double>(there) >= kWhole * static_cast<double>(cells.size());
+}
+
+Extent<frame::Board> on_board(const Grating& grating, const Place& p) {
+  const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);
+  const double x = 0.5 * p.i * grating.pitch_mm, y = 0.5 * p.j * grating.pitch_mm;
+  return {c * x - s * y, s * x + c * y};
+}
+
+struct Ranked {
+  Place best, next;
+};
+
+// The best place and the best of those that lie beside it along an axis the print shows.
+Ranked rank(const PresenceMap& map, const Grating& grating, const Outline& outline, int pitches,
+            const std::function<bool(const Place&)>& is_taken) {
+  Ranked r;
+  std::vector<Place> all;
+  for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
+    for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
+      if (!is_whole(grating, i, j) || is_taken({i, j, 0.0})) continue;
+      all.push_back({i, j, map.sum(outline.window, i, j)});
+      if (all.back().score > r.best.score) r.best = all.back();
+    }
+  }
+  const Axes axes = axes_of(grating);
+  for (const Place& p : all) {
+    const bool other = (axes.x && p.i != r.best.i) || (axes.y && p.j != r.best.j);
+    if (other && p.score > r.next.score) r.next = p;
+  }
+  return r;
+}
+
+}  // namespace
+
+std::optional<Outline> learn_outline(const LumaView& luma, const View& view, const Grating& grating,
+                                     const PatchWindow& window, const PrintFromPrint& correction) {
+  Outline outline;
+  outline.window = window;
+  outline.correction = correction;
+  const auto map = presence_round(luma, view, grating, window, {}, correction, 1);
+  if (!map) return std::nullopt;
+  const double here = map->sum(window, 0, 0);
+  const auto cells = map->cells(window, 0, 0);
+  if (!(here > 0.0)) return std::nullopt;
+  outline.present = here / static_cast<double>(cells.size());
+  const Axes axes = axes_of(grating);
+  for (const std::size_t axis : {0u, 1u}) {
+    if (!(axis == 0 ? axes.x : axes.y)) continue;
+    double best = 0.0;
+    for (const int side : {-2, 2}) best = std::max(best, map->sum(window, axis == 0 ? side : 0, axis == 0 ? 0 : side));
+    outline.step[axis] = 1.0 - best / here;
+    const double strip = 0.5 / (axis == 0 ? window.half_x : window.half_y);  // one pitch of the whole
+    if (outline.step[axis] < kStandsOut * strip) return std::nullopt;
+  }
+  return outline;
+}
+
+OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& grating, const Outline& outline,
+                         Extent<frame::Board> moved, const IsTaken& is_taken) {
+  const Axes axes = axes_of(grating);
+  for (const int pitches : {kNear, kFar}) {
+    const auto map = presence_round(luma, view, grating, outline.window, moved, outline.correction, pitches);
+    if (!map) break;
+    const Ranked r =
+        rank(*map, grating, outline, pitches, [&](const Place& p) { return is_taken(moved + on_board(grating, p)); });
+    const bool at_the_end = std::abs(r.best.i) == 2 * pitches || std::abs(r.best.j) == 2 * pitches;
+    if (at_the_end || !is_print(*map, outline, r.best)) continue;
+    double step = 1e30;
+    if (axes.x) step = std::min(step, outline.step[0]);
+    if (axes.y) step = std::min(step, outline.step[1]);
+    if (r.best.score - r.next.score < kClear * step * r.best.score) return {Order::kContradicted, moved};
+    return {Order::kProven, moved + on_board(grating, r.best)};
+  }
+  return {Order::kContradicted, moved};
+}
+
+std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view, const Grating& grating,
+                                                 const Outline& outline, Extent<frame::Board> from, int pitches,
+                                                 const IsTaken& is_taken) {
+  const auto map = presence_round(luma, view, grating, outline.window, from, outline.correction, pitches);
+  if (!map) return std::nullopt;
+  Place best;
+  for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
+    for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
+      const Place p{i, j, map->sum(outline.window, i, j)};
+      if (p.score > best.score && !is_taken(from + on_board(grating, p))) best = p;
+    }
+  }
+  if (!is_print(*map, outline, best)) return std::nullopt;
+  return from + on_board(grating, best);
+}
+
+namespace {
+
+// The place at which a window holds most of the lattice.
+Place best_place(const PresenceMap& map, const PatchWindow& window, int pitches) {
+  Place best;
+  for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
+    for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
+      const Place p{i, j, map.sum(window, i, j)};
+      if (p.score > best.score) best = p;
+    }
+  }
+  return best;
+}
+
+// What a print loses when its window goes one pitch aside, to the low and to the high side.
+struct Beside {
+  double low, high;
+  [[nodiscard]] double middle() const { return low + high > 0.0 ? 0.5 * (low - high) / (low + high) : 0.0; }  // pitches
+};
+
+Beside beside(const PresenceMap& map, const PatchWindow& window, const Place& best, bool along_x) {
+  const int x = along_x ? 2 : 0, y = along_x ? 0 : 2;
+  return {best.score - map.sum(window, best.i - x, best.j - y), best.score - map.sum(window, best.i + x, best.j + y)};
+}
+
+// Half a pitch off the middle of its cells, a print loses little on one side and twice that on the other.
+bool stands_out(const Beside& b, double score, double half) {
+  const double strip = kStandsOut * score * 0.5 / half;
+  return 0.5 * (b.low + b.high) > strip && std::min(b.low, b.high) > 0.3 * strip;
+}
+
+bool is_plausible(const PrintFromPrint& lattice) {
+  return (lattice.matrix().topLeftCorner<2, 2>() - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() < kMostStretched;
+}
+
+constexpr double kRim = 0.25;  // pitches: cells of the print's rim are half paper
+constexpr int kLatticeRounds = 2;
+
+}  // namespace
+
+std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View& view, const Grating& grating,
+                                               int pitches, const IsHidden& is_hidden) {
+  Outline outline;
+  outline.window = {
+      {0, 0}, 0.5 * grating.width_mm / grating.pitch_mm - kRim, 0.5 * grating.height_mm / grating.pitch_mm - kRim};
+  const PatchWindow& window = outline.window;
+  const Axes axes = axes_of(grating);
+  PrintFromPrint correction;
+  for (int round = 0; round <= kLatticeRounds; ++round) {
+    const auto map = presence_round(luma, view, grating, window, {}, correction, pitches + 1, is_hidden);
+    if (!map) return std::nullopt;
+    const Place best = best_place(*map, window, pitches);
+    outline.present = best.score / static_cast<double>(map->cells(window, 0, 0).size());
+    if (!is_print(*map, outline, best)) return std::nullopt;
+    if (round < kLatticeRounds) {
+      correction = map->lattice(window, best.i, best.j, axes) * correction;
+      if (!is_plausible(correction)) return std::nullopt;
+      continue;
+    }
+    const Beside x = beside(*map, window, best, true), y = beside(*map, window, best, false);
+    if ((axes.x && !stands_out(x, best.score, window.half_x)) || (axes.y && !stands_out(y, best.score, window.half_y)))
+      return std::nullopt;
+    const PrintPoint own{0.5 * best.i + x.middle(), 0.5 * best.j + y.middle()};
+    const PrintPoint p = correction.inverse()(own);
+    const auto board = print_from_board(grating, {}).inverse();
+    return board(p) - board({0, 0});
+  }
+  return std::nullopt;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/print/print_origin.h"
+
+#include <cmath>
+#include <vector>
+
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kMaxOddPower = 0.01;  // of the print's power
+
+double to_nearest_half(double pitches) { return pitches - 0.5 * std::round(2.0 * pitches); }
+double to_nearest_whole(double pitches) { return pitches - std::round(pitches); }
+
+// Prints with lines along both axes: crossings of dark lines, and half a pitch further along both, of light ones.
+PrintOrigin of_crossings(Complex x, Complex y) {
+  const double dx = to_nearest_whole(-std::arg(x) / kTurn), dy = to_nearest_whole(-std::arg(y) / kTurn);
+  const PrintPoint light{dx, dy}, dark{to_nearest_whole(dx + 0.5), to_nearest_whole(dy + 0.5)};
+  const bool is_light = std::hypot(light.x, light.y) < std::hypot(dark.x, dark.y);
+  return {is_light ? light : dark, std::sqrt(0.5), 0.0};
+}
+
+// Checkerboards, whose fundamentals run along the diagonals: corners and centres of squares.
+PrintOrigin of_checkers(Complex up, Complex down) {
+  const double u = to_nearest_half(-std::arg(up) / kTurn), v = to_nearest_half(-std::arg(down) / kTurn);
+  return {{0.5 * (u + v), 0.5 * (u - v)}, std::sqrt(0.125), 0.0};
+}
+
+PrintOrigin of_lines(Complex c, bool is_x) {
+  const double at = to_nearest_half(-std::arg(c) / kTurn);
+  return {is_x ? PrintPoint{at, 0.0} : PrintPoint{0.0, at}, 0.5, 0.0};
+}
+
+}  // namespace
+
+std::optional<PrintOrigin> nearest_symmetry(const PrintTemplate& print, bool along_x, bool along_y) {
+  const Complex x = print.coefficient(1, 0), y = print.coefficient(0, 1);
+  const Complex up = print.coefficient(1, 1), down = print.coefficient(1, -1);
+  const bool is_checkered =
+      along_x && along_y && std::min(std::abs(up), std::abs(down)) > 2.0 * std::max(std::abs(x), std::abs(y));
+  PrintOrigin origin;
+  double strongest = 0.0;
+  if (is_checkered) {
+    origin = of_checkers(up, down);
+    strongest = std::sqrt(2.0) * std::min(std::abs(up), std::abs(down));
+  } else if (along_x && along_y) {
+    origin = of_crossings(x, y);
+    strongest = std::min(std::abs(x), std::abs(y));
+  } else {
+    origin = of_lines(along_x ? x : y, along_x);
+    strongest = std::abs(along_x ? x : y);
+  }
+  const PrintTemplate moved = with_origin(print, origin.at);
+  double odd = 0.0, all = 0.0;
+  int count = 0;
+  for (int n = -print.order(); n <= print.order(); ++n) {
+    for (int m = -print.order(); m <= print.order(); ++m) {
+      const Complex c = moved.coefficient(m, n);
+      if ((!along_x && m != 0) || (!along_y && n != 0)) continue;
+      odd += c.imag() * c.imag(), all += std::norm(c);
+      ++count;
+    }
+  }
+  if (!(strongest > 0.0) || !(odd < kMaxOddPower * all)) return std::nullopt;
+  origin.u = std::sqrt(odd / count) / (kTurn * strongest);
+  return origin;
+}
+
+PrintTemplate with_origin(const PrintTemplate& print, PrintPoint origin) {
+  std::vector<Complex> series;
+  for (int n = -print.order(); n <= print.order(); ++n) {
+    for (int m = -print.order(); m <= print.order(); ++m)
+      series.push_back(print.coefficient(m, n) * std::polar(1.0, kTurn * (m * origin.x + n * origin.y)));
+  }
+  return {print.order(), series};
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/raster/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+namespace moiregauge {
+namespace {
+
+// Rounding to whole grey levels alone is 1 / sqrt 12; no estimate may fall below it.
+constexpr double kRounding = 0.28867513459481287;
+
+template <typename Grey>
+PixelNoise noise_in(const ImageView<Grey>& p, int bits) {
+  PixelNoise noise;
+  const int top = (1 << bits) - 1;
+  long clipped = 0;
+  std::vector<int> responses;
+  for (int y = 1; y + 1 < p.height; ++y) {
+    const Grey* a = p.data + (y - 1) * p.stride;
+    const Grey* b = p.data + y * p.stride;
+    const Grey* c = p.data + (y + 1) * p.stride;
+    for (int x = 1; x + 1 < p.width; ++x) {
+      clipped += b[x] == 0 || b[x] >= top;
+      if ((x + y) % 2 != 0) continue;  // half the pixels tell as much as we need
+      responses.push_back(std::abs(a[x - 1] - 2 * a[x] + a[x + 1] - 2 * b[x - 1] + 4 * b[x] - 2 * b[x + 1] + c[x - 1] -
+                                   2 * c[x] + c[x + 1]));
+    }
+  }
+  if (responses.empty()) return {kRounding, 0.0};
+  const auto middle = responses.begin() + static_cast<std::ptrdiff_t>(responses.size() / 2);
+  std::nth_element(responses.begin(), middle, responses.end());
+  // The responses are whole numbers: place the median inside its step, or small noises come out in jumps.
+  const int m = *middle;
+  const auto below = std::count_if(responses.begin(), responses.end(), [m](int r) { return r < m; });
+  const auto equal = std::count(responses.begin(), responses.end(), m);
+  const double within = (0.5 * double(responses.size()) - double(below)) / double(std::max<std::ptrdiff_t>(equal, 1));
+  const double median = m == 0 ? 0.5 * within : m - 0.5 + within;
+  noise.sigma = std::max(kRounding, 1.4826 * median / 6.0);
+  noise.clipped_share = double(clipped) / (double(p.width - 2) * double(p.height - 2));
+  return noise;
+}
+
+template <typename Grey>
+ImageView<Grey> clipped_to(const ImageView<Grey>& picture, int x0, int y0, int width, int height) {
+  const int left = std::clamp(x0, 0, picture.width), right = std::clamp(x0 + width, left, picture.width);
+  const int top = std::clamp(y0, 0, picture.height), bottom = std::clamp(y0 + height, top, picture.height);
+  return picture.part(left, top, right - left, bottom - top);
+}
+
+// Counted in pieces that a byte can count, so that the compiler's vectors are full.
+template <typename Grey>
+long clipped_in(std::span<const Grey> row, int most) {
+  constexpr std::size_t kPiece = 128;
+  const auto white = static_cast<Grey>(most);
+  long clipped = 0;
+  for (std::size_t x = 0; x < row.size(); x += kPiece) {
+    const auto piece = row.subspan(x, std::min(kPiece, row.size() - x));
+    Grey in_piece = 0;
+    for (const Grey grey : piece) in_piece = static_cast<Grey>(in_piece + (grey == 0 || grey >= white ? 1 : 0));
+    clipped += in_piece;
+  }
+  return clipped;
+}
+
+}  // namespace
+
+PixelNoise pixel_noise(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
+  return std::visit(
+      [&](const auto& picture) {
+        const auto part = clipped_to(picture, x0, y0, width, height);
+        return part.width < 3 || part.height < 3 ? PixelNoise{kRounding, 0.0} : noise_in(part, bits);
+      },
+      luma);
+}
+
+double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
+  return std::visit(
+      [&](const auto& picture) {
+        const auto part = clipped_to(picture, x0, y0, width, height);
+        if (part.width == 0 || part.height == 0) return 0.0;
+        const int most = (1 << bits) - 1;
+        long clipped = 0;
+        for (int y = 0; y < part.height; ++y) clipped += clipped_in(part.row(y), most);
+        return static_cast<double>(clipped) / (static_cast<double>(part.width) * part.height);
+      },
+      luma);
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/raster/raster.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+// Side of the largest upright square that fits a w x h print when turned by `angle` against it.
+double inscribed_side(double width, double height, double angle) {
+  return std::min(width, height) / (std::abs(std::cos(angle)) + std::abs(std::sin(angle)));
+}
+
+// How far the print repeats, of what is stated. A pattern of dots about a dot ends with its last whole one, and half a
+// pitch of paper beyond belongs to it; what is stated may reach further (4 pitches hold 3 dots).
+double periodic_part(const Grating& grating, double size_mm) {
+  if (grating.pattern != Pattern::kDots) return size_mm;
+  const double last = std::floor(0.5 * size_mm / grating.pitch_mm - 0.25 + 1e-9);
+  return std::min(size_mm, (2.0 * last + 1.0) * grating.pitch_mm);
+}
+
+// Raster pixels, counted from the raster's middle, as points of the picture.
+class RasterPoints {
+ public:
+  RasterPoints(const View& view, const RasterPlan& plan, Extent<frame::Board> shift)
+      : view_(view),
+        centre_(plan.centre + shift),
+        c_(std::cos(plan.angle_rad) * plan.step_mm),
+        s_(std::sin(plan.angle_rad) * plan.step_mm) {}
+  [[nodiscard]] ImagePoint operator()(double u, double v) const {
+    return view_(BoardPoint{centre_.x + c_ * u - s_ * v, centre_.y + s_ * u + c_ * v});
+  }
+
+ private:
+  const View& view_;
+  BoardPoint centre_;
+  double c_, s_;
+};
+
+// The part of the picture that the raster lies on: as its rim goes, so goes all of it. Empty when it is not all inside.
+struct Box {
+  int x0 = 0, y0 = 0, width = 0, height = 0;
+};
+
+Box box_round_points(const RasterPoints& points, int side, int width, int height) {
+  const double half = 0.5 * (side - 1);
+  double x0 = width, x1 = 0.0, y0 = height, y1 = 0.0;
+  for (int i = 0; i < side; ++i) {
+    const double at = i - half;
+    for (const ImagePoint p : {points(at, -half), points(at, half), points(-half, at), points(half, at)}) {
+      if (!(p.x >= 1.0 && p.y >= 1.0 && p.x < width - 2 && p.y < height - 2)) return {};
+      x0 = std::min(x0, p.x);
+      x1 = std::max(x1, p.x);
+      y0 = std::min(y0, p.y);
+      y1 = std::max(y1, p.y);
+    }
+  }
+  const int left = std::max(0, static_cast<int>(x0) - kSplineRim), top = std::max(0, static_cast<int>(y0) - kSplineRim);
+  const int right = std::min(width, static_cast<int>(x1) + kSplineRim),
+            bottom = std::min(height, static_cast<int>(y1) + kSplineRim);
+  return {left, top, right - left, bottom - top};
+}
+
+template <typename Grey>
+bool resample_from(const ImageView<Grey>& picture, const RasterPoints& points, int side, RasterWorkspace& work) {
+  const Box box = box_round_points(points, side, picture.width, picture.height);
+  if (box.width == 0) return false;
+  work.spline.fit(picture, box.x0, box.y0, box.width, box.height);
+  if (work.raster.width() != side || work.raster.height() != side) work.raster = Image<double>(side, side);
+  const double middle = 0.5 * (side - 1);
+  for (int j = 0; j < side; ++j) {
+    const auto row = work.raster.row(j);
+    for (int i = 0; i < side; ++i) {
+      const ImagePoint p = points(i - middle, j - middle);
+      if (!work.spline.at(p.x, p.y, row[static_cast<std::size_t>(i)])) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+double fundamental_pitch_mm(const Grating& grating) {
+  return grating.pattern == Pattern::kCheckerboard ? grating.pitch_mm / std::sqrt(2.0) : grating.pitch_mm;
+}
+
+tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, double mm_per_px,
+                                                    const RasterOptions& options) {
+  const bool diagonal = grating.pattern == Pattern::kCheckerboard;
+  RasterPlan plan;
+  plan.centre = grating.centre;
+  plan.angle_rad = grating.angle_rad + (diagonal ? kPi / 4.0 : 0.0);
+  plan.pitch_mm = fundamental_pitch_mm(grating);
+  plan.reads_x = grating.pattern != Pattern::kLinesY;
+  plan.reads_y = grating.pattern != Pattern::kLinesX;
+  const double pitch_px = plan.pitch_mm / mm_per_px;
+  if (!(pitch_px >= kMinPitchPx)) return tl::unexpected(RasterFailure::kTooCoarse);
+  const int given = options.sampling_pitch_px;
+  plan.sampling_pitch_px = kOversampling * (given > 0 ? given : std::max(3, static_cast<int>(std::lround(pitch_px))));
+  plan.step_mm = given > 0 ? mm_per_px / kOversampling : plan.pitch_mm / plan.sampling_pitch_px;
+  const double print_px = inscribed_side(periodic_part(grating, grating.width_mm),
+                                         periodic_part(grating, grating.height_mm), diagonal ? kPi / 4.0 : 0.0) /
+                          plan.step_mm;
+  const int support = 2 * (plan.sampling_pitch_px - 1);
+  // A print that holds the bare window but not its clear edge is still read: its outermost taps weigh next to nothing.
+  if (print_px < support + 1) return tl::unexpected(RasterFailure::kPrintTooSmall);
+  const double room = print_px - support - 2.0 * kOversampling * options.edge_px;
+  const int region = std::clamp(static_cast<int>(room), 1, kOversampling * options.region_px);
+  plan.region_px = region - (1 - region % 2);  // odd, so that the raster has a centre pixel
+  plan.side_px = plan.region_px + support;
+  plan.clearance_mm = std::max(0.0, 0.5 * (print_px - plan.side_px) - kOversampling * options.edge_px) * plan.step_mm;
+  return plan;
+}
+
+bool resample(const LumaView& luma, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
+              RasterWorkspace& work) {
+  const RasterPoints points(view, plan, shift);
+  return std::visit([&](const auto& picture) { return resample_from(picture, points, plan.side_px, work); }, luma);
+}
+
+}  // namespace moiregauge

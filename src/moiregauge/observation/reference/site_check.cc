@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/reference/site_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "moiregauge/observation/reference/reference.h"
+#include "moiregauge/observation/reference/scale_check.h"
+
+namespace moiregauge {
+namespace {
+
+// The view's scale is no better than the circles' places. Two of them, each known to u, a spacing s apart, tell it to
+// sqrt(2) u / s along their line; at a corner of the layout the perspective that their errors feign adds, and the short
+// spacing counts for both directions. In the mean over the references perspective drops out, and over both directions
+// half of either is left.
+struct ScaleUncertainty {
+  double alone = 0.0;  // relative, at one reference
+  double mean = 0.0;   // of the mean over all
+};
+constexpr double kPerspective = 1.3;
+
+ScaleUncertainty scale_uncertainty(const Reference& reference) {
+  const double u = reference.site.known_to.position_mm, n = static_cast<double>(reference.circles.size());
+  double x = 0.0, y = 0.0, xx = 0.0, yy = 0.0;
+  for (const CirclePoint& c : reference.circles) x += c.board.x / n, y += c.board.y / n;
+  for (const CirclePoint& c : reference.circles) {
+    xx += 4.0 / n * (c.board.x - x) * (c.board.x - x);
+    yy += 4.0 / n * (c.board.y - y) * (c.board.y - y);
+  }
+  if (!(xx > 0.0 && yy > 0.0)) return {};
+  return {kPerspective * std::sqrt(2.0) * u / std::sqrt(std::min(xx, yy)),
+          0.5 * std::hypot(u / std::sqrt(xx), u / std::sqrt(yy))};
+}
+
+// Beyond so many standard uncertainties it is the site that is wrong, not a place that was hardly known.
+constexpr double kSure = 3.0;
+
+// How much longer the pitch is in the picture than the site says, by the scale of the circle spacing: the phase
+// gradient beyond the nominal carrier. A displacement gradient g along its own axis means the print is stretched by g
+// against the board. NaN where the print does not tell.
+double stretch_of(const PatchReading& patch) {
+  double stretch = 0.0;
+  int axes = 0;
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (std::isnan(patch.phase_rad[a]) || std::isnan(patch.gradient[a][a])) continue;
+    stretch += patch.gradient[a][a];
+    ++axes;
+  }
+  return axes > 0 && std::isfinite(patch.u_gradient) ? stretch / axes : std::nan("");
+}
+
+std::string pitch_words(const Marker& marker, double stretch) {
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "pitch_mm = %.4g of marker '%s' disagrees with the spacing of the reference circles, by which it is %.4g mm",
+      marker.grating->pitch_mm, marker.name.c_str(), marker.grating->pitch_mm * (1.0 + stretch));
+  return text;
+}
+
+// Along the board's x and y, in the mean over the references' prints.
+struct MeanStretch {
+  double x = 0.0, y = 0.0;
+  [[nodiscard]] double both() const { return 0.5 * (x + y); }
+  // A printer stretches its sheets along both; circles that are 5 % off along x stretch nothing along y.
+  [[nodiscard]] bool is_along_one() const { return std::abs(x - y) > std::max(kSiteTolerance, 0.5 * std::abs(both())); }
+};
+
+// Empty where a print is turned, or does not show both axes.
+std::optional<MeanStretch> mean_stretch(const Reference& reference) {
+  constexpr double kTurned = 0.1;  // rad
+  MeanStretch sum;
+  double count = 0.0;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const Marker& marker = reference.site.markers[i];
+    const PatchReading& patch = reference.seen.markers[i].patch;
+    if (marker.role != Role::kReference || !marker.grating || !patch.valid) continue;
+    if (std::abs(marker.grating->angle_rad) > kTurned) return std::nullopt;
+    if (std::isnan(patch.phase_rad[0]) || std::isnan(patch.phase_rad[1])) return std::nullopt;
+    sum.x += patch.gradient[0][0], sum.y += patch.gradient[1][1], count += 1.0;
+  }
+  if (!(count > 0.0)) return std::nullopt;
+  return MeanStretch{sum.x / count, sum.y / count};
+}
+
+// Two references that are far apart along that direction, and what the prints say of their distance there.
+std::string spacing_words(const Reference& reference, Extent<frame::Board> along, double stretch) {
+  const auto part = [&](Extent<frame::Board> d) { return std::abs(d.x * along.x + d.y * along.y); };
+  const CirclePoint *from = &reference.circles.front(), *to = from;
+  for (const CirclePoint& a : reference.circles) {
+    for (const CirclePoint& b : reference.circles) {
+      if (part(b.board - a.board) > 1.001 * part(to->board - from->board)) from = &a, to = &b;
+    }
+  }
+  const double stated = part(to->board - from->board);
+  const auto& markers = reference.site.markers;
+  char text[240];
+  std::snprintf(text, sizeof text, "'%s' and '%s' are %s apart and not %s", markers[from->marker].name.c_str(),
+                markers[to->marker].name.c_str(), short_length(stated / (1.0 + stretch), "mm").c_str(),
+                short_length(stated, "mm").c_str());
+  return text;
+}
+
+// Which of the two is wrong no picture shows; so both are named.
+std::string both_suspects(const Reference& reference, const Marker& first, double stretch) {
+  const auto mean = mean_stretch(reference);
+  const char* axis = "";
+  Extent<frame::Board> along{1.0, 0.0};
+  if (mean && mean->is_along_one()) {
+    const bool is_x = std::abs(mean->x) > std::abs(mean->y);
+    axis = is_x ? " along x" : " along y";
+    stretch = is_x ? mean->x : mean->y;
+    if (!is_x) along = {0.0, 1.0};
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "; either the prints are %.1f %% too %s%s, or ", 100.0 * std::abs(stretch),
+                stretch > 0.0 ? "large" : "small", axis);
+  return pitch_words(first, stretch) + text + spacing_words(reference, along, stretch) + axis;
+}
+
+// All references by the same part: the common pitch or the circles' places are wrong.
+std::optional<std::string> common_pitch_disagreement(const Reference& reference) {
+  double sum = 0.0, noise = 0.0, count = 0.0;
+  const Marker* first = nullptr;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const Marker& marker = reference.site.markers[i];
+    const PatchReading& patch = reference.seen.markers[i].patch;
+    if (marker.role != Role::kReference || !marker.grating || !patch.valid || std::isnan(stretch_of(patch))) continue;
+    if (first == nullptr) first = &marker;
+    sum += stretch_of(patch), noise += patch.u_gradient, count += 1.0;
+  }
+  if (count < 4.0) return std::nullopt;
+  const double allowed = std::max(kSiteTolerance, kSure * scale_uncertainty(reference).mean) + 3.0 * noise / count;
+  if (std::abs(sum / count) <= allowed) return std::nullopt;
+  return both_suspects(reference, *first, sum / count);
+}
+
+std::optional<std::string> pitch_disagreement(const Reference& reference, std::size_t i) {
+  const Marker& marker = reference.site.markers[i];
+  const PatchReading& patch = reference.seen.markers[i].patch;
+  const double stretch = stretch_of(patch);
+  const double allowed = std::max(marker.role == Role::kTarget ? kTargetTolerance : kSiteTolerance,
+                                  kSure * scale_uncertainty(reference).alone);
+  // A region of a few pixels tells no scale: ask three times its noise, too.
+  if (std::isnan(stretch) || std::abs(stretch) <= allowed + 3.0 * patch.u_gradient) return std::nullopt;
+  return pitch_words(marker, stretch);
+}
+
+std::optional<std::string> diameter_disagreement(const Reference& reference, std::size_t i) {
+  const Marker& marker = reference.site.markers[i];
+  const auto& seen = reference.seen.markers[i].circle;
+  if (!seen || !marker.circle || marker.circle->diameter_mm <= 0.0) return std::nullopt;
+  const double mm_per_px = reference.view.mm_per_px(marker.circle->centre);
+  const double difference_px = seen->diameter_px - marker.circle->diameter_mm / mm_per_px;
+  if (std::abs(difference_px) <= kDiameterTolerance) return std::nullopt;
+  if (std::abs(difference_px) * mm_per_px <=
+      std::max(kSiteTolerance, kSure * scale_uncertainty(reference).alone) * marker.circle->diameter_mm)
+    return std::nullopt;
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "circle_diameter_mm = %.4g of marker '%s' disagrees with the spacing of the reference circles, by which it "
+      "is %.4g mm",
+      marker.circle->diameter_mm, marker.name.c_str(), seen->diameter_px * mm_per_px);
+  return text;
+}
+
+}  // namespace
+
+std::optional<std::string> site_disagreement(const Reference& reference) {
+  if (auto text = common_pitch_disagreement(reference)) return text;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const Marker& marker = reference.site.markers[i];
+    if (marker.grating && reference.seen.markers[i].patch.valid) {
+      if (auto text = pitch_disagreement(reference, i)) return text;
+    }
+    if (auto text = diameter_disagreement(reference, i)) return text;
+  }
+  return std::nullopt;
+}
+
+}  // namespace moiregauge

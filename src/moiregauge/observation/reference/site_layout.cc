@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/reference/site_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+namespace moiregauge {
+namespace {
+
+// u across a layout grows as its length over its width: from here on a reading of 1 um would have a u of 0.1 mm.
+constexpr double kLine = 0.005;  // width over length
+
+}  // namespace
+
+std::optional<std::string> references_on_a_line(const Site& site) {
+  std::vector<Eigen::Vector2d> at;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Marker& m : site.markers) {
+    if (m.role != Role::kReference || !m.circle) continue;
+    at.emplace_back(m.circle->centre.x, m.circle->centre.y);
+    mean += at.back();
+  }
+  if (at.size() < 4) return std::nullopt;
+  mean /= static_cast<double>(at.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const auto& p : at) spread += (p - mean) * (p - mean).transpose();
+  const Eigen::Matrix2d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors();
+  const auto extent = [&](Eigen::Index axis) {
+    double low = 0.0, high = 0.0;
+    for (const auto& p : at) {
+      const double along = axes.col(axis).dot(p - mean);
+      low = std::min(low, along), high = std::max(high, along);
+    }
+    return high - low;
+  };
+  const double width = extent(0), length = extent(1);
+  if (width > kLine * length) return std::nullopt;
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "the site's reference circles lie on a line, %.0f mm long and %.1f mm wide: no homography follows from "
+                "them, u_dx and u_dy would be without bound; move two of them off the line, %.0f mm and more",
+                length, width, 0.1 * length);
+  return text;
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every pixel of a vector shows by the model, and its columns. Included once for every SIMD target, by
+// patch_pass.cc.
+#if defined(MOIREGAUGE_PATCH_COLUMNS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef MOIREGAUGE_PATCH_COLUMNS_INL_H
+#undef MOIREGAUGE_PATCH_COLUMNS_INL_H
+#else
+#define MOIREGAUGE_PATCH_COLUMNS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "moiregauge/phase/fit/patch_job.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace moiregauge {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Float = hn::CappedTag<float, kBlockWidth>;
+using Whole = hn::RebindToSigned<Float>;
+using V = hn::Vec<Float>;
+constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
+
+HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }  // not MulAdd: it rounds once where it can
+
+struct Plane {
+  V at_0, per_u, per_v;
+  explicit Plane(const std::array<float, 3>& c)
+      : at_0(hn::Set(Float(), c[0])), per_u(hn::Set(Float(), c[1])), per_v(hn::Set(Float(), c[2])) {}
+  HWY_INLINE V operator()(V u, V v) const { return plus(plus(at_0, per_u, u), per_v, v); }
+};
+
+struct Level {
+  V t, tx, ty, bx, by;  // by nodes
+  V edge;               // tx^2 + ty^2
+};
+
+// PrintTemplate::at
+struct Table {
+  const std::int32_t* words;
+  V side, per_side, wide, words_per_node, one;
+  V scale[2 * PrintNodes::kWords];
+
+  explicit Table(const PrintNodes& nodes) : words(nodes.words.data()) {
+    const auto set = [](auto value) { return hn::Set(Float(), static_cast<float>(value)); };
+    side = set(nodes.side), per_side = set(1.0F / static_cast<float>(nodes.side)), wide = set(nodes.wide());
+    words_per_node = set(PrintNodes::kWords), one = set(1);
+    for (int k = 0; k < 2 * PrintNodes::kWords; ++k) scale[k] = set(nodes.scale[static_cast<std::size_t>(k)]);
+  }
+
+  // The table begins a node before the period.
+  HWY_INLINE V node_of(V whole) const {
+    return hn::Add(hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))), one);
+  }
+
+  HWY_INLINE Level at(V x, V y) const {
+    const Float d;
+    const Whole di;
+    const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j);
+    const auto node = hn::ConvertTo(di, hn::Mul(plus(node_of(i), node_of(j), wide), words_per_node));
+    V a[2 * PrintNodes::kWords];
+#pragma GCC unroll 3
+    for (int w = 0; w < PrintNodes::kWords; ++w) {
+      const auto word = hn::GatherIndex(di, words + w, node);
+      a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word))), scale[2 * w]);
+      a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), scale[2 * w + 1]);
+    }
+    const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
+    const V tx = plus(plus(a[1], u, bx), v, a[4]), ty = plus(plus(a[2], v, by), u, a[4]);
+    const V t = plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5]));
+    return {t, tx, ty, bx, by, plus(hn::Mul(tx, tx), ty, ty)};
+  }
+};
+
+HWY_INLINE V greys(const std::uint8_t* from) {
+  const hn::Rebind<std::uint8_t, Float> d8;
+  return hn::ConvertTo(Float(), hn::PromoteTo(Whole(), hn::LoadU(d8, from)));
+}
+HWY_INLINE V greys(const std::uint16_t* from) {
+  const hn::Rebind<std::uint16_t, Float> d16;
+  return hn::ConvertTo(Float(), hn::PromoteTo(Whole(), hn::LoadU(d16, from)));
+}
+
+template <int kFirst, typename Put>
+HWY_INLINE void expand_field(V slope, V u, V v, const Put& put) {
+  for (int j = 0; j < 3; ++j) {
+    const V once = hn::Mul(slope, u);
+    put(kFirst + 3 * j, slope), put(kFirst + 3 * j + 1, once), put(kFirst + 3 * j + 2, hn::Mul(once, u));
+    slope = hn::Mul(slope, v);
+  }
+}
+
+// The columns, all times `one`, which the level holds already.
+template <typename Put>
+HWY_INLINE void expand(V one, const Level& l, V u, V v, const Put& put) {
+  put(0, one), put(1, hn::Mul(one, u)), put(2, hn::Mul(one, v));
+  put(3, l.t), put(4, hn::Mul(l.t, u)), put(5, hn::Mul(l.t, v));
+  put(6, l.bx), put(7, l.by), put(8, l.edge);
+  expand_field<kBaseColumns>(l.tx, u, v, put);
+  expand_field<kBaseColumns + kFieldColumns>(l.ty, u, v, put);
+}
+
+HWY_INLINE Level times(const Level& l, V f) {
+  return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f), hn::Mul(l.edge, f)};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace moiregauge
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/phase/fit/patch_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "moiregauge/units/units.h"
+
+namespace moiregauge {
+namespace {
+
+using Failure = PatchFitFailure;
+using Field = Eigen::Matrix<double, kPatchPoints, 1>;
+using Bend = Eigen::Matrix<double, 8, 2 * kPatchPoints>;
+
+constexpr int kLeastPixelsPerUnknown = 4;
+// A fit whose last pass still moves a point by this much (pitches) has found nothing to hold on to.
+constexpr double kStillMoving = 0.1;
+// Of noise, each of the print's columns explains one sigma^2, give or take a third.
+constexpr double kSeenPattern = 4.0;
+// follow_patch, pitches. Normal equations of another frame leave up to a tenth of a step, and up to a hundredth of what
+// blur and width of lines make of the grey levels, given as the shift that makes as much. A remainder that follows the
+// camera's distance does not average over frames: 1e-5 pitches of it look like 0.4 mm of depth at 8 m.
+constexpr double kNear = 0.02;
+constexpr double kConverged = 2e-4;
+constexpr double kShapeConverged = 5e-4;
+constexpr double kStands = 0.002;  // farther off, the patch's own normal equations are needed
+constexpr int kMostPasses = 3;     // of each kind
+
+// The homography about the identity, in (u, v), that comes nearest to a field given at the nine points: rows are
+// a0 a1 a2 b0 b1 b2 g h of  u + a0 + a1 u + a2 v - u (g u + h v),  v + b0 + b1 u + b2 v - v (g u + h v).
+Bend made_bend() {
+  Eigen::Matrix<double, 2 * kPatchPoints, 8> columns = Eigen::Matrix<double, 2 * kPatchPoints, 8>::Zero();
+  for (int n = 0; n < kPatchPoints; ++n) {
+    const double u = (n % 3 - 1) * 2.0 / 3.0, v = (n / 3 - 1) * 2.0 / 3.0;
+    columns.row(n) << 1, u, v, 0, 0, 0, -u * u, -u * v;
+    columns.row(kPatchPoints + n) << 0, 0, 0, 1, u, v, -u * v, -v * v;
+  }
+  return (columns.transpose() * columns).ldlt().solve(columns.transpose());
+}
+
+// What the first pass takes off, so that single precision sees small numbers: the middle pixel will do.
+double first_light(const LumaView& luma, const PixelBox& box) {
+  const int x = (box.x0 + box.x1) / 2, y = (box.y0 + box.y1) / 2;
+  return std::visit([x, y](const auto& picture) { return static_cast<double>(picture.at(x, y)); }, luma);
+}
+
+// A patch and its map while passes go over it.
+class Passes {
+ public:
+  Passes(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window, const PrintTemplate& print,
+         const PatchFitOptions& options)
+      : luma_(luma), print_(print), options_(options), model_{start, window} {}
+
+  // Where the window lies in the picture.
+  [[nodiscard]] bool aim() {
+    box_ = box_round(model_.map.inverse(), model_.window);
+    return box_.x0 >= 0 && box_.y0 >= 0 && box_.x1 < width_of(luma_) && box_.y1 < height_of(luma_);
+  }
+
+  void begin(const PatchAtRest* at_rest) {
+    if (at_rest == nullptr) {
+      model_.light[0] = first_light(luma_, box_);
+      return;
+    }
+    model_.light = at_rest->light;
+    model_.contrast = model_.gain = at_rest->gain;
+  }
+
+  // Over all rows. Without a system one is made, with the last pass' contrast.
+  tl::expected<void, Failure> pass(const PatchSystem* known) {
+    if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
+    if (known == nullptr && is_lit_) {
+      for (double& part : model_.shape) part *= relative_;  // it counts in units of the gain
+      model_.gain = model_.contrast;
+    }
+    NormalMatrix normal;
+    sum_patch(luma_, model_, print_.nodes(), box_, sums_, known == nullptr ? &normal : nullptr);
+    if (sums_.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    if (known == nullptr) {
+      own_ = PatchSystem::of(normal, sums_.pixels, options_);
+      if (!own_) return tl::unexpected(Failure::kNoPattern);
+    }
+    return take(known == nullptr ? *own_ : *known);
+  }
+
+  // Of the patch as a whole, from every row_step-th row.
+  tl::expected<void, Failure> shift(int row_step) {
+    if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
+    ShiftSums sums;
+    sum_shift(luma_, model_, print_.nodes(), box_, row_step, sums);
+    if (row_step * sums.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    Eigen::Matrix4d normal = sums.normal;
+    for (const int axis : {2, 3}) {  // one that is not shown stays where it is
+      if (axis == 2 ? options_.along_x : options_.along_y) continue;
+      normal.row(axis).setZero(), normal.col(axis).setZero(), normal(axis, axis) = 1.0;
+      sums.right(axis) = 0.0;
+    }
+    const Eigen::Vector4d per_length = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::LDLT<Eigen::Matrix4d> ldlt(per_length.asDiagonal() * normal * per_length.asDiagonal());
+    const Eigen::Vector4d value = per_length.cwiseProduct(ldlt.solve(per_length.cwiseProduct(sums.right)));
+    sums_.pixels = sums.pixels;
+    sigma_ = std::sqrt(std::max(0.0, sums.left2 - value.dot(sums.right)) / (sums.pixels - kShiftColumns));
+    const std::array<double, 2> place{value(2), value(3)};
+    if (explained_by_print(value(1), place) < kSeenPattern * sigma_ * sigma_)
+      return tl::unexpected(Failure::kNoPattern);
+    model_.light[0] += value(0), model_.contrast[0] += value(1);
+    if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
+    relative_ = model_.gain[0] / model_.contrast[0];
+    dx_.setConstant(relative_ * place[0]), dy_.setConstant(relative_ * place[1]);
+    step_to_points();
+    return {};
+  }
+
+  [[nodiscard]] double last_step() const { return last_step_; }
+  [[nodiscard]] double shape_step() const { return shape_step_; }
+  [[nodiscard]] PatchAtRest at_rest() const { return {*own_, model_.light, model_.gain}; }
+  [[nodiscard]] PatchFit fit(const PatchSystem* known) const;
+
+ private:
+  tl::expected<void, Failure> take(const PatchSystem& system) {
+    const NormalVector value = system.solved(sums_);
+    const double explained = value.dot(sums_.right);
+    sigma_ = std::sqrt(std::max(0.0, sums_.left2 - explained) / (sums_.pixels - kColumns));
+    const std::array<double, 2> place{value(kBaseColumns), value(kBaseColumns + kFieldColumns)};
+    if (!is_lit_ && explained_by_print(value(3), place) < kSeenPattern * sigma_ * sigma_)
+      return tl::unexpected(Failure::kNoPattern);
+    is_lit_ = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      model_.light[k] += value(static_cast<Eigen::Index>(k));
+      model_.contrast[k] += value(static_cast<Eigen::Index>(3 + k));
+    }
+    if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
+    // The slopes were taken with an earlier contrast.
+    relative_ = model_.gain[0] / model_.contrast[0];
+    for (std::size_t k = 0; k < model_.shape.size(); ++k)
+      model_.shape[k] += value(static_cast<Eigen::Index>(kLightColumns + k));
+    shape_step_ = relative_ * system.shift_like(value);
+    const auto& at_points = values_at_points();
+    dx_ = relative_ * (at_points * value.segment<kFieldColumns>(kBaseColumns));
+    dy_ = relative_ * (at_points * value.tail<kFieldColumns>());
+    step_to_points();
+    return {};
+  }
+
+  void step_to_points() {
+    last_step_ = std::max(dx_.cwiseAbs().maxCoeff(), dy_.cwiseAbs().maxCoeff());
+    seen_through_ = model_.map;
+    move();
+  }
+
+  // What the print, with so much more contrast and so far away, has of the grey levels (squared, by each of its
+  // columns).
+  [[nodiscard]] double explained_by_print(double contrast, std::array<double, 2> place) const {
+    const double level = std::pow((model_.contrast[0] + contrast) * print_.contrast(), 2);
+    const double slope = std::pow(model_.gain[0] * place[0], 2) * print_.slope_power_x() +
+                         std::pow(model_.gain[0] * place[1], 2) * print_.slope_power_y();
+    return sums_.pixels * (level + slope) / (kColumns - 3);
+  }
+
+  // The map follows as a homography; what it cannot follow is left to the next pass, and to the points.
+  void move() {
+    static const Bend bend = made_bend();
+    Eigen::Matrix<double, 2 * kPatchPoints, 1> field;
+    field << dx_ / model_.window.half_x, dy_ / model_.window.half_y;
+    const Eigen::Matrix<double, 8, 1> c = bend * field;
+    Matrix3 change;
+    change << 1.0 + c(1), c(2), c(0), c(4), 1.0 + c(5), c(3), c(6), c(7), 1.0;
+    const auto to_window = window_from_print(model_.window);
+    model_.map = PrintFromImage(to_window.inverse().matrix() * change * to_window.matrix() * model_.map.matrix());
+  }
+
+  const LumaView& luma_;
+  const PrintTemplate& print_;
+  const PatchFitOptions& options_;
+  PatchModel model_;
+  PixelBox box_;
+  PatchSums sums_;
+  std::optional<PatchSystem> own_;
+  bool is_lit_ = false;          // light and contrast are this frame's
+  PrintFromImage seen_through_;  // the map of the last pass
+  Field dx_, dy_;                // what it added at the nine points, pitches
+  double relative_ = 1.0, sigma_ = 0.0, last_step_ = 0.0;
+  double shape_step_ = 0.0;  // what it added to blur and width, as a shift that changes grey levels as much, pitches
+};
+
+PatchFit Passes::fit(const PatchSystem* known) const {
+  const PatchSystem& system = known == nullptr ? *own_ : *known;
+  PatchFit fit;
+  const PatchWindow& w = model_.window;
+  const auto back = seen_through_.inverse();
+  for (int n = 0; n < kPatchPoints; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    const PrintPoint p{w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x,
+                       w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
+    fit.image[i] = back(p);
+    fit.print[i] = {p.x + dx_(n), p.y + dy_(n)};
+  }
+  fit.window_from_image = window_from_print(w) * seen_through_;
+  fit.light = model_.light, fit.gain = model_.contrast;
+  for (std::size_t a = 0; a < 2; ++a)
+    fit.fundamental[a] = model_.contrast[0] * (1.0 - kTurn * kTurn * relative_ * model_.shape[a]);
+  fit.sigma = sigma_;
+  fit.last_step = last_step_;
+  fit.pixels = sums_.pixels;
+  if (sigma_ > 0.0) fit.information = system.information(sums_.pixels) / std::pow(relative_ * sigma_, 2);
+  return fit;
+}
+
+// Few pixels in few pitches: the normal equations of the reference frame are so unlike this frame's that a corner does
+// not come to rest with them. A patch that is still on its way is neither where it says nor as sure as it says: its
+// residuals are told from the step, and come out at anything down to nothing.
+tl::expected<PatchFit, Failure> stand_by_own_equations(Passes& passes) {
+  for (int k = 0; k < kMostPasses; ++k) {
+    if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());
+    if (passes.last_step() < kStands) break;
+  }
+  if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
+  return passes.fit(nullptr);
+}
+
+}  // namespace
+
+tl::expected<FirstFit, Failure> fit_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
+                                          const PrintTemplate& print, const PatchFitOptions& options) {
+  Passes passes(luma, start, window, print, options);
+  if (!passes.aim()) return tl::unexpected(Failure::kOutsidePicture);
+  passes.begin(nullptr);
+  for (int k = 0; k < options.passes; ++k) {
+    if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());
+  }
+  if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
+  return FirstFit{passes.fit(nullptr), passes.at_rest()};
+}
+
+tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFromImage& start,
+                                             const PatchWindow& window, const PrintTemplate& print,
+                                             const PatchFitOptions& options, const PatchAtRest& at_rest, Rows rows) {
+  Passes passes(luma, start, window, print, options);
+  passes.begin(&at_rest);
+  for (int k = 0; k < kMostPasses; ++k) {
+    if (const auto done = passes.shift(options.row_step); !done) return tl::unexpected(done.error());
+    if (passes.last_step() < (rows == Rows::kAll ? kNear : kStands)) break;
+  }
+  for (int k = 0; rows == Rows::kAll && k < kMostPasses; ++k) {
+    if (const auto done = passes.pass(&at_rest.system); !done) return tl::unexpected(done.error());
+    if (passes.last_step() < kConverged && passes.shape_step() < kShapeConverged) break;
+  }
+  if (rows == Rows::kAll && !(passes.last_step() < kStands)) return stand_by_own_equations(passes);
+  if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
+  return passes.fit(&at_rest.system);
+}
+
+PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w) {
+  double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      const ImagePoint p = image_from_print({w.centre.x + sx * w.half_x, w.centre.y + sy * w.half_y});
+      x0 = std::min(x0, p.x), x1 = std::max(x1, p.x), y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
+    }
+  }
+  constexpr double kFar = 1e6;
+  const auto whole = [kFar](double v) { return static_cast<int>(std::clamp(v, -kFar, kFar)); };
+  return {whole(std::floor(x0)) - 1, whole(std::floor(y0)) - 1, whole(std::ceil(x1)) + 1, whole(std::ceil(y1)) + 1};
+}
+
+}  // namespace moiregauge

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/planning/codec_error.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace moiregauge {
+namespace {
+
+constexpr Quantiser kPredicted{10.0, true}, kAlone{10.0, false};
+constexpr double kArea = 100.0 * 100.0;
+
+TEST(CodecError, WhatLosesNothingAddsNothing) {
+  EXPECT_EQ(codec_u_px({0.0, true}, Lag::kOwn, 10.0, kArea), 0.0);
+  EXPECT_EQ(codec_u_px(kPredicted, Lag::kOwn, 0.0, kArea), 0.0);  // an axis that the print does not show
+}
+
+TEST(CodecError, ADeadZoneIsAsLongAsTheSlopeIsFlatAndTheStepIsCoarse) {
+  const double u = codec_u_px({1.0, true}, Lag::kOwn, 20.0, kArea);  // far below the eighth of a pixel
+  EXPECT_NEAR(codec_u_px({2.0, true}, Lag::kOwn, 20.0, kArea) / u, 2.0, 0.01);
+  EXPECT_NEAR(codec_u_px({2.0, true}, Lag::kOwn, 40.0, kArea) / u, 1.0, 1e-12);
+}
+
+TEST(CodecError, AFaintPrintIsMovedByVectorsAndItsErrorLevelsOff) {
+  const double faint = codec_u_px({40.0, true}, Lag::kOwn, 0.5, 1e9);
+  EXPECT_LT(faint, 0.125);  // px: half a quarter
+  EXPECT_GT(faint, 0.125 / std::sqrt(3.0));
+}
+
+TEST(CodecError, LagDoesNotAverageOutOverThePrintButRoundingDoes) {
+  EXPECT_NEAR(codec_u_px(kPredicted, Lag::kOwn, 10.0, 1e4) / codec_u_px(kPredicted, Lag::kOwn, 10.0, 1e8), 1.0, 0.05);
+  EXPECT_NEAR(codec_u_px(kAlone, Lag::kOwn, 10.0, 1e4) / codec_u_px(kAlone, Lag::kOwn, 10.0, 1e6), 10.0, 1e-9);
+}
+
+// A patch whose nine points are known to 0.01 pitch each, 20 px a pitch.
+PatchFit patch(double slope_per_px) {
+  PatchFit fit;
+  for (int k = 0; k < kPatchPoints; ++k) {
+    const double x = 2.0 * (k % 3 - 1), y = 2.0 * (k / 3 - 1);
+    fit.print[static_cast<std::size_t>(k)] = {x, y};
+    fit.image[static_cast<std::size_t>(k)] = {500.0 + 20.0 * x, 300.0 - 20.0 * y};
+  }
+  fit.pixels = 10000;
+  fit.information = PatchInformation::Identity() * 1e4;
+  // sigma^2 times the sum of the information along an axis is the slopes' energy per pitch^2.
+  fit.sigma = std::sqrt(fit.pixels * std::pow(slope_per_px * 20.0, 2) / (9.0 * 1e4));
+  return fit;
+}
+
+Reference reference_of_two() {
+  Reference reference;
+  reference.site.markers.resize(2);
+  reference.site.markers[1].role = Role::kTarget;
+  reference.seen.markers.resize(2);
+  return reference;
+}
+
+Observations observations(const std::vector<double>& steps) {
+  Observations all;
+  for (const double step : steps) {
+    Observation seen;
+    seen.frame = static_cast<long>(all.size());
+    seen.markers.resize(2);
+    for (MarkerObservation& marker : seen.markers) marker.quantiser = {step, true};
+    all.push_back(seen);
+  }
+  return all;
+}
+
+TEST(CodecError, APatchsMeanIsAsUncertainAsNoiseAndLagTogether) {
+  BundleFrame frame;
+  frame.points = {patch(10.0), patch(10.0)};
+  const CodecHistory codec(reference_of_two(), observations({10.0, 10.0}));
+  const BundleFrame wide = with_codec_error(frame, codec, 1);
+  for (const std::size_t i : {0U, 1U}) {
+    const double u = codec_u_px({10.0, true}, codec.lag_of(i), 10.0, 10000.0) / 20.0;
+    const PatchInformation c = wide.points[i]->information.inverse();
+    const double mean = c.topLeftCorner<9, 9>().sum() / 81.0;
+    EXPECT_NEAR(mean, 1e-4 / 9.0 + u * u * (1.0 + 1.0 / 9.0), 1e-9);
+    EXPECT_NEAR((c.topRightCorner<9, 9>().norm()), 0.0, 1e-12);
+  }
+  EXPECT_GT(wide.points[0]->information.trace(),
+            wide.points[1]->information.trace());  // a reference lags with the rest
+}
+
+TEST(CodecError, LosslessFootageKeepsItsBits) {
+  BundleFrame frame;
+  frame.points = {patch(10.0), patch(3.0)};
+  const CodecHistory codec(reference_of_two(), observations({0.0, 0.0}));
+  EXPECT_FALSE(codec.is_lossy());
+  EXPECT_EQ(with_codec_error(frame, codec, 1).points[1]->information, frame.points[1]->information);
+}
+
+TEST(CodecHistory, ASkippedFrameIsAsCoarseAsWhatWasCodedRoundAbout) {
+  const CodecHistory codec(reference_of_two(), observations({14.0, 2.0, 2.0, 20.0, 2.0, 2.0}));
+  for (std::size_t n = 0; n < 6; ++n) EXPECT_EQ(codec.at(n, 1).step, 20.0) << n;
+}
+
+TEST(CodecHistory, OneCoarseMomentDoesNotSpoilALongRun) {
+  std::vector<double> steps(200, 8.0);
+  steps[100] = 80.0;
+  const CodecHistory codec(reference_of_two(), observations(steps));
+  EXPECT_EQ(codec.at(50, 1).step, 8.0);
+  EXPECT_EQ(codec.at(110, 1).step, 80.0);
+}
+
+TEST(CodecHistory, AStreamThatDoesNotTellCountsAsAUsualOne) {
+  const CodecHistory codec(reference_of_two(), observations({kUnknownStep, kUnknownStep}));
+  EXPECT_TRUE(codec.is_lossy());
+  EXPECT_NEAR(codec.at(1, 0).step, step_of_parameter(28), 0.05);
+}
+
+}  // namespace
+}  // namespace moiregauge

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands behind the markers: a flat grey, a rough wall, look-alike circles. It belongs to the board and moves with
+// it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "moiregauge/simulator/rendering/projection.h"
+#include "moiregauge/simulator/scenario/scenario.h"
+
+namespace moiregauge::simulator {
+
+class Background {
+ public:
+  Background(const Scenario& scenario, long frame);
+  // One row in grey levels.
+  void fill(int y, std::span<double> row) const;
+  [[nodiscard]] const std::vector<SceneMarker>& decoys() const { return decoys_; }
+
+ private:
+  Camera camera_;
+  double grey_, texture_;
+  std::uint64_t seed_;
+  std::vector<Matrix3> board_from_ray_;  // one, or one for every row of a rolling shutter
+  std::vector<SceneMarker> decoys_;
+};
+
+}  // namespace moiregauge::simulator

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gathers the settings of a scenario: one call for each value, by its kind.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "moiregauge/simulator/scenario/settings.h"
+
+namespace moiregauge::simulator {
+
+// "[[0, 1], [2, 3]]" and "0 1 2 3" alike; nothing if a word is no finite number.
+[[nodiscard]] std::optional<std::vector<double>> numbers_in(std::string text);
+[[nodiscard]] std::optional<double> number_in(const std::string& text);
+
+class Collector {
+ public:
+  std::vector<Setting> settings;
+
+  void number(const std::string& name, double& value);
+  void number(const std::string& name, std::function<void(double)> take);
+  template <typename Whole>
+  void whole(const std::string& name, Whole& value) {
+    text(name, "a whole number of 0 or more", [&value](const std::string& words) {
+      const auto read = number_in(words);
+      if (!read || *read < 0.0 || *read > 2e9 || *read != std::floor(*read)) return false;
+      value = static_cast<Whole>(*read);
+      return true;
+    });
+  }
+  void flag(const std::string& name, std::vector<bool*> values);
+  void pair(const std::string& name, std::function<void(double, double)> take);
+  void text(const std::string& name, const std::string& kind, std::function<bool(const std::string&)> take);
+  void frames(const std::string& name, std::vector<FrameSpan>& spans);
+  // All that a track is made of; the name alone, with a number, sets its offset.
+  void track(const std::string& name, Track& track);
+};
+
+// What goes wrong in the world, and what is wrong about the site (settings_faults.cc).
+void add_faults(Collector& all, Scenario& scenario);
+void add_faults_of(Collector& all, SceneMarker& marker);
+
+}  // namespace moiregauge::simulator
