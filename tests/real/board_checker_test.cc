@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/displacement/layout.h"
-#include "moiregauge/markers/identity.h"
+#include "moiregauge/detection/identity/identify_markers.h"
+#include "moiregauge/planning/reference_weights.h"
 #include "real/real_pictures.h"
 
 namespace moiregauge {

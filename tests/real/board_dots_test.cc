@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/markers/identity.h"
+#include "moiregauge/detection/identity/identify_markers.h"
 #include "real/real_pictures.h"
 
 namespace moiregauge {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "moiregauge/calibration/board_calibration.h"
+#include "moiregauge/board/board_calibration.h"
 #include "real/real_lattices.h"
 
 namespace moiregauge::test {

@@ -8,11 +8,11 @@
 
 #include <Eigen/Dense>
 
+#include "moiregauge/detection/identity/identify_markers.h"
 #include "moiregauge/geometry/homography.h"
-#include "moiregauge/io/picture_file.h"
-#include "moiregauge/io/picture_list.h"
-#include "moiregauge/io/site_file.h"
-#include "moiregauge/markers/identity.h"
+#include "moiregauge/io/config/site_file.h"
+#include "moiregauge/io/pictures/picture_file.h"
+#include "moiregauge/io/pictures/picture_list.h"
 
 namespace moiregauge::test {
 namespace {

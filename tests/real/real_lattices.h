@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "moiregauge/io/picture.h"
-#include "moiregauge/markers/circles.h"
-#include "moiregauge/markers/indexed_lattice.h"
+#include "moiregauge/detection/circles/circles.h"
+#include "moiregauge/detection/lattices/indexed_lattice.h"
+#include "moiregauge/io/pictures/picture.h"
 
 namespace moiregauge::test {
 

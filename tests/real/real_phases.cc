@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "moiregauge/observation/patch.h"
+#include "moiregauge/observation/raster/patch.h"
 #include "real/real_lattices.h"
 
 namespace moiregauge::test {

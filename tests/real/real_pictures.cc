@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "moiregauge/io/picture_file.h"
-#include "moiregauge/io/picture_source.h"
-#include "moiregauge/io/site_file.h"
+#include "moiregauge/io/config/site_file.h"
+#include "moiregauge/io/pictures/picture_file.h"
+#include "moiregauge/io/pictures/picture_source.h"
 
 namespace moiregauge::test {
 namespace {

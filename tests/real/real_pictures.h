@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "moiregauge/io/picture.h"
+#include "moiregauge/io/pictures/picture.h"
 #include "moiregauge/run/measure.h"
 #include "moiregauge/site/site.h"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "moiregauge/calibration/board_calibration.h"
+#include "moiregauge/board/board_calibration.h"
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/units/units.h"
 

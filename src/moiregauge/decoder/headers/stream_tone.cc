@@ -11,7 +11,7 @@ extern "C" {
 namespace moiregauge {
 namespace {
 
-using Kind = ToneCurve::Kind;
+using CurveKind = ToneCurve::Kind;
 
 std::optional<ToneCurve> stated_curve(AVColorTransferCharacteristic transfer) {
   switch (transfer) {
@@ -21,20 +21,20 @@ std::optional<ToneCurve> stated_curve(AVColorTransferCharacteristic transfer) {
     case AVCOL_TRC_BT1361_ECG:
     case AVCOL_TRC_BT2020_10:
     case AVCOL_TRC_BT2020_12:
-      return ToneCurve{.kind = Kind::kBt709};
+      return ToneCurve{.kind = CurveKind::kBt709};
     case AVCOL_TRC_IEC61966_2_1:
     case AVCOL_TRC_IEC61966_2_4:
-      return ToneCurve{.kind = Kind::kSrgb};
+      return ToneCurve{.kind = CurveKind::kSrgb};
     case AVCOL_TRC_GAMMA22:
-      return ToneCurve{.kind = Kind::kGamma, .gamma = 2.2};
+      return ToneCurve{.kind = CurveKind::kGamma, .gamma = 2.2};
     case AVCOL_TRC_GAMMA28:
-      return ToneCurve{.kind = Kind::kGamma, .gamma = 2.8};
+      return ToneCurve{.kind = CurveKind::kGamma, .gamma = 2.8};
     case AVCOL_TRC_LINEAR:
       return ToneCurve{};
     case AVCOL_TRC_ARIB_STD_B67:
-      return ToneCurve{.kind = Kind::kHlg};
+      return ToneCurve{.kind = CurveKind::kHlg};
     case AVCOL_TRC_SMPTE2084:
-      return ToneCurve{.kind = Kind::kPq};
+      return ToneCurve{.kind = CurveKind::kPq};
     default:
       return std::nullopt;
   }
@@ -52,7 +52,7 @@ Tone tone_of(const AVFrame& frame) {
   if (const auto stated = stated_curve(frame.color_trc)) {
     tone = {*stated, ToneSource::kTag};
   } else if (!is_grey) {
-    tone.curve.kind = is_rgb || is_jpeg ? Kind::kSrgb : Kind::kBt709;
+    tone.curve.kind = is_rgb || is_jpeg ? CurveKind::kSrgb : CurveKind::kBt709;
   }
   tone.curve.is_full_range = is_grey || is_rgb || is_jpeg || frame.color_range == AVCOL_RANGE_JPEG;
   return tone;
