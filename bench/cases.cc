@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 // Goes on through the frames from repetition to repetition: a camera does not jump back either.
@@ -99,4 +99,4 @@ std::shared_ptr<Work> detection_of(const Recording& recording, FindCentres find)
   return work;
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

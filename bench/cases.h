@@ -13,7 +13,7 @@
 
 #include "recording.h"
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 
 // One case at one size: what is timed, and how far it is from the truth.
 struct Work {
@@ -38,4 +38,4 @@ void add_yardstick_cases();
 void add_chain_cases();
 void add_stage_cases();
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

@@ -11,19 +11,19 @@
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
-  const auto targets = moiregauge::simd_targets();
+  const auto targets = moiregauge::internal::simd_targets();
   const char* const asked = std::getenv("MOIREGAUGE_SIMD");
   const std::string target = asked != nullptr ? asked : targets.front();
-  if (!moiregauge::use_simd_target(target)) {
+  if (!moiregauge::internal::use_simd_target(target)) {
     std::cerr << "error: MOIREGAUGE_SIMD=" << target << " is not of this machine\n";
     return 2;
   }
-  moiregauge::bench::add_yardstick_cases();
-  moiregauge::bench::add_chain_cases();
-  moiregauge::bench::add_stage_cases();
+  moiregauge::internal::bench::add_yardstick_cases();
+  moiregauge::internal::bench::add_chain_cases();
+  moiregauge::internal::bench::add_stage_cases();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::AddCustomContext("last_level_cache_bytes", std::to_string(moiregauge::bench::last_level_cache_bytes()));
+  benchmark::AddCustomContext("last_level_cache_bytes", std::to_string(moiregauge::internal::bench::last_level_cache_bytes()));
   benchmark::AddCustomContext("simd", target);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -4,7 +4,7 @@
 #include "moiregauge/detection/circles/circles.h"
 #include "product_chain.h"
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 using Look = void (ProductChain::*)(const Shot&);
@@ -51,4 +51,4 @@ void add_chain_cases() {
             [](const Recording& r) { return chain_work(r, "precise", &ProductChain::observe, true); });
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

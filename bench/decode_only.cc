@@ -15,7 +15,7 @@
 namespace {
 
 int decode(const char* path) {
-  const auto source = moiregauge::open_input(path, {});
+  const auto source = moiregauge::internal::open_input(path, {});
   if (!source) {
     std::fprintf(stderr, "error: %s\n", source.error().message.c_str());
     return 3;
@@ -47,7 +47,7 @@ int pass_over(const char* path) {
     std::perror(path);
     return 3;
   }
-  const auto sum = moiregauge::bench::floor_pass({static_cast<const std::uint8_t*>(bytes), size});
+  const auto sum = moiregauge::internal::bench::floor_pass({static_cast<const std::uint8_t*>(bytes), size});
   std::printf("%zu\n", size);
   return sum == 0 ? 3 : 0;  // so that the pass is not optimised away
 }

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 std::uint64_t word(const std::uint8_t* bytes) {
@@ -31,4 +31,4 @@ std::uint64_t floor_pass(std::span<const std::uint8_t> bytes) {
   return sum;
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 
 [[nodiscard]] std::uint64_t floor_pass(std::span<const std::uint8_t> bytes);
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

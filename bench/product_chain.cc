@@ -7,7 +7,7 @@
 #include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/observation/frame/track.h"
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 Reference prepared(const Recording& recording, const Method& method) {
@@ -88,4 +88,4 @@ ProductChain::Reading ProductChain::solve_in_scene(const Observations& one) cons
   return {displacement, total(budget_->budget(now, target_, displacement))};
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

@@ -10,7 +10,7 @@
 #include "moiregauge/displacement/precise/precise_budget.h"
 #include "recording.h"
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 
 class ProductChain {
  public:
@@ -45,4 +45,4 @@ class ProductChain {
   std::unique_ptr<PreciseBudget> budget_;
 };
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

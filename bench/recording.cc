@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 constexpr const char* kScenario = "rig-1xyz";
@@ -139,4 +139,4 @@ Error Recording::circle_error(const std::vector<ImagePoint>& found, long frame) 
   return {nearest->x - truth.x, nearest->y - truth.y};
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

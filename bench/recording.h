@@ -12,7 +12,7 @@
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 
 struct Size {
   int width = 0;
@@ -72,4 +72,4 @@ class Recording {
 
 [[nodiscard]] std::size_t last_level_cache_bytes();
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

@@ -18,7 +18,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kFps = 100.0;
@@ -96,12 +96,12 @@ int run(long frames, long targets, const char* path) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 int main(int count, char** words) {
   if (count != 4) {
     fmt::print(stderr, "usage: report_bench FRAMES TARGETS FILE\n");
     return 2;
   }
-  return moiregauge::run(std::atol(words[1]), std::atol(words[2]), words[3]);
+  return moiregauge::internal::run(std::atol(words[1]), std::atol(words[2]), words[3]);
 }

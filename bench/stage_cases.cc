@@ -8,7 +8,7 @@
 #include "moiregauge/detection/circles/circles.h"
 #include "product_chain.h"
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 // What `precise` saw in every frame of the ring.
@@ -119,4 +119,4 @@ void add_stage_cases() {
   add("scene", scene);
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

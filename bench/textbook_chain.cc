@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 constexpr double kLeastCircularity = 0.84;  // W, seed paper Eq. (6)
@@ -111,4 +111,4 @@ std::optional<cv::Point2d> TextbookChain::displacement_mm(const cv::Mat& frame) 
   return cv::Point2d(site_.mm_per_px * moved.x, -site_.mm_per_px * moved.y);
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

@@ -9,7 +9,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 
 // Windows in the reference frame, px. Circles and references go upper left, upper right, lower left, lower right.
 struct TextbookSite {
@@ -49,4 +49,4 @@ class TextbookChain {
 // Otsu's threshold, outlines, area, circularity, moments. Empty unless exactly four are found.
 [[nodiscard]] std::optional<std::array<cv::Point2f, 4>> textbook_circles(const cv::Mat& frame, double disc_px);
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

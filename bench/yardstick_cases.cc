@@ -7,7 +7,7 @@
 #include "floor_pass.h"
 #include "textbook_chain.h"
 
-namespace moiregauge::bench {
+namespace moiregauge::internal::bench {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -92,4 +92,4 @@ void add_yardstick_cases() {
   add_cases("textbook detection", {kRing}, textbook_detection_work);
 }
 
-}  // namespace moiregauge::bench
+}  // namespace moiregauge::internal::bench

@@ -6,7 +6,7 @@ string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
 file(WRITE ${OUTPUT} "// Made by cmake/EmbedFile.cmake; edit the file instead.
 #include \"${HEADER}\"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr unsigned char kBytes[] = {
@@ -17,5 +17,5 @@ ${bytes}
 
 std::string_view ${FUNCTION}() { return {reinterpret_cast<const char*>(kBytes), sizeof kBytes}; }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 ")

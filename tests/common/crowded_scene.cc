@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 using simulator::Scenario;
@@ -202,4 +202,4 @@ Image<std::uint8_t> picture_of(const CrowdedScene& scene, long frame) {
   return out;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

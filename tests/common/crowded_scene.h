@@ -7,7 +7,7 @@
 
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 // Painted on the picture, not on the board: an outline that no circle of the board has.
 struct PaintedEllipse {
@@ -36,4 +36,4 @@ enum class Fault { kNone, kCircleMissing };  // one of the four reference circle
 
 [[nodiscard]] Image<std::uint8_t> picture_of(const CrowdedScene& scene, long frame);
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

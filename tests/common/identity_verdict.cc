@@ -9,7 +9,7 @@
 #include "moiregauge/observation/reference/site_from_picture.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 using simulator::SceneMarker;
@@ -155,4 +155,4 @@ IdentityVerdict judged(const CrowdedScene& scene, const Shots& shots, Knowledge 
   return out;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

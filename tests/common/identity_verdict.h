@@ -7,7 +7,7 @@
 #include "common/crowded_scene.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 enum class Verdict {
   kRight,    // the four references are references, each with its own grating; the target is a target; nothing else but
@@ -34,4 +34,4 @@ struct Shots {
 
 [[nodiscard]] IdentityVerdict judged(const CrowdedScene& scene, const Shots& shots, Knowledge knowledge);
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

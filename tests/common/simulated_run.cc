@@ -7,7 +7,7 @@
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/simulator/recorder.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 using simulator::Scenario;
@@ -115,4 +115,4 @@ double largest(const std::vector<double>& values) {
   return most;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

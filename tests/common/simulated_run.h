@@ -10,7 +10,7 @@
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 enum class Grain { kSensor, kNoiseFree };  // as the sensor stores it, or 16 bits without noise
 
@@ -49,4 +49,4 @@ struct MeasuredRun {
 [[nodiscard]] double scatter(const std::vector<double>& values);  // rms about the mean
 [[nodiscard]] double largest(const std::vector<double>& values);  // of the magnitudes
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

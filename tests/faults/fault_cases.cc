@@ -3,7 +3,7 @@
 
 #include "faults/fault_modes.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 namespace {
 
 // --- nothing wrong
@@ -50,4 +50,4 @@ const std::vector<Mode>& modes() {
   return all;
 }
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

@@ -10,7 +10,7 @@
 #include "moiregauge/encoder/video_writer.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 
 // One recording to make and measure.
 struct Sequence {
@@ -43,4 +43,4 @@ struct Mode {
 
 [[nodiscard]] Sequence sequence_of(const Mode& mode, std::size_t strength, int seed);
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

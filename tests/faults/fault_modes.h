@@ -10,7 +10,7 @@
 
 #include "faults/fault_cases.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 
 using simulator::Knot;
 using simulator::SceneMarker;
@@ -75,4 +75,4 @@ void add_codecs(std::vector<Mode>& all);
 // fault_modes_processing.cc
 void add_processing(std::vector<Mode>& all);
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

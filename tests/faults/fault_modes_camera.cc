@@ -4,7 +4,7 @@
 
 #include "faults/fault_modes.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 
 // --- optics
 
@@ -149,4 +149,4 @@ void add_codecs(std::vector<Mode>& all) {
       [](Sequence& q, int seed, double s) { compress(q, seed, VideoCodec::kMjpeg, static_cast<int>(s), 1); });
 }
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

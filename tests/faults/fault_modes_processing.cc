@@ -4,7 +4,7 @@
 
 #include "faults/fault_modes.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 namespace {
 
 using simulator::Processing;
@@ -141,4 +141,4 @@ void add_processing(std::vector<Mode>& all) {
   add_memory(all);
 }
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

@@ -4,7 +4,7 @@
 
 #include "faults/fault_modes.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 
 namespace {
 // --- before the sheets
@@ -183,4 +183,4 @@ void add_first_frames(std::vector<Mode>& all) {
       });
 }
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

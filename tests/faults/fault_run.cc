@@ -14,7 +14,7 @@
 #include "moiregauge/run/measure.h"
 #include "moiregauge/simulator/recorder.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 namespace {
 
 using simulator::Scenario;
@@ -156,4 +156,4 @@ Verdict verdict_on(const Sequence& sequence, const std::string& folder) {
   return measured(scenario, [&] { return open_video(recording.path(), {}); });
 }
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

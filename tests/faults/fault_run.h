@@ -8,7 +8,7 @@
 
 #include "faults/fault_cases.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 
 // A row is one target in one frame other than the reference frame.
 struct Verdict {
@@ -25,4 +25,4 @@ struct Verdict {
 // Temporary files of compressed recordings go into `folder`.
 [[nodiscard]] Verdict verdict_on(const Sequence& sequence, const std::string& folder);
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

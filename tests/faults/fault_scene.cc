@@ -3,7 +3,7 @@
 
 #include "faults/fault_cases.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 namespace {
 
 using simulator::Mount;
@@ -55,4 +55,4 @@ Sequence sequence_of(const Mode& mode, std::size_t strength, int seed) {
   return sequence;
 }
 
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

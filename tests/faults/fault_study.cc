@@ -18,7 +18,7 @@
 
 #include "faults/fault_run.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 namespace {
 
 constexpr int kLeastRuns = 7;
@@ -203,6 +203,6 @@ int study(const Words& words) {
 }
 
 }  // namespace
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults
 
-int main(int argc, char** argv) { return moiregauge::faults::study(moiregauge::faults::words_of(argc, argv)); }
+int main(int argc, char** argv) { return moiregauge::internal::faults::study(moiregauge::internal::faults::words_of(argc, argv)); }

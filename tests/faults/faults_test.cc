@@ -11,7 +11,7 @@
 
 #include "faults/fault_run.h"
 
-namespace moiregauge::faults {
+namespace moiregauge::internal::faults {
 namespace {
 
 // All modes but those of which the site itself says what the pictures need not show.
@@ -60,4 +60,4 @@ INSTANTIATE_TEST_SUITE_P(Corpus, EveryMode, testing::ValuesIn(to_be_told()), [](
 });
 
 }  // namespace
-}  // namespace moiregauge::faults
+}  // namespace moiregauge::internal::faults

@@ -7,7 +7,7 @@
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   const auto known = parse_known_camera(fuzz::text_of({data, size}), "f");
   if (!known) {
     fuzz::demand(known.error().starts_with("f:"));

@@ -7,13 +7,13 @@
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::istringstream file(moiregauge::fuzz::text_of({data, size}));
-  moiregauge::RunTable table;
-  if (!moiregauge::parse_displacement_csv(file, table)) return 0;
-  const auto part = moiregauge::selected(table, {{}, {}, 2.0, true});
+  std::istringstream file(moiregauge::internal::fuzz::text_of({data, size}));
+  moiregauge::internal::RunTable table;
+  if (!moiregauge::internal::parse_displacement_csv(file, table)) return 0;
+  const auto part = moiregauge::internal::selected(table, {{}, {}, 2.0, true});
   if (!part) return 0;
-  static_cast<void>(moiregauge::long_csv(*part));
-  static_cast<void>(moiregauge::wide_csv(*part));
-  static_cast<void>(moiregauge::uff58(*part, moiregauge::Gaps::kSplit));
+  static_cast<void>(moiregauge::internal::long_csv(*part));
+  static_cast<void>(moiregauge::internal::wide_csv(*part));
+  static_cast<void>(moiregauge::internal::uff58(*part, moiregauge::internal::Gaps::kSplit));
   return 0;
 }

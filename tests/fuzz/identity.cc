@@ -9,7 +9,7 @@
 
 #include "tests/fuzz/input_file.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kCircleBytes = 5;
@@ -40,10 +40,10 @@ CircleSearch circles_of(fuzz::Bytes bytes) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   if (size == 0) return 0;
   const Site site = ring_of(4 + data[0] % 5);
   const CircleSearch search = circles_of({data + 1, size - 1});

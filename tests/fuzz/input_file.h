@@ -12,7 +12,7 @@
 #include <span>
 #include <string>
 
-namespace moiregauge::fuzz {
+namespace moiregauge::internal::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -38,6 +38,6 @@ class InputFile {
 
 inline std::string text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-}  // namespace moiregauge::fuzz
+}  // namespace moiregauge::internal::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -8,7 +8,7 @@
 namespace {
 
 // The largest picture that a frame header anywhere in these bytes promises.
-std::uint64_t promised_pixels(moiregauge::fuzz::Bytes jpeg) {
+std::uint64_t promised_pixels(moiregauge::internal::fuzz::Bytes jpeg) {
   std::uint64_t most = 0;
   for (std::size_t at = 0; at + 9 < jpeg.size(); ++at) {
     if (jpeg[at] != 0xff || (jpeg[at + 1] & 0xf0U) != 0xc0U) continue;
@@ -21,7 +21,7 @@ std::uint64_t promised_pixels(moiregauge::fuzz::Bytes jpeg) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   const fuzz::Bytes bytes(data, size);
   const int orientation = exif_orientation(bytes);
   fuzz::demand(orientation >= 0 && orientation <= 0xffff && rotation_of_orientation(orientation).value_or(0) % 90 == 0);

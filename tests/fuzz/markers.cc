@@ -12,7 +12,7 @@
 #include "moiregauge/detection/lattices/indexed_lattice.h"
 #include "tests/fuzz/input_file.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Site four_circles() {
@@ -54,10 +54,10 @@ void look_at(const LumaView& luma, int bits) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   if (size < 2) return 0;
   const int width = 16 + data[0];
   const fuzz::Bytes pixels(data + 2, size - 2);

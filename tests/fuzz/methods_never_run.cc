@@ -5,7 +5,7 @@
 
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 Observation observe_conventional(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&) {
   std::abort();
@@ -19,4 +19,4 @@ Solution solve_conventional(const Reference&, const Observations&, const SolveOp
 Solution solve_two_stage(const Reference&, const Observations&, const SolveOptions&) { std::abort(); }
 Solution solve_precise(const Reference&, const Observations&, const SolveOptions&) { std::abort(); }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

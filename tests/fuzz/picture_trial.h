@@ -5,7 +5,7 @@
 #include "moiregauge/io/pictures/picture.h"
 #include "tests/fuzz/input_file.h"
 
-namespace moiregauge::fuzz {
+namespace moiregauge::internal::fuzz {
 
 // A header may promise pictures of a quarter of a gigabyte, which costs a trial a tenth of a second and finds nothing.
 inline constexpr std::uint64_t kMostTrialPixels = 1U << 22U;
@@ -27,4 +27,4 @@ inline void look_at(const PictureOrError& picture) {
   demand(all < 1U << 16U);
 }
 
-}  // namespace moiregauge::fuzz
+}  // namespace moiregauge::internal::fuzz

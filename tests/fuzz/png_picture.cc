@@ -21,7 +21,7 @@ void sign_chunks(std::vector<std::uint8_t>& png) {
     const std::size_t length = number_at(png, at);
     if (length > png.size() - at - kChunkHead - 4) return;
     const std::size_t end = at + kChunkHead + length;
-    const auto sum = moiregauge::crc32({reinterpret_cast<const char*>(png.data()) + at + 4, length + 4});
+    const auto sum = moiregauge::internal::crc32({reinterpret_cast<const char*>(png.data()) + at + 4, length + 4});
     for (std::size_t k = 0; k < 4; ++k) png[end + k] = static_cast<std::uint8_t>(sum >> (24 - 8 * k));
     at = end + 4;
   }
@@ -30,7 +30,7 @@ void sign_chunks(std::vector<std::uint8_t>& png) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   std::vector<std::uint8_t> png(data, data + size);
   if (size >= 24 && std::uint64_t{number_at(png, 16)} * number_at(png, 20) > fuzz::kMostTrialPixels) return 0;
   sign_chunks(png);

@@ -10,7 +10,7 @@
 #include "moiregauge/io/journal/stored_bytes.h"
 #include "tests/fuzz/input_file.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kHeader = 16, kRecordHead = 8, kSum = 4;  // bytes
@@ -61,10 +61,10 @@ void recover(const std::string& file) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   if (size == 0) return 0;
   static const std::string header = head_bytes({}, {}).substr(0, kHeader);
   std::string file = header + fuzz::text_of({data + 1, size - 1});

@@ -10,7 +10,7 @@
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kUntouched = 16;  // bytes, made by the target itself
@@ -62,13 +62,13 @@ std::string fresh_run(std::size_t count) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
-  if (size < 2 || seed % moiregauge::kOneInSoMany == 0) {
+  if (size < 2 || seed % moiregauge::internal::kOneInSoMany == 0) {
     const std::string fresh =
         std::string(1, '\0') +
-        moiregauge::fresh_run(1 + seed / moiregauge::kOneInSoMany % 2).substr(moiregauge::kUntouched);
+        moiregauge::internal::fresh_run(1 + seed / moiregauge::internal::kOneInSoMany % 2).substr(moiregauge::internal::kUntouched);
     if (fresh.size() <= most) {
       std::copy(fresh.begin(), fresh.end(), data);
       return fresh.size();

@@ -6,7 +6,7 @@
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::istringstream file(moiregauge::fuzz::text_of({data, size}));
-  static_cast<void>(moiregauge::input_sha256_of_run(file));
+  std::istringstream file(moiregauge::internal::fuzz::text_of({data, size}));
+  static_cast<void>(moiregauge::internal::input_sha256_of_run(file));
   return 0;
 }

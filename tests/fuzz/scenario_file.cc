@@ -7,7 +7,7 @@
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   const std::string text = fuzz::text_of({data, size});
   if (text.find('\n') != text.npos) {
     if (const auto read = parse_scenario(text, "f"); !read) {

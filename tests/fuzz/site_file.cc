@@ -5,7 +5,7 @@
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   const auto site = parse_site(fuzz::text_of({data, size}), "f");
   if (!site) {
     for (const std::string& line : site.error()) fuzz::demand(line.starts_with("f:") && line.find('\n') == line.npos);

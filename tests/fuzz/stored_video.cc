@@ -5,7 +5,7 @@
 #include "tests/fuzz/input_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   const auto video = stored_video(std::as_bytes(fuzz::Bytes(data, size)));
   if (!video) return 0;
   fuzz::demand(video->width > 0 && video->height > 0 && video->bits >= 8 && video->bits <= 16);

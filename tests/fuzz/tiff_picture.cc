@@ -7,7 +7,7 @@
 #include "tests/fuzz/picture_trial.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   const fuzz::InputFile file({data, size});
   const auto stack = TiffStack::open(file.path());
   if (!stack) return 0;

@@ -8,7 +8,7 @@
 
 #include "paper/exact_points.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using simulator::Scenario;
@@ -92,4 +92,4 @@ TEST(ClosedForms, ATargetOffThePlaneShiftsByTheCamerasTravel) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

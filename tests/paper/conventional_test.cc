@@ -6,7 +6,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 test::MeasuredRun conventional(simulator::Scenario scenario, long step, long reference = 0) {
@@ -93,4 +93,4 @@ TEST(Conventional, AfterALeapOfHalfAPitchTheOrderIsUnproven) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

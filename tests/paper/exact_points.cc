@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -82,4 +82,4 @@ Extent<frame::Board> exact_error(const simulator::Scenario& scenario, long frame
   return {};
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

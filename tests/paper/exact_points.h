@@ -5,7 +5,7 @@
 
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 // k1 of the rig's lens, by its distortion at the full sensor's corner.
 inline constexpr double kMinusOnePercent = -0.0225;
@@ -17,4 +17,4 @@ enum class Stages { kCirclesOnly, kBoth };
 [[nodiscard]] Extent<frame::Board> exact_error(const simulator::Scenario& scenario, long frame, long reference_frame,
                                                Stages stages);
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

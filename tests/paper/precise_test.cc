@@ -9,7 +9,7 @@
 #include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct PreciseCase {
@@ -74,4 +74,4 @@ TEST(Precise, WithTheLensUnknownWhatIsLeftIsTheNoise) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "common/simulated_run.h"
 #include "paper/exact_points.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 simulator::Scenario with_lens(const char* name, double k1) {
@@ -65,4 +65,4 @@ TEST(TwoStageThroughALens, WhatItCannotAbsorbIsInItsUncertainty) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

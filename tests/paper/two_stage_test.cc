@@ -6,7 +6,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Case {
@@ -79,4 +79,4 @@ TEST(TwoStageIdealLens, AStrongTargetMotionIsFollowedThroughManyPitches) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/simulator/scenario/built_in.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 constexpr int kBlock = 8;
@@ -138,4 +138,4 @@ TEST(Codec, TheLagOfATargetThatCreepsIsWithinU) {
 }
 
 }  // namespace
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

@@ -14,7 +14,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using simulator::Scenario;
@@ -210,4 +210,4 @@ TEST(EveryPatternOfLines, AreReadWhileAPartOfThemIsInTheWindow) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 
 #include "common/identity_verdict.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 constexpr std::uint64_t kFirstSeed = 700'001;
@@ -43,4 +43,4 @@ TEST(Crowded, AMissingCircleIsNotReplacedByALookAlike) {
 }
 
 }  // namespace
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

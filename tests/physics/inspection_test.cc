@@ -9,7 +9,7 @@
 #include "moiregauge/observation/views/inspection.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The small rig in the middle of its turn, 1/2 degree about three axes.
@@ -97,4 +97,4 @@ TEST(Inspection, TheExpectedUncertaintyIsTheScatterThatIsMeasured) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

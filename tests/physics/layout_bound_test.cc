@@ -11,7 +11,7 @@
 #include "moiregauge/units/units.h"
 #include "studies/precise_bounds.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 struct Bounds {
@@ -68,4 +68,4 @@ TEST(LayoutBound, OfEveryEdgeFollowsTheClosedFormOfCrossedLines) {
 }
 
 }  // namespace
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

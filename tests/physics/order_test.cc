@@ -6,7 +6,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 simulator::Track sway(double amplitude_mm, double frequency_hz, double phase_deg) {
@@ -67,4 +67,4 @@ TEST(Order, IsRightForATargetThatJumpsSeveralPitchesBetweenFrames) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

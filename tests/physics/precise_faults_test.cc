@@ -10,7 +10,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 simulator::Scenario scene_named(const char* name) {
@@ -243,4 +243,4 @@ TEST(PreciseFaults, ReferencesOnALineAreRefused) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/geometry/conic.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kCircleGate_px = 0.005;
@@ -81,4 +81,4 @@ TEST(RenderedCircle, TheClosedFormOfTheEllipsesCentreIsTheSimulators) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

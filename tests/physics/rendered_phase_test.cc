@@ -10,7 +10,7 @@
 #include "moiregauge/observation/raster/patch.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using simulator::Scenario;
@@ -97,4 +97,4 @@ TEST(RenderedPhase, AGratingSeenAtAnAngleThroughALensReadsWhereItIs) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

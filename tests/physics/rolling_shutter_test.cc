@@ -9,7 +9,7 @@
 #include "common/simulated_run.h"
 #include "moiregauge/calibration/rolling_shutter/row_motion.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kReadout = 0.018;  // s
@@ -125,4 +125,4 @@ TEST(RollingShutter, ATargetThatMovesIsSetBackToItsFramesTime) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

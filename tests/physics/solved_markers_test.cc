@@ -9,7 +9,7 @@
 #include "moiregauge/io/run_dir/solved_scene.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::uint64_t kFirstSeed = 41, kLastSeed = 46;
@@ -75,4 +75,4 @@ TEST(SolvedLens, OfACameraThatHardlyTurnsIsNotThreeTimesTooLong) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 simulator::Scenario scenario_of(const char* name, double k1 = -0.37) {
@@ -124,4 +124,4 @@ TEST(ApparentSize, AgreesWithPrintsAtTheirStatedDepth) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

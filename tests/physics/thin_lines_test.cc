@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/scenario/built_in.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // One pitch on the print about its centre, as the simulator projects it, px.
@@ -64,4 +64,4 @@ TEST(ThinLines, EveryInkJetGridIsOneGrating) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

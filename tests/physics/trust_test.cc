@@ -9,7 +9,7 @@
 #include "studies/slipping_reference.h"
 #include "studies/trust_scenarios.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 std::string notes_of(const Solution& solution) {
@@ -111,4 +111,4 @@ TEST(Trust, LinesTellOneAxisHoweverFarTheyGo) {
 }
 
 }  // namespace
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -8,7 +8,7 @@
 #include "common/simulated_run.h"
 #include "moiregauge/planning/reference_weights.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(Layout, FlatLayoutsAreWorseSideways) {
@@ -50,4 +50,4 @@ TEST(Uncertainty, TheStatedNoiseIsTheScatterOfRepeatedRecordings) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include "moiregauge/observation/reference/site_from_picture.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using simulator::Scenario;
@@ -193,4 +193,4 @@ TEST(WithoutSite, AGratingOfAnotherPitchIsLeftOutAndNamed) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

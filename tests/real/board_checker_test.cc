@@ -9,7 +9,7 @@
 #include "moiregauge/planning/reference_weights.h"
 #include "real/real_pictures.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(BoardChecker, AllFourDiscsAreFoundAndIdentifiedInBothViews) {
@@ -59,4 +59,4 @@ TEST(BoardChecker, TheCirclesAloneLeaveTwoPixels) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

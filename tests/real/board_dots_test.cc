@@ -7,7 +7,7 @@
 #include "moiregauge/detection/identity/identify_markers.h"
 #include "real/real_pictures.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(BoardDots, AllFourDiscsAreFoundAndIdentifiedInBothViews) {
@@ -31,4 +31,4 @@ TEST(BoardDots, TheNullIsATenthOfAPixelAndInsideItsUncertainty) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

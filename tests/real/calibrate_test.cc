@@ -11,7 +11,7 @@
 
 #include "real/real_calibration.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 const std::string kData = std::string(MOIREGAUGE_SOURCE_DIR) + "/tests/real/data";
@@ -121,4 +121,4 @@ TEST(CalibrateBoardChecker, TheCornersAndThePhaseAreFlatOnceTheLensIsOut) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "real/real_lattices.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::LatticeNull;
@@ -154,4 +154,4 @@ TEST(Lattices, NoDotsAreSeenOnACheckerboardAndNoCornersBetweenDots) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "real/real_lattices.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 struct Expected {
@@ -84,4 +84,4 @@ Acceptance squares_accepted(const std::vector<LatticeView>& views) {
   return out;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 std::vector<double> nulls(const std::vector<LatticeView>& views, const Camera& camera) {
@@ -50,4 +50,4 @@ double median_null(const std::vector<LatticeView>& views, const Camera& camera) 
 
 double worst_null(const std::vector<LatticeView>& views, const Camera& camera) { return nulls(views, camera).back(); }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

@@ -7,7 +7,7 @@
 #include "moiregauge/board/board_calibration.h"
 #include "real/real_lattices.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 [[nodiscard]] BoardCalibration calibrated(const std::vector<LatticeView>& views);
 [[nodiscard]] Places without_lens(const Places& places, const Camera& camera);
@@ -15,4 +15,4 @@ namespace moiregauge::test {
 [[nodiscard]] double median_null(const std::vector<LatticeView>& views, const Camera& camera);
 [[nodiscard]] double worst_null(const std::vector<LatticeView>& views, const Camera& camera);
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

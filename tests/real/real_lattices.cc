@@ -14,7 +14,7 @@
 #include "moiregauge/io/pictures/picture_file.h"
 #include "moiregauge/io/pictures/picture_list.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 using Marks = std::vector<Eigen::Vector2d>;  // columns and rows, in an order of their own
@@ -251,4 +251,4 @@ LatticeNull null_by_discs(const Places& first, const Places& view, const Discs& 
   return null_of(first, view, discs_then, discs_now, common_places(first, view));
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

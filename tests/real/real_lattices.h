@@ -12,7 +12,7 @@
 #include "moiregauge/detection/lattices/indexed_lattice.h"
 #include "moiregauge/io/pictures/picture.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 enum class Landmarks {
   kColours,   // a checkerboard's own: an odd and an even side
@@ -77,4 +77,4 @@ struct Acceptance {
 [[nodiscard]] Acceptance dots_accepted(const std::vector<LatticeView>& views);
 [[nodiscard]] Acceptance squares_accepted(const std::vector<LatticeView>& views);
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

@@ -6,7 +6,7 @@
 #include "moiregauge/observation/raster/patch.h"
 #include "real/real_lattices.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 BoardPoint on_board(const Place& place) {
@@ -62,4 +62,4 @@ PhasePlaces phase_places(const LatticeView& first, const LatticeView& second, La
   return out;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

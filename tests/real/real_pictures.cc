@@ -10,7 +10,7 @@
 #include "moiregauge/io/pictures/picture_file.h"
 #include "moiregauge/io/pictures/picture_source.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 std::string place(const std::string& set) { return std::string(MOIREGAUGE_SOURCE_DIR) + "/tests/real/data/" + set; }
@@ -83,4 +83,4 @@ Site nine_patches(const std::string& set) {
   return site;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

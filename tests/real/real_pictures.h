@@ -9,7 +9,7 @@
 #include "moiregauge/run/measure.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 [[nodiscard]] Site real_site(const std::string& set);
 [[nodiscard]] Picture real_picture(const std::string& set, const std::string& file);
@@ -25,4 +25,4 @@ namespace moiregauge::test {
 [[nodiscard]] double rms_null_px(const Measurement& measurement);
 [[nodiscard]] const Sample& second_view(const Measurement& measurement);
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

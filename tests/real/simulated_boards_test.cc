@@ -13,7 +13,7 @@
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kPitch = 10.0;  // mm
@@ -123,4 +123,4 @@ INSTANTIATE_TEST_SUITE_P(Prints, SimulatedBoards,
                          [](const auto& param) { return param.param.name; });
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 #include "real/real_pictures.h"
 #include "studies/residual_causes.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Case = test::PaperCase;
@@ -133,7 +133,7 @@ void photographs() {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::stoi(argv[1]) : 10;
@@ -141,11 +141,11 @@ int main(int argc, char** argv) {
       "# Accuracy\n\nMade by `tools/accuracy`; do not edit. Simulated figures are for the rig of docs/cli/simulate.md "
       "(0.345 mm/px, 10 mm pitch); the simulator shares no projection code with the instrument. Seeds are 1 to {}.\n\n",
       seeds);
-  moiregauge::noise_free();
+  moiregauge::internal::noise_free();
   std::fflush(stdout);
-  moiregauge::with_noise(seeds);
+  moiregauge::internal::with_noise(seeds);
   std::fflush(stdout);
-  moiregauge::through_lenses();
-  moiregauge::test::print_residual_causes(moiregauge::kCases);
-  moiregauge::photographs();
+  moiregauge::internal::through_lenses();
+  moiregauge::internal::test::print_residual_causes(moiregauge::internal::kCases);
+  moiregauge::internal::photographs();
 }

@@ -3,7 +3,7 @@
 
 #include <random>
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 using Dice = std::mt19937_64;
 
@@ -11,4 +11,4 @@ inline double uniform(Dice& dice, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(dice);
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -9,7 +9,7 @@
 
 #include "common/identity_verdict.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 struct Counts {
@@ -42,10 +42,10 @@ void look_at(const CrowdedScene& scene, const Shots& shots, Knowledge knowledge,
 }
 
 }  // namespace
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test
 
 int main(int argc, char** argv) {
-  using namespace moiregauge::test;
+  using namespace moiregauge::internal::test;
   const int scenes = argc > 1 ? std::atoi(argv[1]) : 1000;
   const int first = argc > 2 ? std::atoi(argv[2]) : 1;
   std::array<Counts, 4> counts;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 // run(0) .. run(count - 1), in order. Tells on stderr how far it is, every tenth.
 template <typename Run>
@@ -29,4 +29,4 @@ auto in_parallel(const char* what, int count, Run run) {
   return results;
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -8,7 +8,7 @@
 
 #include "studies/dice.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 using simulator::Scenario;
@@ -92,4 +92,4 @@ Scenario jumping_targets(const JumpKind& kind, int number) {
   return s;
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -4,7 +4,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 struct JumpKind {
   Pattern pattern = Pattern::kGrid;
@@ -18,4 +18,4 @@ struct JumpKind {
 inline constexpr long kJumps = 20;  // frames after the reference frame
 [[nodiscard]] simulator::Scenario jumping_targets(const JumpKind& kind, int number);
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

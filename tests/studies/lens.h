@@ -6,7 +6,7 @@
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 // Radial distortion `percent` at the picture's own corner.
 inline void bend(simulator::Scenario& s, double percent) {
@@ -18,4 +18,4 @@ inline void bend(simulator::Scenario& s, double percent) {
   return {c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

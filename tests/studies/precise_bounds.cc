@@ -10,7 +10,7 @@
 #include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 using Eigen::Matrix2d;
@@ -109,4 +109,4 @@ Extent<frame::Board> full_bound_um(const Scenario& scenario, long frame) {
   return through_layout_um(scenario, frame, full_covariance);
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

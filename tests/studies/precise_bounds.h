@@ -5,7 +5,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 // Standard deviations along the board's x and y of a target's displacement in one frame, the camera's lens and the
 // markers' places known, the homography from the references' mean shifts (um).
@@ -16,4 +16,4 @@ namespace moiregauge::study {
 // derivative taken from two noise-free pictures of the print moved by a hundredth of its pitch.
 [[nodiscard]] Extent<frame::Board> full_bound_um(const simulator::Scenario& scenario, long frame);
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -8,7 +8,7 @@
 
 #include "studies/lens.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 using simulator::Scenario;
@@ -242,4 +242,4 @@ Scenario drawn_anew(const Scenario& scenario, int seed) {
   return s;
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/frame_range.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 enum class Bound { kPhase, kFull };
 
@@ -34,4 +34,4 @@ struct PreciseCase {
 // The scenario with another noise, other poses and other true places.
 [[nodiscard]] simulator::Scenario drawn_anew(const simulator::Scenario& scenario, int seed);
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -18,7 +18,7 @@
 #include "studies/precise_bounds.h"
 #include "studies/precise_cases.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 struct Words {
@@ -281,6 +281,6 @@ int study(const Words& words) {
 }
 
 }  // namespace
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study
 
-int main(int argc, char** argv) { return moiregauge::study::study(moiregauge::study::words_of(argc, argv)); }
+int main(int argc, char** argv) { return moiregauge::internal::study::study(moiregauge::internal::study::words_of(argc, argv)); }

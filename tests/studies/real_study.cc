@@ -12,7 +12,7 @@
 #include "real/real_lattices.h"
 #include "real/real_pictures.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::Landmarks;
@@ -116,10 +116,10 @@ void print_acceptance(const SetViews& s) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 int main(int argc, char** argv) {
-  using namespace moiregauge;
+  using namespace moiregauge::internal;
   const std::string data = argc > 1 ? argv[1] : MOIREGAUGE_SOURCE_DIR "/tests/real/data";
   std::vector<SetViews> sets;
   for (const PhotoSet& set : test::kPhotoSets) sets.push_back({set, test::lattice_views(data, set)});

@@ -12,7 +12,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "paper/exact_points.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 namespace {
 
 using simulator::Scenario;
@@ -106,4 +106,4 @@ void print_residual_causes(std::span<const PaperCase> cases) {
   fmt::print("{}\n", paper);
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

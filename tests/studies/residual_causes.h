@@ -4,7 +4,7 @@
 
 #include <span>
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 struct PaperCase {
   const char* scenario;
@@ -15,4 +15,4 @@ struct PaperCase {
 // Prints a Markdown section: the largest error of dy over each case's run for every cause.
 void print_residual_causes(std::span<const PaperCase> cases);
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

@@ -12,7 +12,7 @@
 #include "studies/dice.h"
 #include "studies/trust_scenarios.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 using simulator::Scenario;
@@ -183,4 +183,4 @@ std::optional<Solution> measured(const Slip& slip, Footage footage) {
   return precise->solve(*reference, seen, slip.plan.solve);
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

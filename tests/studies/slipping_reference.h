@@ -8,7 +8,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 enum class Layout { kRows, kStrewn };  // two rows; anywhere, beside one another
 enum class Footage { kPictures, kPoints };
@@ -34,4 +34,4 @@ struct Slip {
 // Samples and notes; nothing if the reference frame was refused.
 [[nodiscard]] std::optional<Solution> measured(const Slip& slip, Footage footage);
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -15,7 +15,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using simulator::Scenario;
@@ -216,10 +216,10 @@ void study_camera(const StudyWords& words) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
 int main(int argc, char** argv) {
-  moiregauge::StudyWords words;
+  moiregauge::internal::StudyWords words;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--verbose") {
@@ -236,7 +236,7 @@ int main(int argc, char** argv) {
     }
   }
   fmt::print("| statement | is | runs | contradicted | lies among ok rows |\n|---|---|---|---|---|\n");
-  moiregauge::study_rest(words);
-  moiregauge::study_camera(words);
+  moiregauge::internal::study_rest(words);
+  moiregauge::internal::study_camera(words);
   return 0;
 }

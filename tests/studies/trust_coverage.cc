@@ -10,7 +10,7 @@
 #include "studies/in_parallel.h"
 #include "studies/trust_scenarios.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 constexpr double kInterval = 1.96;  // u: 95 % of a normal distribution
@@ -125,4 +125,4 @@ void print_coverage(int runs, const std::string& only, bool verbose) {
   }
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

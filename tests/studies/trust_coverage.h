@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 // How often the truth lies within 1.96 u: one row for each scenario whose name begins with `only`.
 void print_coverage(int runs, const std::string& only, bool verbose);
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

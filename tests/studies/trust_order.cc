@@ -12,7 +12,7 @@
 #include "studies/in_parallel.h"
 #include "studies/jumping_targets.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 constexpr double kWrong = 0.25;  // of a pitch
@@ -112,4 +112,4 @@ void print_orders(int samples, const std::string& only, bool verbose) {
   print_order("all", 0, all);
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -9,7 +9,7 @@
 #include "studies/in_parallel.h"
 #include "studies/slipping_reference.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 struct Outcome {
@@ -88,4 +88,4 @@ void print_reference_faults(int draws, const std::string& only, bool verbose) {
   }
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -8,7 +8,7 @@
 #include "moiregauge/calibration/scene/bundle.h"
 #include "studies/lens.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 namespace {
 
 using simulator::Scenario;
@@ -163,4 +163,4 @@ DrawnRun drawn_run(const TrustScenario& kind, int number) {
   return run;
 }
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

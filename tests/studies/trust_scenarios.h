@@ -11,7 +11,7 @@
 
 #include "common/simulated_run.h"
 
-namespace moiregauge::study {
+namespace moiregauge::internal::study {
 
 struct TrustScenario {
   std::string name;
@@ -30,4 +30,4 @@ struct DrawnRun {
 // Run `number` of it: another truth, other poses, another noise.
 [[nodiscard]] DrawnRun drawn_run(const TrustScenario& kind, int number);
 
-}  // namespace moiregauge::study
+}  // namespace moiregauge::internal::study

@@ -13,7 +13,7 @@
 #include "studies/trust_reference.h"
 
 int main(int argc, char** argv) {
-  using namespace moiregauge::study;
+  using namespace moiregauge::internal::study;
   bool coverage = false, order = false, reference = false, verbose = false;
   int runs = -1;
   std::string only;

@@ -10,7 +10,7 @@
 #include "moiregauge/io/pictures/picture_file.h"
 #include "moiregauge/io/pictures/picture_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
                                                                   const InputOptions& options) {
@@ -26,4 +26,4 @@ void add_max_pixels(CLI::App& command, std::int64_t& max_pixels) {
       ->type_name("N");
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

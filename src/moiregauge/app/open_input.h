@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Any INPUT: a folder of pictures, a printf pattern with --sequence, a picture or TIFF stack, else a video file.
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
@@ -21,4 +21,4 @@ namespace moiregauge {
 // The option that goes with it: --max-pixels.
 void add_max_pixels(CLI::App& command, std::int64_t& max_pixels);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

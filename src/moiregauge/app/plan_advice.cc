@@ -10,7 +10,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 using Advice = std::optional<std::string>;
@@ -192,4 +192,4 @@ std::vector<std::string> advice_for(const RecordingSetup& setup, bool rolls_unto
   return lines;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

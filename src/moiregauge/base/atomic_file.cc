@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 bool write_all(int file, std::string_view bytes) {
@@ -79,4 +79,4 @@ tl::expected<void, std::string> write_file_atomically(const std::string& path, s
   return {};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

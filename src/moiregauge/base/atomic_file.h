@@ -6,7 +6,7 @@
 
 #include <tl/expected.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Writes the whole file or leaves what was there: a temporary name beside it, fsync, rename, fsync of the folder.
 // An error reads "path: cannot be written: why"; the temporary file is gone then. (Where the folder's sync fails the
@@ -19,4 +19,4 @@ namespace moiregauge {
 // failure.
 [[nodiscard]] bool sync_folder(const std::string& folder);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/io/pictures/pictures_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(AtomicFile, TheNewFileReplacesTheOldOneWhole) {
@@ -28,4 +28,4 @@ TEST(AtomicFile, AFileThatCannotBeWrittenSaysWhyAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Character {
@@ -69,4 +69,4 @@ std::string with_controls_escaped(std::string_view text) {
   return shown;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

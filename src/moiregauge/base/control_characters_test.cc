@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(ControlCharacters, PlainTextOfAnyLanguageStaysAsItIs) {
@@ -37,4 +37,4 @@ TEST(ControlCharacters, BytesThatAreNoUtf8AreShownAsNumbers) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The check sum of PNG, gzip and Ethernet (polynomial 0x04C11DB7, reflected): finds every error of up to 32 bits in a
 // row. `so_far` continues the sum of what came before.
@@ -24,4 +24,4 @@ namespace moiregauge {
   return ~c;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Six decimals, no minus before zero, NaN for what is not known.
 [[nodiscard]] inline std::string csv_number(double value) {
@@ -24,4 +24,4 @@ namespace moiregauge {
   return quoted + "\"";
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

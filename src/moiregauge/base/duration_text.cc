@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 tl::expected<double, std::string> duration_s(const std::string& text) {
   // Divisors where they are exact in binary and factors are not.
@@ -32,4 +32,4 @@ tl::expected<double, std::string> duration_s(const std::string& text) {
   return tl::unexpected(fmt::format("\"{}\" has an unknown unit \"{}\": use ms, s or us", text, word));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

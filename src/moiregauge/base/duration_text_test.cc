@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(DurationText, ReadsMillisecondsSecondsAndMicroseconds) {
@@ -20,4 +20,4 @@ TEST(DurationText, RefusesWhatHasNoUnitAndWhatIsNoTime) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

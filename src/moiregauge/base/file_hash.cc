@@ -11,7 +11,7 @@
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/base/sha256.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 20;
@@ -55,4 +55,4 @@ std::string quick_fingerprint(const std::vector<std::string>& paths) {
   return fmt::format("{} files, {} bytes, {}", paths.size(), bytes, sum.hex());
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

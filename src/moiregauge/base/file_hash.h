@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // SHA-256 over the bytes of all files in order, as hexadecimal digits; a file that cannot be read adds nothing.
 // `go_on` is asked after every megabyte; once it says no the answer is empty.
@@ -16,4 +16,4 @@ namespace moiregauge {
 // SHA-256 of the first megabyte of the first file and the last megabyte of the last one.
 [[nodiscard]] std::string quick_fingerprint(const std::vector<std::string>& paths);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

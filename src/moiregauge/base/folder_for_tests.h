@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class TestFolder {
  public:
@@ -39,4 +39,4 @@ inline std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Divisors where they are exact in binary and factors are not: 10000um is 10 mm to the last bit.
@@ -53,4 +53,4 @@ tl::expected<double, std::string> length_mm(const std::string& text) {
   return tl::unexpected(fmt::format("\"{}\" has an unknown unit \"{}\": use mm, cm, m, um or in", text, word));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

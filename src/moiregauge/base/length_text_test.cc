@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(LengthText, TheSameLengthInAnyUnitIsTheSameNumber) {
@@ -27,4 +27,4 @@ TEST(LengthText, WhatIsNoLengthIsRefused) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

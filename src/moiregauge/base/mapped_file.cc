@@ -13,7 +13,7 @@
 #include <mutex>
 #include <optional>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // What the handler may look at: a signal waits for no lock.
@@ -101,4 +101,4 @@ void MappedFile::let_go(std::span<const std::byte> part) const {
   static_cast<void>(::madvise(reinterpret_cast<void*>(first), from + part.size() - first, MADV_DONTNEED));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The length is that of the moment of opening. Of a file that is cut short afterwards the pages behind its end cannot
 // be read: they turn to zeros under whoever reads them (a handler of SIGBUS, which passes on what is not ours), and
@@ -33,4 +33,4 @@ class MappedFile {
   std::size_t place_ = 0;  // among the mappings that the handler knows
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/base/folder_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(MappedFile, TheBytesOfTheFileAreThere) {
@@ -61,4 +61,4 @@ TEST(MappedFile, WhatCannotBeMappedIsNull) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Letters to insert, delete or replace (Levenshtein).
 [[nodiscard]] inline std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -45,4 +45,4 @@ namespace moiregauge {
   return edit_distance(word, nearest) <= forgiven ? std::optional(std::string(nearest)) : std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,11 +3,11 @@
 
 #include <string>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct OutputError {
   bool usage = false;   // the place is somebody else's: exit 2, not 6
   std::string message;  // "what: where: what to do"
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::string kind_of_mode(mode_t mode) {
@@ -46,4 +46,4 @@ tl::expected<OpenedFile, std::string> open_plain_file(const std::string& path) {
   return opened;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <tl/expected.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Returns what lies at a path that is no plain file, e.g. "a FIFO" or "a link that leads nowhere"; empty for a plain
 // file. Links are followed.
@@ -19,4 +19,4 @@ using OpenedFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 // Opens a plain file to read its bytes. Fails with the reason in words, e.g. "it is a FIFO" or "Permission denied".
 [[nodiscard]] tl::expected<OpenedFile, std::string> open_plain_file(const std::string& path);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct Sha256::State {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
@@ -32,4 +32,4 @@ std::string Sha256::hex() {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class Sha256 {
  public:
@@ -24,4 +24,4 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -14,7 +14,7 @@
 
 #include "moiregauge/calibration/scene/patch_residual.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A point this many standard uncertainties off counts by its distance, not its square.
@@ -142,4 +142,4 @@ std::vector<std::size_t> patch_of(std::span<const BoardPointSeen> points) {
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

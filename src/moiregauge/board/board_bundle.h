@@ -10,7 +10,7 @@
 
 #include "moiregauge/board/board_calibration.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Lens terms that are free; f, cx and cy always are.
 struct BoardModel {
@@ -72,4 +72,4 @@ struct BoardState {
 inline constexpr std::size_t kBoardPatches = 9;
 [[nodiscard]] std::vector<std::size_t> patch_of(std::span<const BoardPointSeen> points);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

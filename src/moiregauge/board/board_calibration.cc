@@ -9,7 +9,7 @@
 #include "moiregauge/board/board_work.h"
 #include "moiregauge/calibration/scene/frame_pose.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kLeastPoints = 9;
@@ -181,4 +181,4 @@ tl::expected<BoardCalibration, std::string> calibrate_board(std::span<const Boar
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

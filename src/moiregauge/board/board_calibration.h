@@ -14,7 +14,7 @@
 #include "moiregauge/calibration/scene/scene.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct BoardPointSeen {
   BoardPoint board;          // mm
@@ -79,4 +79,4 @@ struct BoardCalibration {
 // The nulls of one view under a camera.
 [[nodiscard]] BoardNull board_null(const BoardView& view, const Camera& camera);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kStep = 14.0;  // mm
@@ -234,4 +234,4 @@ TEST(MatchPlaces, TakesNoNoiseForAPrint) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

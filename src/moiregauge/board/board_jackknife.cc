@@ -4,7 +4,7 @@
 
 #include "moiregauge/board/board_bundle.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMinJackknifeViews = 3;
@@ -70,4 +70,4 @@ std::vector<double> misfit_ratios(const BoardData& data, const BoardPrior& prior
   return ratios;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

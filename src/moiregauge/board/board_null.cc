@@ -6,7 +6,7 @@
 #include "moiregauge/board/board_calibration.h"
 #include "moiregauge/geometry/view.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Corners = std::array<std::size_t, 4>;
@@ -78,4 +78,4 @@ BoardNull board_null(const BoardView& view, const Camera& camera) {
           null_of(view.points, seen, all, true), null_of(view.points, ideal, all, true)};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kAlike = 0.3;        // least correlation of what two views say of the same places
@@ -162,4 +162,4 @@ std::vector<MatchedView> match_places(const std::vector<std::vector<PlacedPoint>
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

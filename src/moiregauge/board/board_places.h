@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // One point of a view: its column and row as the view counts them (y up), and how far it was seen from its place, in
 // any unit of the board's.
@@ -26,4 +26,4 @@ struct MatchedView {
 };
 [[nodiscard]] std::vector<MatchedView> match_places(const std::vector<std::vector<PlacedPoint>>& views);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/board/board_work.h"
 #include "moiregauge/calibration/scene/frame_pose.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kPrintRounds = 3;  // scatter and print from the residuals of the last solution
@@ -116,4 +116,4 @@ void solve_with_places(BoardWork& work, const BoardModel& model) {
   if (work.places == 0 || !(work.print_mm > 0.0) || !work.state.solved) work = alone;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 BoardView board_view(const SeenBoard& board, double pitch_mm, int width, int height) {
   BoardView view{width, height, {}};
@@ -56,4 +56,4 @@ double focal_length_of(std::span<const IdealFromBoard> views, int width, int hei
   return f > 0.2 && f < 50.0 ? f * side : 1.2 * side;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

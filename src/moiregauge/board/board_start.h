@@ -8,7 +8,7 @@
 #include "moiregauge/board/board_calibration.h"
 #include "moiregauge/geometry/view.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The homography nearest to a view, the lens left in; empty when its points lie on a line.
 [[nodiscard]] std::optional<IdealFromBoard> plane_view(const BoardView& view);
@@ -17,4 +17,4 @@ namespace moiregauge {
 // (Zhang 2000, two equations a view). Views that face the board say nothing: then 1.2 times the picture's larger side.
 [[nodiscard]] double focal_length_of(std::span<const IdealFromBoard> views, int width, int height);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/calibration/scene/normal_inverse.h"
 #include "moiregauge/calibration/scene/patch_residual.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kPatchColumns = 2 * static_cast<int>(kBoardPatches);
@@ -122,4 +122,4 @@ CameraBlock uncertainty_of(const BoardData& data, const BoardPrior& prior, const
   return u;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

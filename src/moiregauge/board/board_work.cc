@@ -7,7 +7,7 @@
 #include "moiregauge/geometry/conic.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kOutlier = 5.0;  // standard uncertainties of a point
@@ -145,4 +145,4 @@ double patch_scatter(const BoardWork& work) {
   return count > 0.0 ? std::sqrt(std::max(0.0, sum / count)) : 0.0;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/board/board_bundle.h"
 #include "moiregauge/geometry/view.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct BoardWork {
   std::vector<const BoardView*> views;
@@ -49,4 +49,4 @@ void find_outliers(BoardWork& work);
 // everything else: a print's errors are the same in every view and must not pass for the lens.
 void solve_with_places(BoardWork& work, const BoardModel& model);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

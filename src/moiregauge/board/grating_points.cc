@@ -10,7 +10,7 @@
 #include "moiregauge/detection/gratings/grating_fit.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kLatticeReach = 1.25;  // pitches to either side of a point: what its lattice is fitted to
@@ -130,4 +130,4 @@ SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
   return board;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A lattice of fewer points than this may stand beside a larger grating: it is looked for.
@@ -69,4 +69,4 @@ std::optional<SeenBoard> find_board(const GreyPicture& picture) {
   return best;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/detection/lattices/indexed_lattice.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class BoardPattern { kDots, kCheckerboard, kGrating };
 [[nodiscard]] const char* name_of(BoardPattern pattern);
@@ -31,4 +31,4 @@ struct SeenBoard {
 // The points at which a crossed grating repeats, found from one to the next so that a lens may bend its rows.
 [[nodiscard]] SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

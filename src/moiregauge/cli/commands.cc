@@ -17,7 +17,7 @@
 #include "moiregauge/cli/reproduce/command_simulate.h"
 #include "moiregauge/version.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 namespace {
 
@@ -59,4 +59,4 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   return tree;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -6,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // -h is the list of options, --help the command's page (pages.h); main tells the two by what parsing throws. A command
 // that ran leaves its exit code in `exit_code`, which must outlive the tree.
 [[nodiscard]] std::unique_ptr<CLI::App> command_tree(int& exit_code);
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -21,34 +21,34 @@
 
 namespace {
 
-using moiregauge::Exit;
+using moiregauge::internal::Exit;
 
 // For comparisons: the bits are the same whatever is chosen.
 constexpr const char* kSimd = "MOIREGAUGE_SIMD";
 
 int run(int argc, char** argv) {
-  if (const char* simd = std::getenv(kSimd); simd != nullptr && !moiregauge::use_simd_target(simd))
-    return moiregauge::cli::fail(Exit::kUsage, fmt::format("unknown processor: {}={}: choose one of {}", kSimd, simd,
-                                                           fmt::join(moiregauge::simd_targets(), ", ")));
+  if (const char* simd = std::getenv(kSimd); simd != nullptr && !moiregauge::internal::use_simd_target(simd))
+    return moiregauge::internal::cli::fail(Exit::kUsage, fmt::format("unknown processor: {}={}: choose one of {}", kSimd, simd,
+                                                           fmt::join(moiregauge::internal::simd_targets(), ", ")));
   int exit_code = 0;
-  const auto tree = moiregauge::cli::command_tree(exit_code);
+  const auto tree = moiregauge::internal::cli::command_tree(exit_code);
   CLI::App& app = *tree;
   if (argc < 2) {
-    moiregauge::cli::print_out(moiregauge::cli::first_words(app));
+    moiregauge::internal::cli::print_out(moiregauge::internal::cli::first_words(app));
     return static_cast<int>(Exit::kUsage);
   }
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForAllHelp&) {
     const auto asked = app.get_subcommands();
-    moiregauge::cli::show_page(asked.empty() ? "moiregauge" : asked.front()->get_name());
+    moiregauge::internal::cli::show_page(asked.empty() ? "moiregauge" : asked.front()->get_name());
     return 0;
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
-    return moiregauge::cli::fail(Exit::kUsage, moiregauge::cli::usage_mistake(app, error));
+    return moiregauge::internal::cli::fail(Exit::kUsage, moiregauge::internal::cli::usage_mistake(app, error));
   }
   return exit_code;
 }
@@ -63,16 +63,16 @@ int main(int argc, char** argv) {
     exit_code = run(argc, argv);
   } catch (const std::system_error& error) {
     const bool lacks_threads = error.code() == std::errc::resource_unavailable_try_again;
-    exit_code = moiregauge::cli::fail(
+    exit_code = moiregauge::internal::cli::fail(
         lacks_threads ? Exit::kOutputUnwritable : Exit::kInternalError,
         lacks_threads ? fmt::format("no thread can start: {}: raise the limit on processes (ulimit -u)", error.what())
                       : fmt::format("internal error: {}: please report it with the input", error.what()));
   } catch (const std::exception& error) {
-    exit_code = moiregauge::cli::fail(Exit::kInternalError,
+    exit_code = moiregauge::internal::cli::fail(Exit::kInternalError,
                                       fmt::format("internal error: {}: please report it with the input", error.what()));
   }
-  if (moiregauge::cli::finish_output()) return exit_code;
-  return moiregauge::cli::fail(
+  if (moiregauge::internal::cli::finish_output()) return exit_code;
+  return moiregauge::internal::cli::fail(
       Exit::kOutputUnwritable,
       fmt::format("text was lost: standard output: {}: make room, or write it to another file", std::strerror(errno)));
 }

@@ -17,7 +17,7 @@
 #include "moiregauge/decoder/child/child_process.h"
 #include "moiregauge/decoder/stored/stored_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using wire::Kind;
@@ -237,4 +237,4 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::str
   return decoded(path, options, decoder);  // anew: its first frame is gone
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

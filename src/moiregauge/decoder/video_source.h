@@ -10,7 +10,7 @@
 
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct DecoderOptions {
   // The program whose `--decode-child` mode decodes. Every program linked with this module has that mode; only one
@@ -34,4 +34,4 @@ struct DecoderOptions {
                                                                                 const InputOptions& options,
                                                                                 const DecoderOptions& decoder = {});
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

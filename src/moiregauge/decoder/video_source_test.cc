@@ -16,7 +16,7 @@
 #include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/decoder/videos_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::ffmpeg, test::opened;
@@ -460,4 +460,4 @@ TEST(VideoSource, AnInputLeftHalfReadLeavesNoChildBehind) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 
 #include "moiregauge/decoder/video_source.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 inline void ffmpeg(const std::string& words) {
   ASSERT_EQ(std::system(("ffmpeg -nostdin -v error -y " + words).c_str()), 0) << words;
@@ -23,4 +23,4 @@ inline std::unique_ptr<FrameSource> opened(const std::string& path, const Decode
   return nullptr;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

@@ -7,7 +7,7 @@
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/sample_parts.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Is the marker read, and its lattice line beyond doubt?
@@ -98,4 +98,4 @@ FrameSeries with_codec_error(const BundleFrames& all, std::shared_ptr<const Code
       });
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/planning/codec_error.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Made from the observations, which must outlive it, as must the reference.
 struct BundleFrames {
@@ -25,4 +25,4 @@ struct BundleFrames {
 
 [[nodiscard]] std::size_t references_in(const Site& site, const BundleFrame& frame);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

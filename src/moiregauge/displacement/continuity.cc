@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 bool outruns(const Marker& target, std::span<const FrameStart> frames, std::size_t i) {
@@ -49,4 +49,4 @@ void doubt_after_leaps(const Site& site, std::span<Sample> samples) {
   }
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/calibration/scene/frame_series.h"
 #include "moiregauge/displacement/sample.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Pitches from one reading to the next up to which continuity gives the whole pitch.
 inline constexpr double kSureOfOrder = 0.25;
@@ -21,4 +21,4 @@ inline constexpr double kSureOfOrder = 0.25;
 // first one on that stands more than a quarter of a pitch from the one before.
 void doubt_after_leaps(const Site& site, std::span<Sample> samples);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

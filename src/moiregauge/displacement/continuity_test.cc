@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A target of 10 mm pitch seen at these heights, frame after frame; NaN: not seen.
@@ -72,4 +72,4 @@ TEST(Continuity, OfAFrameByFrameReadingEndsWithTheFirstLeapOfThatTargetAlone) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

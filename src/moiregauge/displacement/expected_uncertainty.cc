@@ -8,7 +8,7 @@
 #include "moiregauge/planning/codec_error.h"
 #include "moiregauge/planning/reference_weights.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The reading with the phase noise no estimator can beat: its region grown to the whole print.
@@ -92,4 +92,4 @@ std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& referen
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

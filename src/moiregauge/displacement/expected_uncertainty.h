@@ -8,7 +8,7 @@
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Standard uncertainties (k = 1) of a target's displacement since the reference frame along the board's axes, mm, of
 // both frames' noise and of a lossy codec. Not included: a lens, depth or a bent board, which show only when the camera
@@ -25,4 +25,4 @@ struct ExpectedUncertainty {
 [[nodiscard]] std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& reference,
                                                                       std::span<const Quantiser> later);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

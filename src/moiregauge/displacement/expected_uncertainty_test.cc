@@ -9,7 +9,7 @@
 #include "moiregauge/planning/codec_error.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kA = 380.0, kB = 28.0;  // mm, the rig's circles
@@ -94,4 +94,4 @@ TEST(ExpectedUncertainty, ATargetThatIsNotSeenPromisesNothing) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

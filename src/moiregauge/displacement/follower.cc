@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/follower.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A print whose outline is not where its phase would have it may be another print, or none: from such readings its
@@ -53,4 +53,4 @@ std::vector<Extent<frame::Board>> Follower::follow(const Reference& reference, c
   return travel;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

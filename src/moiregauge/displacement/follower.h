@@ -7,7 +7,7 @@
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/frame/observe.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Travel of every target since the reference frame, continued from frame to frame into the turn nearest the last one:
 // right as long as a target moves less than half a pitch (of its raster: a quarter diagonal for a checkerboard) between
@@ -28,4 +28,4 @@ class Follower {
 // A number of such a travel, to start or to predict from.
 [[nodiscard]] inline double or_zero(double travel_mm) { return std::isnan(travel_mm) ? 0.0 : travel_mm; }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

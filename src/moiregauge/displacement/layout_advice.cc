@@ -11,7 +11,7 @@
 #include "moiregauge/planning/layout_bound.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // One axis this many times worse than the other is worth a word: the layout does it, not the print.
@@ -90,4 +90,4 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
       turn_deg, lens);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/model/calibrate.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // One line for the target that is worst off, where its layout tells one axis several times worse than the other:
 // "references span 0.06 of their width in height: u_dx of 'mid' cannot be below 2.0 um, u_dy below 0.4 um: ..."
@@ -22,4 +22,4 @@ namespace moiregauge {
 // One line where the camera turns and goes so little in these frames that its lens was hardly put to the test.
 [[nodiscard]] std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

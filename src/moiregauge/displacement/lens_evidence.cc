@@ -8,7 +8,7 @@
 #include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Eigen::Vector2d;
@@ -183,4 +183,4 @@ LensEvidence lens_evidence(const Reference& reference, const Observations& obser
   return evidence;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 
 #include "moiregauge/observation/reference/observations.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct LensEvidence {
   double kappa_px = 0.0;  // radial displacement at the picture's corner, px
@@ -23,4 +23,4 @@ struct LensEvidence {
 
 [[nodiscard]] LensEvidence lens_evidence(const Reference& reference, const Observations& observations);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -14,7 +14,7 @@
 #include "moiregauge/observation/reference/observations.h"
 #include "moiregauge/units/frame_range.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using Samples = std::vector<Sample>;  // by observation, then by target in the site's order
 
@@ -88,4 +88,4 @@ inline constexpr std::string_view kDefaultMethod = "precise";
   return nullptr;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

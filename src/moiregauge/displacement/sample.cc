@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/sample.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 const char* word_for(Status status) {
   switch (status) {
@@ -33,4 +33,4 @@ const char* word_for(Status status) {
 
 bool has_numbers(Status status) { return status <= Status::kPartlyCovered; }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The closed list of displacement.csv's `status` (docs/file-formats.md).
 enum class Status {
@@ -73,4 +73,4 @@ struct Sample {
   Status status = Status::kLost;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Below this share of the reference frame's modulation the fringe is smeared, not merely dimmer.
@@ -89,4 +89,4 @@ Sample begun_sample(const Reference& reference, const Observation& seen, std::si
   return sample;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

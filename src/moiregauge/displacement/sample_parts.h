@@ -9,7 +9,7 @@
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/planning/reference_weights.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Noise of a patch along the board's axes, mm.
 [[nodiscard]] BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch);
@@ -36,4 +36,4 @@ namespace moiregauge {
 // The row to begin with: zero in the reference frame (by definition, and finished), else nothing measured.
 [[nodiscard]] Sample begun_sample(const Reference& reference, const Observation& seen, std::size_t marker);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

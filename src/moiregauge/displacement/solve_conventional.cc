@@ -10,7 +10,7 @@
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/planning/codec_error.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The camera has moved when the references have, by more than noise and a 1/2000 pitch.
@@ -137,4 +137,4 @@ Solution solve_conventional(const Reference& reference, const Observations& obse
   return solution;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

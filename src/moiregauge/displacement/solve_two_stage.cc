@@ -11,7 +11,7 @@
 #include "moiregauge/planning/codec_error.h"
 #include "moiregauge/planning/reference_weights.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A model error of this many times the noise is no longer an uncertainty one can state.
@@ -146,4 +146,4 @@ Solution solve_two_stage(const Reference& reference, const Observations& observa
   return solution;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/encoder/video_writer.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Row {
@@ -56,4 +56,4 @@ std::optional<std::string> problem_with(const VideoFormat& format) {
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

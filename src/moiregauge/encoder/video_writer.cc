@@ -13,7 +13,7 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kTicksPerSecond = 90000;
@@ -194,4 +194,4 @@ tl::expected<std::unique_ptr<VideoWriter>, std::string> VideoWriter::create(cons
   return writer;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

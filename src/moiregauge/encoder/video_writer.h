@@ -10,7 +10,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class VideoCodec {
   kFfv1,   // lossless, 8, 10 or 12 bits; for video.mkv
@@ -49,4 +49,4 @@ class VideoWriter {
   [[nodiscard]] virtual tl::expected<void, std::string> finish() = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

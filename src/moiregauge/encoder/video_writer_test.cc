@@ -11,7 +11,7 @@
 #include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/decoder/video_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Not smaller: of pictures of 64 x 48 px x264's widest instructions read beyond the end, and its bytes are chance.
@@ -168,4 +168,4 @@ TEST(VideoWriter, SaysWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

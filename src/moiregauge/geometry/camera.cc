@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Bent {
@@ -66,4 +66,4 @@ IdealPoint Camera::undistort(ImagePoint seen) const {
   return {fx * x + cx, fy * y + cy};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

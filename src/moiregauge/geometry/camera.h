@@ -9,7 +9,7 @@
 
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct Camera {
   int width = 0;  // px; 0: not stated
@@ -27,4 +27,4 @@ struct Camera {
   [[nodiscard]] bool is_distortion_free() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 
 #include "moiregauge/geometry/homography.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Centre of the ellipse into which `image_from_board` maps a circle; exact.
 // The offset from image_from_board(centre) is about r^2 sin(theta) cos(theta) f / Z^2 px at tilt theta (METHOD: 0.03 px at
@@ -24,4 +24,4 @@ template <typename To>
   return {pole.x() / pole.z(), pole.y() / pole.z()};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/geometry/homography.h"
 #include "moiregauge/geometry/pose.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using ImageFromBoard = Homography<frame::Image, frame::Board>;
@@ -157,4 +157,4 @@ TEST(Pose, DoesNotFollowFromThreePointsOnALine) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge::detail {
+namespace moiregauge::internal::detail {
 namespace {
 
 using Points = std::span<const Eigen::Vector2d>;
@@ -120,4 +120,4 @@ tl::expected<Matrix3, HomographyFailure> fit_homography(Points from, Points to) 
   return result / result(2, 2);
 }
 
-}  // namespace moiregauge::detail
+}  // namespace moiregauge::internal::detail

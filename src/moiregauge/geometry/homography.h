@@ -10,7 +10,7 @@
 
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using Matrix3 = Eigen::Matrix3d;
 using Matrix2 = Eigen::Matrix2d;
@@ -66,4 +66,4 @@ template <typename To, typename From>
   return Homography<To, From>(*h);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

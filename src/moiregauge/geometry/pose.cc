@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -96,4 +96,4 @@ std::optional<IdealFromBoard> view_of_three(std::span<const BoardPoint> board, s
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

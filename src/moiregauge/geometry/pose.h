@@ -9,7 +9,7 @@
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/geometry/view.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Where the camera is: X_cam = R(turn) (X, -Y, -Z) + shift for a board point (X, Y, Z) in mm; camera x right, y down, z
 // forward.
@@ -31,4 +31,4 @@ struct Pose {
                                                           std::span<const IdealPoint> ideal, const Camera& camera,
                                                           const IdealFromBoard& near);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

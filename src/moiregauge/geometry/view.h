@@ -8,7 +8,7 @@
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/geometry/homography.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using IdealFromBoard = Homography<frame::Ideal, frame::Board>;
 
@@ -33,4 +33,4 @@ struct View {
   }
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Asks for the pixels from x0 to x1 of row y, ends included, which must lie in the picture; a hint that changes nothing.
 template <typename Grey>
@@ -16,4 +16,4 @@ inline void fetch_row(const ImageView<Grey>& picture, int y, int x0, int x1) {
   for (int x = x0; x < x1 + kLine; x += kLine) __builtin_prefetch(row + std::min(x, x1));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kTilePixels = kGrainTile * kGrainTile;
@@ -166,4 +166,4 @@ void GrainSampler::add(const LumaView& luma, int white, bool is_still) {
   }
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

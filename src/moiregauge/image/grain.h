@@ -15,7 +15,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct PixelPosition {
   int x = 0, y = 0;
@@ -53,4 +53,4 @@ class GrainSampler {
   GrainSums still_, moving_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSide = 256, kFrames = 40;
@@ -106,4 +106,4 @@ TEST(Grain, ClippedTilesAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

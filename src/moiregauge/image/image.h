@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A read-only window on somebody else's pixels; passed by value, never owns.
 template <typename Grey>
@@ -64,4 +64,4 @@ using LumaView = std::variant<ImageView<std::uint8_t>, ImageView<std::uint16_t>>
   return std::visit([](const auto& view) { return view.height; }, luma);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

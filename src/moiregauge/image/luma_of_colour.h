@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Weights 0.301, 0.586, 0.113 of 256; at 16 bits the sum stays below 2^24.
 template <typename Grey>
@@ -14,4 +14,4 @@ template <typename Grey>
 }
 static_assert(luma_of_colour<std::uint8_t>(255, 255, 255) == 255, "white stays white");
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

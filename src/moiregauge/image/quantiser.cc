@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kQuartile = 0.75;
@@ -43,4 +43,4 @@ double step_of_jpeg_table(std::span<const std::uint16_t, 64> zigzag) {
   return std::sqrt(sum / static_cast<double>(kLastEntry - kFirstEntry + 1));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

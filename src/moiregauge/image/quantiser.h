@@ -13,7 +13,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct Quantiser {
   double step = 0.0;       // grey levels; 0: nothing is lost; NaN: something is, how much is not known
@@ -59,4 +59,4 @@ struct QuantiserMap {
 // the mean), which is where prints of four pixels a period and more keep their movement.
 [[nodiscard]] double step_of_jpeg_table(std::span<const std::uint16_t, 64> zigzag);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

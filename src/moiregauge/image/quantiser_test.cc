@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(Quantiser, SixParametersDoubleTheStep) {
@@ -60,4 +60,4 @@ TEST(Quantiser, AJpegTableOfOneValueHasItAsStepWhateverItsMeanAndItsFinestEntrie
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Writes the picture turned clockwise by 0, 90, 180 or 270 degrees, rows packed, to `out` (width * height words).
 template <typename Grey>
@@ -37,4 +37,4 @@ template <typename Grey>
   return shown;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

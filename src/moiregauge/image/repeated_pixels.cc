@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kSameStep = 0.125;  // of the least jump
@@ -58,4 +58,4 @@ LumaView part_of(const LumaView& luma, int x0, int y0, int x1, int y1) {
       luma);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Steps on slopes of a picture, along its rows or its columns.
 struct SlopeSteps {
@@ -19,4 +19,4 @@ struct SlopeSteps {
 // Returns that part of a picture; it is cut to the picture.
 [[nodiscard]] LumaView part_of(const LumaView& luma, int x0, int y0, int x1, int y1);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

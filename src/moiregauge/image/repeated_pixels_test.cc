@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Dark lines every `pitch` px, turned by 0.05 rad, edges blurred to 10 to 90 % over two pixels; every pixel shows the
@@ -46,4 +46,4 @@ TEST(RepeatedPixels, OfAnEnlargedPictureAreCounted) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 const double kPole =
@@ -54,4 +54,4 @@ void Spline::prefilter() {
   filter_columns(coefficients_);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

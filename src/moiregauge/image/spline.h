@@ -6,7 +6,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // px left round what is read, so that the spline does not feel where its part ends (0.27^12 = 1e-7).
 inline constexpr int kSplineRim = 12;
@@ -61,4 +61,4 @@ class Spline {
   Image<double> coefficients_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 template <typename Level>
@@ -81,4 +81,4 @@ TEST(Spline, TheImageOfAFringeIsAsFaintAsTheSpectrumOfTheSplineSays) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Kind = ToneCurve::Kind;
@@ -114,4 +114,4 @@ std::optional<ToneCurve> tone_curve_named(std::string_view name) {
   return ToneCurve{.kind = Kind::kGamma, .gamma = gamma};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

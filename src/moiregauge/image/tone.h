@@ -11,7 +11,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct ToneCurve {
   enum class Kind { kLinear, kSrgb, kBt709, kHlg, kPq, kGamma };
@@ -53,4 +53,4 @@ void to_light(const LumaView& luma, const std::vector<std::uint16_t>& table, Ima
 // Returns the curve of a name; nothing for another word, or a gamma outside 0.2 to 5.
 [[nodiscard]] std::optional<ToneCurve> tone_curve_named(std::string_view name);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Kind = ToneCurve::Kind;
@@ -49,4 +49,4 @@ TEST(Tone, ItsNameLeadsBackToTheCurve) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The upper eight of the `bits` that are significant.
 [[nodiscard]] inline Image<std::uint8_t> upper_bits(const LumaView& luma, int bits) {
@@ -25,4 +25,4 @@ namespace moiregauge {
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

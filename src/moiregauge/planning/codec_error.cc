@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kOwnShare = 0.55, kSharedShare = 0.2;
@@ -150,4 +150,4 @@ BoardExtent codec_mm(const Reference& reference, std::size_t marker, const Patch
   return {std::hypot(c * u[0], s * u[1]), std::hypot(s * u[0], c * u[1])};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -21,7 +21,7 @@
 #include "moiregauge/observation/reference/observations.h"
 #include "moiregauge/planning/reference_weights.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The part of the dead zone that is one standard uncertainty. Measured on x264, constant rate factors 18 to 28, prints
 // of 60 to 170 grey levels: targets creeping before a still camera err by 0.1 to 0.6 of it rms and by 1.1 at most;
@@ -67,4 +67,4 @@ class CodecHistory {
 [[nodiscard]] BoardExtent codec_mm(const Reference& reference, std::size_t marker, const PatchReading& patch,
                                    const Quantiser& quantiser, Lag lag);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr Quantiser kPredicted{10.0, true}, kAlone{10.0, false};
@@ -112,4 +112,4 @@ TEST(CodecHistory, AStreamThatDoesNotTellCountsAsAUsualOne) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

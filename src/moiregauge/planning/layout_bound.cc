@@ -10,7 +10,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kNoInformation = 1e-6;  // relative to the other axis, or to the best determined parameter
@@ -140,4 +140,4 @@ Extent<frame::Board> layout_bound(const Reference& reference, std::size_t target
   return {std::sqrt(variance.x()), std::sqrt(variance.y())};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // kPhase: the fundamental of each print; kFull: every edge that its template holds.
 enum class Bound { kPhase, kFull };
@@ -38,4 +38,4 @@ inline constexpr double kUndetermined = std::numeric_limits<double>::quiet_NaN()
 // An axis that the print does not show is NaN; so are both where prints are not learned or references do not suffice.
 [[nodiscard]] Extent<frame::Board> layout_bound(const Reference& reference, std::size_t target, Bound bound);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kBoundPitch_mm = 10.0, kPixels = 6400.0, kSigma = 1.5;
@@ -86,4 +86,4 @@ TEST(LayoutBound, ReferencesOnALineDetermineNothing) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

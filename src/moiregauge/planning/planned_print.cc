@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
@@ -60,4 +60,4 @@ PrintTemplate planned_print(Pattern pattern, double pitch_px, const PlannedOptic
   return {order, series};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include "moiregauge/phase/fit/print_template.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct PlannedOptics {
   double contrast = 170.0;    // grey levels from ink to paper
@@ -20,4 +20,4 @@ struct PlannedOptics {
 // lines. At least 2.5 px of pitch.
 [[nodiscard]] PrintTemplate planned_print(Pattern pattern, double pitch_px, const PlannedOptics& optics);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

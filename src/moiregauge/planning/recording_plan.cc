@@ -13,7 +13,7 @@
 #include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kRounding = 1.0 / 12.0;  // variance of a whole grey level
@@ -290,4 +290,4 @@ std::optional<BetterLayout> better_layout(const RecordingSetup& setup) {
   return found;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/planning/planned_print.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A swing: amplitude (half of peak to peak) and frequency. of the target in mm, of the camera in rad.
 struct Swing {
@@ -86,4 +86,4 @@ struct BetterLayout {
 inline constexpr double kWeakAxis = 2.0;
 [[nodiscard]] std::optional<BetterLayout> better_layout(const RecordingSetup& setup);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Marker marker(const char* name, Role role, BoardPoint centre, double size) {
@@ -140,4 +140,4 @@ TEST(RecordingPlan, RowsReadLaterSeeACameraThatHasGoneOn) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

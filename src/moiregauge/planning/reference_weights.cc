@@ -5,7 +5,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using FieldRows = Eigen::Matrix<double, 2, 8>;
@@ -47,4 +47,4 @@ Extent<frame::Board> through_references(std::span<const Matrix2> weights, std::s
   return {std::sqrt(xx), std::sqrt(yy)};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/geometry/homography.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using BoardExtent = Extent<frame::Board>;
 
@@ -25,4 +25,4 @@ using BoardExtent = Extent<frame::Board>;
 [[nodiscard]] Extent<frame::Board> through_references(std::span<const Matrix2> weights,
                                                       std::span<const Extent<frame::Board>> u);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <zlib.h>
 #include <nlohmann/json.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kMostQuanta = 2251799813685248.0;  // 2^51: differences stay exact in a browser's numbers
@@ -70,4 +70,4 @@ double decade_below(double value, double least) {
   return std::pow(10.0, std::floor(std::log10(value) + 1e-9));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class PackedColumns {
  public:
@@ -39,4 +39,4 @@ class PackedColumns {
 // The power of ten at or below `value`, at least `least`: a quantum of `value` that reads well.
 [[nodiscard]] double decade_below(double value, double least);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

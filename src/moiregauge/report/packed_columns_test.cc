@@ -8,7 +8,7 @@
 #include <zlib.h>
 #include <nlohmann/json.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::vector<std::uint8_t> bytes_of_base64(const std::string& text) {
@@ -96,4 +96,4 @@ TEST(PackedColumns, AQuantumIsAPowerOfTen) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 
 #include "moiregauge/drawing/surface/surface.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kWidest = 1600;  // px: a page's column on a screen of twice the usual density
@@ -109,4 +109,4 @@ std::vector<std::uint8_t> page_picture(std::span<const std::uint8_t> png) {
   return {out.bytes, out.bytes + out.size};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A PNG's picture as a JPEG, at most 1600 px wide; the PNG itself where that is smaller or cannot be read.
 [[nodiscard]] std::vector<std::uint8_t> page_picture(std::span<const std::uint8_t> png);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/drawing/surface/png_bytes.h"
 #include "moiregauge/drawing/surface/surface.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::uint64_t kSeedOfNoise = 20261122;
@@ -54,4 +54,4 @@ TEST(PagePicture, ThatCannotBeReadStays) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

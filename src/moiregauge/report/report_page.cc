@@ -13,7 +13,7 @@
 #include "moiregauge/report/report_words.h"
 #include "moiregauge/version.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -232,4 +232,4 @@ std::string report_page(const Measurement& m, const MeasureOptions& options, con
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

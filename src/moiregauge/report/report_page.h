@@ -12,7 +12,7 @@
 
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // run_json, overlay   as they are written beside the page; an empty overlay leaves its picture out
 [[nodiscard]] std::string report_page(const Measurement& measurement, const MeasureOptions& options,
@@ -21,4 +21,4 @@ namespace moiregauge {
 // The page as it was bundled, with its two marks. Generated (cmake/EmbedFile.cmake).
 [[nodiscard]] std::string_view report_template();
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/observation/reference/scale_check.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMostWorded = 3;  // peaks of a target that are put into words
@@ -281,4 +281,4 @@ Words words_of(const WordedRun& run) {
   return words;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

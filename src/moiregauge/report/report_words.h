@@ -8,7 +8,7 @@
 #include "moiregauge/results/camera_motion.h"
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // 95 % of a normal distribution.
 inline constexpr double kCover95 = 1.96;
@@ -37,4 +37,4 @@ struct StatusWords {
 // A value with its 95 % interval, no more digits than that deserves: "2.0000 mm up (± 0.0012 mm)".
 [[nodiscard]] std::string with_interval(double value_mm, double u_mm, const char* above, const char* below);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/report/report_page.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Two targets over four frames, the first the reference frame: `mid` goes up by 2 mm, `end` stands.
@@ -126,4 +126,4 @@ TEST(ReportPage, NoTextOfARunEndsItsScript) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/geometry/pose.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Matrix3 rotation_of(const IdealFromBoard& view, const Camera& camera) {
@@ -60,4 +60,4 @@ std::optional<Camera> known_camera(const Reference& reference, const std::option
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // One entry per observation; NaN where the references were not seen. Since the reference frame.
 struct CameraMotion {
@@ -28,4 +28,4 @@ struct CameraMotion {
 // The camera to give to it: the solved one where the footage determines its focal length, else the given one.
 [[nodiscard]] std::optional<Camera> known_camera(const Reference& reference, const std::optional<Scene>& scene);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

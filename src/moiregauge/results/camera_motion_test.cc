@@ -9,7 +9,7 @@
 #include "moiregauge/geometry/pose.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Camera camera_of_the_rig() {
@@ -82,4 +82,4 @@ TEST(KnownCamera, IsNotOneThatTheFootageDidNotTell) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

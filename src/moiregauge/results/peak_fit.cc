@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kTurnsPerHz = 2.0 * std::numbers::pi;
@@ -253,4 +253,4 @@ void PeakFits::settle(std::vector<Peak>& found) {
   }
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

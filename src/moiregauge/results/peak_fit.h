@@ -7,7 +7,7 @@
 #include "moiregauge/results/peaks.h"
 #include "moiregauge/results/sine_fit.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class PeakFits {
  public:
@@ -40,4 +40,4 @@ class PeakFits {
   std::vector<Fit> fits_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

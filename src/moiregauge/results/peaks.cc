@@ -11,7 +11,7 @@
 #include "moiregauge/results/peak_fit.h"
 #include "moiregauge/results/random_fit.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Chance alone makes one of 10^7 ordinates stand out so far (5.2 standard deviations of a normal distribution).
@@ -195,4 +195,4 @@ std::vector<TargetSpectra> spectra_of(const Samples& samples, const std::vector<
   return spectra;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

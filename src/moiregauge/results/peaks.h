@@ -12,7 +12,7 @@
 #include "moiregauge/results/spectrum.h"
 #include "moiregauge/results/summary.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class PeakKind { kSteady, kDecay, kRandom };
 [[nodiscard]] const char* word_for(PeakKind kind);
@@ -48,4 +48,4 @@ struct TargetSpectra {
 };
 [[nodiscard]] std::vector<TargetSpectra> spectra_of(const Samples& samples, const std::vector<TargetSummary>& targets);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kCorrelated = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
@@ -143,4 +143,4 @@ std::optional<RandomFit> fit_random(const Spectrum& of_all, double around_hz, do
   return RandomFit{f0, f0 * std::sqrt(covariance(1, 1)), zeta, zeta * std::sqrt(covariance(2, 2)), std::exp(p[0])};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

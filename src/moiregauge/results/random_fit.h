@@ -12,7 +12,7 @@
 
 #include "moiregauge/results/spectrum.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct RandomFit {
   double frequency_hz = 0.0, u_frequency_hz = 0.0;
@@ -29,4 +29,4 @@ struct RandomFit {
 [[nodiscard]] std::optional<RandomFit> fit_random(const Spectrum& of_all, double around_hz, double lowest_hz,
                                                   double highest_hz);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The mean of the steps that are about as long as most: what was dropped makes longer ones.
@@ -80,4 +80,4 @@ tl::expected<EvenTimes, std::string> even_times(const Series& series) {
   return times;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A value per frame, in time order; NaN is a gap. Spectra and fits stand on rows with status `ok` alone.
 struct Series {
@@ -40,4 +40,4 @@ inline constexpr double kOffGridAllowed = 0.2;
 // fails   why there is no even grid: no times, or times that wander
 [[nodiscard]] tl::expected<EvenTimes, std::string> even_times(const Series& series);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

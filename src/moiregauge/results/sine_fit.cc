@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSinePasses = 10;
@@ -188,4 +188,4 @@ std::vector<double> slow_part(const TimedValues& samples, double spacing_s) {
   return slow;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -14,7 +14,7 @@
 
 #include <Eigen/Core>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Samples in time order, none of them a gap; they need not be even.
 struct TimedValues {
@@ -46,4 +46,4 @@ struct SineFit {
 // What moves slowly: straight lines between knots, `spacing_s` apart, by least squares. One value per sample.
 [[nodiscard]] std::vector<double> slow_part(const TimedValues& samples, double spacing_s);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <unsupported/Eigen/FFT>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Correlation of |X|^2 of two Hann segments that overlap by half (Welch 1967, Eq. (13)).
@@ -114,4 +114,4 @@ Spectrum periodogram(const double* value, std::size_t count, double interval_s) 
   return spectrum;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

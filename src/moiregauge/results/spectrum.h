@@ -8,7 +8,7 @@
 
 #include "moiregauge/results/series.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct Spectrum {
   std::vector<double> frequency_hz;
@@ -31,4 +31,4 @@ inline constexpr std::size_t kMostSegment = 16384;
 // The same of one segment as long as the samples, which are even: for what needs all the resolution there is.
 [[nodiscard]] Spectrum periodogram(const double* value, std::size_t count, double interval_s);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 
 #include "moiregauge/results/random_fit.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
@@ -258,4 +258,4 @@ TEST(Spectrum, AHandfulOfFramesIsRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using BoardExtent = Extent<frame::Board>;
@@ -85,4 +85,4 @@ Exit exit_of(const Samples& samples, long reference_frame, bool input_damaged) {
   return Exit::kMeasured;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

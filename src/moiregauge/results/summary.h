@@ -8,7 +8,7 @@
 
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct TargetSummary {
   std::size_t marker = 0;                     // index in the site
@@ -43,4 +43,4 @@ inline constexpr double kNotOkShare = 0.01;
 // kMeasured, kRefused (no `ok` row beside the reference frame's) or kIncomplete (too many rows not ok, or damaged input).
 [[nodiscard]] Exit exit_of(const Samples& samples, long reference_frame, bool input_damaged);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/run/codec.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMaxTiles = 96;
@@ -229,4 +229,4 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
       remedy};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

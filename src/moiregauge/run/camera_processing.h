@@ -12,7 +12,7 @@
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The evidence in a run's pixels.
 struct CameraProcessing {
@@ -56,4 +56,4 @@ struct ProcessingFault {
 [[nodiscard]] std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
                                                                 Samples& samples);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

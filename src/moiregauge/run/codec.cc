@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 void include(PixelRectangle& at, ImagePoint p) {
@@ -93,4 +93,4 @@ std::optional<std::string> codec_note(const Measurement& measurement) {
   return fmt::format("{}: movement below about {:.3f} mm may not show: record intra-only or raw", begin, 2.0 * u_mm);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

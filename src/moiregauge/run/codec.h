@@ -8,7 +8,7 @@
 
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // In the picture as displayed, px.
 struct PixelRectangle {
@@ -32,4 +32,4 @@ void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Came
 // What the user should know about compressed footage; nothing of any other.
 [[nodiscard]] std::optional<std::string> codec_note(const Measurement& measurement);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Interval {
@@ -57,4 +57,4 @@ std::vector<std::string> notes_on_frames(const Observations& frames) {
   return notes;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,11 +7,11 @@
 
 #include "moiregauge/observation/reference/observations.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // One sentence each, none where all is well. A sentence that starts with "note: " is about a property of the input, not
 // about a fault. A gap in time is one that is half as long again as the median interval of a frame; damaged frames,
 // which may have lost their times, count neither way.
 [[nodiscard]] std::vector<std::string> notes_on_frames(const Observations& frames);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

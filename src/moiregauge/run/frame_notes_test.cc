@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::vector<Observation> frames_at(const std::vector<double>& times) {
@@ -50,4 +50,4 @@ TEST(FrameNotes, DamagedFramesAreCountedAndTheirTimesAreNot) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

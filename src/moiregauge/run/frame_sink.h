@@ -6,7 +6,7 @@
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class FrameSink {
  public:
@@ -16,4 +16,4 @@ class FrameSink {
   virtual void add(const Frame& frame, int bits, const Reference* reference, const Observation& seen) = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

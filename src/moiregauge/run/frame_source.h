@@ -14,7 +14,7 @@
 #include "moiregauge/image/quantiser.h"
 #include "moiregauge/image/tone.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // run.json's `input` block.
 struct InputInfo {
@@ -68,4 +68,4 @@ struct InputOptions {
   std::int64_t max_pixels = 64'000'000;  // --max-pixels: a picture that claims more is not decoded
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Told of everything once and in order, but for what a run that goes on was given (WatchDoors::so_far).
 class JournalSink {
@@ -21,4 +21,4 @@ class JournalSink {
   [[nodiscard]] virtual bool good() const = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

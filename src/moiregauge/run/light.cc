@@ -8,7 +8,7 @@
 #include "moiregauge/phase/fit/tone_evidence.h"
 #include "moiregauge/run/codec.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Prints are not perfect: ink spreads, and paper glows next to it. Such asymmetry of an edge looks like a
@@ -98,4 +98,4 @@ std::vector<double> light_per_grey(const Reference& reference, const LumaView& s
   return ratios;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

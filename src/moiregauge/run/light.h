@@ -7,7 +7,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Pictures of one recording, mapped to light where their tone curve is not a straight line.
 class LightMap {
@@ -37,4 +37,4 @@ class LightMap {
 [[nodiscard]] std::vector<double> light_per_grey(const Reference& reference, const LumaView& stored,
                                                  const LumaView& light);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

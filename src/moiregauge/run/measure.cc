@@ -16,7 +16,7 @@
 #include "moiregauge/run/light.h"
 #include "moiregauge/run/repeated_frames.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Observation unmeasured(const Frame& frame, std::size_t markers, std::string why) {
@@ -476,4 +476,4 @@ tl::expected<Measurement, InputError> measure(const OpenInput& open, const Measu
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -20,7 +20,7 @@
 #include "moiregauge/site/print_scale.h"
 #include "moiregauge/units/frame_range.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct MeasureOptions {
   const Method* method = nullptr;
@@ -104,4 +104,4 @@ void conclude(const MeasureOptions& options, Measurement& out);
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                                             const OnProgress& on_progress, FrameSink* frames = nullptr);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

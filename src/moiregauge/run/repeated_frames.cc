@@ -5,7 +5,7 @@
 #include <utility>
 #include <variant>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kRowStep = 16;
@@ -37,4 +37,4 @@ bool RepeatedFrames::repeats(const LumaView& luma) {
   return std::exchange(last_, hash) == hash;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class RepeatedFrames {
  public:
@@ -19,4 +19,4 @@ class RepeatedFrames {
   std::optional<std::uint64_t> last_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

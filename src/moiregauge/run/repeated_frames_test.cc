@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Image<std::uint8_t> picture(int changed_x) {
@@ -28,4 +28,4 @@ TEST(RepeatedFrames, AreToldFromFramesThatDifferInOnePixelOfARowLookedAt) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

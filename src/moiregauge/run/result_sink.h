@@ -7,7 +7,7 @@
 #include "moiregauge/base/output_error.h"
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class ResultSink {
  public:
@@ -17,4 +17,4 @@ class ResultSink {
                                                               const MeasureOptions& options) = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 
 #include "moiregauge/drawing/surface/canvas.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 using figure::Align;
@@ -169,4 +169,4 @@ void draw_sheet(cairo_t* cr, const Sheet& sheet, const Ink& ink) {
   draw_words(cr, sheet);
 }
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

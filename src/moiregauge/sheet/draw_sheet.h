@@ -9,7 +9,7 @@
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 
 // On cairo in millimetres, y downwards, the page's upper left corner at (0, 0).
 void draw_sheet(_cairo* cr, const Sheet& sheet, const Ink& ink);
@@ -24,4 +24,4 @@ void draw_sheet(_cairo* cr, const Sheet& sheet, const Ink& ink);
 // "10 mm crossed lines"; of prints that differ all of them.
 [[nodiscard]] std::string words_for_prints(const std::vector<Marker>& markers);
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

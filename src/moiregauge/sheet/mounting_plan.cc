@@ -10,7 +10,7 @@
 #include "moiregauge/sheet/draw_sheet.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 using figure::Align;
@@ -185,4 +185,4 @@ void draw_mounting_plan(_cairo* cr, const SheetSet& set) {
   }
 }
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

@@ -6,9 +6,9 @@
 
 struct _cairo;  // cairo_t, kept out of our headers
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 
 [[nodiscard]] Paper plan_paper();  // A4, lying
 void draw_mounting_plan(_cairo* cr, const SheetSet& set);
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

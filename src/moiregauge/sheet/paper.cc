@@ -5,7 +5,7 @@
 #include <array>
 #include <cctype>
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 struct Size {
@@ -47,4 +47,4 @@ Extent<frame::Board> room_on(const Paper& paper) {
   return {paper.width_mm - kEdges.left - kEdges.right, paper.height_mm - kEdges.top - kEdges.bottom};
 }
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/point.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 
 struct Paper {
   std::string name;  // "A3", "300 x 400 mm"
@@ -34,4 +34,4 @@ inline constexpr Edges kEdges{};
 // What is left, mm.
 [[nodiscard]] Extent<frame::Board> room_on(const Paper& paper);
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

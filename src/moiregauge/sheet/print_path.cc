@@ -12,7 +12,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 constexpr double kMostDots = 40e6;
@@ -165,4 +165,4 @@ void print_circle(cairo_t* cr, double diameter_mm, PagePoint centre, const Ink& 
   cairo_fill(cr);
 }
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

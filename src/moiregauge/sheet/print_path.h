@@ -6,7 +6,7 @@
 
 struct _cairo;  // cairo_t, kept out of our headers
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 
 struct Ink {
   double density = 1.0;   // of what is dark: 1 is black, 0.6 a grey of 60 %
@@ -30,4 +30,4 @@ void paint_cosines(_cairo* cr, const Sheet& sheet, const Ink& ink);
 // Grey value (0 black, 1 white) of a cosine print at a place in pitches from its symmetry point, a crest.
 [[nodiscard]] double cosine_grey(double x, double y, const Ink& ink);
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 // By its diameter identification knows it from the others: nine of its spreads of 2.5 %.
@@ -146,4 +146,4 @@ Extent<frame::Board> widest_span(const SetRequest& r, Extent<frame::Board> room)
           rounded(room.y - std::max(kMarkedCircle * s.circle, s.reference) - 2.0 * quiet)};
 }
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

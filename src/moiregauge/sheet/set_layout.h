@@ -11,7 +11,7 @@
 
 #include "moiregauge/site/site.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 
 struct SetRequest {
   double pitch_mm = 10.0;
@@ -50,4 +50,4 @@ struct Box {
 // than 10 cm, else in millimetres. Not positive: nothing fits.
 [[nodiscard]] Extent<frame::Board> widest_span(const SetRequest& request, Extent<frame::Board> room);
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

@@ -7,7 +7,7 @@
 
 #include "moiregauge/detection/identity/layout_symmetry.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 SetRequest rig() {
@@ -108,4 +108,4 @@ TEST(SetLayout, ATurnedPrintReachesFurther) {
 }
 
 }  // namespace
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

@@ -14,7 +14,7 @@
 #include "moiregauge/sheet/draw_sheet.h"
 #include "moiregauge/sheet/mounting_plan.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 constexpr double kPointsPerMm = 72.0 / 25.4;
@@ -113,4 +113,4 @@ SheetFiles files_of(const SheetSet& set, const Ink& ink, const std::string& crea
   return files;
 }
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

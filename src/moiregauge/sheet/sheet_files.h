@@ -10,7 +10,7 @@
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 
 struct SheetFiles {
   std::string pdf;                                       // sheets.pdf
@@ -21,4 +21,4 @@ struct SheetFiles {
 // `created`: date of the PDFs as in "2026-03-01T12:00:00Z"; empty: none is written. Empty bytes: cairo had no memory.
 [[nodiscard]] SheetFiles files_of(const SheetSet& set, const Ink& ink, const std::string& created);
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

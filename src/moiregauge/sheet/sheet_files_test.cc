@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 PageRequest on(const char* paper) { return {*standard_paper(paper), Orientation::kAuto, Together::kWhereTheyFit}; }
@@ -81,4 +81,4 @@ TEST(CosinePrint, ACrestIsWhiteATroughIsBlack) {
 }
 
 }  // namespace
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 namespace {
 
 constexpr double kRounding_mm = 1e-6;
@@ -98,4 +98,4 @@ PagePoint on_page(const Sheet& sheet, BoardPoint p) {
   return {kEdges.left + 0.5 * room.x + p.x - sheet.middle.x, kEdges.top + 0.5 * room.y - (p.y - sheet.middle.y)};
 }
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

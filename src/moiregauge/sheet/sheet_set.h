@@ -11,7 +11,7 @@
 #include "moiregauge/sheet/paper.h"
 #include "moiregauge/sheet/set_layout.h"
 
-namespace moiregauge::sheet {
+namespace moiregauge::internal::sheet {
 
 enum class Orientation { kAuto, kPortrait, kLandscape };
 enum class Together { kWhereTheyFit, kNever };
@@ -49,4 +49,4 @@ struct PagePoint {
 };
 [[nodiscard]] PagePoint on_page(const Sheet& sheet, BoardPoint p);
 
-}  // namespace moiregauge::sheet
+}  // namespace moiregauge::internal::sheet

@@ -4,7 +4,7 @@
 
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 inline constexpr double kPitch_mm = 6.0;
 
@@ -24,4 +24,4 @@ inline Scenario lines(Pattern pattern) {
 inline double px_per_mm(const Scenario& scenario) { return scenario.camera.fx / scenario.mount.distance_mm; }
 inline double pitch_px(const Scenario& scenario) { return kPitch_mm * px_per_mm(scenario); }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -6,7 +6,7 @@
 #include "moiregauge/simulator/faults_for_tests.h"
 #include "moiregauge/simulator/rendering/texture.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 // Mean and rms of the grey levels in two whole pitches about the print's middle, of the light alone.
@@ -98,4 +98,4 @@ TEST(Ink, GrainHasTheRmsItStates) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/faults_for_tests.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 // Amplitude of the print's first harmonic along x; the picture shows it upright and whole. Its sign is that of the
@@ -180,4 +180,4 @@ TEST(FinePitch, IsAsFaintAsPointSpreadAndPixelLeaveIt) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

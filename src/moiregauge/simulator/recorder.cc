@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 // The mean of a picture's difference from another over 3 x 3 pixels: motion, not noise.
@@ -106,4 +106,4 @@ Picture Recorder::frame(long number) {
   return filter_.next(render_still(scenario_, next_++, options_));
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -7,7 +7,7 @@
 
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // True when a frame's stored picture depends on those before it.
 [[nodiscard]] bool has_temporal_steps(const Scenario& scenario);
@@ -42,4 +42,4 @@ class Recorder {
   long next_ = 0;
 };
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -16,7 +16,7 @@
 #include "moiregauge/simulator/scenario/gaussian.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 // What turns light into stored numbers.
@@ -209,4 +209,4 @@ Image<double> render_ideal(const Scenario& scenario, long frame, const RenderOpt
   });
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

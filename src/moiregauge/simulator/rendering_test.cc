@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 constexpr double kPitch_mm = 10.0;
@@ -130,4 +130,4 @@ TEST(Rendering, TheLensIsTakenBackExactly) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

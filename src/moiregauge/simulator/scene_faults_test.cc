@@ -10,7 +10,7 @@
 #include "moiregauge/simulator/rendering/projection.h"
 #include "moiregauge/simulator/scenario/settings.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 double rendered_at(const Scenario& scenario, long frame, BoardPoint point) {
@@ -202,4 +202,4 @@ TEST(Settings, SpeakOfEveryFault) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

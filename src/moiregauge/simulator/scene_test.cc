@@ -10,7 +10,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 double rms(const std::vector<double>& values) {
@@ -237,4 +237,4 @@ TEST(BuiltIn, TheWalkIsAsFastAsItSays) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -6,7 +6,7 @@
 
 #include "moiregauge/simulator/rendering/projection.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 LumaView view_of(const Picture& picture) {
   return std::visit([](const auto& image) { return LumaView(image.view()); }, picture);
@@ -72,4 +72,4 @@ const SceneMarker* find_marker(const Scenario& scenario, const std::string& name
   return nullptr;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -12,7 +12,7 @@
 #include "moiregauge/site/site.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 enum class Area { kWholeFrame, kMarkersOnly };  // markers only: their windows, the rest one flat grey
 
@@ -52,4 +52,4 @@ struct Truth {
 
 [[nodiscard]] const SceneMarker* find_marker(const Scenario& scenario, const std::string& name);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

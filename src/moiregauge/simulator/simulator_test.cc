@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 Track turned_by(double degrees) {
@@ -133,4 +133,4 @@ TEST(Site, KnowsReferencesFirstAndNoLookAlikes) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

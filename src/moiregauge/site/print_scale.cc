@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 Site with_prints_scaled(Site site, PrintScale scale) {
   for (Marker& marker : site.markers) {
@@ -37,4 +37,4 @@ PrintScale mean_of_rulers(double along_x, double along_y) {
   return {0.5 * (along_x + along_y), 0.0, 0.5 * std::abs(along_x - along_y)};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

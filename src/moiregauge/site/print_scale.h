@@ -4,7 +4,7 @@
 
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What the rulers of a sheet showed: measured over nominal length.
 struct PrintScale {
@@ -26,4 +26,4 @@ struct PrintScale {
 // spread.
 [[nodiscard]] PrintScale mean_of_rulers(double along_x, double along_y);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

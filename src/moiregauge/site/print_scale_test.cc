@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Site one_sheet() {
@@ -56,4 +56,4 @@ TEST(PrintScale, ScalingBackGivesTheNominalSite) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::array<std::pair<Pattern, const char*>, 8> kPatternWords{{
@@ -34,4 +34,4 @@ std::optional<Pattern> pattern_named(const std::string& word) {
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

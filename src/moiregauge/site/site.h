@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class Pattern { kAuto, kGrid, kSquares, kDots, kLinesX, kLinesY, kCheckerboard, kCosine };
 enum class Role { kReference, kTarget };
@@ -54,4 +54,4 @@ struct Site {
 [[nodiscard]] const char* word_for(Pattern pattern);
 [[nodiscard]] std::optional<Pattern> pattern_named(const std::string& word);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

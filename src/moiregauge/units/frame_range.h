@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Frames A:B:STEP of an input, half open.
 struct FrameRange {
@@ -13,4 +13,4 @@ struct FrameRange {
   }
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 namespace frame {
 struct Image;  // px, the picture as displayed: (0,0) is the centre of the top-left pixel, x right, y down
@@ -39,4 +39,4 @@ using ImagePoint = Point<frame::Image>;
 using IdealPoint = Point<frame::Ideal>;
 using BoardPoint = Point<frame::Board>;
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <compare>
 #include <numbers>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A number with a unit. Built only explicitly, so pixels never pass for millimetres.
 template <typename Unit>
@@ -49,4 +49,4 @@ struct Measured {
   Quantity<Unit> standard_uncertainty;  // k = 1
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

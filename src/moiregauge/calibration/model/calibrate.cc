@@ -11,7 +11,7 @@
 #include "moiregauge/calibration/model/scene_model.h"
 #include "moiregauge/calibration/rolling_shutter/row_motion.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) {
@@ -156,4 +156,4 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   return best;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

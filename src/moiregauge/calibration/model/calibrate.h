@@ -7,7 +7,7 @@
 #include "moiregauge/calibration/scene/frame_fit.h"
 #include "moiregauge/calibration/scene/frame_series.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A rolling shutter's signature: what noise alone does not explain, and how much of it would go if the camera might
 // turn at a constant rate while the rows of each frame are read.
@@ -42,4 +42,4 @@ struct Calibration {
 [[nodiscard]] std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most);
 [[nodiscard]] std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::size_t most);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::kNoise, test::kPitch, test::rig;
@@ -166,4 +166,4 @@ TEST(Calibrate, ACameraThatStandsStillNeedsNoLens) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

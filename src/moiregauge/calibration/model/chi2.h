@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What chi2 of so many degrees of freedom exceeds by chance once in a thousand times (Wilson and Hilferty 1931,
 // doi:10.1073/pnas.17.12.684). Of few degrees it is skew: dof + 3 sqrt(2 dof) would be exceeded fifteen times as often.
@@ -14,4 +14,4 @@ namespace moiregauge {
   return dof * root * root * root;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

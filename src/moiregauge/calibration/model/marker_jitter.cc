@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/calibration/scene/patch_residual.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kPose = 6;
@@ -94,4 +94,4 @@ double wander_mm(const Site& site, const Scene& scene, std::span<const BundleFra
   return std::sqrt(std::max(0.0, already * already + (chi2 - dof) / per_wander));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/scene/bundle.h"
 #include "moiregauge/calibration/scene/frame_fit.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // By how much every print is displaced in every frame, mm along each axis, rms, if each goes its own way: what
 // the references, each taken as a whole, miss the scene by beyond their noise. 0 where that may be chance.
@@ -25,4 +25,4 @@ namespace moiregauge {
 [[nodiscard]] double wander_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
                                std::span<const FrameFit> fits, const ScenePrior& prior, double already);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

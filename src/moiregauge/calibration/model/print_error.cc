@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/calibration/scene/patch_residual.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSize = PatchResidual::kSize;
@@ -126,4 +126,4 @@ double noise_share(const Site& site, const SceneModel& model, std::span<const Fr
   return std::sqrt(std::min(1.0, (chi2 + kBelieved) / (dof + kBelieved)));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/scene/bundle.h"
 #include "moiregauge/calibration/scene/frame_fit.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct PrintError {
   double points_mm = 0.0;    // u (k = 1) in each coordinate of each of the nine points, and once more in common to the
@@ -37,4 +37,4 @@ struct PrintError {
 [[nodiscard]] double noise_share(const Site& site, const SceneModel& model, std::span<const FrameFit> fits,
                                  const ScenePrior& prior);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/scene/patch_residual.h"
 #include "moiregauge/calibration/scene/rig_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::kPitch;
@@ -170,4 +170,4 @@ TEST(PrintError, LeavesUnknownWhatThePrintDoesNotShow) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

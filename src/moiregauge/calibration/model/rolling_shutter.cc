@@ -10,7 +10,7 @@
 #include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kReadoutRounds = 6;
@@ -344,4 +344,4 @@ bool pays(const Shutter& shutter, const Calibration& at_once) {
          gain > kGoodPart * (chi2_of(before) - static_cast<double>(before.dof));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/calibration/model/calibrate.h"
 #include "moiregauge/calibration/rolling_shutter/row_motion.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Readout as given by the user: as exact as a data sheet's number.
 inline constexpr double kGivenReadout = 0.03;  // relative standard uncertainty
@@ -41,4 +41,4 @@ struct Shutter {
 // at_once   the scene as solved with all rows read at once
 [[nodiscard]] bool pays(const Shutter& shutter, const Calibration& at_once);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/calibration/scene/free_parameters.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::array kModels{SceneModel{}, SceneModel{.radial = true}, SceneModel{.radial = true, .tangential = true}};
@@ -146,4 +146,4 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   return with_shapes(bundle, site, prior, std::move(best), price, prints, until);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/calibration/scene/bundle.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Whether prints are rough beyond noise. Their errors are the same in every view and alike in neighbours, so chi2 is no
 // likelihood any more: heights then bend to them (nine patches of a photographed board scattered by 10 um instead of
@@ -20,4 +20,4 @@ enum class Prints { kPerfect, kRough };
                                                      const ScenePrior& prior, Prints prints,
                                                      Until until = Until::kStands);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/calibration/scene/patch_residual.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -204,4 +204,4 @@ double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& 
   return after.ok ? std::max(0.0, fit.chi2_sum - after.chi2_sum) : 0.0;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

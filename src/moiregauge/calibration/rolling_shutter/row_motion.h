@@ -13,7 +13,7 @@
 #include "moiregauge/calibration/scene/bundle.h"
 #include "moiregauge/calibration/scene/frame_fit.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Of a picture that is shown turned clockwise by quarter turns: 90 deg makes rows columns, the first one at the right.
 [[nodiscard]] RowsRun rows_run(int rotation_deg);
@@ -54,4 +54,4 @@ inline constexpr int kTurning = 6;
 [[nodiscard]] double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame,
                                      const FrameFit& fit, RowsRun run);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/calibration/scene/rig_for_tests.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::kNoise, test::kPitch, test::rig;
@@ -121,4 +121,4 @@ TEST(RowMotion, APlaceAndItsPoseAreTheSame) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Time in units of the median step and values in those of their spread, so that one first guess does for all.
@@ -178,4 +178,4 @@ std::vector<PathPoint> smooth_path(std::span<const double> time_s, std::span<con
   return three.minus_two_log < two.minus_two_log ? path_of<3>(samples, three) : path_of<2>(samples, two);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Rates at one sample, per second, per second squared, per second cubed.
 struct PathPoint {
@@ -24,4 +24,4 @@ struct PathPoint {
 [[nodiscard]] std::vector<PathPoint> smooth_path(std::span<const double> time_s, std::span<const double> value,
                                                  std::span<const double> variance);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

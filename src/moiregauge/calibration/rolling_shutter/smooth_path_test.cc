@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kFps = 30.0, kPathNoise = 1e-4;
@@ -82,4 +82,4 @@ TEST(SmoothPath, OneSampleTellsNoRate) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/calibration/scene/bundle_normal.h"
 #include "moiregauge/calibration/scene/free_parameters.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kMostSteps = 40;
@@ -187,4 +187,4 @@ BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frame
   return start != nullptr ? bundle.solve(model, *start, frames, FocalLength::kAsModel, until) : bundle.solve(model);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A rolling shutter: how the nine points of every patch are off, in pitches (x of all nine, then y), per rate and
 // acceleration by which the camera moves otherwise than expected while rows are read (set_back in row_motion.h), and,
@@ -99,4 +99,4 @@ class Bundle {
                                           const ScenePrior& prior, const SceneModel& model,
                                           const Scene* start = nullptr, Until until = Until::kStands);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSceneColumns = kCommonParameters + kShapeParameters;  // of a patch's columns: those of the scene
@@ -289,4 +289,4 @@ std::optional<BundleNormal::Step> BundleNormal::step(double damping) const {
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/calibration/scene/bundle.h"
 #include "moiregauge/calibration/scene/patch_residual.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // All unknowns at one place.
 struct BundleState {
@@ -92,4 +92,4 @@ class BundleNormal {
   std::vector<Eigen::Matrix<double, kMotionParameters, PatchColumn::kColumns + kMotionParameters>> of_motion_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kFrames = 3, kMarkers = 4;  // the last one a target
@@ -129,4 +129,4 @@ TEST(BundleNormal, AStepGainsWhatItPromises) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

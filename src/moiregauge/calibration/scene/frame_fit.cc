@@ -10,7 +10,7 @@
 #include "moiregauge/calibration/scene/normal_inverse.h"
 #include "moiregauge/calibration/scene/patch_residual.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kRows = PatchResidual::kSize;
@@ -231,4 +231,4 @@ Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> fra
   return covariance;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

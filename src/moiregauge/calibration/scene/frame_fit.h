@@ -5,7 +5,7 @@
 
 #include "moiregauge/calibration/scene/bundle.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct FrameFit {
   bool ok = false;
@@ -39,4 +39,4 @@ inline constexpr double kUnknownShift = 1e4;  // mm
 [[nodiscard]] Eigen::MatrixXd scene_covariance(const Site& site, std::span<const FrameFit> frames,
                                                const ScenePrior& prior, const SceneModel& model);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 namespace {
 
@@ -54,4 +54,4 @@ std::optional<Pose> pose_of(const Site& site, const Scene& scene, const BundleFr
   return view ? std::optional(pose_of(*view, scene.camera)) : std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 
 #include "moiregauge/calibration/scene/bundle.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The part of a frame that is at hand for all of them.
 struct FrameStart {
@@ -61,4 +61,4 @@ class FrameSeries {
   Make make_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include "moiregauge/calibration/scene/scene.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Which parameters a model solves; the others stay at their prior values. Without a lens f, cx and cy would only bend
 // to its absence: they are solved together. The stretch of prints has a prior of its own, and costs nothing else.
@@ -19,4 +19,4 @@ namespace moiregauge {
   return {true, true, true, true, reference ? m.heights : m.depth};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal) {
   const auto rows = normal.rows();
@@ -13,4 +13,4 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal) {
   return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Eigen::Matrix2d;
@@ -175,4 +175,4 @@ std::array<double, 3> PatchResidual::board(double stretch, const MarkerShape& sh
           y_mm_ + shape.value[MarkerShape::kY] + shift.y + s * px + c * py, shape.value[MarkerShape::kHeight]};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

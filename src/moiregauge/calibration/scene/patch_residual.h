@@ -12,7 +12,7 @@
 #include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Turns v by the rotation whose axis times angle is `turn` (Rodrigues' formula; its first order where the angle is
 // nearly 0).
@@ -122,4 +122,4 @@ class PatchResidual {
   Eigen::Matrix<double, kSize, kSize> root_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <ceres/autodiff_cost_function.h>
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSize = PatchResidual::kSize;
@@ -75,4 +75,4 @@ TEST(PatchResidual, TheRootIsThatOfAnyInformation) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

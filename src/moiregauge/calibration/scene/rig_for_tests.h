@@ -5,7 +5,7 @@
 
 #include "moiregauge/site/site.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 inline constexpr double kPitch = 10.0;  // mm
 inline constexpr double kNoise = 2e-4;  // pitches, of each coordinate of a point: 2 um, 0.006 px
@@ -27,4 +27,4 @@ inline Site rig() {
   return site;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

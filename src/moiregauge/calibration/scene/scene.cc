@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kDeterminedFocal = 0.1;  // u, relative
@@ -25,4 +25,4 @@ bool determines_camera(const Scene& scene) {
          std::sqrt(covariance(0, 0)) <= kDeterminedFocal * scene.camera.fx;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/geometry/pose.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Departure of a marker from the site: its place (a target's only if it is known when it rests: where it
 // stands is what is measured), its turn, the scale of its print and its height.
@@ -70,4 +70,4 @@ struct Scene {
 // A worse one gives neither angles nor a camera file. A plane model holds the lens at what was given.
 [[nodiscard]] bool determines_camera(const Scene& scene);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/calibration/scene/bundle.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Of a lens of which nothing is known: distortion at the picture's corner as a part of the half diagonal.
@@ -85,4 +85,4 @@ ScenePrior scene_prior(const Site& site, int width, int height, const std::optio
   return prior;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

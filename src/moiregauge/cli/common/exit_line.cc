@@ -8,7 +8,7 @@
 
 #include "moiregauge/cli/common/terminal_text.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 int fail(Exit exit, const std::string& message) {
   print_note(fmt::format("error: {}\n", message));
@@ -21,4 +21,4 @@ std::string mistakes_in(const std::string& kind, const std::string& path, const 
                      count == 1 ? "this mistake:" : fmt::format("these {} mistakes:", count), lines);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -6,7 +6,7 @@
 
 #include "moiregauge/results/summary.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // Prints "error: <message>" and gives the code to return.
 int fail(Exit exit, const std::string& message);
@@ -15,4 +15,4 @@ int fail(Exit exit, const std::string& message);
 // which file is wrong, then those. kind: "site file".
 [[nodiscard]] std::string mistakes_in(const std::string& kind, const std::string& path, const std::string& lines);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // Set by a handler, read by threads that draw.
@@ -32,4 +32,4 @@ InterruptGuard::~InterruptGuard() {
   sigaction(SIGTERM, &old_terminate_, nullptr);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

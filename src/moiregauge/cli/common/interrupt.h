@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // Since the guard at hand was made.
 [[nodiscard]] bool interrupted();
@@ -21,4 +21,4 @@ class InterruptGuard {
   struct sigaction old_terminate_ {};
 };
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -8,7 +8,7 @@
 
 #include "moiregauge/base/length_text.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 constexpr int kMostTargets = 100;
@@ -128,4 +128,4 @@ tl::expected<Site, UsageError> site_of_layout(const LayoutWords& words, const Ro
   return *std::move(site);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

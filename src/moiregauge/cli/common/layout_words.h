@@ -11,7 +11,7 @@
 #include "moiregauge/cli/common/measure_options.h"
 #include "moiregauge/sheet/set_layout.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // As typed.
 struct LayoutWords {
@@ -36,4 +36,4 @@ struct Room {
 // The site file's markers, or those of the layout asked for.
 [[nodiscard]] tl::expected<Site, UsageError> site_of_layout(const LayoutWords& words, const Room& room);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

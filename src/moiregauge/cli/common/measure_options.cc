@@ -16,7 +16,7 @@
 #include "moiregauge/io/config/camera_file.h"
 #include "moiregauge/io/config/site_file.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 bool parse_long(const std::string& text, long& value) {
@@ -261,4 +261,4 @@ tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
   return options;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

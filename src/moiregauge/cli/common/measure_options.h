@@ -10,7 +10,7 @@
 
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct PrintScaleWords {
   std::string factor;       // "1.0012", or "1.0012,0.9990" along x and y
@@ -75,4 +75,4 @@ void add_print_scale(CLI::App& command, PrintScaleWords& words);
 // A camera file for pictures of another size is no use: says so.
 [[nodiscard]] std::optional<std::string> camera_problem(const Camera& camera, const InputInfo& input);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // Whether results may be put into the folder. The file `mark`, which every earlier run of the command left, says that a
 // folder is ours to replace; any other folder with something in it is not ours to touch.
@@ -15,4 +15,4 @@ namespace moiregauge::cli {
          fs::exists(output / mark, ignored);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 constexpr double kQuietSeconds = 2.0;
@@ -70,4 +70,4 @@ ElapsedLine::ElapsedLine(std::string what, bool quiet) {
   });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct ProgressState {
   long done = 0;
@@ -48,4 +48,4 @@ class ElapsedLine {
   std::jthread thread_;  // its end stops it and clears the line
 };
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -7,7 +7,7 @@
 
 #include "moiregauge/app/frame_times.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 TEST(Progress, TheLineSaysWhatLimitsTheRun) {
@@ -63,4 +63,4 @@ TEST(FrameTimes, WhatTakesLongerHoldsTheGreaterShare) {
 }
 
 }  // namespace
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

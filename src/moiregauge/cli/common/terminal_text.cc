@@ -8,7 +8,7 @@
 
 #include "moiregauge/base/control_characters.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 int first_output_error = 0;  // errno of the first write that failed
@@ -44,4 +44,4 @@ bool finish_output() {
   return first_output_error == 0;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // Writes to stdout. A failure is kept: ask finish_output at the end.
 void print_out(std::string_view text);
@@ -18,4 +18,4 @@ void print_note(std::string_view text);
 // Brings all of stdout out. False: something was lost, and errno says why.
 [[nodiscard]] bool finish_output();
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -10,7 +10,7 @@
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/cli/help/completion.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 int run(const std::string& shell, const CLI::App& app) {
@@ -30,4 +30,4 @@ void add_completion(CLI::App& app, int& exit_code) {
   command->callback([shell, &app, &exit_code] { exit_code = run(*shell, app); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

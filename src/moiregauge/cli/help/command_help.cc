@@ -16,7 +16,7 @@
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/cli/help/page.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 struct HelpWords {
@@ -65,4 +65,4 @@ void add_help(CLI::App& app, int& exit_code) {
   command->callback([words, &app, &exit_code] { exit_code = run(*words, app); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

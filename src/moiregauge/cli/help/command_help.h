@@ -6,11 +6,11 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // On stdout, as wide as the terminal; of a command that has no page, nothing.
 void show_page(std::string_view name);
 
 void add_help(CLI::App& app, int& exit_code);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

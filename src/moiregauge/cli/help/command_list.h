@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // The parser's message about an option with an empty text.
 inline constexpr std::string_view kEmptyValue = "the value is empty";
@@ -17,4 +17,4 @@ inline constexpr std::string_view kEmptyValue = "the value is empty";
   return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

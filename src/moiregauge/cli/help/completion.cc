@@ -8,7 +8,7 @@
 #include "moiregauge/cli/help/page.h"
 #include "moiregauge/simulator/scenario/built_in.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 std::vector<std::string> names_of(const CLI::Option& option) {
@@ -169,4 +169,4 @@ _moiregauge "$@"
                      commands, cases);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // What may stand for an option's value, told by its type name: FILE, DIR, or the words of "on|off|auto".
 struct ValueWords {
@@ -19,4 +19,4 @@ struct ValueWords {
 [[nodiscard]] std::string bash_completion(const CLI::App& app);
 [[nodiscard]] std::string zsh_completion(const CLI::App& app);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

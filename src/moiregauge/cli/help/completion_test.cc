@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 struct Tree {
@@ -34,4 +34,4 @@ TEST(Completion, WhatZshReadsAsItsOwnIsQuoted) {
 }
 
 }  // namespace
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

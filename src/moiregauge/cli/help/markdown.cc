@@ -5,7 +5,7 @@
 #include <cctype>
 #include <utility>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 std::string_view trimmed(std::string_view text) {
@@ -164,4 +164,4 @@ std::vector<std::string> options_told(std::string_view markdown) {
   return options;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

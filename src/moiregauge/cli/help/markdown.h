@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 enum class BlockKind { kHeading, kParagraph, kItem, kCode, kTable };
 
@@ -34,4 +34,4 @@ struct Span {
 // The options a page tells of: every code span that begins with a dash, in the first column of tables headed "option".
 [[nodiscard]] std::vector<std::string> options_told(std::string_view markdown);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct Page {
   std::string_view name;  // of the command; "moiregauge" is the page of the program as a whole
@@ -29,4 +29,4 @@ struct Page {
 [[nodiscard]] std::string text_of_markdown(std::string_view markdown, std::size_t width);
 [[nodiscard]] std::string man_of_markdown(std::string_view markdown, std::string_view name, std::string_view summary);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

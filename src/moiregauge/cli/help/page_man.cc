@@ -8,7 +8,7 @@
 #include "moiregauge/cli/help/page.h"
 #include "moiregauge/version.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // A hyphen of a command line is a minus sign there, or copying it from a man page gives another character.
@@ -119,4 +119,4 @@ std::string page_man(std::string_view name, std::string_view summary) {
   return page == nullptr ? "" : man_of_markdown(page->markdown, name, summary);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

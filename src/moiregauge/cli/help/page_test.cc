@@ -11,7 +11,7 @@
 #include "moiregauge/cli/help/command_list.h"
 #include "moiregauge/cli/help/markdown.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 std::set<std::string> options_of(const CLI::App& command) {
@@ -80,4 +80,4 @@ TEST(Pages, InAManPageADashCanBeCopiedAndADotIsNoRequest) {
 }
 
 }  // namespace
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -6,7 +6,7 @@
 #include "moiregauge/cli/help/markdown.h"
 #include "moiregauge/cli/help/page.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 constexpr std::size_t kIndent = 2;
@@ -120,4 +120,4 @@ std::string page_text(std::string_view name, std::size_t width) {
   return page == nullptr ? "" : text_of_markdown(page->markdown, width);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

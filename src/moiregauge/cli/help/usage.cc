@@ -11,7 +11,7 @@
 #include "moiregauge/base/nearest_word.h"
 #include "moiregauge/cli/help/command_list.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 struct Step {
@@ -116,4 +116,4 @@ std::string usage_mistake(const CLI::App& app, const CLI::ParseError& error) {
   return mistake_in(*commands.front(), error);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

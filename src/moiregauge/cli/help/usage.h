@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // What to type next, for `moiregauge` alone: the way from print to result, by the commands the tree has.
 [[nodiscard]] std::string first_words(const CLI::App& app);
@@ -15,4 +15,4 @@ namespace moiregauge::cli {
 // the program's names it.
 [[nodiscard]] std::string usage_mistake(const CLI::App& app, const CLI::ParseError& error);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

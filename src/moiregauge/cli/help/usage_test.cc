@@ -7,7 +7,7 @@
 
 #include "moiregauge/cli/commands.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // What is said of words that the program must refuse before it does anything.
@@ -70,4 +70,4 @@ TEST(FirstWords, ShowOnlyCommandsThatThereAre) {
 }
 
 }  // namespace
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -18,7 +18,7 @@
 #include "moiregauge/io/tables/table_csv.h"
 #include "moiregauge/io/tables/uff58.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ void add_export(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -24,7 +24,7 @@
 #include "moiregauge/image/upper_bits.h"
 #include "moiregauge/run/codec.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -188,4 +188,4 @@ void add_inspect(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

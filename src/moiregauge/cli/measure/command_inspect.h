@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 void add_inspect(CLI::App& app, int& exit_code);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

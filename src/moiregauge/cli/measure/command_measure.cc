@@ -31,7 +31,7 @@
 #include "moiregauge/report/report_page.h"
 #include "moiregauge/version.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 std::vector<std::uint8_t> overlay_of(const ImageView<std::uint8_t>& picture, const Reference& reference) {
@@ -277,4 +277,4 @@ void add_measure(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

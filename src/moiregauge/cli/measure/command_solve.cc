@@ -19,7 +19,7 @@
 #include "moiregauge/observation/views/reprojection.h"
 #include "moiregauge/report/report_page.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 struct SolveWords {
@@ -196,4 +196,4 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

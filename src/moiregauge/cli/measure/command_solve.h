@@ -3,9 +3,9 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // docs/cli/solve.md
 void add_solve(CLI::App& app, int& exit_code);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

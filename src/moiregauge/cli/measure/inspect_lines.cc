@@ -11,7 +11,7 @@
 #include "moiregauge/observation/reference/scale_check.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 constexpr std::size_t kMostLines = 12;  // of one kind; --json has them all
@@ -140,4 +140,4 @@ std::string inspect_lines(const InspectReport& report) {
          lattice_lines(report.seen) + who_lines(report) + scale_line(report.seen) + next_after_inspect(report);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -13,7 +13,7 @@
 #include "moiregauge/io/run_dir/run_json.h"
 #include "moiregauge/observation/reference/scale_check.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // Four points fit any homography, and a pose most of what one of them may do: that none moved is not proved.
@@ -123,4 +123,4 @@ int fail_output(const OutputError& error) {
   return fail(error.usage ? Exit::kUsage : Exit::kOutputUnwritable, error.message);
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

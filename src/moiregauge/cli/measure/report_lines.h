@@ -5,7 +5,7 @@
 
 #include "moiregauge/run/result_sink.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // The three lines at the end of a run: what was found, the result with its uncertainty, what to do next.
 [[nodiscard]] std::string report_lines(const Measurement& measurement, const MeasureOptions& options,
@@ -24,4 +24,4 @@ int report(const Measurement& measurement, const MeasureOptions& options, const 
 // Results that could not be written.
 int fail_output(const OutputError& error);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

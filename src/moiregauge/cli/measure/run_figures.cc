@@ -11,7 +11,7 @@
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/drawing/figures/figure_run.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -66,4 +66,4 @@ PutMore put_figures(std::vector<std::string> formats, bool quiet) {
   };
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -10,7 +10,7 @@
 #include "moiregauge/cli/common/measure_options.h"
 #include "moiregauge/io/run_dir/run_directory.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 void add_figures(CLI::App& command, std::string& word);
 
@@ -20,4 +20,4 @@ void add_figures(CLI::App& command, std::string& word);
 // What a run cannot show is left out, with a note on stderr.
 [[nodiscard]] PutMore put_figures(std::vector<std::string> formats, bool quiet);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

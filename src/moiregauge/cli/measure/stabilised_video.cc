@@ -16,7 +16,7 @@
 #include "moiregauge/encoder/video_writer.h"
 #include "moiregauge/image/upper_bits.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,8 +100,8 @@ class Film {
   [[nodiscard]] DrawnMotion move_of(long frame, std::size_t target) const {
     const auto measured = measured_.find({frame, target}), apparent = apparent_.find({frame, target});
     if (measured == measured_.end() || apparent == apparent_.end()) return {};
-    const Extent<moiregauge::frame::Board>& d = measured->second->displacement;
-    const Extent<moiregauge::frame::Board>& a = apparent->second->displacement;
+    const Extent<moiregauge::internal::frame::Board>& d = measured->second->displacement;
+    const Extent<moiregauge::internal::frame::Board>& a = apparent->second->displacement;
     if (!std::isfinite(d.x) && !std::isfinite(d.y)) return {};
     // Where only the one is known the other is the best guess of it.
     return {
@@ -178,4 +178,4 @@ PutMore put_video(const VideoOptions& video, const OpenInput& open, const Measur
   };
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

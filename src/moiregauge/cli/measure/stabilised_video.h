@@ -8,7 +8,7 @@
 #include "moiregauge/io/run_dir/run_directory.h"
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct VideoOptions {
   std::optional<double> exaggeration;  // none: what shows the motion best
@@ -19,4 +19,4 @@ struct VideoOptions {
 // must outlive it.
 [[nodiscard]] PutMore put_video(const VideoOptions& video, const OpenInput& open, const MeasureOptions& options);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

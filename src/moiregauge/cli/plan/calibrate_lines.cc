@@ -10,7 +10,7 @@
 #include "moiregauge/io/config/camera_file.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // Beyond this f is hardly known, and an angle read with it neither.
@@ -165,4 +165,4 @@ std::vector<std::string> calibrate_warnings(const CalibrateReport& report) {
 
 std::string camera_text(const CalibrateReport& report) { return write_camera(report.solved.camera, report.solved.u); }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

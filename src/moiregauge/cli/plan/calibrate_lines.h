@@ -8,7 +8,7 @@
 
 #include "moiregauge/board/board_calibration.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct CalibrateReport {
   std::vector<std::string> names;  // of the photographs, one per view
@@ -28,4 +28,4 @@ struct CalibrateReport {
 // What --camera reads, with the standard uncertainties in [camera.u].
 [[nodiscard]] std::string camera_text(const CalibrateReport& report);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -21,7 +21,7 @@
 #include "moiregauge/io/pictures/picture_file.h"
 #include "moiregauge/io/pictures/picture_list.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ void add_calibrate(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

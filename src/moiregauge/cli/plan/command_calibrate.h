@@ -5,9 +5,9 @@ namespace CLI {
 class App;
 }  // namespace CLI
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // `moiregauge calibrate PHOTOS... --pitch LENGTH [-o camera.toml]`
 void add_calibrate(CLI::App& app, int& exit_code);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

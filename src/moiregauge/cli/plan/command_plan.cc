@@ -10,7 +10,7 @@
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/cli/plan/plan_lines.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 int run(const PlanWords& words) {
@@ -57,4 +57,4 @@ void add_plan(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

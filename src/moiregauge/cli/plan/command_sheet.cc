@@ -18,7 +18,7 @@
 #include "moiregauge/io/run_dir/file_set.h"
 #include "moiregauge/sheet/sheet_files.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // The date that a reproducible build gives its files (reproducible-builds.org); without it they have none.
@@ -86,4 +86,4 @@ void add_sheet(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -12,7 +12,7 @@
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 constexpr std::size_t kLabel = 12, kWidth = 100;
@@ -209,4 +209,4 @@ std::string plan_json(const PlanOrder& order) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -6,9 +6,9 @@
 
 #include "moiregauge/cli/plan/plan_words.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 [[nodiscard]] std::string plan_text(const PlanOrder& order);
 [[nodiscard]] std::string plan_json(const PlanOrder& order);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

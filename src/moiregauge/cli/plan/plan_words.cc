@@ -14,7 +14,7 @@
 #include "moiregauge/io/config/camera_file.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 constexpr double kLayoutShare = 0.8;  // of the picture, where no span is given: the rest is for the camera's turning
@@ -220,4 +220,4 @@ tl::expected<PlanOrder, UsageError> understood(const PlanWords& words) {
   return order;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -10,7 +10,7 @@
 #include "moiregauge/cli/common/layout_words.h"
 #include "moiregauge/planning/recording_plan.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // As typed.
 struct PlanWords {
@@ -31,4 +31,4 @@ struct PlanOrder {
 
 [[nodiscard]] tl::expected<PlanOrder, UsageError> understood(const PlanWords& words);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

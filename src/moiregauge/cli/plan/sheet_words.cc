@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 tl::expected<sheet::PageRequest, UsageError> page_of(const SheetWords& words) {
@@ -58,4 +58,4 @@ tl::expected<SheetOrder, UsageError> understood(const SheetWords& words) {
   return SheetOrder{*std::move(site), *page, *ink};
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -12,7 +12,7 @@
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // As typed.
 struct SheetWords {
@@ -31,4 +31,4 @@ struct SheetOrder {
 
 [[nodiscard]] tl::expected<SheetOrder, UsageError> understood(const SheetWords& words);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -17,7 +17,7 @@
 #include "moiregauge/cli/reproduce/reproduce_figures.h"
 #include "moiregauge/cli/reproduce/reproduce_table.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ void add_reproduce(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

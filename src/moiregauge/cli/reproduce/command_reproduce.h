@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // Adds `moiregauge reproduce` (docs/cli/reproduce.md). The exit code of a run is left in exit_code, which must outlive
 // app.
 void add_reproduce(CLI::App& app, int& exit_code);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -20,7 +20,7 @@
 #include "moiregauge/simulator/scenario/settings.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -187,4 +187,4 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -3,9 +3,9 @@
 
 #include <CLI/CLI.hpp>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // Registers `moiregauge simulate`; running it sets exit_code.
 void add_simulate(CLI::App& app, int& exit_code);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

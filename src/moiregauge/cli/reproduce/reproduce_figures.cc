@@ -13,7 +13,7 @@
 #include "moiregauge/drawing/figures/figure_series.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // The first two lenses: none, and the least.
@@ -69,4 +69,4 @@ std::vector<FigureJob> figure_jobs(const ReproducePlan& plan, const std::vector<
   return jobs;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -10,7 +10,7 @@
 #include "moiregauge/cli/reproduce/reproduce_run.h"
 #include "moiregauge/drawing/surface/canvas.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // A figure still to be made: making it may take seconds, and its pictures live only while it is drawn.
 struct FigureJob {
@@ -21,4 +21,4 @@ struct FigureJob {
 // The jobs refer to plan and cells.
 [[nodiscard]] std::vector<FigureJob> figure_jobs(const ReproducePlan& plan, const std::vector<CellRun>& cells);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -12,7 +12,7 @@
 #include "moiregauge/drawing/figures/figure_pictures.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 using simulator::Scenario;
@@ -113,4 +113,4 @@ figure::FigureFiles target_over_time(const ReproduceCase& which) {
   return files_of(crops_over_time(f));
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

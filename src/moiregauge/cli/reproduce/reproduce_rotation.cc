@@ -7,7 +7,7 @@
 #include "moiregauge/cli/reproduce/reproduce_summary.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // From the one end of the swing to the other, as the paper counts: 8 degrees are -4 to 4.
@@ -55,4 +55,4 @@ figure::RotationFigure rotation_of(const ReproducePlan& plan, const std::vector<
   return f;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

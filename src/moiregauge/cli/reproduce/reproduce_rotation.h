@@ -7,9 +7,9 @@
 #include "moiregauge/cli/reproduce/reproduce_run.h"
 #include "moiregauge/drawing/figures/figure_rotation.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 // Of every case, lens and method.
 [[nodiscard]] figure::RotationFigure rotation_of(const ReproducePlan& plan, const std::vector<CellRun>& cells);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -11,7 +11,7 @@
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 using simulator::Scenario;
@@ -134,4 +134,4 @@ tl::expected<std::vector<CellRun>, std::string> run_plan(const ReproducePlan& pl
   return cells;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -12,7 +12,7 @@
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct ReproduceCase {
   std::string scenario;   // built-in
@@ -57,4 +57,4 @@ struct CellRun {
 [[nodiscard]] tl::expected<std::vector<CellRun>, std::string> run_plan(const ReproducePlan& plan,
                                                                        const std::function<void(long done)>& done);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

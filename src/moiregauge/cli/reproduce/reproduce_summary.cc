@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 ErrorSummary summary_of(const std::vector<double>& values) {
   ErrorSummary summary;
@@ -26,4 +26,4 @@ ErrorSummary summary_of(const std::vector<double>& values) {
   return summary;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct ErrorSummary {
   double rms = 0.0, largest = 0.0;  // in the unit of the values; NaN of no number at all
@@ -13,4 +13,4 @@ struct ErrorSummary {
 };
 [[nodiscard]] ErrorSummary summary_of(const std::vector<double>& values);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

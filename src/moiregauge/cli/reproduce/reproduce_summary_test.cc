@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 TEST(ErrorSummary, OfAnErrorThatNeverChangesIsThatError) {
@@ -29,4 +29,4 @@ TEST(ErrorSummary, ARunWithoutANumberIsNotOneWithoutAnError) {
 }
 
 }  // namespace
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

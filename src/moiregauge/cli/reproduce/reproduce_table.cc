@@ -8,7 +8,7 @@
 
 #include "moiregauge/cli/reproduce/reproduce_summary.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 // Three digits that count, down to a tenth of a micrometre.
@@ -57,4 +57,4 @@ std::string reproduce_table(const ReproducePlan& plan, const std::vector<CellRun
   return text;
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

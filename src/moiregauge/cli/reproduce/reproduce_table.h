@@ -6,8 +6,8 @@
 
 #include "moiregauge/cli/reproduce/reproduce_run.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 [[nodiscard]] std::string reproduce_table(const ReproducePlan& plan, const std::vector<CellRun>& cells, bool quick);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -15,7 +15,7 @@
 #include "moiregauge/io/pictures/png_file.h"
 #include "moiregauge/simulator/recorder.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 namespace {
 
 using simulator::Scenario;
@@ -135,4 +135,4 @@ Written write_pictures(const Scenario& scenario, const PicturesPlan& plan, const
       [&] { return plan.video ? write_video(scenario, plan, folder) : write_frames(scenario, plan, folder); });
 }
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

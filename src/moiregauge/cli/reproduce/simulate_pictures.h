@@ -10,7 +10,7 @@
 #include "moiregauge/encoder/video_writer.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::cli {
+namespace moiregauge::internal::cli {
 
 struct PicturesPlan {
   std::optional<VideoFormat> video;  // nothing: DIR/frames/%06d.png
@@ -23,4 +23,4 @@ struct PicturesPlan {
 [[nodiscard]] tl::expected<void, std::string> write_pictures(const simulator::Scenario& scenario,
                                                              const PicturesPlan& plan, const std::string& folder);
 
-}  // namespace moiregauge::cli
+}  // namespace moiregauge::internal::cli

@@ -23,7 +23,7 @@
 
 extern char** environ;
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Before main(): glibc hands the program's words to constructors. Stands in this file so that whoever links start()
@@ -150,4 +150,4 @@ const std::byte* ChildProcess::map(std::size_t bytes) {
   return memory_;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -20,7 +20,7 @@
 
 #include "moiregauge/decoder/child/wire.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class ChildProcess {
  public:
@@ -48,4 +48,4 @@ class ChildProcess {
   std::size_t memory_bytes_ = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

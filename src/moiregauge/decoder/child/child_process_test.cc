@@ -13,7 +13,7 @@
 
 #include "moiregauge/base/folder_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using namespace std::chrono_literals;
@@ -47,4 +47,4 @@ TEST(ChildProcess, WhatAChildSaidBeforeItsEndIsHeardThoughItLeftReleasesUnread) 
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -19,7 +19,7 @@
 #define __has_feature(x) 0  // clang's way to say which sanitizer is on
 #endif
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || __has_feature(address_sanitizer) || \
@@ -143,4 +143,4 @@ std::optional<std::string> filter_system_calls() {
   return std::strerror(-problem);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // No further file, no core dump, and memory in proportion to the largest picture allowed.
 //
@@ -22,4 +22,4 @@ void limit_resources(std::int64_t max_pixels);
 // Returns why the kernel would not have it: the child is then held by limit_resources alone.
 [[nodiscard]] std::optional<std::string> filter_system_calls();
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kDone = 42;
@@ -93,4 +93,4 @@ TEST(Confinement, NoFurtherFileCanBeOpenedWhateverTheFilterDoes) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

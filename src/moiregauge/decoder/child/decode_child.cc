@@ -21,7 +21,7 @@
 #include "moiregauge/decoder/stream/video_stream.h"
 #include "moiregauge/image/quarter_turn.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using wire::Kind;
@@ -254,4 +254,4 @@ int decode_child(std::int64_t max_pixels) {
   return Child(max_pixels).run(unfiltered);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

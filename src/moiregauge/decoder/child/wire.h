@@ -12,7 +12,7 @@
 
 #include "moiregauge/image/quantiser.h"
 
-namespace moiregauge::wire {
+namespace moiregauge::internal::wire {
 
 // File descriptors of the child.
 inline constexpr int kInputFile = 3;
@@ -99,4 +99,4 @@ inline constexpr std::size_t kEnoughBytes = std::size_t{256} << 20;
   return std::max<std::uint64_t>(kEnoughBytes, kFewestSlots * (2 * static_cast<std::uint64_t>(max_pixels) + 4096));
 }
 
-}  // namespace moiregauge::wire
+}  // namespace moiregauge::internal::wire

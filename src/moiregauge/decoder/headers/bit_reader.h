@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Behind the end there are zeros, and `good` is false from then on.
 class BitReader {
@@ -68,4 +68,4 @@ class BitReader {
   bool good_ = true;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

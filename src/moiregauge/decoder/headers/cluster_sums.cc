@@ -10,7 +10,7 @@ extern "C" {
 #include <libavutil/crc.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Head {
@@ -85,4 +85,4 @@ bool ClusterSums::agrees(std::uint64_t begin, std::uint64_t end) const {
   return (sum ^ 0xffffffffU) == stated;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/decoder/headers/stated_size.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class ClusterSums {
  public:
@@ -28,4 +28,4 @@ class ClusterSums {
   bool agree_ = true;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

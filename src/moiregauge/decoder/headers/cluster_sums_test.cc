@@ -9,7 +9,7 @@
 
 #include "moiregauge/base/folder_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 bool agree(const std::string& bytes) {
@@ -51,4 +51,4 @@ TEST(ClusterSums, WhatHasNoSumsIsNeverWrong) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/decoder/headers/bit_reader.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Types of NAL units (Table 7-1).
@@ -344,4 +344,4 @@ std::optional<HevcQuantiser> HevcHeaders::read_packet(std::span<const std::uint8
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class BitReader;
 
@@ -75,4 +75,4 @@ class HevcHeaders {
   int length_bytes_ = 0;  // 0: start codes
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/decoder/headers/bit_reader.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::vector<std::uint8_t> stream(const TestFolder& folder) {
@@ -68,4 +68,4 @@ TEST(HevcHeaders, WithoutParameterSetsNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

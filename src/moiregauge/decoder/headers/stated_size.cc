@@ -6,7 +6,7 @@
 #include <limits>
 #include <string_view>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Size = std::optional<std::uint64_t>;
@@ -106,4 +106,4 @@ std::optional<std::uint64_t> stated_size(const ReadAt& read, std::uint64_t file_
   return is_transport ? Size((file_bytes + kPacket - 1) / kPacket * kPacket) : Size();
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

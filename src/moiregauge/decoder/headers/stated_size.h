@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Fills `out` from `offset` on, as far as the file goes; gives the number of bytes.
 using ReadAt = std::function<std::size_t(std::uint64_t offset, std::span<std::uint8_t> out)>;
@@ -19,4 +19,4 @@ using ReadAt = std::function<std::size_t(std::uint64_t offset, std::span<std::ui
 // packets of 188 bytes. Nothing where it is no such file or does not say (a recording that was never closed).
 [[nodiscard]] std::optional<std::uint64_t> stated_size(const ReadAt& read, std::uint64_t file_bytes);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

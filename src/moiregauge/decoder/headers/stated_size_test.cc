@@ -9,7 +9,7 @@
 
 #include "moiregauge/base/folder_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::optional<std::uint64_t> stated(const std::string& bytes) {
@@ -53,4 +53,4 @@ TEST(StatedSize, WhatSaysNothingStatesNothing) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

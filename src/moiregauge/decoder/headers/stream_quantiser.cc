@@ -12,7 +12,7 @@ extern "C" {
 #include <libavutil/video_enc_params.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // An allowance: parameters by which a print's blocks may be coarser than their slice. Only decoding gives the blocks' own.
@@ -139,4 +139,4 @@ void StreamQuantiser::note_frame(const AVCodecContext& decoder, const AVFrame& f
   if (all.nb_blocks == 0 || !(whole_.step > 0.0)) blocks_.clear();
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -18,7 +18,7 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The luma's quantisation table of a JPEG: its step, NaN if none is found before the picture's data.
 [[nodiscard]] double step_of_jpeg(std::span<const std::uint8_t> bytes);
@@ -45,4 +45,4 @@ class StreamQuantiser {
   std::array<double, 128> steps_{};
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/decoder/video_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Stripes that move on from frame to frame, so that blocks are coded in each; 16-bit words above 8 bits.
@@ -141,4 +141,4 @@ TEST(StreamQuantiser, ATornHeadOfAJpegIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@ extern "C" {
 #include <libavutil/pixdesc.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using CurveKind = ToneCurve::Kind;
@@ -58,4 +58,4 @@ Tone tone_of(const AVFrame& frame) {
   return tone;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

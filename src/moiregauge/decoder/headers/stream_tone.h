@@ -5,10 +5,10 @@
 
 struct AVFrame;
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Returns the tone curve that a decoded frame states (ITU-T H.273, transfer characteristics), or the usual one of its
 // pixels: linear of grey, sRGB of RGB, JPEG's of full-range YUV, BT.709 of all other YUV.
 [[nodiscard]] Tone tone_of(const AVFrame& frame);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/decoder/stored/stored_video.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Bytes = std::span<const std::byte>;
@@ -130,4 +130,4 @@ class Avi {
 
 std::optional<StoredVideo> stored_avi(std::span<const std::byte> file) { return Avi(file).read(); }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 
 #include "moiregauge/decoder/stored/stored_video.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Bytes = std::span<const std::byte>;
@@ -167,4 +167,4 @@ class Matroska {
 
 std::optional<StoredVideo> stored_matroska(std::span<const std::byte> file) { return Matroska(file).read(); }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

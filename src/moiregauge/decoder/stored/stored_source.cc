@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "samples are read as little-endian words");
@@ -76,4 +76,4 @@ std::unique_ptr<FrameSource> stored_source(MappedVideo video, InputInfo info, co
   return std::make_unique<StoredSource>(std::move(video), std::move(info), options.fps);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/decoder/stored/stored_video.h"
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct MappedVideo {
   std::shared_ptr<const MappedFile> file;
@@ -28,4 +28,4 @@ struct MappedVideo {
 [[nodiscard]] std::unique_ptr<FrameSource> stored_source(MappedVideo video, InputInfo info,
                                                          const InputOptions& options);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

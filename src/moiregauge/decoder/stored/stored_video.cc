@@ -6,7 +6,7 @@
 
 #include "moiregauge/decoder/child/wire.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 enum class Planes { kGrey, k420 };
@@ -73,4 +73,4 @@ std::optional<StoredVideo> stored_video(std::span<const std::byte> file) {
   return stored_matroska(file);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

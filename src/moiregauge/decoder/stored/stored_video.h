@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct StoredVideo {
   int width = 0;  // px
@@ -42,4 +42,4 @@ enum class RowGroups { kPacked, kFourBytes };
 // Places of words must fit them: 16-bit pictures begin at even places.
 [[nodiscard]] bool is_usable(const StoredVideo& video);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

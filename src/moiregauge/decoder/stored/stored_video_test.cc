@@ -14,7 +14,7 @@
 #include "moiregauge/decoder/video_source.h"
 #include "moiregauge/decoder/videos_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::ffmpeg;
@@ -261,4 +261,4 @@ TEST(StoredPixels, ASizeThatNoPictureOfTheKindHasIsRefused) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

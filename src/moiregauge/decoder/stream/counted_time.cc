@@ -10,7 +10,7 @@
 
 #include "moiregauge/decoder/stream/video_stream.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::int64_t kChunkHead = 8;  // bytes; an index names the head, a packet what follows it
@@ -72,4 +72,4 @@ bool VideoStream::note_count() {
   return true;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@ extern "C" {
 #include <libavutil/log.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::atomic<long> errors{0};  // libav has one log for the whole process, and the process is the child's own
@@ -38,4 +38,4 @@ std::vector<std::int64_t> places_of_complaints() { return std::exchange(places, 
 
 void count_log_errors() { av_log_set_callback(&count); }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

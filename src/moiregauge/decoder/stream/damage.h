@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Error lines libav has logged in this process so far. Counted by the log callback, which any thread may call.
 [[nodiscard]] long errors_logged();
@@ -37,4 +37,4 @@ class Damage {
   std::vector<std::int64_t> complaints_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

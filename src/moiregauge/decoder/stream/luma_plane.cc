@@ -7,7 +7,7 @@
 
 #include "moiregauge/image/luma_of_colour.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "samples are read as little-endian words");
@@ -83,4 +83,4 @@ void copy_luma(const AVFrame& frame, const LumaLayout& layout, std::byte* out) {
     copy_rows(frame, layout, reinterpret_cast<std::uint16_t*>(out));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@ extern "C" {
 #include <libavutil/pixdesc.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct LumaLayout {
   int bits = 8;
@@ -27,4 +27,4 @@ struct LumaLayout {
 // Writes the frame's luma, rows packed, 8-bit words for 8 bits and 16-bit words above; range as stored.
 void copy_luma(const AVFrame& frame, const LumaLayout& layout, std::byte* out);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

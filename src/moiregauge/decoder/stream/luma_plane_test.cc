@@ -9,7 +9,7 @@
 
 #include "moiregauge/image/luma_of_colour.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A frame of 2 x 1 pixels whose first plane holds these bytes.
@@ -67,4 +67,4 @@ TEST(LumaPlane, WhatKeepsNoLumaIsRefused) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Holds every frame back until the three after it have come; a damaged one spoils three on either side.
 template <typename Item>
@@ -47,4 +47,4 @@ class DamageMargin {
   int to_spoil_ = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

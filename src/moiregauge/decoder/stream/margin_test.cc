@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // 'x' is damaged on the way in, '|' damage between two frames; on the way out all that is spoilt by it.
@@ -42,4 +42,4 @@ TEST(DamageMargin, ThreeFramesOnEitherSideOfADamagedOneAreSpoilt) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/decoder/headers/stated_size.h"
 #include "moiregauge/decoder/stream/video_stream.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 bool is_kind(const AVFormatContext& container, std::string_view name) {
@@ -92,4 +92,4 @@ std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -18,7 +18,7 @@ extern "C" {
 #include <libavutil/display.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 ReadAt reader_of(int file) {
   return [file](std::uint64_t offset, std::span<std::uint8_t> out) {
@@ -314,4 +314,4 @@ tl::expected<int, VideoProblem> VideoStream::rotation_deg() const {
   return ((static_cast<int>(quarters) % 4 + 4) % 4) * 90;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -21,7 +21,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct VideoProblem {
   InputErrorKind kind = InputErrorKind::kUnsupported;
@@ -108,4 +108,4 @@ class VideoStream {
   friend std::int64_t seek_bytes(void* self, std::int64_t offset, int whence);
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

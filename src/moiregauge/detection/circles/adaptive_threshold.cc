@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kBlockTiles = 4;  // parts are cut along blocks of so many tiles
@@ -163,4 +163,4 @@ GreyView dark_part(const GreyView& picture, const TileThresholds& thresholds, co
   return {memory.data(), part.width, part.height, stride};
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -9,7 +9,7 @@
 #include "moiregauge/detection/circles/threshold_rows.h"
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 // Means of 2 x 2 pixels; an odd last row or column is left out.
 [[nodiscard]] Image<std::uint8_t> halved(const GreyView& picture);
@@ -37,4 +37,4 @@ struct TileThresholds {
 [[nodiscard]] GreyView dark_part(const GreyView& picture, const TileThresholds& thresholds, const PicturePart& part,
                                  std::vector<std::uint8_t>& memory);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

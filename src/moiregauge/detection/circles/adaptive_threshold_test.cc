@@ -9,7 +9,7 @@
 
 #include "moiregauge/phase/fit/simd_target.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kMinContrast = 14;
@@ -162,4 +162,4 @@ TEST(TileSums, AreThoseOfTheSmallestAndLargestWholeTileOnEverySimdTarget) {
 }
 
 }  // namespace
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -10,7 +10,7 @@
 
 #include "moiregauge/detection/circles/adaptive_threshold.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kOutlineLevels = 4;  // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
@@ -189,4 +189,4 @@ std::vector<CandidateOutline> candidate_outlines(const LumaView& luma, DiameterR
   return out;
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

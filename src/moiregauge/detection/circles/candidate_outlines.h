@@ -8,7 +8,7 @@
 #include "moiregauge/detection/circles/ellipse.h"
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct CandidateOutline {
   Ellipse ellipse;           // from the outline's area moments, picture coordinates
@@ -24,4 +24,4 @@ struct DiameterRange {
 // first. The same circle is usually there once per scale.
 [[nodiscard]] std::vector<CandidateOutline> candidate_outlines(const LumaView& luma, DiameterRange diameters);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

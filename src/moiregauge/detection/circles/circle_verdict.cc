@@ -8,7 +8,7 @@
 #include "moiregauge/detection/circles/disc_fit.h"
 #include "moiregauge/detection/circles/traced_outline.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 // rms distance from the ellipse: a square has 0.052 of its equivalent diameter, a hexagon 0.017, a roughly printed disc
@@ -70,4 +70,4 @@ CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const Cir
   return verdict;
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -9,7 +9,7 @@
 #include "moiregauge/detection/circles/ellipse.h"
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct CircleVerdict {
   std::optional<SeenCircle> circle;
@@ -21,4 +21,4 @@ struct CircleVerdict {
 [[nodiscard]] CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const CircleOptions& options,
                                          double ellipse_slack = 1.0);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -9,7 +9,7 @@
 #include "moiregauge/detection/circles/candidate_outlines.h"
 #include "moiregauge/detection/circles/circle_verdict.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using markers_detail::candidate_outlines;
@@ -148,4 +148,4 @@ std::vector<SeenCircle> find_circles_near(const LumaView& luma, ImagePoint predi
   return circles;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

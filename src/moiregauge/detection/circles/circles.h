@@ -9,7 +9,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct CircleOptions {
   double min_circularity = 0.84;  // W = 4 pi S / L^2, seed paper Eq. (6); 1 for a circle, 0.785 for a square
@@ -51,4 +51,4 @@ struct CircleSearch {
 [[nodiscard]] std::vector<SeenCircle> find_circles_near(const LumaView& luma, ImagePoint predicted, double diameter_px,
                                                         double reach_px, const CircleOptions& options);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

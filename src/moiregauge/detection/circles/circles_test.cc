@@ -9,7 +9,7 @@
 
 #include "moiregauge/detection/circles/rendered_disc_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using test::coverage;
@@ -174,4 +174,4 @@ TEST(FindCircles, AnEmptyNoisyPictureHasNoCircles) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

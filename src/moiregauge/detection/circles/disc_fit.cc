@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr double kMinBand = 2.0;       // px to either side of the edge
@@ -174,4 +174,4 @@ std::optional<FittedDisc> fit_disc(const LumaView& luma, const TracedOutline& ou
   return std::visit([&](const auto& view) { return fit_in(view, outline); }, luma);
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -12,7 +12,7 @@
 #include "moiregauge/detection/circles/traced_outline.h"
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct FittedDisc {
   Ellipse ellipse;
@@ -24,4 +24,4 @@ struct FittedDisc {
 // Empty when the fit runs away from the traced outline.
 [[nodiscard]] std::optional<FittedDisc> fit_disc(const LumaView& luma, const TracedOutline& outline);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

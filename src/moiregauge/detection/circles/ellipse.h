@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct Ellipse {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();    // px
@@ -44,4 +44,4 @@ struct Ellipse {
   }
 };
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -12,7 +12,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -121,11 +121,11 @@ double Median(const double* values, int count) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 HWY_EXPORT(Sample8);
 HWY_EXPORT(Sample16);
@@ -143,5 +143,5 @@ std::uint32_t rises(const double* profile, int samples, double level, double sig
 }
 double median(const double* values, int count) { return HWY_DYNAMIC_DISPATCH(Median)(values, count); }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail
 #endif

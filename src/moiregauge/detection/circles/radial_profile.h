@@ -6,7 +6,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 inline constexpr int kRayLanes = 8;  // profiles are written in whole lots of so many
 
@@ -28,4 +28,4 @@ void sample_ray(const ImageView<std::uint16_t>& view, const RaySteps& ray, doubl
 // The value at place count / 2 when sorted; `values` in whole lots of memory.
 [[nodiscard]] double median(const double* values, int count);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

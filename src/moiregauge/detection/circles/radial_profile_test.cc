@@ -9,7 +9,7 @@
 
 #include "moiregauge/phase/fit/simd_target.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr std::uint64_t kRaySeed = 20240611;
@@ -98,4 +98,4 @@ TEST(RayProfile, MedianIsTheMiddleOfTheSortedOnEverySimdTarget) {
 }
 
 }  // namespace
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

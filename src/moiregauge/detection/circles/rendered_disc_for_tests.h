@@ -11,7 +11,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::test {
+namespace moiregauge::internal::test {
 
 struct Disc {
   double x = 0.0, y = 0.0;  // px, centre of the ellipse
@@ -85,4 +85,4 @@ Image<Grey> picture(const std::vector<double>& levels, int size, double gain, do
   return out;
 }
 
-}  // namespace moiregauge::test
+}  // namespace moiregauge::internal::test

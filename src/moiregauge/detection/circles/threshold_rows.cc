@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -196,11 +196,11 @@ void TileRowSums(const GreyView& picture, int tile_y, TileSums& sums) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 HWY_EXPORT(TileRowExtremes);
 HWY_EXPORT(TileRowThreshold);
@@ -225,5 +225,5 @@ void tile_row_sums(const GreyView& picture, int tile_y, TileSums& sums) {
   HWY_DYNAMIC_DISPATCH(TileRowSums)(picture, tile_y, sums);
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail
 #endif

@@ -10,7 +10,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 using GreyView = ImageView<std::uint8_t>;
 
@@ -52,4 +52,4 @@ struct TileSums {
 };
 void tile_row_sums(const GreyView& picture, int tile_y, TileSums& sums);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

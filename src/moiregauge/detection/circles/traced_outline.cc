@@ -11,7 +11,7 @@
 #include "moiregauge/detection/circles/radial_profile.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kMaxRays = 96;
@@ -216,4 +216,4 @@ TracedOutline trace_outline(const LumaView& luma, const Ellipse& start) {
   return std::visit([&](const auto& view) { return trace(view, start); }, luma);
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

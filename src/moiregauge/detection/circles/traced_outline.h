@@ -8,7 +8,7 @@
 #include "moiregauge/detection/circles/ellipse.h"
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct TracedOutline {
   Ellipse ellipse;
@@ -22,4 +22,4 @@ struct TracedOutline {
 
 [[nodiscard]] TracedOutline trace_outline(const LumaView& luma, const Ellipse& start);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -9,7 +9,7 @@
 #include "moiregauge/detection/gratings/stratified_points.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSeriesPasses = 2;  // before the lattice moves: without a series it has no slope to follow
@@ -287,4 +287,4 @@ double grey_at(const Image<float>& grey, ImagePoint p) {
          b * ((1 - a) * double{grey.at(x, y + 1)} + a * double{grey.at(x + 1, y + 1)});
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Position in periods: phi = (k1 . x, k2 . x) / (1 + q . x), x = px from `origin`.
 struct Lattice {
@@ -59,4 +59,4 @@ struct LatticeFitOptions {
 // By bilinear interpolation; NaN outside.
 [[nodiscard]] double grey_at(const Image<float>& grey, ImagePoint p);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/detection/gratings/painted_print_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Image<float> floats(const Image<std::uint8_t>& from) {
@@ -78,4 +78,4 @@ TEST(LatticeFit, ASlopeOfLightIsNoPartOfThePrint) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/detection/gratings/patch_growth.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMostAttempts = 500;     // of the best seeds, in a picture full of things that repeat
@@ -162,4 +162,4 @@ std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingS
   return patches;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

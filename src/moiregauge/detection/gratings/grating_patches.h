@@ -9,7 +9,7 @@
 #include "moiregauge/site/site.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct GratingSearchOptions {
   int bits = 8;
@@ -42,4 +42,4 @@ struct SeenPatch {
 // px from p to the nearest point of the outline; 0 inside.
 [[nodiscard]] double distance_px(const SeenPatch& patch, ImagePoint p);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

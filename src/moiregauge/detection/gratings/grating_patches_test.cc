@@ -6,7 +6,7 @@
 #include "moiregauge/detection/gratings/painted_print_for_tests.h"
 #include "moiregauge/detection/identity/grating_elements.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using testing::PaintedPrint;
@@ -149,4 +149,4 @@ TEST(GratingElements, DotsBeyondTheOutlineAreStillDots) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/detection/gratings/stratified_points.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kSide = 16;    // places along each axis
@@ -128,4 +128,4 @@ double explained_by_thin_lines(const LatticeSeed& seed, const Image<float>& grey
   return variation > 0.0 ? std::clamp(1.0 - left / variation, 0.0, 1.0) : 0.0;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

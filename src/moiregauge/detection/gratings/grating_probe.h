@@ -5,7 +5,7 @@
 #include "moiregauge/detection/gratings/grating_seeds.h"
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Share of the grey levels' variance, within 1.1 periods each way of the seed, that its fundamentals and their sums and
 // differences explain. Of a print 0.6 (thin lines: 0.4) to 1; of rough concrete or foliage, whose spectra may look as
@@ -18,4 +18,4 @@ namespace moiregauge {
 // Ink-jet lines at a seed of their own pitch reach 0.5 to 0.8.
 [[nodiscard]] double explained_by_thin_lines(const LatticeSeed& seed, const Image<float>& grey);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

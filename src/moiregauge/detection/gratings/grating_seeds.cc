@@ -12,7 +12,7 @@
 #include "moiregauge/detection/gratings/grating_probe.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kTile = 32;                // pixels of the level
@@ -238,4 +238,4 @@ LatticeSeeds find_lattice_seeds(const Image<float>& grey, double min_modulation)
   return found;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A tile whose spectrum is one lattice.
 struct LatticeSeed {
@@ -29,4 +29,4 @@ struct LatticeSeeds {
 // which a tile counts as flat.
 [[nodiscard]] LatticeSeeds find_lattice_seeds(const Image<float>& grey, double min_modulation);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -14,7 +14,7 @@
 #include "moiregauge/units/point.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::testing {
+namespace moiregauge::internal::testing {
 
 // Pitches s of the print at px p: s = k x / (1 + q . x), x from `centre`, where s = 0.
 struct PaintedPrint {
@@ -77,4 +77,4 @@ inline void expose(Image<std::uint8_t>& picture, double sigma, double fade = 0.0
   }
 }
 
-}  // namespace moiregauge::testing
+}  // namespace moiregauge::internal::testing

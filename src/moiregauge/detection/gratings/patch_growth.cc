@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kCore = 1.1;      // fundamental periods each way from the seed: a print of three, the seed a bit aside
@@ -297,4 +297,4 @@ Grown grow_thin_lines(const Image<float>& grey, const SmoothedPicture& smoothed_
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/detection/gratings/grating_seeds.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct GrownPatch {
   LatticeModel model;
@@ -41,4 +41,4 @@ using SmoothedPicture = std::function<const Image<float>&(double pitch_px)>;
 [[nodiscard]] Grown grow_thin_lines(const Image<float>& grey, const SmoothedPicture& smoothed_for,
                                     const LatticeSeed& seed, const GrowthLimits& limits);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 // 0 to 1, without any pattern in n (the finaliser of SplitMix64).
 [[nodiscard]] inline double strewn(std::uint64_t n) {
@@ -23,4 +23,4 @@ namespace moiregauge::markers_detail {
   return (cell + Eigen::Vector2d(strewn(2 * i), strewn(2 * i + 1))) / static_cast<double>(side);
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -9,7 +9,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 // Spread of what a circle tells about the map: print and lens (a few per cent over a picture), and the pixel.
@@ -299,4 +299,4 @@ AssignmentSearch find_assignments(const std::vector<ReferenceCircle>& references
   return Searcher(references, seen, position_mm, may_be).run();
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

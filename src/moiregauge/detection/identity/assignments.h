@@ -13,7 +13,7 @@
 #include "moiregauge/geometry/homography.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct ReferenceCircle {
   BoardPoint centre;
@@ -37,4 +37,4 @@ struct AssignmentSearch {
                                                 const std::vector<SeenCircle>& seen, double position_mm,
                                                 const std::function<bool(std::size_t, std::size_t)>& may_be);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kCautious = 0.5;  // pitches that a print may reach beyond its patch's outline
@@ -60,4 +60,4 @@ std::vector<SeenCircle> without_elements(std::span<const SeenCircle> circles, st
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,11 +8,11 @@
 #include "moiregauge/detection/circles/circles.h"
 #include "moiregauge/detection/gratings/grating_patches.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The circles that are no elements of a grating: neither inside its outline, nor in step with those inside where the
 // print goes on beyond it (a sheet partly covered, or cut along other lines than its print's).
 [[nodiscard]] std::vector<SeenCircle> without_elements(std::span<const SeenCircle> circles,
                                                        std::span<const SeenPatch> patches);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/detection/identity/assignments.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using markers_detail::Assignment;
@@ -248,4 +248,4 @@ tl::expected<Identified, IdentityFailure> identify_next(const Site& site, const 
   return identify(site, search, prefer);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

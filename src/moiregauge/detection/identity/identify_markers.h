@@ -12,7 +12,7 @@
 #include "moiregauge/geometry/homography.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Index into `seen` for every marker of the site that has a circle; -1 where it is not seen.
 struct Identified {
@@ -44,4 +44,4 @@ struct PreviousCircles {
 [[nodiscard]] tl::expected<Identified, IdentityFailure> identify_next(const Site& site, const CircleSearch& search,
                                                                       const PreviousCircles& previous);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

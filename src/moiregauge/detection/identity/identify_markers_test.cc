@@ -9,7 +9,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using ImageFromBoard = Homography<frame::Image, frame::Board>;
@@ -158,4 +158,4 @@ TEST(Identity, AFifthReferenceMayBeHidden) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // As in assignments.cc: a circle this share of the layout's size away is another circle; diameters that differ by more
@@ -66,4 +66,4 @@ std::optional<std::string> symmetry_note(const Site& site) {
          " picture would pass unnoticed: the reference circles look the same in it. Make one of them 1.25 times larger";
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Site rectangle_of_circles() {
@@ -46,4 +46,4 @@ TEST(LayoutSymmetry, ATrapeziumHidesItsMirrorImageAlone) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Of one template, seen at up to 40 deg: a grating's lattice is known at its own centre, its circle is a few pitches
@@ -111,4 +111,4 @@ std::vector<LikeSheet> like_sheets(std::span<const SeenCircle> circles, std::spa
   return best.size() < 2 ? std::vector<LikeSheet>{} : best;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

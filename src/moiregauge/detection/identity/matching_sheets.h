@@ -10,7 +10,7 @@
 #include "moiregauge/detection/circles/circles.h"
 #include "moiregauge/detection/gratings/grating_patches.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct LikeSheet {
   std::size_t circle = 0;
@@ -32,4 +32,4 @@ inline constexpr double kRoundPx = 0.7;  // px of diameter: two spreads of a see
 [[nodiscard]] std::vector<LikeSheet> like_sheets(std::span<const SeenCircle> circles,
                                                  std::span<const SeenPatch> patches);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/detection/identity/select_references.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kPitch = 20.0;  // px
@@ -131,4 +131,4 @@ TEST(LikeSheets, BareCirclesRoundThreeSheetsAreReferencesAndTheSheetsTargets) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

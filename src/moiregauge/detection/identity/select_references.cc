@@ -8,7 +8,7 @@
 #include "moiregauge/detection/identity/grating_elements.h"
 #include "moiregauge/detection/identity/matching_sheets.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kOneSize = 0.25;       // relative; perspective makes far ones smaller
@@ -130,4 +130,4 @@ OutermostCircles outermost_circles(std::span<const SeenCircle> circles, std::spa
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

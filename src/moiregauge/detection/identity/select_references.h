@@ -8,7 +8,7 @@
 #include "moiregauge/detection/circles/circles.h"
 #include "moiregauge/detection/gratings/grating_patches.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct OutermostCircles {
   std::vector<SeenCircle> circles;
@@ -27,4 +27,4 @@ struct OutermostCircles {
 // Index of the points on their convex hull or within `slack` px of it.
 [[nodiscard]] std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slack);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kCornerLevels = 4;                   // scales 1, 1/2, 1/4, 1/8: edges blurred over up to 20 px
@@ -150,4 +150,4 @@ std::vector<CheckerCorner> find_checker_corners(const LumaView& luma, int bits) 
   return out;
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

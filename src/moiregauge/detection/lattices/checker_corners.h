@@ -9,7 +9,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct CheckerCorner {
   Eigen::Vector2d at{0, 0};  // px
@@ -20,4 +20,4 @@ struct CheckerCorner {
 // Finer scales first; a place is named once.
 [[nodiscard]] std::vector<CheckerCorner> find_checker_corners(const LumaView& luma, int bits);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -9,7 +9,7 @@
 #include "moiregauge/detection/lattices/saddle_fit.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using markers_detail::Cell;
@@ -118,4 +118,4 @@ std::vector<IndexedLattice> find_checker_lattices(const LumaView& luma, int bits
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/geometry/homography.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::uint64_t kCheckerSeed = 20240613;
@@ -133,4 +133,4 @@ TEST(CheckerLattice, AnEmptyNoisyPictureHasNone) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

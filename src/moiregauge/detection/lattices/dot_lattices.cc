@@ -8,7 +8,7 @@
 #include "moiregauge/detection/lattices/lattice_growth.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using markers_detail::CellPrediction;
@@ -90,4 +90,4 @@ std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, const DotSea
   return lattices_of(&luma, find_circles(luma, circles).circles);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/detection/lattices/indexing.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 const LatticePoint* IndexedLattice::find(int column, int row) const {
   const auto before = [](const LatticePoint& p, const std::pair<int, int>& place) {
@@ -16,9 +16,9 @@ const LatticePoint* IndexedLattice::find(int column, int row) const {
   return it != points.end() && it->row == row && it->column == column ? &*it : nullptr;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 // By so much must another pair of axes fill its rectangle better than the pair of shortest steps: tilted beyond 50
@@ -139,4 +139,4 @@ Indexing index_upright(const GrownLattice& lattice, std::span<const LatticeNode>
   return out;
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -11,7 +11,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class LatticeKind { kDots, kCheckerCorners };
 
@@ -59,4 +59,4 @@ struct DotSearchOptions {
 // The inner corners of the checkerboards in a picture, largest first. `bits`: of the picture's grey levels.
 [[nodiscard]] std::vector<IndexedLattice> find_checker_lattices(const LumaView& luma, int bits);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

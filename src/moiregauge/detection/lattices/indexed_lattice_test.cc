@@ -11,7 +11,7 @@
 #include "moiregauge/geometry/camera.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::uint64_t kLatticeSeed = 20240612;
@@ -216,4 +216,4 @@ TEST(DotLattice, ADotTheSearchMissedIsFoundWhereItMustBe) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/detection/lattices/indexed_lattice.h"
 #include "moiregauge/detection/lattices/lattice_growth.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct Indexing {
   IndexedLattice lattice;                           // `dark` is left to the caller
@@ -20,4 +20,4 @@ struct Indexing {
 [[nodiscard]] Indexing index_upright(const GrownLattice& lattice, std::span<const LatticeNode> nodes,
                                      std::span<const double> u_px);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -10,7 +10,7 @@
 
 #include "moiregauge/detection/lattices/lattice_growth.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 class LatticeFrontier {
  public:
@@ -60,4 +60,4 @@ class LatticeFrontier {
   int reach_;
 };
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

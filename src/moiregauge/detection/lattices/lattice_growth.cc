@@ -9,7 +9,7 @@
 #include "moiregauge/detection/lattices/point_grid.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr std::size_t kNeighboursTried = 12;
@@ -212,4 +212,4 @@ void fill_in(GrownLattice& lattice, std::vector<LatticeNode>& nodes, const Look&
   }
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

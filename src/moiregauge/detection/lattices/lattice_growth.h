@@ -13,7 +13,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct LatticeNode {
   Eigen::Vector2d at{0, 0};  // px
@@ -74,4 +74,4 @@ void fill_in(GrownLattice& lattice, std::vector<LatticeNode>& nodes, const Look&
 // Takes out what the neighbours contradict and what hangs on by a thread. False when no lattice is left.
 [[nodiscard]] bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -6,7 +6,7 @@
 #include "moiregauge/detection/lattices/lattice_growth.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kWindowReach = kAffineReach;   // a window of 5 x 5 cells,
@@ -106,4 +106,4 @@ std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<con
   return out;
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -8,7 +8,7 @@
 
 #include "moiregauge/detection/lattices/lattice_growth.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr double kMinResidual = 0.06;  // of the spacing: what a good lattice is forgiven,
@@ -118,4 +118,4 @@ bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes) {
   return false;
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

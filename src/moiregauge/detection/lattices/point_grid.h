@@ -10,7 +10,7 @@
 
 #include <Eigen/Dense>
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 class NearPoints {
  public:
@@ -71,4 +71,4 @@ class NearPoints {
   std::vector<std::vector<std::size_t>> in_cell_;
 };
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr double kWindowShare = 0.4;     // of the spacing: the neighbouring corners stay outside
@@ -215,4 +215,4 @@ std::optional<FittedSaddle> fit_saddle(const LumaView& luma, const SaddleStart& 
   return std::visit([&](const auto& view) { return fit_saddle_in(view, start); }, luma);
 }
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

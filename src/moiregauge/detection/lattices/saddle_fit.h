@@ -12,7 +12,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge::markers_detail {
+namespace moiregauge::internal::markers_detail {
 
 struct SaddleStart {
   Eigen::Vector2d at{0, 0};   // px
@@ -32,4 +32,4 @@ struct FittedSaddle {
 // Empty when the fit runs away or the window leaves the picture.
 [[nodiscard]] std::optional<FittedSaddle> fit_saddle(const LumaView& luma, const SaddleStart& start);
 
-}  // namespace moiregauge::markers_detail
+}  // namespace moiregauge::internal::markers_detail

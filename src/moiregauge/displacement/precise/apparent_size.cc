@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kBeyond = 4.0;          // u of what the site says
@@ -96,4 +96,4 @@ std::vector<std::string> apparent_size_notes(const Site& site, const Calibration
   return notes;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/calibration/model/calibrate.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Returns one line per marker whose print looks of another size than the site says: by more than four of the site's own
 // u, or, of a target of unknown height, by more than a hundredth. Apparent size alone cannot separate a print of another
@@ -17,4 +17,4 @@ namespace moiregauge {
 // calibration  with the fits of its key frames
 [[nodiscard]] std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

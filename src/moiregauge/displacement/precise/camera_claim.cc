@@ -11,7 +11,7 @@
 #include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/displacement/precise/precise_budget.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMaxFrames = 40;
@@ -104,4 +104,4 @@ std::string camera_contradiction_note(const CameraContradiction& found) {
       kNames[found.parameter], found.given, found.u_given, found.shown, found.u_shown, found.error_u);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

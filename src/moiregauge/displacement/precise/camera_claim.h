@@ -8,7 +8,7 @@
 
 #include "moiregauge/calibration/model/calibrate.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A camera that the references contradict.
 struct CameraContradiction {
@@ -31,4 +31,4 @@ struct CameraContradiction {
 // "the footage contradicts --camera: ..."
 [[nodiscard]] std::string camera_contradiction_note(const CameraContradiction& found);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 double variance(const Eigen::RowVectorXd& k, const Eigen::MatrixXd& c) {
@@ -145,4 +145,4 @@ Extent<frame::Board> total(const Budget& budget) {
   return {std::sqrt(x), std::sqrt(y)};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

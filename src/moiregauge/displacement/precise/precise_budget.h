@@ -5,7 +5,7 @@
 #include "moiregauge/calibration/scene/frame_fit.h"
 #include "moiregauge/displacement/sample.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class PreciseBudget {
  public:
@@ -35,4 +35,4 @@ class PreciseBudget {
 // All parts together.
 [[nodiscard]] Extent<frame::Board> total(const Budget& budget);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/calibration/rolling_shutter/row_motion.h"
 #include "moiregauge/displacement/sample_parts.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kRestPlace = 100.0;  // mm: where a target rests is not known beforehand
@@ -66,4 +66,4 @@ ScenePrior precise_prior(const Reference& reference, const SolveOptions& options
   return prior;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

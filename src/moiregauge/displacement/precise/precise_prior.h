@@ -5,9 +5,9 @@
 #include "moiregauge/calibration/scene/bundle.h"
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The site's word and the camera's, as wide as the user says; scales of prints as wide as their templates tell them.
 [[nodiscard]] ScenePrior precise_prior(const Reference& reference, const SolveOptions& options);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

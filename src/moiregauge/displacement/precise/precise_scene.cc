@@ -11,7 +11,7 @@
 #include "moiregauge/displacement/precise/reference_fault.h"
 #include "moiregauge/observation/print/overshoot.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMostKeyFrames = 120;
@@ -221,4 +221,4 @@ PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, 
   return SceneSolver(reference, read, prior, options).solved(lossy);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/calibration/model/rolling_shutter.h"
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Beyond this chi2 per degree of freedom, most of which goes when the camera may turn while rows are read, the shutter
 // rolls.
@@ -38,4 +38,4 @@ struct PreciseScene {
 [[nodiscard]] PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
                                          const SolveOptions& options, bool lossy);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

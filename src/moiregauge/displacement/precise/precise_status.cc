@@ -4,7 +4,7 @@
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/observation/frame/patch_of_points.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A print of which pixels miss its template by more than this part of its contrast, rms, is not all there: a sixteenth
@@ -37,4 +37,4 @@ Status precise_status(const Reference& reference, const Observation& seen, std::
   return quality_of(reference, seen.markers[i], i);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include "moiregauge/calibration/scene/frame_fit.h"
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A frame whose patches lie this many times further from the scene than their noise explains is no longer an
 // uncertainty one can state: something moved, or the shutter rolls.
@@ -16,4 +16,4 @@ inline constexpr double kUntrustedChi2 = 25.0;
 [[nodiscard]] Status precise_status(const Reference& reference, const Observation& seen, std::size_t i,
                                     const FrameFit& fit, double untrusted_chi2);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

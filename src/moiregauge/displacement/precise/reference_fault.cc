@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/displacement/precise/reference_slip.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMostFrames = 24;
@@ -138,4 +138,4 @@ Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, s
   return most;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/calibration/model/calibrate.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct ReferenceVerdict {
   bool verified = false;             // enough of them to name one that moves
@@ -33,4 +33,4 @@ struct Movement {
 // How far it went at most from where it was in the first frame, in the scene solved without it.
 [[nodiscard]] Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, std::size_t marker);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A place of its own for one frame is two unknowns. Noise alone lets them lower chi2 by this once in 10^8 (exp(-20)) for
@@ -104,4 +104,4 @@ std::optional<ReferenceSlip> slip_of(Site site, std::span<const BundleFrame> fra
   return slip;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

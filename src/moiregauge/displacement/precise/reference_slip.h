@@ -8,7 +8,7 @@
 
 #include "moiregauge/calibration/model/calibrate.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct ReferenceSlip {
   double chi2 = 0.0;       // that is left when the reference may go anywhere in every frame
@@ -30,4 +30,4 @@ struct ReferenceSlip {
 [[nodiscard]] std::optional<ReferenceSlip> slip_of(Site site, std::span<const BundleFrame> frames, ScenePrior prior,
                                                    SceneModel model, const Scene& start, std::size_t marker);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

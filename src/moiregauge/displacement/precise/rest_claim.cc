@@ -13,7 +13,7 @@
 #include "moiregauge/displacement/precise/precise_status.h"
 #include "moiregauge/displacement/sample_parts.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Frames of the rest that are tested, evenly spread. No more than twice as many as the bundle adjustment has key frames.
@@ -210,4 +210,4 @@ std::optional<MovedAtRest> moved_at_rest(const Reference& reference, const Obser
   return most;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

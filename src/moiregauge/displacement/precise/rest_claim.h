@@ -9,7 +9,7 @@
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/precise/precise_scene.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Returns the target that moves most in the frames of `rest`, if one moves by more than its uncertainty allows.
 // Model: in a scene solved without the statement, a target's shifts in those frames about one common place, with the
@@ -21,4 +21,4 @@ namespace moiregauge {
                                                        const std::vector<std::size_t>& place,
                                                        const PreciseScene& without_claim, const FrameRange& rest);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 std::string shutter_note(const Scene& scene, bool given, double relative, double taken_out_mm, const Samples& samples) {
   double worst = 0.0;
   long frame = 0;
@@ -26,4 +26,4 @@ std::string shutter_note(const Scene& scene, bool given, double relative, double
                      left);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/displacement/method.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // "rolling shutter: rows are read over 18.00 ms (solved, u 0.40 ms): up to 0.310 mm were corrected, 0.0130 mm are left in
 // u at worst (frame 52)".
@@ -15,4 +15,4 @@ namespace moiregauge {
 [[nodiscard]] std::string shutter_note(const Scene& scene, bool given, double relative, double taken_out_mm,
                                        const Samples& samples);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -19,7 +19,7 @@
 #include "moiregauge/observation/print/fine_pitch.h"
 #include "moiregauge/planning/codec_error.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // An axis that the print does not show has no uncertainty to speak of.
@@ -263,4 +263,4 @@ Solution solve_precise(const Reference& reference, const Observations& observati
   return solution;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/drawing/surface/canvas.h"
 #include "moiregauge/drawing/surface/surface.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kFigureDotsPerPoint = 300.0 / 72.0;
@@ -49,4 +49,4 @@ FigureFiles files_of(const Figure& figure) {
   return files;
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -10,7 +10,7 @@
 #include "moiregauge/drawing/overlays/scale_bar.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kPictureDotsPerPoint = 350.0 / 72.0;  // finer than a printer's screen
@@ -131,4 +131,4 @@ Figure overlay_figure(const Reference& reference, ImageView<std::uint8_t> pictur
   return {width, zoom * contents->size.y, [contents](Canvas& canvas) { draw_contents(canvas, *contents); }, zoom};
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -5,10 +5,10 @@
 #include "moiregauge/drawing/surface/canvas.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 // `picture`: the reference frame, kept as a copy no finer than the page can show. width in points; zoom as Figure's.
 [[nodiscard]] Figure overlay_figure(const Reference& reference, ImageView<std::uint8_t> picture, double width,
                                     double zoom);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kPicturesMargin = 4.0, kGap = 7.0, kTitle = 11.0;
@@ -143,4 +143,4 @@ Figure crops_over_time(const CropsFigure& contents) {
           [contents, side](Canvas& canvas) { draw_crops(canvas, contents, side); }};
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

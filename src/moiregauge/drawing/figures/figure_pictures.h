@@ -9,7 +9,7 @@
 #include "moiregauge/drawing/surface/picture_box.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 // Figure 4: a picture, the outlines judged in it, the centres of the circles among them.
 struct CirclesFigure {
@@ -40,4 +40,4 @@ struct CropsFigure {
 };
 [[nodiscard]] Figure crops_over_time(const CropsFigure& contents);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

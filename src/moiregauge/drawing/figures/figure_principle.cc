@@ -9,7 +9,7 @@
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 struct DrawnCurve {
@@ -124,4 +124,4 @@ Figure principle_of_sampling_moire(const PrincipleFigure& contents) {
   return {kOneColumn, 348.0, [contents](Canvas& canvas) { draw_principle(canvas, contents); }};
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

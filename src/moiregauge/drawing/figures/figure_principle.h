@@ -4,7 +4,7 @@
 
 #include "moiregauge/drawing/surface/canvas.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 // A grating of `pitch_px`, moved by `moved_px`, sampled every `sampling_pitch_px` pixels.
 struct PrincipleFigure {
@@ -16,4 +16,4 @@ struct PrincipleFigure {
 
 [[nodiscard]] Figure principle_of_sampling_moire(const PrincipleFigure& contents);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -7,7 +7,7 @@
 
 #include "moiregauge/drawing/plots/plot.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kRotationMargin = 4.0, kRotationHeight = 176.0, kLegendLine = 11.0,
@@ -119,4 +119,4 @@ Figure error_against_rotation(const RotationFigure& contents) {
           }};
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -7,7 +7,7 @@
 
 #include "moiregauge/drawing/surface/canvas.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 enum class Turn { kOneAxis, kAllAxes };  // about x; about x, y and z at once
 
@@ -39,4 +39,4 @@ struct RotationFigure {
 
 [[nodiscard]] Figure error_against_rotation(const RotationFigure& contents);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

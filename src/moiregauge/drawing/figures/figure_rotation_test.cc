@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 RotationFigure of_points(std::vector<RotationPoint> points) {
@@ -26,4 +26,4 @@ TEST(ErrorAgainstRotation, ARunThatLostFramesDoesNotLookLikeAWholeOne) {
 }
 
 }  // namespace
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

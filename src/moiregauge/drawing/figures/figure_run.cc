@@ -10,7 +10,7 @@
 #include "moiregauge/drawing/figures/figure_overlay.h"
 #include "moiregauge/drawing/plots/plot.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kColumn_mm = 85.0, kLetters = 8.0;
@@ -248,4 +248,4 @@ RunFigures run_figures(const RunFound& found) {
   return out;
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -10,7 +10,7 @@
 #include "moiregauge/results/camera_motion.h"
 #include "moiregauge/results/peaks.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 // What a run found; all of it must outlive the figures.
 struct RunFound {
@@ -44,4 +44,4 @@ struct Curve {
 };
 [[nodiscard]] Curve thinned(const Curve& curve, std::size_t most = kMostPointsDrawn);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 Curve of_length(std::size_t count) {
@@ -43,4 +43,4 @@ TEST(ThinnedCurve, AGapStaysAGap) {
 }
 
 }  // namespace
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

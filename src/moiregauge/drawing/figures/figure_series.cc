@@ -8,7 +8,7 @@
 
 #include "moiregauge/drawing/plots/plot.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kTruthHeight = 104.0, kCurveHeight = 104.0, kErrorHeight = 78.0, kSeriesMargin = 4.0;
@@ -90,4 +90,4 @@ Figure displacement_over_time(const SeriesFigure& contents) {
           }};
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -7,7 +7,7 @@
 
 #include "moiregauge/drawing/surface/canvas.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 // One method through one lens. NaN where it has no number.
 struct MeasuredCurve {
@@ -27,4 +27,4 @@ struct SeriesFigure {
 
 [[nodiscard]] Figure displacement_over_time(const SeriesFigure& contents);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Two digits: an uncertainty has no more.
@@ -89,4 +89,4 @@ std::string expected_words(const Inspection& seen, const ExpectedUncertainty& e)
   return "u = " + both_axes(px_per_mm * e.u.x, px_per_mm * e.u.y, "px");
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

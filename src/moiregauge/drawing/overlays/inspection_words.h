@@ -8,7 +8,7 @@
 #include "moiregauge/displacement/expected_uncertainty.h"
 #include "moiregauge/observation/views/inspection.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What was turned down as a circle and is no part of a grating, a lattice or an accepted circle: those are no circles
 // to anybody. The roundest first.
@@ -21,4 +21,4 @@ namespace moiregauge {
 [[nodiscard]] std::string both_axes(double x, double y, const char* unit);  // "0.01 px along x, 0.02 px along y"
 [[nodiscard]] std::string expected_words(const Inspection& seen, const ExpectedUncertainty& expected);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/drawing/overlays/scale_bar.h"
 #include "moiregauge/drawing/surface/png_bytes.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using namespace overlay;
@@ -73,4 +73,4 @@ std::vector<std::uint8_t> draw_overlay(const OverlayContents& contents) {
   return png_of(surface.get());
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

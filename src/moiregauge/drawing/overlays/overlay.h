@@ -10,7 +10,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct OverlayContents {
   ImageView<std::uint8_t> picture;
@@ -21,4 +21,4 @@ struct OverlayContents {
 // The bytes of a PNG file. Empty when cairo cannot make one (out of memory).
 [[nodiscard]] std::vector<std::uint8_t> draw_overlay(const OverlayContents& contents);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

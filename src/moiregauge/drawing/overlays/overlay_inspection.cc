@@ -13,7 +13,7 @@
 #include "moiregauge/drawing/overlays/scale_bar.h"
 #include "moiregauge/drawing/surface/png_bytes.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using namespace overlay;
@@ -323,4 +323,4 @@ std::vector<std::uint8_t> draw_inspection(const InspectionOverlay& contents) {
   return png_of(page.get());
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/displacement/expected_uncertainty.h"
 #include "moiregauge/observation/views/inspection.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct InspectionOverlay {
   ImageView<std::uint8_t> picture;
@@ -22,4 +22,4 @@ struct InspectionOverlay {
 // The bytes of a PNG file; small pictures are enlarged by a whole number. Empty when cairo cannot make one.
 [[nodiscard]] std::vector<std::uint8_t> draw_inspection(const InspectionOverlay& contents);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/drawing/overlays/inspection_words.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Size {
@@ -66,4 +66,4 @@ TEST(InspectionWords, ALatticeSaysHowMuchOfItWasSeen) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::overlay {
+namespace moiregauge::internal::overlay {
 namespace {
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -248,4 +248,4 @@ std::vector<ImagePoint> outline(const View& view, BoardPoint centre, double widt
   return points;
 }
 
-}  // namespace moiregauge::overlay
+}  // namespace moiregauge::internal::overlay

@@ -14,7 +14,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge::overlay {
+namespace moiregauge::internal::overlay {
 
 struct Colour {
   double r, g, b;
@@ -92,4 +92,4 @@ class Pen {
 [[nodiscard]] std::vector<ImagePoint> outline(const View& view, BoardPoint centre, double width, double height,
                                               double angle);
 
-}  // namespace moiregauge::overlay
+}  // namespace moiregauge::internal::overlay

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kPartOfWidth = 0.2;  // of the picture: the bar is at most so long
@@ -47,4 +47,4 @@ void draw_scale_bar(overlay::Pen& pen, const Reference& reference, double unit_m
   pen.keep_free(box);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/drawing/overlays/overlay_pen.h"
 #include "moiregauge/observation/reference/scale_check.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Returns the largest of 1, 2 and 5 times a power of ten that is not over `length`.
 [[nodiscard]] double round_length(double length);
@@ -17,4 +17,4 @@ namespace moiregauge {
 void draw_scale_bar(overlay::Pen& pen, const Reference& reference, double unit_mm, const char* unit,
                     const overlay::Box& picture);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

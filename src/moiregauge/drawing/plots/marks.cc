@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 bool joins_points(Mark mark) { return mark == Mark::kLine || mark == Mark::kDashed; }
 
@@ -29,4 +29,4 @@ void draw_mark(Canvas& canvas, Mark mark, Spot at, double radius, Colour colour)
   }
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -4,7 +4,7 @@
 
 #include "moiregauge/drawing/surface/canvas.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 enum class Mark { kLine, kDashed, kDots, kOpenDots, kSquares, kOpenSquares, kCrosses };
 
@@ -13,4 +13,4 @@ enum class Mark { kLine, kDashed, kDots, kOpenDots, kSquares, kOpenSquares, kCro
 // points.
 void draw_mark(Canvas& canvas, Mark mark, Spot at, double radius, Colour colour);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kTitleRoom = 11.0, kLegendRoom = 10.0, kRim = 0.04;
@@ -166,4 +166,4 @@ void draw_panel(Canvas& canvas, Box box, const Panel& panel) {
   if (named > 1) draw_legend(canvas, {axes.box.x, axes.box.y - 4.0}, panel.series);
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -10,7 +10,7 @@
 #include "moiregauge/drawing/plots/plot_axis.h"
 #include "moiregauge/drawing/surface/canvas.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 struct Series {
   std::string name{};  // in the legend; empty: not there
@@ -47,4 +47,4 @@ void draw_panel(Canvas& canvas, Box box, const Panel& panel);
 // The named series in one line that begins at `at`, the foot of its letters.
 void draw_legend(Canvas& canvas, Spot at, const std::vector<Series>& series);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

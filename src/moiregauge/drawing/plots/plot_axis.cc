@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 std::vector<double> labelled(const PlotAxis& axis, int most) {
@@ -58,4 +58,4 @@ PlotAxis to_whole_ticks(PlotAxis axis, int most) {
   return axis;
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -7,7 +7,7 @@
 
 #include "moiregauge/drawing/plots/ticks.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 enum class Scale { kLinear, kLog };  // log: equal ratios are equal lengths; the range's ends are positive
 
@@ -32,4 +32,4 @@ struct Tick {
 // The axis made so long that it begins and ends at a tick.
 [[nodiscard]] PlotAxis to_whole_ticks(PlotAxis axis, int most);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 std::vector<std::string> labels_of(const std::vector<Tick>& ticks) {
@@ -88,4 +88,4 @@ TEST(LinearAxis, CountsInTheDigitsOfItsStep) {
 }
 
 }  // namespace
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 TEST(NiceTicks, AreOneTwoOrFiveTimesAPowerOfTenAndCoverTheRange) {
@@ -48,4 +48,4 @@ TEST(Figure, BecomesThreeFiles) {
 }
 
 }  // namespace
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

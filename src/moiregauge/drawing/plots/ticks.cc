@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 std::vector<double> nice_ticks(Range range, int most) {
   if (!(range.high > range.low)) {
@@ -41,4 +41,4 @@ std::string tick_label(double value, double step) {
   return value < -1e-9 * step ? "\u2212" + words : words;
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

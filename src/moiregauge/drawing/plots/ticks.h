@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 struct Range {
   double low = 0.0, high = 1.0;
@@ -20,4 +20,4 @@ struct Range {
 // With the digits that `step` needs, and a true minus sign.
 [[nodiscard]] std::string tick_label(double value, double step);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

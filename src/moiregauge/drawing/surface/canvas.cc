@@ -8,7 +8,7 @@
 #include "moiregauge/drawing/surface/surface.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 void choose_font(cairo_t* cr, const Letters& letters) {
@@ -129,4 +129,4 @@ void Canvas::clip(Box box) {
 
 void Canvas::unclip() { cairo_restore(cr_); }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -13,7 +13,7 @@
 
 struct _cairo;  // cairo_t, kept out of our headers
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 inline constexpr double kOneColumn = 89.0 * 72.0 / 25.4;  // a journal's column of 89 mm
 inline constexpr double kTwoColumns = 183.0 * 72.0 / 25.4;
@@ -80,4 +80,4 @@ struct FigureFiles {
 };
 [[nodiscard]] FigureFiles files_of(const Figure& figure);  // the PNG at 300 dots an inch
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kFinestPixels = 4.2;  // per point: 300 an inch; more would only swell the files
@@ -76,4 +76,4 @@ Image<std::uint8_t> stabilised(GreyView now, const IdealFromBoard& sees_now, con
   return out;
 }
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

@@ -7,7 +7,7 @@
 #include "moiregauge/drawing/surface/canvas.h"
 #include "moiregauge/geometry/view.h"
 
-namespace moiregauge::figure {
+namespace moiregauge::internal::figure {
 
 using GreyView = ImageView<std::uint8_t>;
 
@@ -38,4 +38,4 @@ class PictureBox {
 [[nodiscard]] Image<std::uint8_t> stabilised(GreyView now, const IdealFromBoard& sees_now,
                                              const IdealFromBoard& sees_reference);
 
-}  // namespace moiregauge::figure
+}  // namespace moiregauge::internal::figure

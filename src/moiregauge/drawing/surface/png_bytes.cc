@@ -6,7 +6,7 @@
 
 #include <png.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // cairo writes with zlib's level 6 and tries every filter on every row: seven times as long for a tenth less.
@@ -58,4 +58,4 @@ std::vector<std::uint8_t> png_of(cairo_surface_t* surface) {
   return bytes;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

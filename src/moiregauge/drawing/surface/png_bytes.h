@@ -7,9 +7,9 @@
 
 #include <cairo.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The file's bytes, every pixel of an RGB24 surface as it is; empty when there is no memory for it.
 [[nodiscard]] std::vector<std::uint8_t> png_of(cairo_surface_t* surface);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 
 #include "moiregauge/drawing/surface/surface.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kWidth = 37, kHeight = 23;
@@ -61,4 +61,4 @@ TEST(PngBytes, OfNoSurfaceAreNone) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

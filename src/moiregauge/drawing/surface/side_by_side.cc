@@ -9,7 +9,7 @@
 #include "moiregauge/drawing/surface/surface.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kWidest = 1920;     // px, of the whole: what every player can show
@@ -167,4 +167,4 @@ double best_exaggeration(double longest_mm, double u_mm, double size_mm) {
   return best;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -15,7 +15,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // How one target is to be drawn in one frame.
 struct DrawnMotion {
@@ -63,4 +63,4 @@ class SideBySide {
 // quarter of its size, and makes of its uncertainty no more than a twentieth. 1 where there is nothing to exaggerate.
 [[nodiscard]] double best_exaggeration(double longest_mm, double u_mm, double size_mm);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A quarter of 40 mm is 10 mm: five times 2 mm; of 0.05 mm two hundred times.
@@ -60,4 +60,4 @@ TEST(SideBySide, MovesTheTargetAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

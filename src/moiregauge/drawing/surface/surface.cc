@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 Surface grey_surface(ImageView<std::uint8_t> picture) {
   Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width, picture.height), cairo_surface_destroy);
@@ -25,4 +25,4 @@ cairo_status_t append_bytes(void* text, const unsigned char* data, unsigned int 
   return CAIRO_STATUS_SUCCESS;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

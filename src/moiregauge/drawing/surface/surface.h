@@ -9,7 +9,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
@@ -20,4 +20,4 @@ using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 // Cairo's write function for a file in memory: `text` is the std::string behind which it puts the bytes.
 [[nodiscard]] cairo_status_t append_bytes(void* text, const unsigned char* data, unsigned int length);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

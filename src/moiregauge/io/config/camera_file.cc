@@ -11,7 +11,7 @@
 #include "moiregauge/io/config/toml_table.h"
 #include "moiregauge/io/config/toml_text.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The simulator writes the truth of every frame behind its camera; that may be long.
@@ -133,4 +133,4 @@ tl::expected<Camera, std::string> read_camera(const std::string& path) {
   return read_known_camera(path).map([](const KnownCamera& known) { return known.camera; });
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

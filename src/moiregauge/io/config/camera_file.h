@@ -10,7 +10,7 @@
 #include "moiregauge/calibration/scene/scene.h"
 #include "moiregauge/geometry/camera.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A camera from our TOML ([camera] with run.json's keys) or from a calibration YAML of OpenCV or ROS (camera_matrix and
 // distortion_coefficients), told apart by what the file holds. Five terms at most; further ones must be zero.
@@ -34,4 +34,4 @@ struct KnownCamera {
 // out.
 [[nodiscard]] std::string write_camera(const Camera& camera, const CameraWidths& u);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

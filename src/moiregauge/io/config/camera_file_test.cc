@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 void expect_the_camera(const tl::expected<Camera, std::string>& read) {
@@ -124,4 +124,4 @@ TEST(CameraFile, WrittenComesBackToTheLastBitWithWhatIsKnownOfIt) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

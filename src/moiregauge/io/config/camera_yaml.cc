@@ -12,7 +12,7 @@
 
 #include "moiregauge/io/config/toml_table.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::string lower(std::string_view text) {
@@ -211,4 +211,4 @@ tl::expected<Camera, std::string> parse_camera_yaml(const std::string& text, con
   return tl::unexpected(fmt::format("{}", fmt::join(mistakes.lines(), "\n")));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

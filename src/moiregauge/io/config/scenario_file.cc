@@ -14,7 +14,7 @@
 #include "moiregauge/simulator/scenario/built_in.h"
 #include "moiregauge/simulator/scenario/settings.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // One line of the file: its full name, its value as text, its place.
@@ -203,4 +203,4 @@ tl::expected<void, std::string> apply_setting(simulator::Scenario& scenario, con
   return {};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

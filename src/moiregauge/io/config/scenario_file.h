@@ -9,7 +9,7 @@
 
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Everything the file says, or everything wrong with it, each "file:line:column: what is wrong".
 [[nodiscard]] tl::expected<simulator::Scenario, std::vector<std::string>> read_scenario(const std::string& path);
@@ -20,4 +20,4 @@ namespace moiregauge {
 [[nodiscard]] tl::expected<void, std::string> apply_setting(simulator::Scenario& scenario,
                                                             const std::string& assignment);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include "moiregauge/simulator/scenario/built_in.h"
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr const char* kBeam = R"(
@@ -116,4 +116,4 @@ TEST(ScenarioFile, WhatIsMissingHasNoLineOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/io/config/toml_table.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // What [grating] says for every marker that does not say otherwise.
@@ -246,4 +246,4 @@ tl::expected<Site, SiteErrors> read_site(const std::string& path) {
   return parse_site(*text, path);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

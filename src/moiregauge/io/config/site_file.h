@@ -9,7 +9,7 @@
 
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // One entry per mistake, each "file:line:column: what is wrong", in the order of the file.
 using SiteErrors = std::vector<std::string>;
@@ -27,4 +27,4 @@ using SiteErrors = std::vector<std::string>;
 // every number of radians is one of degrees.
 [[nodiscard]] std::string write_site(const Site& site);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr const char* kSheet = R"(
@@ -192,4 +192,4 @@ TEST(SiteFile, AMistakeIsOneLineWhateverTheKeyHolds) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

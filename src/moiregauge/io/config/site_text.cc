@@ -5,7 +5,7 @@
 #include "moiregauge/io/config/toml_text.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Degrees that come back as the same radians: 0.3, not 0.30000000000000004, where both do.
@@ -61,4 +61,4 @@ std::string write_site(const Site& site) {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/config/toml_table.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kDeepestNesting = 32;
@@ -111,4 +111,4 @@ tl::expected<std::string, std::string> read_small_file(const std::string& path, 
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 
 #include "moiregauge/base/nearest_word.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 std::string printable(std::string text) {
   for (char& c : text) {
@@ -122,4 +122,4 @@ std::optional<std::string> TomlTable::text(const std::string& key) const {
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

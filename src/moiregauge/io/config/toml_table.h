@@ -12,7 +12,7 @@
 #include <tl/expected.hpp>
 #include <toml.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What a file holds as it may stand in a message: one line, and nothing that a terminal obeys.
 [[nodiscard]] std::string printable(std::string text);
@@ -73,4 +73,4 @@ inline constexpr std::size_t kTextFileLimit = 64 * 1024;  // bytes; a site of a 
 // A file's bytes up to the limit, or why not, as "path: what is wrong".
 [[nodiscard]] tl::expected<std::string, std::string> read_small_file(const std::string& path, std::size_t limit_bytes);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The shortest text that reads back to the same bits; TOML wants a point in a real number.
 [[nodiscard]] inline std::string toml_real(double value) {
@@ -14,4 +14,4 @@ namespace moiregauge {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/io/config/toml_text.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using simulator::Scenario;
@@ -86,4 +86,4 @@ tl::expected<void, std::string> write_text(const std::string& path, const std::s
   return tl::unexpected(fmt::format("{}: {}", path, why));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

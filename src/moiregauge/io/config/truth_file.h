@@ -8,7 +8,7 @@
 
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // frame,time_s,marker,dx_mm,dy_mm: targets, and references that were made to move.
 [[nodiscard]] std::string truth_csv(const simulator::Scenario& scenario);
@@ -19,4 +19,4 @@ namespace moiregauge {
 // Writes a text under a temporary name and renames it. An error reads "path: why".
 [[nodiscard]] tl::expected<void, std::string> write_text(const std::string& path, const std::string& text);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/io/journal/stored_bytes.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kLength = 4;  // bytes
@@ -43,4 +43,4 @@ std::optional<std::string> inflated(std::string_view bytes) {
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

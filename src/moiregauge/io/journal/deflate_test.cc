@@ -5,7 +5,7 @@
 
 #include "moiregauge/io/journal/stored_bytes.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 TEST(Deflate, GivesTheBytesBack) {
@@ -31,4 +31,4 @@ TEST(Deflate, RefusesAFalseLength) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <tuple>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // How many fields a struct has; said once for every struct that is stored (run_layout.h). A wrong number does not
 // compile: C++ takes a struct apart into exactly as many names as it has fields.
@@ -35,4 +35,4 @@ template <typename Struct>
   // clang-format on
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -110,4 +110,4 @@ tl::expected<void, std::string> JournalFile::append(std::string_view bytes) {
   return {};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -16,7 +16,7 @@
 
 #include <tl/expected.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What a kill costs is what was added in the last tenth of a second; a power cut costs what was added since the last
 // sync but one ended: 0.6 s, and as long as the disk takes for one.
@@ -70,4 +70,4 @@ class JournalFile {
   std::jthread thread_;  // last: it uses all of the above
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 
 #include "moiregauge/base/folder_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 class JournalFileTest : public testing::Test {
@@ -82,4 +82,4 @@ TEST_F(JournalFileTest, OnAFullDiskWholeRecordsStay) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/io/journal/deflate.h"
 #include "moiregauge/io/journal/run_layout.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The last record: what is known only at the end.
 struct RunEnd {
@@ -362,4 +362,4 @@ tl::expected<KeptRun, std::string> recover_run(const std::string& path) {
   return parse_kept_run(*file, path);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

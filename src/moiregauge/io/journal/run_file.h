@@ -13,7 +13,7 @@
 
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Raised when a stored field changes its meaning, or is added (kAdded of run_layout.h). Versions from 2 on are read.
 inline constexpr int kRunFileVersion = 4;
@@ -61,4 +61,4 @@ struct KeptRun {
 [[nodiscard]] tl::expected<KeptRun, std::string> recover_run(const std::string& path);
 [[nodiscard]] tl::expected<KeptRun, std::string> parse_kept_run(std::istream& file, const std::string& path);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 #include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/io/journal/run_layout.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // "Reads" a value in which no two real numbers, texts or frame numbers are the same, and `count` of everything that is
@@ -297,4 +297,4 @@ TEST(RunFile, OfAnEarlierVersionCannotBeContinued) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

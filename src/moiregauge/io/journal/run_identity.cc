@@ -5,7 +5,7 @@
 
 #include "moiregauge/io/journal/run_layout.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Equal to the last bit, NaN and all.
@@ -44,4 +44,4 @@ std::optional<std::string> difference(const StoredRun& kept, const RunStart& sta
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

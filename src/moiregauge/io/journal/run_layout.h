@@ -7,7 +7,7 @@
 #include "moiregauge/io/journal/stored_values.h"
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 template <typename Frame>
 inline constexpr std::size_t kFields<Point<Frame>> = 2;
@@ -157,7 +157,7 @@ struct Stored<Homography<To, From>> {
   template <typename Archive, typename Value>
   static void store(Archive& archive, Value& value) {
     Matrix3 matrix = value.matrix();
-    moiregauge::store(archive, matrix);
+    moiregauge::internal::store(archive, matrix);
     if constexpr (Archive::kReads) value = Homography<To, From>(matrix);
   }
 };
@@ -191,7 +191,7 @@ struct Stored<PatchSystem> {
       }
     }
     archive.number(pixels);
-    moiregauge::store(archive, options);
+    moiregauge::internal::store(archive, options);
     if (!has_width) options.has_width = false;
     if constexpr (Archive::kReads) {
       auto made = PatchSystem::of(normal, pixels, options);
@@ -216,7 +216,7 @@ struct Stored<PrintTemplate> {
       }
     }
     archive.number(order);
-    moiregauge::store(archive, series);
+    moiregauge::internal::store(archive, series);
     if constexpr (Archive::kReads) {
       if (order < 1 || order > kHighest) return archive.fail();
       std::vector<std::complex<double>> read;
@@ -242,4 +242,4 @@ struct Stored<const Method*> {
   }
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

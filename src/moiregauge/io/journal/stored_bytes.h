@@ -10,7 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 template <typename Number>
 using BitsOf = std::conditional_t<sizeof(Number) == 8, std::uint64_t, std::uint32_t>;
@@ -160,4 +160,4 @@ class LayoutSpeller {
   std::string spelling_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -14,7 +14,7 @@
 #include "moiregauge/io/journal/fields.h"
 #include "moiregauge/io/journal/stored_bytes.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 template <typename Archive, typename Value>
 void store(Archive& archive, Value& value);
@@ -72,7 +72,7 @@ struct Stored<std::optional<Element>> {
       value.reset();
       if (there) value.emplace();
     }
-    if (there) moiregauge::store(archive, *value);
+    if (there) moiregauge::internal::store(archive, *value);
   }
 };
 
@@ -85,7 +85,7 @@ struct Stored<std::vector<Element>> {
     // Grows as elements are there, so a false count takes no memory.
     for (std::size_t k = 0; k < count && archive.good(); ++k) {
       if constexpr (Archive::kReads) value.emplace_back();
-      moiregauge::store(archive, value[k]);
+      moiregauge::internal::store(archive, value[k]);
     }
   }
 };
@@ -94,7 +94,7 @@ template <typename Element, std::size_t kSize>
 struct Stored<std::array<Element, kSize>> {
   template <typename Archive, typename Value>
   static void store(Archive& archive, Value& value) {
-    for (auto& element : value) moiregauge::store(archive, element);
+    for (auto& element : value) moiregauge::internal::store(archive, element);
   }
 };
 
@@ -110,4 +110,4 @@ struct Stored<Eigen::Matrix<double, kRows, kColumns>> {
   }
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

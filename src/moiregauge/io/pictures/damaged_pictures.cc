@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMaxEntries = 6;  // in one line a user still reads
@@ -43,4 +43,4 @@ std::string DamagedPictures::text() const {
   return frames_ == 1 ? list : fmt::format("{} frames count as damaged: {}", frames_, list);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class DamagedPictures {
  public:
@@ -25,4 +25,4 @@ class DamagedPictures {
   long frames_ = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Numbers of either byte order in a block that may end anywhere.
@@ -54,4 +54,4 @@ std::optional<int> rotation_of_orientation(int orientation) {
   }
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 #include "moiregauge/image/luma_of_colour.h"
 #include "moiregauge/io/pictures/exif_orientation.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // libjpeg leaves by longjmp: everything with a destructor lives here, outside the functions it may leap over.
@@ -133,4 +133,4 @@ PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
   return picture;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

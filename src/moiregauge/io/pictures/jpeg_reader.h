@@ -5,10 +5,10 @@
 
 #include "moiregauge/io/pictures/picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The luma plane of a JPEG as stored, turned upright by its Exif orientation.
 // fails      kUnreadable (missing), kUnsupported (CMYK, mirrored, too many pixels), kDamaged (cut, corrupt)
 [[nodiscard]] PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

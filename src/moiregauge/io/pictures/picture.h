@@ -16,7 +16,7 @@
 #include "moiregauge/image/quarter_turn.h"
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct Picture {
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;  // empty where the file shows it in place
@@ -55,4 +55,4 @@ inline void turn(Picture& picture, int degrees) {
   std::visit([degrees](auto& image) { image = turned_clockwise(image.view(), degrees); }, picture.grey);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/io/pictures/png_reader.h"
 #include "moiregauge/io/pictures/tiff_reader.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using std::string_view_literals::operator""sv;
 
@@ -45,4 +45,4 @@ PictureOrError read_picture(const std::string& path, std::int64_t max_pixels) {
       InputError{InputErrorKind::kUnsupported, fmt::format("not a picture: {}: give PNG, TIFF or JPEG files", path)});
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/io/pictures/picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class PictureKind { kNone, kPng, kJpeg, kTiff };
 
@@ -15,4 +15,4 @@ enum class PictureKind { kNone, kPng, kJpeg, kTiff };
 // The file's picture; of a TIFF stack its first page.
 [[nodiscard]] PictureOrError read_picture(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

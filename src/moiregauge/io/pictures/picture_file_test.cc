@@ -16,7 +16,7 @@
 #include "moiregauge/io/pictures/pictures_for_tests.h"
 #include "moiregauge/io/pictures/tiff_reader.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Pages of 3 x 2 pixels, every sample of page p being first + p.
@@ -267,4 +267,4 @@ TEST(PictureFile, AMissingFileAndATextAreToldApart) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -16,7 +16,7 @@
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/pictures/picture_numbers.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace fs = std::filesystem;
 namespace {
 
@@ -250,4 +250,4 @@ tl::expected<std::vector<std::string>, InputError> pictures_in_folder(const std:
   return list_pictures(folder).map(existing_files);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

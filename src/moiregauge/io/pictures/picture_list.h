@@ -9,7 +9,7 @@
 
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // One place in a sequence of pictures.
 struct ListedPicture {
@@ -37,4 +37,4 @@ struct PictureList {
 // Returns the pictures that exist in a folder, without frame numbers.
 [[nodiscard]] tl::expected<std::vector<std::string>, InputError> pictures_in_folder(const std::string& folder);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

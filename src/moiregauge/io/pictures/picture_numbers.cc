@@ -5,7 +5,7 @@
 #include <charconv>
 #include <numeric>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMaxDigits = 18;  // of a number that fits into a long
@@ -121,4 +121,4 @@ bool count_frames(const std::vector<long>& numbers, long stride) {
   return places <= 2 * static_cast<long>(numbers.size()) + 10;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

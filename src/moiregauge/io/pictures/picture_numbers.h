@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Compares names as people order them: digits by their value, so frame9 comes before frame10.
 [[nodiscard]] bool comes_before(std::string_view a, std::string_view b);
@@ -33,4 +33,4 @@ struct NumberedName {
 // Do these numbers count frames? Not if more of them are missing than there are, and over ten.
 [[nodiscard]] bool count_frames(const std::vector<long>& numbers, long stride);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

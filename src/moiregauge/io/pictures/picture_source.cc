@@ -21,7 +21,7 @@
 #include "moiregauge/io/pictures/pictures_ahead.h"
 #include "moiregauge/io/pictures/tiff_reader.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Any numbered set of pictures: how many, how to read one, what to call it in a message.
@@ -265,4 +265,4 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_pictures(const std::
   return std::make_unique<PictureSource>(std::move(*set), std::move(*first), std::move(info), readers);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Opens the pictures of a folder, a pattern, a TIFF stack or one file. All have the size and depth of the first one
 // that can be read; one of another size ends the input there (kDamaged). One that is missing or cannot be read becomes
@@ -24,4 +24,4 @@ namespace moiregauge {
 [[nodiscard]] tl::expected<std::vector<std::string>, InputError> files_of_input(const std::string& path,
                                                                                 const InputOptions& options);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

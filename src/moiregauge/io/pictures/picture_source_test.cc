@@ -14,7 +14,7 @@
 #include "moiregauge/io/pictures/pictures_for_tests.h"
 #include "moiregauge/io/pictures/png_reader.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using std::string_literals::operator""s;
@@ -281,4 +281,4 @@ TEST(PngReader, AHeaderIsRefusedBeforeLibpngTakesMemoryForARow) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

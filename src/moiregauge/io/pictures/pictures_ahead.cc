@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 PicturesAhead::PicturesAhead(long first, long end, std::function<PictureOrError(long)> read, int readers)
     : read_(std::move(read)), end_(end), to_read_(first), to_take_(first) {
@@ -51,4 +51,4 @@ PictureOrError PicturesAhead::take() {
   return std::move(slot.picture);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

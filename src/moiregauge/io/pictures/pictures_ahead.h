@@ -13,7 +13,7 @@
 
 #include "moiregauge/io/pictures/picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // However many threads there are: with the picture in use never more than 16 in memory.
 inline constexpr int kMostReaders = 14;
@@ -48,4 +48,4 @@ class PicturesAhead {
   std::vector<std::jthread> readers_;  // last: joined before anything they use is gone
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 Picture picture_number(long number) {
@@ -67,4 +67,4 @@ TEST(PicturesAhead, StoppingHalfWayWaitsForNothingButWhatIsBeingRead) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 
 #include "moiregauge/base/folder_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct TestPng {
   int width = 4;
@@ -47,4 +47,4 @@ inline void write_test_png(const std::string& path, const TestPng& shape, const 
   std::fclose(file);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct PngWriter {
@@ -79,4 +79,4 @@ tl::expected<void, std::string> write_png(const std::string& path, const LumaVie
   return {};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The file's statement about its grey levels: nothing, or that they are light (gAMA 1).
 enum class PngTone { kUnstated, kLinear };
@@ -18,4 +18,4 @@ enum class PngTone { kUnstated, kLinear };
 [[nodiscard]] tl::expected<void, std::string> write_png(const std::string& path, const LumaView& picture, int bits,
                                                         PngTone tone = PngTone::kUnstated);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

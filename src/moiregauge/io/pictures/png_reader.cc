@@ -14,7 +14,7 @@
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/image/luma_of_colour.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // libpng leaves by longjmp. Everything with a destructor lives here, outside the functions it may leap over.
@@ -157,4 +157,4 @@ PictureOrError read_png(const std::string& path, std::int64_t max_pixels) {
   return picture;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/io/pictures/picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A PNG of any kind in grey levels: 8 bits in bytes, 16 bits in words. Colour becomes luma, transparency is ignored.
 //
@@ -15,4 +15,4 @@ namespace moiregauge {
 // it.) fails      kUnreadable (missing), kUnsupported (no PNG, too many pixels), kDamaged (cut or corrupt)
 [[nodiscard]] PictureOrError read_png(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

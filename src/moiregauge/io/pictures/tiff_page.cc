@@ -6,7 +6,7 @@
 #include "moiregauge/io/pictures/exif_orientation.h"
 #include "moiregauge/io/pictures/picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Colour with transparency. A row is read whole, and damaged tags that name 65535 samples would make it of gigabytes.
@@ -70,4 +70,4 @@ std::optional<std::size_t> place_of_rows(TIFF* tiff, const TiffPage& page, std::
   return static_cast<std::size_t>(begin);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include <tiffio.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct TiffPage {
   std::uint32_t width = 0;
@@ -36,4 +36,4 @@ struct TiffPage {
 // black is zero, words as this machine has them, one strip behind the other and all of them inside file_bytes.
 [[nodiscard]] std::optional<std::size_t> place_of_rows(TIFF* tiff, const TiffPage& page, std::size_t file_bytes);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 #include "moiregauge/io/pictures/exif_orientation.h"
 #include "moiregauge/io/pictures/tiff_page.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct TiffStack::State {
   TIFF* tiff = nullptr;
@@ -126,4 +126,4 @@ PictureOrError TiffStack::read(long page) {
   return picture;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

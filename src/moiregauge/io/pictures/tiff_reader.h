@@ -9,7 +9,7 @@
 
 #include "moiregauge/io/pictures/picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Grey or RGB pages of 8 or 16 bits, in strips, any compression libtiff knows. White-is-zero pages are turned to
 // black-is-zero; a page's orientation is applied. Pages are cheap in order, slower at random. An uncompressed grey page
@@ -35,4 +35,4 @@ class TiffStack {
   long pages_ = 0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

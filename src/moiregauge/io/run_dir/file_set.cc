@@ -10,7 +10,7 @@
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/io/run_dir/run_place.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -61,4 +61,4 @@ tl::expected<void, OutputError> write_file_set(const std::string& dir, const std
   return {};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 
 #include "moiregauge/base/output_error.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using NamedBytes = std::pair<std::string, std::string>;  // name in the folder, content
 
@@ -24,4 +24,4 @@ enum class Existing {
 [[nodiscard]] tl::expected<void, OutputError> write_file_set(const std::string& dir,
                                                              const std::vector<NamedBytes>& files, Existing existing);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

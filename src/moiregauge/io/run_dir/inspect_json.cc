@@ -10,7 +10,7 @@
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -257,4 +257,4 @@ Json inspect_json(const InspectReport& report) {
   return json;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/results/summary.h"
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct InspectReport {
   InputInfo input;
@@ -24,4 +24,4 @@ struct InspectReport {
 
 [[nodiscard]] nlohmann::ordered_json inspect_json(const InspectReport& report);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

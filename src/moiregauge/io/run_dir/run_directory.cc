@@ -19,7 +19,7 @@
 #include "moiregauge/io/tables/displacement_csv.h"
 #include "moiregauge/io/tables/displacement_h5.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ tl::expected<void, OutputError> RunDirectory::write(const Measurement& measureme
   return tl::unexpected(unwritable(done.error(), measurement));
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/io/run_dir/run_place.h"
 #include "moiregauge/run/result_sink.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Draws overlay.png, nothing where there is no picture; handed in, because io does not know drawing.
 using DrawOverlay = std::function<std::vector<std::uint8_t>(const Measurement&)>;
@@ -62,4 +62,4 @@ class RunDirectory : public ResultSink {
   bool is_unfinished_ = false;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

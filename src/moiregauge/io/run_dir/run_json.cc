@@ -11,7 +11,7 @@
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -220,4 +220,4 @@ nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOpt
   return json;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,11 +5,11 @@
 
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 inline constexpr int kRunSchema = 1;
 
 // run.json (docs/file-formats.md, docs/schema/run.schema.json). What is not known is null.
 [[nodiscard]] nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOptions& options);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 std::string input_sha256_of_run(std::istream& run_json) {
   const auto json = nlohmann::json::parse(run_json, nullptr, false);
@@ -12,4 +12,4 @@ std::string input_sha256_of_run(std::istream& run_json) {
   return sha256.is_string() ? sha256.get<std::string>() : std::string{};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

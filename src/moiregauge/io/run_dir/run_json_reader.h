@@ -5,9 +5,9 @@
 #include <istream>
 #include <string>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The input's fingerprint; empty when the file is no JSON or does not say. Never throws, whatever the file holds.
 [[nodiscard]] std::string input_sha256_of_run(std::istream& run_json);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

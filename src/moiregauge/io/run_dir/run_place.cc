@@ -14,7 +14,7 @@
 #include "moiregauge/io/journal/run_file.h"
 #include "moiregauge/results/summary.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ bool holds_interrupted_run(const fs::path& folder) {
   return json.is_object() && json.contains("exit_code") && json["exit_code"] == static_cast<int>(Exit::kInterrupted);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

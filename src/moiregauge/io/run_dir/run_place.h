@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct RunPlace {
   std::string shown;                 // DIR as typed, for messages
@@ -33,4 +33,4 @@ void keep_journal_only(const std::filesystem::path& folder);
 // Of what stands in a folder: does run.json say that the run was interrupted?
 [[nodiscard]] bool holds_interrupted_run(const std::filesystem::path& folder);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 BoardPoint turned_about(BoardPoint middle, BoardPoint p, double angle_rad, double scale) {
@@ -108,4 +108,4 @@ Site solved_site(const Site& site, const Scene& scene) {
   return solved;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

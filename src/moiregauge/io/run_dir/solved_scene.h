@@ -7,7 +7,7 @@
 #include "moiregauge/calibration/scene/scene.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A marker as the footage has it: print and circle moved and turned together, the pitch by the print's scale, the
 // height where one was solved.
@@ -23,4 +23,4 @@ namespace moiregauge {
 // share (the largest eigenvalue of their covariance), and never narrower for what was not solved.
 [[nodiscard]] Site solved_site(const Site& site, const Scene& scene);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

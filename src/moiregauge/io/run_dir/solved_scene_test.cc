@@ -9,7 +9,7 @@
 #include "moiregauge/calibration/scene/patch_residual.h"
 #include "moiregauge/io/config/site_file.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Two references and a target of which no height is stated.
@@ -114,4 +114,4 @@ TEST(SolvedScene, ItsSiteIsAFileThatComesBack) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

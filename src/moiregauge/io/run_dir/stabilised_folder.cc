@@ -12,7 +12,7 @@
 #include "moiregauge/base/csv_field.h"
 #include "moiregauge/io/pictures/png_file.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +145,4 @@ bool overlaps(const std::string& a, const std::string& b) {
   return in_p == p.end() || in_q == q.end();
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/run/frame_sink.h"
 #include "moiregauge/run/result_sink.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class StabilisedFolder : public FrameSink {
  public:
@@ -46,4 +46,4 @@ class StabilisedFolder : public FrameSink {
 // Is one of two paths the other, or inside it? Then neither can be replaced as a whole.
 [[nodiscard]] bool overlaps(const std::string& a, const std::string& b);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

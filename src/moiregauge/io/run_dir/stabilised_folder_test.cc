@@ -13,7 +13,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ TEST(StabilisedFolder, TwoFoldersThatAreEachReplacedAsAWholeMayNotHoldEachOther)
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -14,7 +14,7 @@
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/io/journal/run_identity.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ tl::expected<void, OutputError> UnfinishedRun::end(const Seen& seen, const Measu
   return {};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -15,7 +15,7 @@
 #include "moiregauge/io/run_dir/run_place.h"
 #include "moiregauge/run/journal_sink.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What to do where an unfinished run is found: say so and touch nothing; go on with it; throw it away.
 enum class Earlier { kAsk, kResume, kRestart };
@@ -64,4 +64,4 @@ class UnfinishedRun : public JournalSink {
   std::unique_ptr<JournalFile> journal_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/base/csv_field.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 std::string displacement_csv(const Site& site, const Samples& samples) {
   std::string text = "frame,time_s,marker,dx_mm,dy_mm,u_dx_mm,u_dy_mm,status\n";
@@ -17,4 +17,4 @@ std::string displacement_csv(const Site& site, const Samples& samples) {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/version.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Any of the library's objects, closed at the end.
@@ -168,4 +168,4 @@ std::string displacement_h5(const Measurement& measurement, const MeasureOptions
   return displacement_h5(table);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

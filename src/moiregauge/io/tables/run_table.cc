@@ -16,7 +16,7 @@
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/journal/run_file.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -234,4 +234,4 @@ tl::expected<RunTable, std::string> selected(RunTable table, const Selection& se
   return table;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct TableMarker {
   std::string name;
@@ -47,4 +47,4 @@ struct Selection {
 // Fails with "what: where: what to do": a marker that is not there, a time range of a run without time, nothing left.
 [[nodiscard]] tl::expected<RunTable, std::string> selected(RunTable table, const Selection& selection);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

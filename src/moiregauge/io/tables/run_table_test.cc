@@ -9,7 +9,7 @@
 #include "moiregauge/io/tables/table_csv.h"
 #include "moiregauge/io/tables/uff58.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr const char* kHeader = "frame,time_s,marker,dx_mm,dy_mm,u_dx_mm,u_dy_mm,status";
@@ -96,4 +96,4 @@ TEST(Uff58, WithoutTimeThereIsNoSeries) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/base/csv_field.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 std::string long_csv(const RunTable& table) {
   std::string text = "frame,time_s,marker,dx_mm,dy_mm,u_dx_mm,u_dy_mm,status\n";
@@ -45,4 +45,4 @@ std::string wide_csv(const RunTable& table) {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/io/tables/run_table.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // As displacement.csv: a row per frame and target.
 [[nodiscard]] std::string long_csv(const RunTable& table);
@@ -14,4 +14,4 @@ namespace moiregauge {
 // All numbers, so that a reader of matrices takes it; NaN for what is not there.
 [[nodiscard]] std::string wide_csv(const RunTable& table);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kUneven = 0.05;  // of a frame
@@ -165,4 +165,4 @@ tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps) {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/io/tables/run_table.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The format has no number for "not measured".
 enum class Gaps {
@@ -22,4 +22,4 @@ enum class Gaps {
 // what to do": a run without time; gaps that are not to be split
 [[nodiscard]] tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

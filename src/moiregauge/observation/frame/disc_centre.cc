@@ -12,7 +12,7 @@
 #include "moiregauge/image/fetch_row.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kPaper = 1.25;  // radii: so far there is paper round a disc
@@ -138,4 +138,4 @@ std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected,
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

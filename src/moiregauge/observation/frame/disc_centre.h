@@ -8,7 +8,7 @@
 #include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Where a printed disc stands that was seen before as `like` and is expected within a fifth of its diameter of
 // `expected`: the centroid of how much darker (or lighter) than its paper every pixel is, to about 0.05 px. Nothing
@@ -17,4 +17,4 @@ namespace moiregauge {
 [[nodiscard]] std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected, double diameter_px,
                                                     const SeenCircle& like, Rows rows = Rows::kAll);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A print whose window has no room to spare may stand so far (in pitches) off centre: the outermost taps weigh nothing.
@@ -42,4 +42,4 @@ void follow_marker(const GreyPicture& picture, const Reference& reference, const
   seen.loss = loss_of(then, seen.patch);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 [[nodiscard]] Loss loss_of(const PatchReading& then, const PatchReading& patch);
 
@@ -20,4 +20,4 @@ namespace moiregauge {
 void follow_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                    Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

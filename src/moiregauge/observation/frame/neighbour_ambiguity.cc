@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kLike = 0.25;  // relative, of pitches and sizes that may be taken for each other
@@ -52,4 +52,4 @@ void doubt_what_may_be_another(const Reference& reference, const Prediction& pre
   }
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

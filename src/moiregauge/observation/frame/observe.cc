@@ -11,7 +11,7 @@
 #include "moiregauge/observation/frame/slipped_circle.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Located {
@@ -254,4 +254,4 @@ Observation observe_two_stage(const GreyPicture& picture, const Reference& refer
   return observe_board(picture, reference, prediction, kLeastForHomography, work);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What the past says about this frame. Only a hint for where to look: a wrong one costs time, not truth; but `travel`
 // decides the whole pitches of a target that has left its first half pitch.
@@ -48,4 +48,4 @@ void learn_prints(const GreyPicture& picture, Reference& reference);
 [[nodiscard]] Observation observe_precise(const GreyPicture& picture, const Reference& reference,
                                           const Prediction& prediction, PatchWorkspace& work);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

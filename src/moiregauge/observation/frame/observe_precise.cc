@@ -10,7 +10,7 @@
 #include "moiregauge/observation/frame/patch_of_points.h"
 #include "moiregauge/observation/frame/track.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Where the print hangs, by the raster method: within a hundredth of a pixel of the truth in this frame's view.
@@ -212,4 +212,4 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
   return seen;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A print that goes from facing the camera to 8 deg misses its template by a fifth more (rms squared) all over; less than
@@ -47,4 +47,4 @@ std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel
   return std::move(part->fit);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

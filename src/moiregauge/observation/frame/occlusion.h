@@ -6,7 +6,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Looked for only where the misses as a whole changed since the reference frame.
 //
@@ -20,4 +20,4 @@ namespace moiregauge {
                                                   const PatchFit& at_rest, const PatchFit& fit,
                                                   const BlockSet& covered);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

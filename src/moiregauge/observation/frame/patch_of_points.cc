@@ -9,7 +9,7 @@
 #include "moiregauge/observation/raster/noise.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kWholeContrast = 0.1;  // rms
@@ -98,4 +98,4 @@ bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const Prin
   return missing * missing < kStripMisses / pitches;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

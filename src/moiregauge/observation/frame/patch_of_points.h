@@ -5,7 +5,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // How a print has gone on the board since the reference frame: a plane about its middle.
 struct PrintMotion {
@@ -35,4 +35,4 @@ struct PrintMotion {
 [[nodiscard]] bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model,
                                    double rounding);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Rms of all circles about the homography since the reference frame. A lens of -2 % may make as much of a movement, but
@@ -43,4 +43,4 @@ std::optional<std::size_t> remove_slipped(const Reference& reference, std::vecto
   return marker;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Five circles that are left have two coordinates to spare.
 inline constexpr std::size_t kMinReferencesForSlip = 6;
@@ -18,4 +18,4 @@ inline constexpr std::size_t kMinReferencesForSlip = 6;
 // the rest. The site's places do not count: they may be known to millimetres only.
 std::optional<std::size_t> remove_slipped(const Reference& reference, std::vector<CirclePoint>& points);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/observation/frame/occlusion.h"
 #include "moiregauge/observation/frame/patch_of_points.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A fit that still moves so much (pitches) in its last pass began too far away.
@@ -105,4 +105,4 @@ bool track_target(const GreyPicture& picture, const Reference& reference, const 
   return true;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/observation/frame/observe.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // The references; targets are not looked at yet. Nothing where any of them is not whole and in its place. Some of the
 // rows tell every phase in a fraction of the time, with a wider u.
@@ -16,4 +16,4 @@ namespace moiregauge {
 [[nodiscard]] bool track_target(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                                 const Prediction& prediction, MarkerObservation& seen, Rows rows = Rows::kAll);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/observation/frame/disc_centre.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 struct Rig {
@@ -110,4 +110,4 @@ TEST(DiscCentre, IsWithinATwentiethOfAPixelAndOnlyWhereADiscIs) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

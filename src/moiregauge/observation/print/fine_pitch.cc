@@ -5,7 +5,7 @@
 
 #include "moiregauge/observation/raster/raster.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 std::optional<std::string> fine_pitch_note(const Site& site, const View& view) {
   const Marker* finest = nullptr;
@@ -34,4 +34,4 @@ std::optional<std::string> fine_pitch_note(const Site& site, const View& view) {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Below these a note. A binary print's third harmonic needs 6 px for a period of its own in the pixels, and a third
 // more for its template to hold it apart from the fundamental under blur and perspective; a cosine has no harmonics.
@@ -20,4 +20,4 @@ inline constexpr double kGoodCosinePitchPx = 4.0;
 // pattern that the site leaves open counts as binary.
 [[nodiscard]] std::optional<std::string> fine_pitch_note(const Site& site, const View& view);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/observation/raster/raster.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kMmPerPx = 0.5;
@@ -66,4 +66,4 @@ TEST(FinePitch, BelowTwoAndAHalfPixelsNothingIsPlanned) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/observation/print/visibility.h"
 #include "moiregauge/observation/raster/raster.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kNear = 3;  // pitches looked round where the phase puts a print, at first
@@ -207,4 +207,4 @@ std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View&
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -15,7 +15,7 @@
 #include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A print's outline in its own pitches, and how clearly it stands out in the reference frame.
 struct Outline {
@@ -62,4 +62,4 @@ using IsTaken = std::function<bool(Extent<frame::Board>)>;
                                                              const Grating& grating, int pitches,
                                                              const IsHidden& is_hidden);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/observation/print/print_origin.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSide = 64;  // samples of a period
@@ -34,4 +34,4 @@ double overshoot_of(const PrintModel& print) {
   return std::max({0.0, all.high - plateaus.high, plateaus.low - all.low}) / span;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

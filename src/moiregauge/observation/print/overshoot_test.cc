@@ -8,7 +8,7 @@
 
 #include "moiregauge/phase/fit/template_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kOrder = 9;
@@ -50,4 +50,4 @@ TEST(Overshoot, IsTheSameWhereverTheTemplateHasItsOrigin) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/observation/print/visibility.h"
 #include "moiregauge/phase/fit/print_bins.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Failure = PatchFitFailure;
@@ -366,4 +366,4 @@ tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const 
   return std::move(first->fit);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

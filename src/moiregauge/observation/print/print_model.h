@@ -12,7 +12,7 @@
 #include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Which harmonics of a print are used. Off: the fundamentals alone, in a window of whole pitches; what the harmonics
 // leave is then taken for noise, on a binary print ten times the pixels', and u is wide. Auto: the template where it
@@ -65,4 +65,4 @@ inline constexpr double kPrintEdgePx = 2.4;
 // stretch.)
 inline constexpr double kMostStretched = 0.6;
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kSide = 130;  // px
@@ -138,4 +138,4 @@ TEST(PrintModel, WithoutItsTemplateABinaryPrintIsReadOverWholePitches) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

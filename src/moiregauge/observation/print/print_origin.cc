@@ -6,7 +6,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Complex = std::complex<double>;
@@ -79,4 +79,4 @@ PrintTemplate with_origin(const PrintTemplate& print, PrintPoint origin) {
   return {print.order(), series};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

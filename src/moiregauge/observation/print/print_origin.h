@@ -8,7 +8,7 @@
 #include "moiregauge/phase/fit/patch_pass.h"
 #include "moiregauge/phase/fit/print_template.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct PrintOrigin {
   PrintPoint at;         // of the nearest symmetry point, in the template's coordinates, pitches
@@ -24,4 +24,4 @@ struct PrintOrigin {
 // Returns the same print with its origin moved to `origin`.
 [[nodiscard]] PrintTemplate with_origin(const PrintTemplate& print, PrintPoint origin);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

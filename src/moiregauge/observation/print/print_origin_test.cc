@@ -7,7 +7,7 @@
 
 #include "moiregauge/phase/fit/template_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kOddHarmonics[] = {1.0, 3.0};
@@ -63,4 +63,4 @@ TEST(PrintOrigin, MovingItMovesNothingOfThePrint) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

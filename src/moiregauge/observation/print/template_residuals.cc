@@ -8,7 +8,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kThrice = 3.0;
@@ -131,4 +131,4 @@ std::optional<PatchWindow> free_window(const PatchWindow& window, const BlockSet
                      0.5 * (at(best_y1) - at(best_y0)) * window.half_y};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

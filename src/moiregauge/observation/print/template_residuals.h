@@ -9,7 +9,7 @@
 
 #include "moiregauge/phase/fit/patch_fit.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 inline constexpr int kMissBlocks = 6;  // to a side of the window
 inline constexpr std::size_t kAllMissBlocks = std::size_t{kMissBlocks} * kMissBlocks;
@@ -41,4 +41,4 @@ struct CoveredBlocks {
 // The largest rectangle of the window without those blocks; empty if it holds less than two fifths of it.
 [[nodiscard]] std::optional<PatchWindow> free_window(const PatchWindow& window, const BlockSet& covered);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 #include "moiregauge/observation/raster/raster.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kPerPitch = 8;  // points looked at along a pitch
@@ -173,4 +173,4 @@ std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view
   return presences;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

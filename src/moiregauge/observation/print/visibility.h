@@ -13,7 +13,7 @@
 #include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Along which of its own axes a print's grey level varies.
 struct Axes {
@@ -70,4 +70,4 @@ using IsHidden = std::function<bool(ImagePoint)>;
                                                         const PrintFromPrint& correction, int pitches,
                                                         const IsHidden& is_hidden = {});
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

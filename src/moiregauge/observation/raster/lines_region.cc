@@ -6,7 +6,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kAlive =
@@ -59,4 +59,4 @@ LinesRegion region_mean_of_lines(const FringeField& field, Axis axis, double pit
   return {phase, static_cast<double>(run.length) / whole};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

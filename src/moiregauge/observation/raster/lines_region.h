@@ -5,7 +5,7 @@
 
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct LinesRegion {
   RegionPhase phase;   // at the middle of the whole region, as region_mean gives it
@@ -17,4 +17,4 @@ struct LinesRegion {
 // from the plane.
 [[nodiscard]] LinesRegion region_mean_of_lines(const FringeField& field, Axis axis, double pitch_px, int region_px);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

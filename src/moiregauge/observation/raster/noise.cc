@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Rounding to whole grey levels alone is 1 / sqrt 12; no estimate may fall below it.
@@ -89,4 +89,4 @@ double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, 
       luma);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

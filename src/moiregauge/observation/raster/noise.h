@@ -4,7 +4,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct PixelNoise {
   double sigma = 0.0;          // grey levels, one pixel, including the rounding to whole grey levels
@@ -20,4 +20,4 @@ struct PixelNoise {
 // The second of these by itself.
 [[nodiscard]] double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, int height);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -141,4 +141,4 @@ Extent<frame::Board> displacement_at(const RasterPlan& plan, const PatchReading&
   return shift + displacement_between(plan, from, to);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

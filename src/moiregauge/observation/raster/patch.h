@@ -7,7 +7,7 @@
 
 #include "moiregauge/observation/raster/raster.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Axis 0 and 1 are the raster's. What the print cannot show is NaN.
 struct PatchReading {
@@ -62,4 +62,4 @@ inline constexpr double kStretchedLattice = 0.003;  // relative
 [[nodiscard]] Extent<frame::Board> board_from_raster(const RasterPlan& plan, double along_0, double along_1);
 [[nodiscard]] std::array<double, 2> raster_from_board(const RasterPlan& plan, Extent<frame::Board> d);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Side of the largest upright square that fits a w x h print when turned by `angle` against it.
@@ -121,4 +121,4 @@ bool resample(const LumaView& luma, const View& view, const RasterPlan& plan, Ex
   return std::visit([&](const auto& picture) { return resample_from(picture, points, plan.side_px, work); }, luma);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

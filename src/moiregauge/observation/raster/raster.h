@@ -10,7 +10,7 @@
 #include "moiregauge/image/spline.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Where a raster lies on the board. Its axis 0 is turned by angle_rad counter-clockwise from the board's x, its axis 1
 // by 90 degrees more (so both grow as the board's x and y do when the angle is 0).
@@ -65,4 +65,4 @@ struct RasterWorkspace {
 [[nodiscard]] bool resample(const LumaView& luma, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
                             RasterWorkspace& work);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

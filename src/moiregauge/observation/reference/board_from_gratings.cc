@@ -6,7 +6,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kPasses = 30;
@@ -149,4 +149,4 @@ BoardFromIdeal turned(const BoardFromIdeal& board, double angle_rad, BoardPoint 
   return BoardFromIdeal(turn * shift * board.matrix());
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/detection/gratings/grating_patches.h"
 #include "moiregauge/geometry/view.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 using BoardFromIdeal = Homography<frame::Board, frame::Ideal>;
 
@@ -25,4 +25,4 @@ using BoardFromIdeal = Homography<frame::Board, frame::Ideal>;
 // The same map after a turn by -angle about `origin`, which becomes (0, 0).
 [[nodiscard]] BoardFromIdeal turned(const BoardFromIdeal& board, double angle_rad, BoardPoint origin);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A board seen at about 40 degrees: 3 px per mm.
@@ -88,4 +88,4 @@ TEST(BoardFromGratings, AnotherPitchIsNamed) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/observation/print/print_model.h"
 #include "moiregauge/observation/raster/patch.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Why a marker has no reading in a frame. The words of displacement.csv's `status` are made of these by `displacement`.
 enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kCovered, kTooCoarse };
@@ -42,4 +42,4 @@ struct Observation {
   std::vector<MarkerObservation> markers;  // one per site marker
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/observation/reference/observations.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 void Observations::append(const Observations& other, std::size_t first, std::size_t end) {
   for (std::size_t n = first; n < end; ++n) packed_.push_back(other.packed_[n]);
@@ -12,4 +12,4 @@ Observation Observations::read(const std::string& bytes) const {
   return packing_.unpacked(bytes).value_or(Observation{});
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 
 #include "moiregauge/observation/reference/packed_observation.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class Observations {
  public:
@@ -72,4 +72,4 @@ class Observations {
   std::vector<std::string> packed_;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

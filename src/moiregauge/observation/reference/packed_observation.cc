@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Rounding makes 1e-7 of the shared information, a frame's own normal equations 1e-3 and more.
@@ -354,4 +354,4 @@ std::optional<Observation> ObservationPacking::unpacked(std::string_view bytes) 
   return seen;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

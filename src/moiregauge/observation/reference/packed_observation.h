@@ -17,7 +17,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 class ObservationPacking {
  public:
@@ -45,4 +45,4 @@ class ObservationPacking {
 // Part of run.mgj's layout: its number must rise when the bytes change their meaning.
 inline constexpr char kPackedLayout[] = "packed observation 1";
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/simulator/scenario/built_in.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The small rig, its reference frame and a frame in which the camera has turned by 0.4 deg.
@@ -132,4 +132,4 @@ TEST(PackedObservation, OfOtherBytesIsNone) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

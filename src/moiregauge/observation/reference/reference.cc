@@ -10,7 +10,7 @@
 #include "moiregauge/observation/reference/site_check.h"
 #include "moiregauge/observation/reference/site_layout.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kSamePlace = 0.25;  // diameters: a circle seen where the site has one
@@ -274,4 +274,4 @@ tl::expected<Reference, ReferenceFailure> make_reference_in_view(const GreyPictu
   return reference;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/image/tone.h"
 #include "moiregauge/observation/reference/observation.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct ObserveOptions {
   RasterOptions raster;
@@ -88,4 +88,4 @@ struct ReferenceFailure {
 // The homography of the circles (exact for four, least squares for more).
 [[nodiscard]] tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<CirclePoint>& points);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

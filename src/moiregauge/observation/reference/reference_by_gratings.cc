@@ -8,7 +8,7 @@
 
 #include "moiregauge/observation/reference/site_from_picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::ptrdiff_t kCirclesOfAView = 4;  // what a homography needs
@@ -113,4 +113,4 @@ tl::expected<Reference, ReferenceFailure> make_reference_by_gratings(const GreyP
                                 options);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

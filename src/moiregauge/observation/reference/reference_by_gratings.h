@@ -6,7 +6,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Has the site fewer reference circles than a homography needs?
 [[nodiscard]] bool lacks_circles(const Site& site);
@@ -18,4 +18,4 @@ namespace moiregauge {
                                                                                    const Site& site, const Camera& lens,
                                                                                    const ObserveOptions& options);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // A share of the longest distance. The side of a square is 0.71 of its diagonal, and a side is easier to measure.
@@ -67,4 +67,4 @@ std::string tape_words(const ScaleCheck& check, const Site& site, double unit_mm
   return from + " to " + site.markers[check.to].name + ": " + size;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct ScaleCheck {
   double mm_per_px = 0.0;  // in the middle of the references, in the reference frame
@@ -25,4 +25,4 @@ struct ScaleCheck {
 // Returns "R1 to R2: 256 mm", or "print of T1: 60.0 mm wide". `unit_mm` is the length on the board of one unit.
 [[nodiscard]] std::string tape_words(const ScaleCheck& check, const Site& site, double unit_mm, const char* unit);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

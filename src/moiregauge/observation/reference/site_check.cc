@@ -8,7 +8,7 @@
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/observation/reference/scale_check.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The view's scale is no better than the circles' places. Two of them, each known to u, a spacing s apart, tell it to
@@ -181,4 +181,4 @@ std::optional<std::string> site_disagreement(const Reference& reference) {
   return std::nullopt;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct Reference;
 
@@ -18,4 +18,4 @@ inline constexpr double kDiameterTolerance = 1.0;  // px, a circle's edge is not
 // Says which two values of the site disagree; nullopt when all agree.
 [[nodiscard]] std::optional<std::string> site_disagreement(const Reference& reference);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -15,7 +15,7 @@
 #include "moiregauge/observation/reference/site_check.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kEnough = 4;  // circles that determine a view
@@ -292,4 +292,4 @@ tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& pictur
   return std::move(found->site);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

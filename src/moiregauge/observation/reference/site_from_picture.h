@@ -11,7 +11,7 @@
 #include "moiregauge/detection/gratings/grating_patches.h"
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class BoardAxes { kPrint, kImage };  // x along the references' gratings, or along the picture's rows
 
@@ -39,4 +39,4 @@ struct PictureSite {
 [[nodiscard]] tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& picture, const Camera& lens,
                                                                      const PictureSiteOptions& options);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // u across a layout grows as its length over its width: from here on a reading of 1 um would have a u of 0.1 mm.
@@ -47,4 +47,4 @@ std::optional<std::string> references_on_a_line(const Site& site) {
   return text;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Without a pitch the gratings' own is the unit of length. Who is who is then found as on a board of this pitch, for
@@ -191,4 +191,4 @@ PatchBound displacement_bound(const InspectedPatch& patch) {
   return {along(axes.x), along(axes.y)};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

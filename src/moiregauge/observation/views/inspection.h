@@ -13,7 +13,7 @@
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/observation/reference/site_from_picture.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct InspectOptions {
   std::optional<Site> site = std::nullopt;
@@ -74,4 +74,4 @@ struct PatchBound {
 };
 [[nodiscard]] PatchBound displacement_bound(const InspectedPatch& patch);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Fisher's information of a displacement, summed pixel by pixel over a picture of the pattern's fundamentals.
@@ -45,4 +45,4 @@ TEST(Inspection, APatchByItselfReachesFishersInformation) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

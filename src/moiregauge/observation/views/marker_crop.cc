@@ -6,7 +6,7 @@
 
 #include "moiregauge/image/spline.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kReferenceMargin = 0.1;  // of the marker's longer side
@@ -121,4 +121,4 @@ Crop cut_out(const GreyPicture& picture, const View& view, const CropPlan& plan)
   return std::visit([&](const auto& luma) { return cut_out_of(luma, picture.bits, view, plan); }, picture.luma);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

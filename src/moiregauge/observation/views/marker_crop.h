@@ -5,7 +5,7 @@
 
 #include "moiregauge/observation/reference/reference.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Pixel (column, row) of a crop shows the board at (first.x + column * mm_per_px, first.y - row * mm_per_px).
 struct CropPlan {
@@ -27,4 +27,4 @@ struct Crop {
 // By the spline through the pixels. `view`: how this frame sees the board, the camera's motion in it.
 [[nodiscard]] Crop cut_out(const GreyPicture& picture, const View& view, const CropPlan& plan);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

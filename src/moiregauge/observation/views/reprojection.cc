@@ -9,7 +9,7 @@
 #include "moiregauge/observation/reference/site_check.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using BoardExtent = Extent<frame::Board>;
@@ -204,4 +204,4 @@ tl::expected<Restated, std::string> restated(const Reference& reference, const O
   return out;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 
 #include "moiregauge/observation/reference/observations.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 struct Restated {
   Reference reference;
@@ -28,4 +28,4 @@ inline constexpr double kRestatedPlace =
 [[nodiscard]] tl::expected<Restated, std::string> restated(const Reference& reference, const Observations& observations,
                                                            const Site& site, const Camera& lens);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 #include "moiregauge/simulator/simulator.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kK1 = -0.37;  // -1 % at the small rig's corner
@@ -151,4 +151,4 @@ TEST(Restated, SaysWhichMarkerCannotHaveBeenThere) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::testing {
+namespace moiregauge::internal::testing {
 
 struct Grating {
   double pitch_px = 29.0;
@@ -63,4 +63,4 @@ inline Image<double> random_picture(int width, int height, std::mt19937_64& rng)
   return picture;
 }
 
-}  // namespace moiregauge::testing
+}  // namespace moiregauge::internal::testing

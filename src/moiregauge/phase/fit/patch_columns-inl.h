@@ -13,7 +13,7 @@
 #include "moiregauge/phase/fit/patch_job.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -107,7 +107,7 @@ HWY_INLINE Level times(const Level& l, V f) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Failure = PatchFitFailure;
@@ -265,4 +265,4 @@ PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_prin
   return {whole(std::floor(x0)) - 1, whole(std::floor(y0)) - 1, whole(std::ceil(x1)) + 1, whole(std::ceil(y1)) + 1};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

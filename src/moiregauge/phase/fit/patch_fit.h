@@ -17,7 +17,7 @@
 #include "moiregauge/phase/fit/patch_pass.h"
 #include "moiregauge/phase/fit/patch_system.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Round the window's image, a pixel to spare on every side; it may reach beyond the picture.
 [[nodiscard]] PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w);
@@ -80,4 +80,4 @@ enum class Rows {
                                                                    const PatchFitOptions& options,
                                                                    const PatchAtRest& at_rest, Rows rows = Rows::kAll);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -11,7 +11,7 @@
 #include "moiregauge/phase/fit/grating_for_tests.h"
 #include "moiregauge/phase/fit/template_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kFitSide = 180;  // px
@@ -316,4 +316,4 @@ TEST(PatchFit, FollowedNearerThePrintIsAsLargeAsAFreshFitSays) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

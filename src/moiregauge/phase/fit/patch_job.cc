@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/phase/fit/patch_job.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::array<float, 3> in_floats(const PatchPlane& p) {
@@ -30,4 +30,4 @@ PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox
   return job;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

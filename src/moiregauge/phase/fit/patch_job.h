@@ -6,7 +6,7 @@
 
 #include "moiregauge/phase/fit/patch_pass.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 inline constexpr int kBlockWidth = 16;
 // Single precision holds the sums of so many rows; then they go into doubles.
@@ -48,4 +48,4 @@ struct PatchTotals {
 // Every row_step-th row of `box`.
 [[nodiscard]] PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

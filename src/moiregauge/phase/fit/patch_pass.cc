@@ -16,7 +16,7 @@
 #include "moiregauge/phase/fit/patch_job.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE void add_to(float* sums, V value) {
@@ -194,11 +194,11 @@ void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& p, Sum sum, Pat
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace moiregauge {
+namespace moiregauge::internal {
 HWY_EXPORT(Pass8);
 HWY_EXPORT(Pass16);
 
@@ -238,5 +238,5 @@ void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& 
   sums.pixels = totals.pixels;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal
 #endif

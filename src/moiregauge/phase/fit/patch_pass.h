@@ -12,7 +12,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/phase/fit/print_template.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 namespace frame {
 struct Window;  // (u, v): a patch's window, from -1 to 1 both ways
@@ -85,4 +85,4 @@ struct ShiftSums {
 void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
                int row_step, ShiftSums& sums);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 
 #include "moiregauge/phase/fit/simd_target.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kPassSide = 150;
@@ -143,4 +143,4 @@ TEST(PatchPass, SumsWhatItSaysItSums) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

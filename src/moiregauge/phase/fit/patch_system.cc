@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Relative. On a print of one harmonic more blur is less contrast: then contrast has it.
@@ -90,4 +90,4 @@ double PatchSystem::shift_like(const NormalVector& value) const {
   return std::sqrt(largest2 / slope);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 
 #include "moiregauge/phase/fit/patch_pass.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 inline constexpr int kPatchPoints = 9;
 using PatchInformation = Eigen::Matrix<double, 2 * kPatchPoints, 2 * kPatchPoints>;
@@ -54,4 +54,4 @@ class PatchSystem {
 // The field's nine coefficients to its values at the nine points, (u, v) = -2/3, 0, 2/3, u fastest.
 [[nodiscard]] const Eigen::Matrix<double, kPatchPoints, kFieldColumns>& values_at_points();
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -10,7 +10,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Complex = std::complex<double>;
@@ -193,4 +193,4 @@ std::optional<PrintTemplate> PrintBins::fit() const {
   return PrintTemplate(order_, series);
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

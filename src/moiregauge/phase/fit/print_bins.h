@@ -8,7 +8,7 @@
 
 #include "moiregauge/phase/fit/print_template.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Grey levels summed over bins of one pitch in both directions. The fractions of a pitch at which pixels fall fill
 // them.
@@ -29,4 +29,4 @@ class PrintBins {
   std::vector<double> count_, sum_;  // side x side, y slowest
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

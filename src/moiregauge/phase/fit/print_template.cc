@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using Complex = std::complex<double>;
@@ -154,4 +154,4 @@ Complex PrintTemplate::coefficient(int m, int n) const {
 
 int highest_order(double pitch_px) { return std::max(1, static_cast<int>(std::floor(pitch_px / 2.2))); }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

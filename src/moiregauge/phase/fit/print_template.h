@@ -13,7 +13,7 @@
 
 #include "moiregauge/units/point.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 namespace frame {
 struct Print;  // pitches along a print's own two axes, x to the right and y up when the print hangs upright; 0: its
@@ -79,4 +79,4 @@ class PrintTemplate {
 // The highest order that pixels carry for a pitch of so many px: beyond P / 2.2 harmonics fold back onto lower ones.
 [[nodiscard]] int highest_order(double pitch_px);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

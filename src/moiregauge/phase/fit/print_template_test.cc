@@ -9,7 +9,7 @@
 #include "moiregauge/phase/fit/grating_for_tests.h"
 #include "moiregauge/phase/fit/print_bins.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // White squares where bars cross, blurred by 0.757 px of a pitch of 29, as grey levels about nothing in particular.
@@ -64,4 +64,4 @@ TEST(PrintBins, TooFewPixelsTeachNothing) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

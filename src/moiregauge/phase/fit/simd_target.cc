@@ -7,7 +7,7 @@
 #define HWY_COMPILE_ALL_ATTAINABLE  // as in the hot loops
 #include <hwy/targets.h>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 std::string name_of(std::int64_t target) {
@@ -41,4 +41,4 @@ bool use_simd_target(std::string_view name) {
   return false;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // What this program was built for and this machine has: "scalar", "ssse3", "sse4", "avx2", "avx3" (AVX-512), ...
 [[nodiscard]] std::vector<std::string> simd_targets();
@@ -14,4 +14,4 @@ namespace moiregauge {
 // For tests and benchmarks, before anything is measured. False when there is no such target here.
 [[nodiscard]] bool use_simd_target(std::string_view name);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

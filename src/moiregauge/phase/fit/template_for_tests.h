@@ -9,7 +9,7 @@
 #include "moiregauge/phase/fit/print_template.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::testing {
+namespace moiregauge::internal::testing {
 
 // `level`: of a point (x, y), pitches. The template holds harmonics up to `order` and no mean.
 template <typename Level>
@@ -31,4 +31,4 @@ PrintTemplate template_of(int order, const Level& level) {
   return {order, series};
 }
 
-}  // namespace moiregauge::testing
+}  // namespace moiregauge::internal::testing

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr int kLines = 48;             // across the period
@@ -135,4 +135,4 @@ std::optional<ToneExponent> edge_exponent(std::span<const ToneSample> samples, c
                       static_cast<int>(logs.size())};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

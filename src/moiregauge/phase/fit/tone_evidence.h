@@ -9,7 +9,7 @@
 #include "moiregauge/image/tone.h"
 #include "moiregauge/phase/fit/print_template.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // A print's template with its level and contrast, in parts of the brightest grey level (or light).
 struct ToneSample {
@@ -29,4 +29,4 @@ struct ToneExponent {
 // straight edges with flat black and white next to them (dots, lines too thin for the blur, a single noisy print).
 [[nodiscard]] std::optional<ToneExponent> edge_exponent(std::span<const ToneSample> samples, const ToneCurve& from);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/phase/fit/grating_for_tests.h"
 #include "moiregauge/phase/fit/template_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 constexpr double kBlack = 0.12, kWhite = 0.8, kPitchPx = 20.0;
@@ -59,4 +59,4 @@ TEST(ToneEvidence, EdgesBehindACurveShowAGoodPartOfIt) {
 TEST(ToneEvidence, DotsShowNone) { EXPECT_FALSE(shown_by(dot_light, 2.2)); }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 #include "moiregauge/phase/sampling_moire/sampling_window.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // The part of the field that is averaged; (x0, y0) its first pixel, in field pixels.
@@ -164,4 +164,4 @@ double region_mean_uncertainty(double noise_sigma, double modulation, double sam
   return noise_sigma / modulation * std::sqrt(2.0 * along * across) / sum;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

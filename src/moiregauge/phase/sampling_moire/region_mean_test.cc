@@ -7,7 +7,7 @@
 #include "moiregauge/phase/fit/grating_for_tests.h"
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using testing::crossed_binary;
@@ -178,4 +178,4 @@ TEST(RegionMeanUncertainty, LiesBetweenTheBoundsOfTheSupportAndOfTheRegion) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 
 #include "moiregauge/phase/sampling_moire/sampling_window.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 void add(std::span<double> sum, std::span<const double> term) {
@@ -128,4 +128,4 @@ double window_response(double sampling_pitch_px, double cycles_per_px) {
   return response;
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

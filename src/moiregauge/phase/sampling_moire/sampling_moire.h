@@ -12,7 +12,7 @@
 
 #include "moiregauge/image/image.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 enum class Axis { kX, kY };
 
@@ -97,4 +97,4 @@ struct Sampling {
 [[nodiscard]] double region_mean_uncertainty(double noise_sigma, double modulation, double sampling_pitch_px,
                                              double pitch_px, int region_px);
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

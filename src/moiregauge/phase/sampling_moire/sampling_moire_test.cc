@@ -8,7 +8,7 @@
 
 #include "moiregauge/phase/fit/grating_for_tests.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 using testing::crossed_cosine;
@@ -145,4 +145,4 @@ TEST(SamplingMoire, AMissingPixelIsMissedOnlyByTheWindowsThatHoldIt) {
 }
 
 }  // namespace
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -7,7 +7,7 @@
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 namespace {
 
 // Eq. (2): the k-th down-sampled line (every T-th pixel, from k on), interpolated linearly to s.
@@ -71,4 +71,4 @@ FringeField sampling_moire_textbook(ImageView<double> picture, Axis axis, int sa
           static_cast<double>(sampling_pitch_px)};
 }
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

@@ -9,7 +9,7 @@
 #include "moiregauge/phase/sampling_moire/sampling_moire.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge {
+namespace moiregauge::internal {
 
 // Along the axis  h(u) = triangle(u) (exp(-2 pi i u / T) - leak),  across it  triangle(u),  |u| <= margin.
 struct SamplingWindow {
@@ -34,4 +34,4 @@ struct SamplingWindow {
   double leak = 0.0;
 };
 
-}  // namespace moiregauge
+}  // namespace moiregauge::internal

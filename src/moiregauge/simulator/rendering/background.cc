@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/rendering/texture.h"
 #include "moiregauge/simulator/scenario/gaussian.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 bool overlaps(const PrintedMarker& a, const PrintedMarker& b) {
@@ -70,4 +70,4 @@ void Background::fill(int y, std::span<double> row) const {
   }
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

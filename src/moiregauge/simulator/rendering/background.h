@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/rendering/projection.h"
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 class Background {
  public:
@@ -26,4 +26,4 @@ class Background {
   std::vector<SceneMarker> decoys_;
 };
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -10,7 +10,7 @@
 #include "moiregauge/simulator/scenario/gaussian.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 // A square cell stands in for by a Gaussian of its variance; what is left is its fourth moment, h^4 / 2880 of the
@@ -262,4 +262,4 @@ void ExposedMarker::see(const Moment& moment, const RayPatch& sight, double& pap
   level += moment.weight * (seen.paper * white - seen.ink * contrast);
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -11,7 +11,7 @@
 #include "moiregauge/simulator/rendering/projection.h"
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // A marker's movement on the sensor over a part of an exposure, px.
 struct Movement {
@@ -85,4 +85,4 @@ class ExposedMarker {
   int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;
 };
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -6,7 +6,7 @@
 
 #include "moiregauge/simulator/rendering/projection.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 Lighting::Lighting(const Scenario& scenario, long frame)
     : vignetting_(scenario.light.vignetting),
@@ -59,4 +59,4 @@ void Lighting::fall_on(int y, int from, int to, std::span<double> row) const {
   }
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

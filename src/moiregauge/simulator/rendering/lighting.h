@@ -8,7 +8,7 @@
 
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 class Lighting {
  public:
@@ -36,4 +36,4 @@ class Lighting {
   std::vector<Spot> spots_;
 };
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -9,7 +9,7 @@
 
 #include <tbb/parallel_for.h>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 constexpr std::size_t kBins = 256;
@@ -94,4 +94,4 @@ void map_local_tones(const LocalTone& how, Image<double>& picture) {
   });
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

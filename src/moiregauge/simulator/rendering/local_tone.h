@@ -5,10 +5,10 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // Takes every grey level `strength` of the way to what its tile's equalisation makes of it, joined between tiles by
 // straight lines.
 void map_local_tones(const LocalTone& how, Image<double>& picture);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/scenario/gaussian.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 Stripes::Stripes(double period, double half, double offset, double reach) {
   const int count = static_cast<int>(std::ceil(reach / period)) + 1;
@@ -196,4 +196,4 @@ bool PrintedGrating::is_even(double x, double y, double distance) const {
   return is_even_x(x, distance) && is_even_y(y, distance);
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

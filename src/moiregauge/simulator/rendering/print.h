@@ -10,7 +10,7 @@
 
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // The Gaussian that blurs a board point, as covariance in mm^2.
 struct Blur {
@@ -124,4 +124,4 @@ class PrintedMarker {
   Stripes paper_x_, paper_y_;
 };
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -6,7 +6,7 @@
 #include "moiregauge/simulator/rendering/projection.h"
 #include "moiregauge/simulator/rendering/texture.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 PrintedMarker::PrintedMarker(const SceneMarker& marker, double fold_mm, std::uint64_t seed)
     : crease_mm_(centre_of(marker.print).x), fold_mm_(fold_mm), ink_(marker.ink), ink_seed_(seed) {
@@ -121,4 +121,4 @@ Seen PrintedMarker::seen(const Footprint& pixel, const Blur& blur) const {
   return seen;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

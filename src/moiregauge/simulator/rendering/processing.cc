@@ -10,7 +10,7 @@
 #include "moiregauge/simulator/rendering/local_tone.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 DrawnParts::DrawnParts(int width, int height)
     : width_(width),
@@ -199,4 +199,4 @@ void develop(const Processing& p, const DrawnParts& parts, Image<double>& pictur
   if (p.pixel_size > 1.0) enlarge_pixels(p.pixel_size, parts, picture);
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -9,7 +9,7 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // The parts of a picture in which anything is drawn, in blocks of pixels: the rest is one flat grey, which filters leave
 // as it is.
@@ -46,4 +46,4 @@ class DrawnParts {
 // are cut to 0 to 255 after each. The same bits for any number of threads.
 void develop(const Processing& processing, const DrawnParts& parts, Image<double>& picture);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

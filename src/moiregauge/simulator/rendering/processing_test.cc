@@ -9,7 +9,7 @@
 #include "moiregauge/simulator/recorder.h"
 #include "moiregauge/simulator/simulator.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 TEST(ToneCurve, IsThatOfItsStandard) {
@@ -220,4 +220,4 @@ TEST(Focus, MakesADiscOfTheApertureOfWhatIsNearerThanTheFocus) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -6,7 +6,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 Matrix3 product(const Matrix3& a, const Matrix3& b) {
   Matrix3 c{};
@@ -155,4 +155,4 @@ Ray ray_of(const Matrix3& camera_from_print, BoardPoint point) {
   return {seen[0] / seen[2], seen[1] / seen[2]};
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -7,7 +7,7 @@
 #include "moiregauge/simulator/scenario/scenario.h"
 #include "moiregauge/units/point.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 using Vector3 = std::array<double, 3>;
@@ -41,4 +41,4 @@ struct RayPatch {
 // The middle of a marker's print, about which its `place` turns and stretches it.
 [[nodiscard]] BoardPoint centre_of(const Marker& marker);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

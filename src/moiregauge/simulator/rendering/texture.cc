@@ -5,7 +5,7 @@
 
 #include "moiregauge/simulator/scenario/gaussian.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 // Uniform numbers at the knots of a square net, smoothly joined; rms about 0.19 of their full range.
@@ -36,4 +36,4 @@ double grain(std::uint64_t seed, double x, double y) {
   return value_noise(seed, x, y) / kRms;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // Three sizes of grain, 40, 9 and 2 mm, coarse ones stronger, as on concrete; scaled to an rms of 1.
 [[nodiscard]] double roughness(std::uint64_t seed, double x_mm, double y_mm);
@@ -12,4 +12,4 @@ namespace moiregauge::simulator {
 // One size of grain: mean 0, rms 1, never beyond 2.4. `x` and `y` are in grains.
 [[nodiscard]] double grain(std::uint64_t seed, double x, double y);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -7,7 +7,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 constexpr double kRunLength_s = 16.0;
@@ -314,4 +314,4 @@ std::optional<Scenario> built_in(const std::string& name) {
   return std::nullopt;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

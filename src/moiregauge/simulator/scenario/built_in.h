@@ -9,7 +9,7 @@
 
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 struct BuiltIn {
   std::string_view name;
@@ -23,4 +23,4 @@ struct BuiltIn {
 // down to 0, hold; 16 s in all.
 [[nodiscard]] Track paper_motion();
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

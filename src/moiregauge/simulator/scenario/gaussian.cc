@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 std::vector<double> make_below() {
@@ -105,4 +105,4 @@ double hashed_unit(std::uint64_t seed, std::uint64_t address) {
   return static_cast<double>(mixed(mixed(seed + kGolden) + address * kGolden) >> 11U) * 0x1p-53;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

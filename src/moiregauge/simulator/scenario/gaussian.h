@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 inline constexpr double kGaussianReach = 4.5;  // beyond it 3e-6 of the area is left: 6e-4 grey levels of 170
 
@@ -49,4 +49,4 @@ class Noise {
 // A number in [0, 1) for an address; for textures and layouts.
 [[nodiscard]] double hashed_unit(std::uint64_t seed, std::uint64_t address);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

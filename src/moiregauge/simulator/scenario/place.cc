@@ -6,7 +6,7 @@
 #include "moiregauge/simulator/scenario/scenario.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 // FNV-1a: the draw belongs to the marker's name, so that another marker more or less changes nobody else's place.
@@ -45,4 +45,4 @@ SceneMarker::Place true_place(const Scenario& scenario, const SceneMarker& marke
   return place;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -11,7 +11,7 @@
 #include "moiregauge/simulator/scenario/track.h"
 #include "moiregauge/site/site.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // Pinhole and OpenCV's lens model, in pixels; camera x right, y down, z forward.
 struct Camera {
@@ -219,4 +219,4 @@ struct Scenario {
 // For draws that belong to one marker of one scenario.
 [[nodiscard]] std::uint64_t own_seed(const Scenario& scenario, const SceneMarker& marker);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -7,7 +7,7 @@
 
 #include "moiregauge/simulator/scenario/settings.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 std::optional<std::string> problem_with_sensor(const Scenario& s) {
@@ -165,4 +165,4 @@ std::optional<std::string> problem_with(const Scenario& scenario) {
   return std::nullopt;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 std::optional<std::vector<double>> numbers_in(std::string text) {
   for (char& c : text) {
@@ -97,4 +97,4 @@ void Collector::track(const std::string& name, Track& track) {
   });
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -11,7 +11,7 @@
 
 #include "moiregauge/simulator/scenario/settings.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // "[[0, 1], [2, 3]]" and "0 1 2 3" alike; nothing if a word is no finite number.
 [[nodiscard]] std::optional<std::vector<double>> numbers_in(std::string text);
@@ -44,4 +44,4 @@ class Collector {
 void add_faults(Collector& all, Scenario& scenario);
 void add_faults_of(Collector& all, SceneMarker& marker);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

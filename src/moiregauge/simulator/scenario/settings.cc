@@ -4,7 +4,7 @@
 #include "moiregauge/simulator/scenario/setting_collector.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 void add_camera(Collector& all, Scenario& s) {
@@ -184,4 +184,4 @@ std::vector<Setting> settings_of(Scenario& scenario) {
   return std::move(all.settings);
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -9,7 +9,7 @@
 
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 struct Setting {
   std::string name;                             // "lens.k1", "marker.mid.dy.scale"
@@ -23,4 +23,4 @@ struct Setting {
 // What makes no sense about it, in the user's words.
 [[nodiscard]] std::optional<std::string> problem_with(const Scenario& scenario);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

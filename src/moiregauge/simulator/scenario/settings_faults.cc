@@ -4,7 +4,7 @@
 
 #include "moiregauge/simulator/scenario/setting_collector.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 void add_optics(Collector& all, Scenario& s) {
@@ -107,4 +107,4 @@ void add_faults_of(Collector& all, SceneMarker& m) {
   all.track(name + "wander_y", m.wander_y);
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -5,7 +5,7 @@
 #include "moiregauge/simulator/scenario/gaussian.h"
 #include "moiregauge/simulator/scenario/scenario.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 bool holds(const std::vector<FrameSpan>& spans, long frame) {
@@ -54,4 +54,4 @@ double delay_of_row(const Scenario& scenario, int y) {
   return ((y + 0.5) / scenario.camera.height - 0.5) * scenario.sensor.readout_s + field;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -8,7 +8,7 @@
 #include "moiregauge/simulator/scenario/setting_collector.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 double curve(const ToneCurve& tone, double x) {
@@ -52,4 +52,4 @@ bool stores_light(const Scenario& scenario) {
          scenario.processing.local_tone.strength == 0.0;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 // Light and grey levels of 0 to 255 are mapped onto each other, 0 to 0 and 255 to 255. x is light / 255, cut to 0 to 1.
 struct ToneCurve {
@@ -30,4 +30,4 @@ inline constexpr double kUsualContrast = 0.4;  // "s-curve" without a number
 // Returns the grey level that the curve makes of light, both 0 to 255.
 [[nodiscard]] double encoded(const ToneCurve& tone, double light);
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

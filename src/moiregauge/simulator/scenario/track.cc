@@ -8,7 +8,7 @@
 #include "moiregauge/simulator/scenario/gaussian.h"
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 double value_of(const std::vector<Knot>& knots, double time_s) {
@@ -85,4 +85,4 @@ std::vector<double> Track::corners(double from_s, double to_s) const {
   return times;
 }
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 
 struct Knot {
   double time_s = 0.0;
@@ -35,4 +35,4 @@ struct Track {
   [[nodiscard]] std::vector<double> corners(double from_s, double to_s) const;
 };
 
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator

@@ -5,7 +5,7 @@
 
 #include "moiregauge/simulator/scenario/built_in.h"
 
-namespace moiregauge::simulator {
+namespace moiregauge::internal::simulator {
 namespace {
 
 TEST(PaperMotion, GoesUpTwoMillimetresAndComesBack) {
@@ -30,4 +30,4 @@ TEST(Track, ItsMeanIsTheIntegralOfItsPath) {
 }
 
 }  // namespace
-}  // namespace moiregauge::simulator
+}  // namespace moiregauge::internal::simulator
