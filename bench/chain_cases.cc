@@ -31,7 +31,7 @@ std::shared_ptr<Work> detection_work(const Recording& recording) {
   const std::size_t least = recording.reference().circles.size();
   return detection_of(recording, [least](const Shot& shot) -> std::optional<std::vector<ImagePoint>> {
     std::vector<ImagePoint> found;
-    for (const SeenCircle& circle : find_circles(shot.picture, {}).circles) found.push_back(circle.centre);
+    for (const DetectedCircle& circle : find_circles(shot.picture, {}).circles) found.push_back(circle.centre);
     if (found.size() < least) return std::nullopt;
     return found;
   });

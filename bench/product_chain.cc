@@ -44,7 +44,7 @@ ProductChain::ProductChain(const Recording& recording, const Method& method)
   scene_ = method_.solve(reference_, run, {}).scene;
   if (!scene_) return;
   if (!scene_->solved) throw std::runtime_error("the recording's scene is not solved: " + scene_->problem);
-  auto [frames, place] = bundle_frames(reference_, run, scene_->camera, {}, kLeastForHomography);
+  auto [frames, place] = bundle_frames(reference_, run, scene_->camera, {}, kMinForHomography);
   budget_ = std::make_unique<PreciseBudget>(reference_.site, scene_->full_covariance,
                                             fit_turned(reference_.site, *scene_, frames.front()));
 }
@@ -80,7 +80,7 @@ ProductChain::Reading ProductChain::solve(const Observations& one) const {
 
 // What `precise` does with a frame once the scene is known.
 ProductChain::Reading ProductChain::solve_in_scene(const Observations& one) const {
-  auto [frames, place] = bundle_frames(reference_, one, scene_->camera, {}, kLeastForHomography);
+  auto [frames, place] = bundle_frames(reference_, one, scene_->camera, {}, kMinForHomography);
   if (place.front() == 0) return {};
   const FrameFit now = fit_turned(reference_.site, *scene_, frames[place.front()]);
   if (!now.ok) return {};

@@ -43,7 +43,7 @@ bool circles(const SeenRing& ring, const Shot& shot) {
   constexpr double kReachDiameters = 0.75;
   bool all = true;
   for (const CirclePoint& point : ring.chain->reference().circles) {
-    const SeenCircle& then = *ring.at(shot).markers[point.marker].circle;
+    const DetectedCircle& then = *ring.at(shot).markers[point.marker].circle;
     all &=
         !find_circles_near(shot.picture, then.centre, then.diameter_px, kReachDiameters * then.diameter_px, {}).empty();
   }
@@ -73,8 +73,8 @@ bool outline(const SeenRing& ring, const Shot& shot) {
   const Reference& reference = ring.chain->reference();
   const std::size_t i = ring.chain->target();
   const auto nobody = [](Extent<frame::Board>) { return false; };
-  return prove_order(shot.picture, ring.view(shot), *reference.site.markers[i].grating, *reference.prints[i]->outline,
-                     ring.moved(shot, i), nobody)
+  return verify_fringe_order(shot.picture, ring.view(shot), *reference.site.markers[i].grating,
+                             *reference.prints[i]->outline, ring.moved(shot, i), nobody)
              .order == Order::kProven;
 }
 

@@ -9,15 +9,15 @@
 namespace moiregauge::internal::bench {
 namespace {
 
-constexpr double kLeastCircularity = 0.84;  // W, seed paper Eq. (6)
-constexpr double kTurn = 2.0 * CV_PI;
+constexpr double kMinCircularity = 0.84;  // W, seed paper Eq. (6)
+constexpr double kTwoPi = 2.0 * CV_PI;
 
 // Minus the turn of the phase, averaged over the patch, in pitches: seed paper Eq. (4).
 double moved_pitches(const std::vector<cv::Point2f>& then, const std::vector<cv::Point2f>& now) {
   std::complex<double> sum;
   for (std::size_t i = 0; i < now.size(); ++i)
     sum += std::complex<double>(now[i].x, now[i].y) * std::conj(std::complex<double>(then[i].x, then[i].y));
-  return -std::arg(sum) / kTurn;
+  return -std::arg(sum) / kTwoPi;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ std::optional<std::array<cv::Point2f, 4>> textbook_circles(const cv::Mat& frame,
     const double area = cv::contourArea(outline);
     if (area < 0.5 * disc_area || area > 2.0 * disc_area) continue;
     const double length = cv::arcLength(outline, true);
-    if (4.0 * CV_PI * area < kLeastCircularity * length * length) continue;
+    if (4.0 * CV_PI * area < kMinCircularity * length * length) continue;
     const cv::Moments m = cv::moments(outline);
     found.emplace_back(static_cast<float>(m.m10 / m.m00), static_cast<float>(m.m01 / m.m00));
   }
@@ -50,8 +50,8 @@ TextbookChain::Fringe TextbookChain::sampling_moire(const cv::Mat& patch) const 
   const int pitch = site_.sampling_pitch_px, width = patch.cols - 2 * pitch;
   std::vector<float> cosine(static_cast<std::size_t>(patch.cols)), sine(cosine.size());
   for (std::size_t i = 0; i < cosine.size(); ++i) {
-    cosine[i] = static_cast<float>(std::cos(kTurn * static_cast<double>(i) / pitch));
-    sine[i] = static_cast<float>(-std::sin(kTurn * static_cast<double>(i) / pitch));
+    cosine[i] = static_cast<float>(std::cos(kTwoPi * static_cast<double>(i) / pitch));
+    sine[i] = static_cast<float>(-std::sin(kTwoPi * static_cast<double>(i) / pitch));
   }
   std::vector<float> re(static_cast<std::size_t>(width)), im(re.size());
   Fringe fringe;

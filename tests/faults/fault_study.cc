@@ -21,9 +21,9 @@
 namespace moiregauge::internal::faults {
 namespace {
 
-constexpr int kLeastRuns = 7;
+constexpr int kMinRuns = 7;
 // Of every mode: with nine rows each, one row in a hundred is four rows, not a single sequence's bad luck.
-constexpr int kLeastSequences = 42;
+constexpr int kMinSequences = 42;
 
 struct Words {
   std::string modes;
@@ -57,7 +57,7 @@ std::vector<Task> tasks_of(const Words& words) {
   for (const Mode& mode : modes()) {
     if (!is_wanted(mode.name, words.modes)) continue;
     const int strengths = static_cast<int>(mode.strengths.size());
-    const int runs = words.runs > 0 ? words.runs : std::max(kLeastRuns, (kLeastSequences + strengths - 1) / strengths);
+    const int runs = words.runs > 0 ? words.runs : std::max(kMinRuns, (kMinSequences + strengths - 1) / strengths);
     for (std::size_t strength = 0; strength < mode.strengths.size(); ++strength) {
       for (int run = 0; run < runs; ++run) tasks.push_back({&mode, strength, words.seed + run});
     }
@@ -205,4 +205,6 @@ int study(const Words& words) {
 }  // namespace
 }  // namespace moiregauge::internal::faults
 
-int main(int argc, char** argv) { return moiregauge::internal::faults::study(moiregauge::internal::faults::words_of(argc, argv)); }
+int main(int argc, char** argv) {
+  return moiregauge::internal::faults::study(moiregauge::internal::faults::words_of(argc, argv));
+}

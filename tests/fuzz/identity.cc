@@ -28,7 +28,7 @@ Site ring_of(int references) {
 CircleSearch circles_of(fuzz::Bytes bytes) {
   CircleSearch search;
   for (; bytes.size() >= kCircleBytes; bytes = bytes.subspan(kCircleBytes)) {
-    SeenCircle circle;
+    DetectedCircle circle;
     circle.centre = {(bytes[0] * 256 + bytes[1]) / 16.0, (bytes[2] * 256 + bytes[3]) / 16.0};
     circle.diameter_px = 7.0 + bytes[4];
     circle.circularity = 0.9;

@@ -25,7 +25,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const fuzz::Bytes bytes(data, size);
   const int orientation = exif_orientation(bytes);
   fuzz::demand(orientation >= 0 && orientation <= 0xffff && rotation_of_orientation(orientation).value_or(0) % 90 == 0);
-  if (promised_pixels(bytes) > fuzz::kMostTrialPixels) return 0;
+  if (promised_pixels(bytes) > fuzz::kMaxTrialPixels) return 0;
   const fuzz::InputFile file(bytes);
   fuzz::look_at(read_jpeg(file.path()));
   return 0;

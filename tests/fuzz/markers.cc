@@ -41,11 +41,11 @@ Image<Grey> picture_of(fuzz::Bytes pixels, int width, int shift) {
 
 void look_at(const LumaView& luma, int bits) {
   const CircleSearch search = find_circles(luma, {});
-  for (const SeenCircle& circle : search.circles) {
+  for (const DetectedCircle& circle : search.circles) {
     fuzz::demand(std::isfinite(circle.centre.x) && std::isfinite(circle.centre.y) && circle.u_centre_px >= 0.0);
     static_cast<void>(find_circles_near(luma, circle.centre, circle.diameter_px, 4.0, {}));
   }
-  for (const SeenPatch& patch : find_grating_patches(luma, {.bits = bits}))
+  for (const DetectedPatch& patch : find_grating_patches(luma, {.bits = bits}))
     fuzz::demand(std::isfinite(patch.centre.x) && std::isfinite(patch.centre.y));
   static_cast<void>(find_checker_lattices(luma, bits));
   static_cast<void>(find_dot_lattices(luma, search.circles));

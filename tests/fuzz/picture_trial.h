@@ -8,7 +8,7 @@
 namespace moiregauge::internal::fuzz {
 
 // A header may promise pictures of a quarter of a gigabyte, which costs a trial a tenth of a second and finds nothing.
-inline constexpr std::uint64_t kMostTrialPixels = 1U << 22U;
+inline constexpr std::uint64_t kMaxTrialPixels = 1U << 22U;
 
 // Looks at every pixel, so that one outside its memory is noticed.
 inline void look_at(const PictureOrError& picture) {

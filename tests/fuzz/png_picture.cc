@@ -32,7 +32,7 @@ void sign_chunks(std::vector<std::uint8_t>& png) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace moiregauge::internal;
   std::vector<std::uint8_t> png(data, data + size);
-  if (size >= 24 && std::uint64_t{number_at(png, 16)} * number_at(png, 20) > fuzz::kMostTrialPixels) return 0;
+  if (size >= 24 && std::uint64_t{number_at(png, 16)} * number_at(png, 20) > fuzz::kMaxTrialPixels) return 0;
   sign_chunks(png);
   const fuzz::InputFile file(png);
   fuzz::look_at(read_png(file.path()));

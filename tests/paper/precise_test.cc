@@ -26,11 +26,11 @@ Extent<frame::Board> phase_bound_um(const simulator::Scenario& scenario) {
   const double pitch_px = site.markers[0].grating->pitch_mm / mm_per_px;
   const double blur = std::hypot(scenario.sensor.psf_sigma_px, 1.0 / std::sqrt(12.0));
   const double amplitude = 0.5 * (2.0 / kPi) * (scenario.light.white - scenario.light.black) *
-                           std::exp(-0.5 * std::pow(kTurn * blur / pitch_px, 2));
+                           std::exp(-0.5 * std::pow(kTwoPi * blur / pitch_px, 2));
   const double noise = std::hypot(scenario.sensor.noise_sigma, 1.0 / std::sqrt(12.0));
   const auto u_um = [&](const Grating& g) {
     const double pixels = g.width_mm * g.height_mm / (mm_per_px * mm_per_px);
-    return 1000.0 * g.pitch_mm / kTurn * phase_bound(noise, amplitude, pixels);
+    return 1000.0 * g.pitch_mm / kTwoPi * phase_bound(noise, amplitude, pixels);
   };
   std::vector<BoardPoint> at;
   std::vector<Extent<frame::Board>> u;

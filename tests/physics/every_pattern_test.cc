@@ -112,7 +112,7 @@ Worst worst_of(const Sight& v) {
   EXPECT_TRUE(rest.valid) << v;
   // A print's centre is the middle of something dark, but of a cosine its crest.
   const double there = (v.pattern == Pattern::kCosine) == v.inverted ? kPi : 0.0;
-  const auto in_px = [&](double rad) { return std::abs(wrapped(rad)) / kTurn * plan->pitch_mm / px; };
+  const auto in_px = [&](double rad) { return std::abs(wrapped(rad)) / kTwoPi * plan->pitch_mm / px; };
   for (const double phase : rest.phase_rad)
     worst.phase_px = std::max(worst.phase_px, in_px(phase - there));  // NaN: skipped
   for (const auto& [along, across] : {std::array{-0.36, 0.11}, std::array{0.07, -0.43}, std::array{0.29, 0.34}}) {
@@ -123,7 +123,7 @@ Worst worst_of(const Sight& v) {
     // By raster axis, so that oblique lines are judged as well: where the print is, against where the window is.
     const auto expected = raster_from_board(*plan, moved + (-1.0) * window);
     for (std::size_t a = 0; a < 2; ++a) {
-      const double seen = -plan->pitch_mm / kTurn * wrapped(now.phase_rad[a] - rest.phase_rad[a]);
+      const double seen = -plan->pitch_mm / kTwoPi * wrapped(now.phase_rad[a] - rest.phase_rad[a]);
       worst.displacement_px = std::max(worst.displacement_px, std::abs(seen - expected[a]) / px);
     }
     if (!plan->reads_x || !plan->reads_y) continue;

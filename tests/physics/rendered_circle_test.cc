@@ -29,7 +29,7 @@ ImagePoint exact_ellipse_centre(const simulator::Scenario& scenario, const Circl
   constexpr int kRim = 24;
   Eigen::Matrix<double, kRim, 5> a;
   for (int i = 0; i < kRim; ++i) {
-    const double t = kTurn * i / kRim, r = 0.5 * circle.diameter_mm;
+    const double t = kTwoPi * i / kRim, r = 0.5 * circle.diameter_mm;
     const ImagePoint p = project(scenario, 0, {circle.centre.x + r * std::cos(t), circle.centre.y + r * std::sin(t)});
     const double x = (p.x - near.x) / 10.0, y = (p.y - near.y) / 10.0;
     a.row(i) << x * x, x * y, y * y, x, y;
@@ -56,7 +56,7 @@ TEST(RenderedCircle, TheCentreFoundIsTheImagedEllipsesCentre) {
         const ImagePoint centre = project(scenario, 0, marker.circle->centre);
         const ImagePoint exact = exact_ellipse_centre(scenario, *marker.circle, centre);
         double nearest = 1e9;
-        for (const SeenCircle& seen : search.circles) nearest = std::min(nearest, length(seen.centre - exact));
+        for (const DetectedCircle& seen : search.circles) nearest = std::min(nearest, length(seen.centre - exact));
         EXPECT_LE(nearest, kCircleGate_px) << marker.name << " at " << tilt << " deg; the ellipse's centre is "
                                            << length(exact - centre) << " px from the centre's image";
       }

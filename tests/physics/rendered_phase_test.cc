@@ -71,7 +71,7 @@ double worst_phase_px(const Scenario& scenario) {
     // A cosine has its crest at the centre, a grid the crossing of two dark lines.
     const double there = marker.grating->pattern == Pattern::kCosine ? 0.0 : kPi;
     for (const double phase : reading.phase_rad)
-      worst = std::max(worst, std::abs(wrapped(phase - there)) / kTurn * plan->pitch_mm / mm_per_px);
+      worst = std::max(worst, std::abs(wrapped(phase - there)) / kTwoPi * plan->pitch_mm / mm_per_px);
   }
   return worst;
 }

@@ -90,15 +90,15 @@ TEST(RollingShutter, GivenIsAsGoodAsSolved) {
 
 // Sensor rows that the picture shows as rising: the same footage upside down in time.
 TEST(RollingShutter, OfASensorThatReadsFromBelowHasItsSign) {
-  EXPECT_EQ(rows_run(180), RowsRun::kUp);
-  EXPECT_EQ(rows_run(90), RowsRun::kLeft);
-  EXPECT_EQ(rows_run(270), RowsRun::kRight);
+  EXPECT_EQ(rows_run(180), ReadoutDirection::kUp);
+  EXPECT_EQ(rows_run(90), ReadoutDirection::kLeft);
+  EXPECT_EQ(rows_run(270), ReadoutDirection::kRight);
   Camera picture;
   picture.width = 100, picture.height = 50;
-  EXPECT_DOUBLE_EQ(share_of_row({49.5, -0.5}, picture, RowsRun::kDown), -0.5);
-  EXPECT_DOUBLE_EQ(share_of_row({49.5, -0.5}, picture, RowsRun::kUp), 0.5);
-  EXPECT_DOUBLE_EQ(share_of_row({99.5, 10.0}, picture, RowsRun::kLeft), -0.5);
-  EXPECT_DOUBLE_EQ(share_of_row({24.5, 10.0}, picture, RowsRun::kRight), -0.25);
+  EXPECT_DOUBLE_EQ(share_of_row({49.5, -0.5}, picture, ReadoutDirection::kDown), -0.5);
+  EXPECT_DOUBLE_EQ(share_of_row({49.5, -0.5}, picture, ReadoutDirection::kUp), 0.5);
+  EXPECT_DOUBLE_EQ(share_of_row({99.5, 10.0}, picture, ReadoutDirection::kLeft), -0.5);
+  EXPECT_DOUBLE_EQ(share_of_row({24.5, 10.0}, picture, ReadoutDirection::kRight), -0.25);
 }
 
 // 0.02 deg at 40 Hz is beyond what 30 frames a second show of it: u says so, or the rows are not ok.

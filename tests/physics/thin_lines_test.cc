@@ -46,7 +46,7 @@ TEST(ThinLines, EveryInkJetGridIsOneGrating) {
       const Grating& print = *marker.print.grating;
       const ImagePoint centre = project(scenario, 0, marker, BoardPoint{print.centre.x, print.centre.y});
       const auto patch =
-          std::find_if(patches.begin(), patches.end(), [&](const SeenPatch& p) { return holds(p, centre); });
+          std::find_if(patches.begin(), patches.end(), [&](const DetectedPatch& p) { return holds(p, centre); });
       ASSERT_NE(patch, patches.end());
       EXPECT_EQ(patch->pattern, Pattern::kAuto);  // crossed, neither a checkerboard nor a cosine
       EXPECT_TRUE(patch->dark_on_light);

@@ -16,7 +16,7 @@ PictureSiteOptions upright() { return {10.0, BoardAxes::kImage, {}, true}; }
 tl::expected<PictureSite, ReferenceFailure> looked(const Scenario& scenario, long frame,
                                                    const PictureSiteOptions& options) {
   const auto picture = simulator::render8(scenario, frame, {0, simulator::Area::kMarkersOnly});
-  return look_for_site({picture.view(), 8}, Camera{}, options);
+  return detect_site({picture.view(), 8}, Camera{}, options);
 }
 
 tl::expected<Site, ReferenceFailure> found(const Scenario& scenario, long frame) {

@@ -31,7 +31,7 @@ std::optional<Expected> expected_at(const IndexedLattice& lattice, int column, i
 }
 
 bool circle_near(const CircleSearch& circles, ImagePoint at, double reach_px, double least_px, double most_px) {
-  return std::any_of(circles.circles.begin(), circles.circles.end(), [&](const SeenCircle& c) {
+  return std::any_of(circles.circles.begin(), circles.circles.end(), [&](const DetectedCircle& c) {
     return length(c.centre - at) < reach_px && c.diameter_px > least_px && c.diameter_px < most_px;
   });
 }

@@ -57,7 +57,7 @@ Marks marks_of_large_dot(const IndexedLattice& lattice) {
 Marks marks_of_rings(const IndexedLattice& lattice, const CircleSearch& circles) {
   Marks marks;
   for (const LatticePoint& p : lattice.points) {
-    const auto in_it = [&](const SeenCircle& c) {
+    const auto in_it = [&](const DetectedCircle& c) {
       return c.contrast > 0.0 && length(c.centre - p.at) < 0.1 * p.size_px && c.diameter_px < 0.6 * p.size_px;
     };
     if (std::any_of(circles.circles.begin(), circles.circles.end(), in_it)) marks.emplace_back(p.column, p.row);
@@ -190,7 +190,7 @@ double area_of(const std::vector<Place>& corners, const Places& view) {
 
 // The corners of the lattice, or those of the picture when the lattice lies askew and ends at its edges: whichever four
 // points span more.
-std::vector<Place> outermost(const std::vector<Place>& places, const Places& view) {
+std::vector<Place> select_references(const std::vector<Place>& places, const Places& view) {
   const auto extremes = [&](const auto& x_of, const auto& y_of) {
     std::vector<Place> corners;
     for (const auto& [across, down] : {Place{-1, -1}, Place{1, -1}, Place{1, 1}, Place{-1, 1}}) {
@@ -237,7 +237,7 @@ std::vector<LatticeView> lattice_views(const std::string& data, const PhotoSet& 
 LatticeNull null_between(const Places& first, const Places& view) {
   std::vector<Place> targets = common_places(first, view);
   if (targets.size() < 5) return {};
-  const std::vector<Place> corners = outermost(targets, first);
+  const std::vector<Place> corners = select_references(targets, first);
   std::vector<ImagePoint> from, to;
   for (const Place& corner : corners) {
     from.push_back(first.at(corner));

@@ -36,7 +36,7 @@ Matrix2d px_per_mm(const Scenario& s, long frame, const SceneMarker& marker) {
 double amplitude_of(const Scenario& s, const Grating& g, double blur_mm) {
   const double contrast = s.light.white - s.light.black;
   const double sharp = g.pattern == Pattern::kCosine ? 0.25 * contrast : contrast / kPi;
-  return sharp * std::exp(-0.5 * std::pow(kTurn * blur_mm / g.pitch_mm, 2));
+  return sharp * std::exp(-0.5 * std::pow(kTwoPi * blur_mm / g.pitch_mm, 2));
 }
 
 Matrix2d phase_covariance(const Scenario& s, long frame, const SceneMarker& marker) {
@@ -46,7 +46,7 @@ Matrix2d phase_covariance(const Scenario& s, long frame, const SceneMarker& mark
   const double variance_px = s.sensor.psf_sigma_px * s.sensor.psf_sigma_px + 1.0 / 12.0;
   const Matrix2d blur = variance_px * (j.transpose() * j).inverse();  // mm^2
   const auto u = [&](double blur_mm2) {
-    return g.pitch_mm / kTurn * phase_bound(noise_of(s), amplitude_of(s, g, std::sqrt(blur_mm2)), pixels);
+    return g.pitch_mm / kTwoPi * phase_bound(noise_of(s), amplitude_of(s, g, std::sqrt(blur_mm2)), pixels);
   };
   const double x = u(blur(0, 0)), y = u(blur(1, 1));
   return Eigen::Vector2d(x * x, y * y).asDiagonal();

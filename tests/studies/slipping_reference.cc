@@ -50,7 +50,7 @@ std::vector<BoardPoint> rows(int references) {
 
 // Nobody over anybody: a reference with its circle is 60 x 36 mm with its paper, the target 60 x 60 in the middle. On
 // both sides of the target, for references on a line are refused.
-std::vector<BoardPoint> strewn(int references, Dice& dice) {
+std::vector<BoardPoint> stratified_points(int references, Dice& dice) {
   std::vector<BoardPoint> places;
   for (int tries = 0; static_cast<int>(places.size()) < references; ++tries) {
     if (tries > 2000) places.clear(), tries = 0;
@@ -145,7 +145,8 @@ Slip drawn_slip(const SlipKind& kind, int number) {
   TrustScenario drawn{"slip", "", *simulator::built_in("small-still"), kind.lens_known};
   drawn.scenario.camera.k1 = -0.37;  // -1 % at the picture's corner
   Dice dice(static_cast<std::uint64_t>(number) * 7919 + 17);
-  place(drawn.scenario, kind.layout == Layout::kRows ? rows(kind.references) : strewn(kind.references, dice));
+  place(drawn.scenario,
+        kind.layout == Layout::kRows ? rows(kind.references) : stratified_points(kind.references, dice));
   move_camera(drawn.scenario.mount, dice);
   const auto who = static_cast<std::size_t>(std::uniform_int_distribution<int>(0, kind.references - 1)(dice));
   const long when = std::uniform_int_distribution<long>(1, kFrames - 1)(dice);

@@ -20,7 +20,7 @@ namespace {
 
 using simulator::Scenario;
 
-struct StudyWords {
+struct StudyArgs {
   int runs = 40;
   std::string only;
   int seed = 1;
@@ -111,7 +111,7 @@ Scenario with_seed(Scenario s, int seed) {
   return s;
 }
 
-void study_rest(const StudyWords& words) {
+void study_rest(const StudyArgs& words) {
   for (const RestCase& c : rest_cases()) {
     if (c.name.find(words.only) == std::string::npos) continue;
     StatementTally tally;
@@ -184,7 +184,7 @@ std::vector<CameraCase> camera_cases() {
   return all;
 }
 
-void study_camera(const StudyWords& words) {
+void study_camera(const StudyArgs& words) {
   for (const CameraCase& c : camera_cases()) {
     if (c.name.find(words.only) == std::string::npos) continue;
     StatementTally tally;
@@ -219,7 +219,7 @@ void study_camera(const StudyWords& words) {
 }  // namespace moiregauge::internal
 
 int main(int argc, char** argv) {
-  moiregauge::internal::StudyWords words;
+  moiregauge::internal::StudyArgs words;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--verbose") {

@@ -17,7 +17,7 @@ using Advice = std::optional<std::string>;
 
 constexpr double kFinePitch_px = 8.0, kGoodFine_px = 12.0;  // binary prints lose their harmonics below the first
 constexpr double kCoarsePitch_px = 40.0, kGoodCoarse_px = 20.0;
-constexpr double kMostBlur = 0.3;  // of the pitch: 14 % of the contrast
+constexpr double kMaxBlur = 0.3;  // of the pitch: 14 % of the contrast
 constexpr double kSamplesPerSwing = 2.5;
 constexpr double kWorthIt = 0.8;  // of the uncertainty that is left
 constexpr double kLittleTurn_deg = 0.5;
@@ -96,7 +96,7 @@ Advice about_the_layout(const RecordingSetup& setup) {
       better->span_ratio_before, is_flat ? "width" : "height", is_flat ? "height" : "width", is_flat ? "dx" : "dy",
       setup.site.markers[better->target].name, before / other, is_flat ? "dy" : "dx", fmt::join(better->moved, " and "),
       is_flat ? "up" : "to the right", 0.001 * std::max(better->by.x, better->by.y), better->span_ratio_after,
-      is_flat ? "dx" : "dy", length_words(after), length_words(before),
+      is_flat ? "dx" : "dy", length_text(after), length_text(before),
       better->picture_ends_it ? " (there the picture ends)" : "");
 }
 
@@ -108,7 +108,7 @@ Advice about_the_pitch(const RecordingSetup& setup) {
     return fmt::format(
         "the pitch of '{}' is {:.1f} px in the picture, 8 to 30 are good: with {:.1f} times the pitch (on prints "
         "of this size) the worst u is {} instead of {}",
-        fine.name, fine.pitch_px, factor, length_words(after), length_words(before));
+        fine.name, fine.pitch_px, factor, length_text(after), length_text(before));
   }
   const Worst coarse = extreme_pitch(setup, std::greater<>());
   if (coarse.pitch_px <= kCoarsePitch_px) return std::nullopt;
@@ -118,21 +118,21 @@ Advice about_the_pitch(const RecordingSetup& setup) {
   return fmt::format(
       "the pitch of '{}' is {:.0f} px in the picture: a finer print of {:.2g} times the pitch has a worst u of {} "
       "instead of {}",
-      coarse.name, coarse.pitch_px, factor, length_words(after), length_words(before));
+      coarse.name, coarse.pitch_px, factor, length_text(after), length_text(before));
 }
 
 Advice about_blur(const RecordingSetup& setup) {
   const PlannedBlur blur = planned_blur(setup);
   const double px = std::hypot(blur.target_px, blur.camera_px);
   const double pitch = extreme_pitch(setup, std::less<>()).pitch_px;
-  if (!(px > kMostBlur * pitch)) return std::nullopt;
+  if (!(px > kMaxBlur * pitch)) return std::nullopt;
   RecordingSetup shorter = setup;
-  shorter.exposure_s *= kMostBlur * pitch / px;
+  shorter.exposure_s *= kMaxBlur * pitch / px;
   return fmt::format(
       "the vibration blurs by {:.1f} px of a pitch of {:.1f}{}: expose for {:.2g} ms at most; the worst u is {} then "
       "instead of {}",
       px, pitch, px > 0.6 * pitch ? ", which is refused" : "", 1000.0 * shorter.exposure_s,
-      length_words(worst_u(shorter)), length_words(worst_u(setup)));
+      length_text(worst_u(shorter)), length_text(worst_u(setup)));
 }
 
 Advice about_time(const RecordingSetup& setup) {
@@ -148,7 +148,7 @@ Advice about_time(const RecordingSetup& setup) {
     return fmt::format(
         "the target goes {} from frame to frame, more than half a pitch: give it an outline that shows (white "
         "round the print), or take {:.0f} frames/s",
-        length_words(step), std::ceil(kTurn * swing.frequency_hz * swing.amplitude / (0.5 * pitch)));
+        length_text(step), std::ceil(kTwoPi * swing.frequency_hz * swing.amplitude / (0.5 * pitch)));
   return std::nullopt;
 }
 
@@ -163,7 +163,7 @@ Advice about_the_shutter(const RecordingSetup& setup, bool rolls_untold) {
   return fmt::format(
       "rolling shutter: the references are read up to {:.2g} ms from the target, which is worth {} at this "
       "vibration, more than u: hang them on the target's rows, or turn the camera by a quarter",
-      1000.0 * error.lag_s, length_words(mm));
+      1000.0 * error.lag_s, length_text(mm));
 }
 
 Advice about_checking(const RecordingSetup& setup) {
@@ -175,7 +175,7 @@ Advice about_checking(const RecordingSetup& setup) {
 
 }  // namespace
 
-std::string length_words(double mm) {
+std::string length_text(double mm) {
   if (!std::isfinite(mm)) return "not shown";
   const double um = 1000.0 * mm;
   if (um < 99.5) return fmt::format("{:.2g} um", um);

@@ -10,7 +10,7 @@
 namespace moiregauge::internal::cli {
 
 // "0.46 um", "12 um", "1.2 mm": two digits, in the unit that suits.
-[[nodiscard]] std::string length_words(double mm);
+[[nodiscard]] std::string length_text(double mm);
 
 // Sentences, the most pressing first; none: nothing to better.
 [[nodiscard]] std::vector<std::string> advice_for(const RecordingSetup& setup, bool rolls_untold);

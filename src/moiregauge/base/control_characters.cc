@@ -30,9 +30,9 @@ Character first_character(std::string_view text) {
     if ((next & 0xc0U) != 0x80U) return {};
     code = code << 6U | (next & 0x3fU);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::uint32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool is_surrogate = code >= 0xd800 && code < 0xe000;
-  return code < kLeast[bytes] || code > 0x10ffff || is_surrogate ? Character{} : Character{code, bytes};
+  return code < kMin[bytes] || code > 0x10ffff || is_surrogate ? Character{} : Character{code, bytes};
 }
 
 bool is_control(std::uint32_t code) {

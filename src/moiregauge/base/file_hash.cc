@@ -25,7 +25,7 @@ void add_block(Sha256& sum, const std::string& path, long from_end) {
 
 }  // namespace
 
-std::string sha256_of_files(const std::vector<std::string>& paths, const std::function<bool()>& go_on) {
+std::string sha256_of_files(const std::vector<std::string>& paths, const std::function<bool()>& may_continue) {
   Sha256 sum;
   std::vector<std::byte> block(kBlock);
   for (const std::string& path : paths) {
@@ -33,7 +33,7 @@ std::string sha256_of_files(const std::vector<std::string>& paths, const std::fu
     if (!file) continue;
     while (const std::size_t read = std::fread(block.data(), 1, block.size(), file->get())) {
       sum.add({block.data(), read});
-      if (!go_on()) return {};
+      if (!may_continue()) return {};
     }
   }
   return sum.hex();

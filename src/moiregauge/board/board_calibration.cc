@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kLeastPoints = 9;
+constexpr std::size_t kMinPoints = 9;
 constexpr int kWeightRounds = 4;  // of weights, ellipses and outliers; from the second on little changes
 // A view that much worse than the others' median was indexed wrongly or shows another board.
 constexpr double kOddView = 5.0, kOddView_px = 0.5;
@@ -69,7 +69,7 @@ void leave_out_unlike(std::span<const BoardView> views, std::vector<CalibratedVi
                         return a.second < b.second;
                       })->first;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    if (views[v].points.size() < kLeastPoints)
+    if (views[v].points.size() < kMinPoints)
       verdicts[v].left_out = "no board was found";
     else if (std::pair{views[v].width, views[v].height} != common)
       verdicts[v].left_out = "it is " + std::to_string(views[v].width) + " x " + std::to_string(views[v].height) +

@@ -79,7 +79,7 @@ ImagePoint outline_centre(const View& view, BoardPoint centre, double radius) {
   const ImagePoint middle = view(centre);
   Eigen::Matrix<double, kPoints, 5> a;
   for (int k = 0; k < kPoints; ++k) {
-    const double angle = kTurn * k / kPoints;
+    const double angle = kTwoPi * k / kPoints;
     const auto q = view(centre + Extent<frame::Board>{radius * std::cos(angle), radius * std::sin(angle)}) - middle;
     a.row(k) << q.x * q.x, q.x * q.y, q.y * q.y, q.x, q.y;
   }

@@ -35,7 +35,7 @@ double area_of(const std::vector<BoardPointSeen>& points, const Corners& corners
 }
 
 // The corners of a rectangle, or of a lattice that lies askew: whichever four span more.
-Corners outermost(const std::vector<BoardPointSeen>& points) {
+Corners select_references(const std::vector<BoardPointSeen>& points) {
   const Corners square = furthest(points, {{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}});
   const Corners diamond = furthest(points, {{{0, 1}, {1, 0}, {0, -1}, {-1, 0}}});
   return area_of(points, square) >= area_of(points, diamond) ? square : diamond;
@@ -72,7 +72,7 @@ BoardNull board_null(const BoardView& view, const Camera& camera) {
     all.push_back(all.size());
   }
   if (all.size() < 5) return {};
-  const Corners four = outermost(view.points);
+  const Corners four = select_references(view.points);
   const std::vector<std::size_t> corners(four.begin(), four.end());
   return {null_of(view.points, seen, corners, false), null_of(view.points, ideal, corners, false),
           null_of(view.points, seen, all, true), null_of(view.points, ideal, all, true)};

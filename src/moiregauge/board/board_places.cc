@@ -9,11 +9,11 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kAlike = 0.3;        // least correlation of what two views say of the same places
-constexpr double kAhead = 0.1;        // of the next best way to lay them upon one another
-constexpr double kCertain = 6.0;      // standard deviations that chance gives a correlation
-constexpr int kFarthest = 12;         // steps: how much more of the board one view may show on one side than another
-constexpr double kLeastShared = 0.5;  // of the smaller view's points
+constexpr double kAlike = 0.3;      // least correlation of what two views say of the same places
+constexpr double kAhead = 0.1;      // of the next best way to lay them upon one another
+constexpr double kCertain = 6.0;    // standard deviations that chance gives a correlation
+constexpr int kFarthest = 12;       // steps: how much more of the board one view may show on one side than another
+constexpr double kMinShared = 0.5;  // of the smaller view's points
 
 struct Laid {
   int turns = 0;
@@ -96,7 +96,7 @@ bool is_whole(const std::vector<PlacedPoint>& points) {
 std::optional<Laid> lay(Board& board, const std::vector<PlacedPoint>& first, const std::vector<PlacedPoint>& view) {
   const Extents there = extents_of(first, {});
   const bool whole = is_whole(first) && is_whole(view) && first.size() == view.size();
-  const auto least = static_cast<std::size_t>(kLeastShared * static_cast<double>(std::min(first.size(), view.size())));
+  const auto least = static_cast<std::size_t>(kMinShared * static_cast<double>(std::min(first.size(), view.size())));
   Laid best;
   Likeness found;
   double second = -1.0;

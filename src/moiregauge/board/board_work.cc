@@ -11,7 +11,7 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr double kOutlier = 5.0;  // standard uncertainties of a point
-constexpr double kLeastOutlier_px = 0.1;
+constexpr double kMinOutlier_px = 0.1;
 // Of two normal coordinates the median length is this many standard deviations of one.
 constexpr double kMedianLength = 1.1774;
 
@@ -26,7 +26,7 @@ Extent<frame::Image> ellipse_offset(const IdealFromBoard& view, const Camera& le
   std::array<Eigen::Vector2d, kOutline> normal, out;
   Matrix2 axes = Matrix2::Zero();
   for (std::size_t k = 0; k < kOutline; ++k) {
-    const double angle = kTurn * static_cast<double>(k) / kOutline;
+    const double angle = kTwoPi * static_cast<double>(k) / kOutline;
     normal[k] = {std::cos(angle), std::sin(angle)};
     const Eigen::Vector2d ideal = ideal_axes * normal[k];
     const auto off = lens.distort({centre.x + ideal.x(), centre.y + ideal.y()}) - middle;
@@ -112,7 +112,7 @@ void find_outliers(BoardWork& work) {
   std::vector<double> sorted = all;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = std::max(kLeastOutlier_px, kOutlier * *middle / kMedianLength);
+  const double limit = std::max(kMinOutlier_px, kOutlier * *middle / kMedianLength);
   std::size_t next = 0;
   for (std::size_t v = 0; v < work.views.size(); ++v) {
     for (std::size_t i = 0; i < every.views[v].size(); ++i) work.is_outlier[v][i] = all[next++] > limit;

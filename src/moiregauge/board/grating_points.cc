@@ -46,7 +46,7 @@ double phase_of(const LatticeModel& model, int m, int n) {
   for (std::size_t k = 0; k < model.harmonics.size(); ++k) {
     if (model.harmonics[k] != Eigen::Vector2i(m, n)) continue;
     const auto c = static_cast<Eigen::Index>(1 + 2 * k);
-    return std::atan2(model.coefficients(c + 1), model.coefficients(c)) / kTurn;
+    return std::atan2(model.coefficients(c + 1), model.coefficients(c)) / kTwoPi;
   }
   return 0.0;
 }
@@ -85,7 +85,7 @@ std::optional<Node> look_for_node(const Image<float>& grey, const Lattice& expec
 
 }  // namespace
 
-SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch) {
+SeenBoard grating_points(const LumaView& luma, const DetectedPatch& patch) {
   const Image<float> grey = grey_of(luma);
   Lattice middle;
   middle.origin = patch.centre;

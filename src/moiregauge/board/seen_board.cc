@@ -27,7 +27,7 @@ SeenBoard board_of(const IndexedLattice& lattice) {
   return board;
 }
 
-bool is_crossed(const SeenPatch& patch) {
+bool is_crossed(const DetectedPatch& patch) {
   return patch.pattern != Pattern::kLinesX && patch.pattern != Pattern::kLinesY &&
          patch.pattern != Pattern::kCheckerboard;  // whose corners are its lattice
 }
@@ -59,7 +59,7 @@ std::optional<SeenBoard> find_board(const GreyPicture& picture) {
   if (best.points.size() < kPlenty) {
     GratingSearchOptions options;
     options.bits = picture.bits;
-    for (const SeenPatch& patch : find_grating_patches(picture.luma, options)) {
+    for (const DetectedPatch& patch : find_grating_patches(picture.luma, options)) {
       if (!is_crossed(patch) || patch.periods_x * patch.periods_y < static_cast<double>(best.points.size())) continue;
       SeenBoard grating = grating_points(picture.luma, patch);
       if (grating.points.size() > best.points.size()) best = std::move(grating);

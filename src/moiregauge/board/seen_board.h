@@ -29,6 +29,6 @@ struct SeenBoard {
 [[nodiscard]] std::optional<SeenBoard> find_board(const GreyPicture& picture);
 
 // The points at which a crossed grating repeats, found from one to the next so that a lens may bend its rows.
-[[nodiscard]] SeenBoard grating_points(const LumaView& luma, const SeenPatch& patch);
+[[nodiscard]] SeenBoard grating_points(const LumaView& luma, const DetectedPatch& patch);
 
 }  // namespace moiregauge::internal

@@ -28,13 +28,14 @@ constexpr const char* kSimd = "MOIREGAUGE_SIMD";
 
 int run(int argc, char** argv) {
   if (const char* simd = std::getenv(kSimd); simd != nullptr && !moiregauge::internal::use_simd_target(simd))
-    return moiregauge::internal::cli::fail(Exit::kUsage, fmt::format("unknown processor: {}={}: choose one of {}", kSimd, simd,
-                                                           fmt::join(moiregauge::internal::simd_targets(), ", ")));
+    return moiregauge::internal::cli::fail(Exit::kUsage,
+                                           fmt::format("unknown processor: {}={}: choose one of {}", kSimd, simd,
+                                                       fmt::join(moiregauge::internal::simd_targets(), ", ")));
   int exit_code = 0;
   const auto tree = moiregauge::internal::cli::command_tree(exit_code);
   CLI::App& app = *tree;
   if (argc < 2) {
-    moiregauge::internal::cli::print_out(moiregauge::internal::cli::first_words(app));
+    moiregauge::internal::cli::print_out(moiregauge::internal::cli::first_text(app));
     return static_cast<int>(Exit::kUsage);
   }
   try {
@@ -68,8 +69,8 @@ int main(int argc, char** argv) {
         lacks_threads ? fmt::format("no thread can start: {}: raise the limit on processes (ulimit -u)", error.what())
                       : fmt::format("internal error: {}: please report it with the input", error.what()));
   } catch (const std::exception& error) {
-    exit_code = moiregauge::internal::cli::fail(Exit::kInternalError,
-                                      fmt::format("internal error: {}: please report it with the input", error.what()));
+    exit_code = moiregauge::internal::cli::fail(
+        Exit::kInternalError, fmt::format("internal error: {}: please report it with the input", error.what()));
   }
   if (moiregauge::internal::cli::finish_output()) return exit_code;
   return moiregauge::internal::cli::fail(

@@ -112,9 +112,9 @@ class VideoSource final : public FrameSource {
  private:
   [[nodiscard]] static bool is_sane(const Record& record) {
     return record.kind == Kind::kOpened && record.width > 0 && record.height > 0 &&
-           record.width <= wire::kMostPixels / record.height && record.bits >= 8 && record.bits <= 16 &&
+           record.width <= wire::kMaxPixels / record.height && record.bits >= 8 && record.bits <= 16 &&
            record.tone_kind >= 0 && record.tone_kind <= static_cast<std::int32_t>(ToneCurve::Kind::kGamma) &&
-           record.tone_gamma > 0.0 && record.slots > 0 && record.slots <= wire::kMostSlots;
+           record.tone_gamma > 0.0 && record.slots > 0 && record.slots <= wire::kMaxSlots;
   }
 
   [[nodiscard]] std::string place() const { return fmt::format("{} at frame {}", info_.path, number_); }

@@ -57,14 +57,14 @@ unsigned level(const LumaView& luma, int x, int y) {
   return std::visit([&](const auto& view) { return static_cast<unsigned>(view.at(x, y)); }, luma);
 }
 
-struct Seen {
+struct ObservationLog {
   std::vector<double> times;
   int damaged = 0;
   std::optional<InputError> broken_off;
 };
 
-Seen all_of(FrameSource& source) {
-  Seen seen;
+ObservationLog all_of(FrameSource& source) {
+  ObservationLog seen;
   while (true) {
     const auto frame = source.next();
     if (!frame) seen.broken_off = frame.error();
@@ -165,7 +165,7 @@ TEST(VideoSource, TimeIsTheStreamsOwnEvenWhereFramesAreMissing) {
   make_video(folder, "a.mp4", 8, "-vf select='not(between(n\\,3\\,6))' -vsync vfr -pix_fmt yuv420p -c:v libx264");
   auto source = opened(folder / "a.mp4");
   ASSERT_NE(source, nullptr);
-  const Seen seen = all_of(*source);
+  const ObservationLog seen = all_of(*source);
   ASSERT_EQ(seen.times.size(), 8U);
   const int kept[] = {0, 1, 2, 7, 8, 9, 10, 11};
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(seen.times[i], kept[i] / 25.0, 1e-9);
@@ -177,7 +177,7 @@ TEST(VideoSource, TimeIsTheStreamsOwnEvenWhereFramesAreMissing) {
 TEST(VideoSource, FramesPerSecondOfTheUserReplaceTheStreamsTime) {
   const TestFolder folder;
   auto source = open_video(make_video(folder, "a.avi", 8, "-c:v ffv1"), {.fps = 500.0, .sequence = false}).value();
-  const Seen seen = all_of(*source);
+  const ObservationLog seen = all_of(*source);
   EXPECT_EQ(seen.times.at(5), 0.01);
   EXPECT_EQ(source->info().time_source, "fps-option");
 }
@@ -189,7 +189,7 @@ TEST(VideoSource, AWholeFileWithReorderedFramesHasNoDamage) {
         fmt::format("-f lavfi -i testsrc2=s=320x240:d=2 -pix_fmt yuv420p -c:v libx264 -bf 3 -g 12 {}", folder / name));
     auto source = opened(folder / name);
     ASSERT_NE(source, nullptr);
-    const Seen seen = all_of(*source);
+    const ObservationLog seen = all_of(*source);
     EXPECT_EQ(seen.times.size(), 50U) << name;
     EXPECT_EQ(seen.damaged, 0) << name;
     EXPECT_FALSE(seen.broken_off) << name << seen.broken_off->message;
@@ -205,7 +205,7 @@ TEST(VideoSource, AFileCutShortGivesItsGoodFramesAndThenSaysSo) {
     put_text(folder / name, whole.substr(0, whole.size() * 6 / 10));
     auto source = opened(folder / name);
     ASSERT_NE(source, nullptr);
-    const Seen seen = all_of(*source);
+    const ObservationLog seen = all_of(*source);
     EXPECT_GT(seen.times.size(), 15U) << name;
     EXPECT_LE(seen.damaged, 6) << name << ": the last packets, and three frames before them";
     ASSERT_TRUE(seen.broken_off) << name;
@@ -259,7 +259,7 @@ TEST(VideoSource, OneFlippedBitInH264IsSeen) {
     put_text(folder / "hit.mp4", hit);
     auto source = opened(folder / "hit.mp4");
     ASSERT_NE(source, nullptr);
-    const Seen found = all_of(*source);
+    const ObservationLog found = all_of(*source);
     seen += found.damaged > 0 || found.broken_off ? 1 : 0;
   }
   EXPECT_GE(seen, kFlips * 3 / 4);
@@ -276,7 +276,7 @@ TEST(VideoSource, AWrongCheckSumOfTheContainerIsSaidAtTheEnd) {
     put_text(folder / "a.mkv", hit);
     auto source = opened(folder / "a.mkv");
     ASSERT_NE(source, nullptr);
-    const Seen seen = all_of(*source);
+    const ObservationLog seen = all_of(*source);
     EXPECT_TRUE(seen.broken_off || seen.damaged > 0) << i;
     EXPECT_EQ(seen.times.size(), 25U) << "all frames are shown";
   }
@@ -294,7 +294,7 @@ TEST(VideoSource, AnAviKeepsTimeBehindAHoleOrEnds) {
   put_text(folder / "hole.avi", hole);
   auto source = opened(folder / "hole.avi");
   ASSERT_NE(source, nullptr);
-  Seen seen = all_of(*source);
+  ObservationLog seen = all_of(*source);
   EXPECT_EQ(seen.times.size(), 24U);
   EXPECT_NEAR(seen.times.back(), 24 / 25.0, 1e-9);
   EXPECT_GT(seen.damaged, 3);
@@ -316,7 +316,7 @@ TEST(VideoSource, AnAviWithReorderedFramesIsWholeAndKeepsTime) {
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -pix_fmt yuv420p -c:v libx264 -bf 3 {}", folder / "a.avi"));
   auto source = opened(folder / "a.avi");
   ASSERT_NE(source, nullptr);
-  const Seen seen = all_of(*source);
+  const ObservationLog seen = all_of(*source);
   EXPECT_EQ(seen.damaged, 0);
   ASSERT_EQ(seen.times.size(), 25U);
   for (std::size_t i = 0; i < 25; ++i) EXPECT_NEAR(seen.times[i], static_cast<double>(i) / 25.0, 1e-9);
@@ -329,7 +329,7 @@ TEST(VideoSource, APictureThatChangesItsSizeEndsTheInputThere) {
   put_text(folder / "c.ts", text_of(folder / "a.ts") + text_of(folder / "b.ts"));
   auto source = opened(folder / "c.ts");
   ASSERT_NE(source, nullptr);
-  const Seen seen = all_of(*source);
+  const ObservationLog seen = all_of(*source);
   ASSERT_TRUE(seen.broken_off);
   EXPECT_NE(seen.broken_off->message.find("frame size changed 320x240 -> 160x120 at frame 25"), std::string::npos)
       << seen.broken_off->message;
@@ -376,7 +376,7 @@ TEST(VideoSource, TimeThatRunsBackwardsEndsTheInputThere) {
   put_text(folder / "b.ts", text_of(folder / "a.ts") + text_of(folder / "a.ts"));
   auto source = opened(folder / "b.ts");
   ASSERT_NE(source, nullptr);
-  const Seen seen = all_of(*source);
+  const ObservationLog seen = all_of(*source);
   EXPECT_EQ(seen.times.size(), 25U);
   ASSERT_TRUE(seen.broken_off);
   EXPECT_NE(seen.broken_off->message.find("time runs backwards at frame 25 ("), std::string::npos)
@@ -429,7 +429,7 @@ TEST(VideoSource, ADecoderThatDiesHalfwayLeavesTheFramesBeforeIt) {
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(source->next().value().has_value());
   const std::string mine = text_of("/proc/thread-self/children");
   ASSERT_EQ(::kill(std::stoi(mine), SIGKILL), 0);
-  const Seen seen = all_of(*source);
+  const ObservationLog seen = all_of(*source);
   ASSERT_TRUE(seen.broken_off);
   EXPECT_EQ(seen.broken_off->kind, InputErrorKind::kDamaged);
   const std::size_t kept = 5 + seen.times.size();

@@ -54,11 +54,11 @@ TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
     return Extent<frame::Board>{s * std::sqrt(2.0 * (1.0 + 0.25 * (1.0 + kA * kA / (kB * kB)))),
                                 s * std::sqrt(2.0 * (1.0 + 0.25 * (1.0 + kB * kB / (kA * kA))))};
   };
-  const auto u = since_reference_frame(kPitch_mm / kTurn * kPhase_rad);
+  const auto u = since_reference_frame(kPitch_mm / kTwoPi * kPhase_rad);
   EXPECT_NEAR(expected[0].u.x, u.x, 1e-9 * u.x);
   EXPECT_NEAR(expected[0].u.y, u.y, 1e-9 * u.y);
   // The bound: amplitude 60, noise 1.5, over all 80 x 80 pixels of the print.
-  const auto bound = since_reference_frame(kPitch_mm / kTurn * (1.5 / 60.0) * std::sqrt(2.0 / (80.0 * 80.0)));
+  const auto bound = since_reference_frame(kPitch_mm / kTwoPi * (1.5 / 60.0) * std::sqrt(2.0 / (80.0 * 80.0)));
   EXPECT_NEAR(expected[0].bound.x, bound.x, 1e-9 * bound.x);
   EXPECT_NEAR(expected[0].bound.y, bound.y, 1e-9 * bound.y);
 }
@@ -68,7 +68,7 @@ TEST(ExpectedUncertainty, ACodecThatPredictsAddsTheLagThatMeasureStates) {
   const Reference reference = five_markers(Pattern::kGrid);
   const std::vector<Quantiser> later(5, {kUsualStep, true});
   const auto lossless = expected_uncertainties(reference, {}), lossy = expected_uncertainties(reference, later);
-  const double slope = 60.0 * kTurn / (kPitch_mm / kMmPerPx) / std::sqrt(2.0);
+  const double slope = 60.0 * kTwoPi / (kPitch_mm / kMmPerPx) / std::sqrt(2.0);
   const double own = codec_u_px(later[4], Lag::kOwn, slope, 80.0 * 80.0) * kMmPerPx;
   EXPECT_GE(lossy[0].codec.y, own);
   EXPECT_LE(lossy[0].codec.y, 1.2 * own);  // references lag together: 0.2 / 0.55 of it, halved by four of them

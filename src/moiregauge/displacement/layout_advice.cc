@@ -78,7 +78,7 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
       goes[k] = std::max(goes[k], std::abs(frame.pose.shift[k] - first.shift[k]));
     }
   }
-  const double turn_deg = std::hypot(turns[0], turns[1], turns[2]) * 360.0 / kTurn;
+  const double turn_deg = std::hypot(turns[0], turns[1], turns[2]) * 360.0 / kTwoPi;
   if (turn_deg > kHardlyTurns_deg || std::hypot(goes[0], goes[1], goes[2]) > kHardlyGoes * std::abs(first.shift[2]))
     return std::nullopt;
   const std::string lens =

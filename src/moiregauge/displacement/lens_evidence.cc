@@ -69,7 +69,7 @@ Matrix2 board_gradient(const RasterPlan& plan, const PatchReading& patch) {
 }
 
 double u_patch_mm(const RasterPlan& plan, const PatchReading& patch) {
-  return plan.pitch_mm / kTurn * std::fmax(patch.u_phase_rad[0], patch.u_phase_rad[1]);
+  return plan.pitch_mm / kTwoPi * std::fmax(patch.u_phase_rad[0], patch.u_phase_rad[1]);
 }
 
 // One run's weighted sums for kappa. The reference frame's share of every difference is the same draw in all frames.

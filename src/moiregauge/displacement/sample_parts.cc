@@ -23,8 +23,8 @@ constexpr double kOrderLimit = 0.4;
 
 BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch) {
   const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
-  const double u0 = plan.pitch_mm / kTurn * (plan.reads_x ? patch.u_phase_rad[0] : 0.0);
-  const double u1 = plan.pitch_mm / kTurn * (plan.reads_y ? patch.u_phase_rad[1] : 0.0);
+  const double u0 = plan.pitch_mm / kTwoPi * (plan.reads_x ? patch.u_phase_rad[0] : 0.0);
+  const double u1 = plan.pitch_mm / kTwoPi * (plan.reads_y ? patch.u_phase_rad[1] : 0.0);
   return {std::hypot(c * u0, s * u1), std::hypot(s * u0, c * u1)};
 }
 
@@ -79,7 +79,7 @@ bool is_target(const Reference& reference, std::size_t i) {
   return reference.site.markers[i].role == Role::kTarget && reference.site.markers[i].grating.has_value();
 }
 
-Sample begun_sample(const Reference& reference, const Observation& seen, std::size_t marker) {
+Sample initial_sample(const Reference& reference, const Observation& seen, std::size_t marker) {
   if (seen.frame == reference.seen.frame)
     return {seen.frame, seen.time_s, marker, {0.0, 0.0}, {0.0, 0.0}, {}, Status::kOk};
   Sample sample;

@@ -34,6 +34,6 @@ namespace moiregauge::internal {
 [[nodiscard]] bool is_target(const Reference& reference, std::size_t marker);
 
 // The row to begin with: zero in the reference frame (by definition, and finished), else nothing measured.
-[[nodiscard]] Sample begun_sample(const Reference& reference, const Observation& seen, std::size_t marker);
+[[nodiscard]] Sample initial_sample(const Reference& reference, const Observation& seen, std::size_t marker);
 
 }  // namespace moiregauge::internal

@@ -119,7 +119,7 @@ Solution solve_conventional(const Reference& reference, const Observations& obse
     const bool moved = !seen.decode_error && camera_moved(reference, seen);
     for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
-      Sample sample = begun_sample(reference, seen, i);
+      Sample sample = initial_sample(reference, seen, i);
       if (seen.frame != reference.seen.frame) {
         if (seen.decode_error)
           sample.status = Status::kDecodeError;

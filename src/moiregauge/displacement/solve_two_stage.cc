@@ -126,7 +126,7 @@ Solution solve_two_stage(const Reference& reference, const Observations& observa
     const bool doubtful = seen.references_seen && order_in_doubt(reference, seen);
     for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
-      Sample sample = begun_sample(reference, seen, i);
+      Sample sample = initial_sample(reference, seen, i);
       if (seen.frame != reference.seen.frame) {
         if (seen.decode_error)
           sample.status = Status::kDecodeError;

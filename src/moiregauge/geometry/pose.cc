@@ -12,7 +12,7 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr int kMostSteps = 20;
+constexpr int kMaxSteps = 20;
 constexpr double kReachedPx = 1e-9;
 // A turn of this much more is followed by derivatives taken over it; the distance is that share of the camera's.
 constexpr double kProbe = 1e-6;
@@ -78,7 +78,7 @@ std::optional<IdealFromBoard> view_of_three(std::span<const BoardPoint> board, s
   if (board.size() != 3 || ideal.size() != 3) return std::nullopt;
   Pose pose = pose_of(near, camera);
   const double distance = std::abs(pose.shift[2]);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const IdealFromBoard view = view_of(pose, camera);
     const Vector6 r = misfit(view, board, ideal);
     if (r.norm() < kReachedPx) return view;

@@ -18,7 +18,7 @@ int block_at(double px, int blocks) {
 
 std::uint8_t parameter_of_step(double step) {
   if (!(step > 0.0)) return 0;
-  return static_cast<std::uint8_t>(std::clamp(std::lround(6.0 * std::log2(step / 0.625)), 0L, long{kMostParameter}));
+  return static_cast<std::uint8_t>(std::clamp(std::lround(6.0 * std::log2(step / 0.625)), 0L, long{kMaxParameter}));
 }
 
 Quantiser QuantiserMap::within(double x0, double y0, double x1, double y1) const {
@@ -27,7 +27,7 @@ Quantiser QuantiserMap::within(double x0, double y0, double x1, double y1) const
   long total = 0;
   for (int y = block_at(y0, blocks.height); y <= block_at(y1, blocks.height); ++y) {
     for (int x = block_at(x0, blocks.width); x <= block_at(x1, blocks.width); ++x, ++total)
-      ++counts[std::min<std::size_t>(blocks.row(y)[static_cast<std::size_t>(x)], kMostParameter)];
+      ++counts[std::min<std::size_t>(blocks.row(y)[static_cast<std::size_t>(x)], kMaxParameter)];
   }
   long below = 0;
   int parameter = 0;

@@ -34,12 +34,12 @@ inline constexpr double kUsualStep = 15.9;
 [[nodiscard]] inline double dead_zone_px(double step, double slope_rms) { return step / (8.0 * slope_rms); }
 // Motion vectors are multiples of a quarter of a pixel, and cost little: of a faint print no more than half of one is
 // left, or about so much.
-inline constexpr double kMostLag_px = 0.12;
+inline constexpr double kMaxLag_px = 0.12;
 
 // H.264's scale, a step of 0.625 at 0 and twice as much every 6 (ITU-T H.264, 8.5.9); other codecs' steps are put on
 // it.
 [[nodiscard]] inline double step_of_parameter(int parameter) { return 0.625 * std::exp2(parameter / 6.0); }
-inline constexpr int kMostParameter = 87;  // 51, and 6 for each bit beyond 8
+inline constexpr int kMaxParameter = 87;  // 51, and 6 for each bit beyond 8
 [[nodiscard]] std::uint8_t parameter_of_step(double step);
 
 inline constexpr int kQuantiserBlock = 16;  // px

@@ -10,7 +10,7 @@ namespace moiregauge::internal {
 namespace {
 
 TEST(Quantiser, SixParametersDoubleTheStep) {
-  for (int parameter = 0; parameter + 6 <= kMostParameter; ++parameter)
+  for (int parameter = 0; parameter + 6 <= kMaxParameter; ++parameter)
     EXPECT_NEAR(step_of_parameter(parameter + 6) / step_of_parameter(parameter), 2.0, 1e-12);
   EXPECT_NEAR(step_of_parameter(24), 10.0, 1e-12);  // ITU-T H.264, table 8-15 and equation 8-317
 }

@@ -65,19 +65,19 @@ TEST(Spline, APartOfAPictureIsReadInThePicturesCoordinates) {
 // fringe. Of the spline it is sinc^4(2 - 1/P) / ((2 + cos 2 pi/P) / 3).
 TEST(Spline, TheImageOfAFringeIsAsFaintAsTheSpectrumOfTheSplineSays) {
   const double pitch = 7.0, place = 0.3;
-  const auto cosine = picture(120, 9, [&](int x, int) { return std::cos(kTurn * x / pitch); });
+  const auto cosine = picture(120, 9, [&](int x, int) { return std::cos(kTwoPi * x / pitch); });
   const Spline spline = through(cosine);
   std::complex<double> fringe;
   for (int i = 0; i < 140; ++i) {
     const double x = 20 + place + 0.5 * i;
-    fringe += std::polar(1.0 / 70.0, -kTurn * x / pitch) * read(spline, x, 4.0);
+    fringe += std::polar(1.0 / 70.0, -kTwoPi * x / pitch) * read(spline, x, 4.0);
   }
   const double away = 2.0 - 1.0 / pitch;
-  const double share = std::pow(std::sin(kPi * away) / (kPi * away), 4) * 3.0 / (2.0 + std::cos(kTurn / pitch));
+  const double share = std::pow(std::sin(kPi * away) / (kPi * away), 4) * 3.0 / (2.0 + std::cos(kTwoPi / pitch));
   const double moved = std::abs(std::arg(fringe));
   EXPECT_LE(moved, 2.0 * share);   // the images at 2 - 1/P and, half as strong, at 2 + 1/P
   EXPECT_GE(moved, 0.05 * share);  // they are there
-  EXPECT_LE(moved * pitch / kTurn, 1e-4);
+  EXPECT_LE(moved * pitch / kTwoPi, 1e-4);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ std::vector<std::uint16_t> light_table(const ToneCurve& curve, int bits) {
   table.reserve(static_cast<std::size_t>(levels));
   for (int grey = 0; grey < levels; ++grey)
     table.push_back(
-        static_cast<std::uint16_t>(std::lround(kMostLight * light_of(curve, double(grey) / (levels - 1)) / most)));
+        static_cast<std::uint16_t>(std::lround(kMaxLight * light_of(curve, double(grey) / (levels - 1)) / most)));
   return table;
 }
 

@@ -40,10 +40,10 @@ struct Tone {
 // gives 0 below black. Sources: IEC 61966-2-1 (sRGB), ITU-R BT.709-6, ITU-R BT.2100-2 (HLG, PQ).
 [[nodiscard]] double light_of(const ToneCurve& curve, double grey);
 
-// Returns the light of every grey level of `bits` bits, in 16 bits: 0 for the lowest light, kMostLight for the highest.
+// Returns the light of every grey level of `bits` bits, in 16 bits: 0 for the lowest light, kMaxLight for the highest.
 [[nodiscard]] std::vector<std::uint16_t> light_table(const ToneCurve& curve, int bits);
 inline constexpr int kLightBits = 16;
-inline constexpr double kMostLight = 65535.0;
+inline constexpr double kMaxLight = 65535.0;
 
 // Writes the light of every pixel into `light`, which takes the picture's size. `table` holds all levels of the picture.
 void to_light(const LumaView& luma, const std::vector<std::uint16_t>& table, Image<std::uint16_t>& light);

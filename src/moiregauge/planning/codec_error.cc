@@ -62,7 +62,7 @@ double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double 
   const double rounded = kRoundedShare * dead_zone * std::sqrt(kBlock_px / std::max(area_px, kBlock_px));
   if (!quantiser.predicted) return rounded;
   const double lagging = (lag == Lag::kOwn ? kOwnShare : kSharedShare) * dead_zone;
-  return std::hypot(lagging / std::hypot(1.0, lagging / kMostLag_px), rounded);
+  return std::hypot(lagging / std::hypot(1.0, lagging / kMaxLag_px), rounded);
 }
 
 CodecHistory::CodecHistory(const Reference& reference, const Observations& observations)
@@ -143,7 +143,7 @@ BoardExtent codec_mm(const Reference& reference, std::size_t marker, const Patch
   std::array<double, 2> u{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const bool reads = axis == 0 ? plan.reads_x : plan.reads_y;
-    const double slope = patch.modulation[axis] * kTurn / (plan.pitch_mm / mm_per_px) / std::sqrt(2.0);
+    const double slope = patch.modulation[axis] * kTwoPi / (plan.pitch_mm / mm_per_px) / std::sqrt(2.0);
     if (reads) u[axis] = codec_u_px(quantiser, lag, slope, area_px) * mm_per_px;
   }
   const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);

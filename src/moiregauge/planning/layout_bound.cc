@@ -88,7 +88,7 @@ Matrix2 shift_information(const Grating& grating, const PrintTemplate& print, do
   for (int n = -order; n <= order; ++n) {
     for (int m = -order; m <= order; ++m) {
       if (bound == Bound::kPhase && !is_fundamental(m, n, grating.pattern)) continue;
-      const Eigen::Vector2d wave(kTurn * m, kTurn * n);
+      const Eigen::Vector2d wave(kTwoPi * m, kTwoPi * n);
       slopes += std::norm(print.coefficient(m, n)) * wave * wave.transpose();
     }
   }

@@ -32,7 +32,7 @@ std::vector<ReadPlace> four(double a, double b, double s) {
 TEST(LayoutBound, OfFundamentalsIsThePhaseBound) {
   const auto print = PrintTemplate::cosine(60.0, 30.0);
   const Matrix2 information = shift_information(grating(), print, kPixels, kSigma, Bound::kPhase);
-  const auto u = [&](double amplitude) { return kBoundPitch_mm / kTurn * phase_bound(kSigma, amplitude, kPixels); };
+  const auto u = [&](double amplitude) { return kBoundPitch_mm / kTwoPi * phase_bound(kSigma, amplitude, kPixels); };
   EXPECT_NEAR(1.0 / std::sqrt(information(0, 0)) / u(60.0), 1.0, 1e-9);
   EXPECT_NEAR(1.0 / std::sqrt(information(1, 1)) / u(30.0), 1.0, 1e-9);
   // A quarter turn exchanges the axes.

@@ -20,7 +20,7 @@ double gap(int m) { return m == 0 ? 0.5 : -bar(m); }
 double disc(int m, int n) {
   constexpr double kRadius = 0.25;
   const double q = std::hypot(m, n);
-  return q == 0.0 ? kPi * kRadius * kRadius : kRadius * std::cyl_bessel_j(1.0, kTurn * kRadius * q) / q;
+  return q == 0.0 ? kPi * kRadius * kRadius : kRadius * std::cyl_bessel_j(1.0, kTwoPi * kRadius * q) / q;
 }
 
 // Share of paper (light), harmonic by harmonic.

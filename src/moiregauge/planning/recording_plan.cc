@@ -197,8 +197,8 @@ void move(Marker& marker, Extent<frame::Board> by) {
 
 }  // namespace
 
-double Swing::speed() const { return kTurn * frequency_hz * amplitude; }
-double Swing::acceleration() const { return kTurn * frequency_hz * speed(); }
+double Swing::speed() const { return kTwoPi * frequency_hz * amplitude; }
+double Swing::acceleration() const { return kTwoPi * frequency_hz * speed(); }
 
 double px_per_mm(const RecordingSetup& setup, double z_mm) { return setup.camera.fx / (setup.distance_mm - z_mm); }
 

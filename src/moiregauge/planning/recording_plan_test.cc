@@ -47,7 +47,7 @@ TEST(RecordingPlan, ACompressedRecordingIsWorthItsDeadZone) {
   const PlannedTarget lossy = planned_targets(setup)[0];
   EXPECT_NEAR(lossy.u.x, std::hypot(raw.u.x, lossy.codec.x), 1e-12);
   EXPECT_GT(lossy.u.x, 5.0 * raw.u.x);
-  EXPECT_LT(lossy.codec.x, 0.13 / px_per_mm(setup) * 1.2);  // kMostLag_px, and what references add
+  EXPECT_LT(lossy.codec.x, 0.13 / px_per_mm(setup) * 1.2);  // kMaxLag_px, and what references add
   setup.codec.predicted = false;                            // key frames only: errors average out over the print
   EXPECT_LT(planned_targets(setup)[0].codec.x, 0.2 * lossy.codec.x);
 }
@@ -62,7 +62,7 @@ TEST(RecordingPlan, BoundsFollowTheClosedForms) {
   const double amplitude = 170.0 / kPi * pixel, sigma = std::sqrt(1.5 * 1.5 + 1.0 / 12.0);
   const auto own = [&](double size) {
     const double side_px = size * 3478.26 / 1200.0;
-    return 10.0 / kTurn * sigma / amplitude * std::sqrt(2.0) / side_px;
+    return 10.0 / kTwoPi * sigma / amplitude * std::sqrt(2.0) / side_px;
   };
   const double s = own(40.0), ratio = 3400.0 / 280.0;
   const auto bound = planned_targets(setup)[0].phase_bound;
@@ -101,8 +101,8 @@ TEST(RecordingPlan, BlurIsSpeedTimesExposure) {
   setup.exposure_s = 0.01;
   setup.target_swing = Swing{1.0, 5.0};
   setup.camera_swing = Swing{radians_from_degrees(0.01), 10.0};
-  EXPECT_NEAR(planned_blur(setup).target_px, kTurn * 5.0 * 1.0 * 0.01 * 3478.26 / 1200.0, 1e-9);
-  EXPECT_NEAR(planned_blur(setup).camera_px, kTurn * 10.0 * radians_from_degrees(0.01) * 0.01 * 3478.26, 1e-9);
+  EXPECT_NEAR(planned_blur(setup).target_px, kTwoPi * 5.0 * 1.0 * 0.01 * 3478.26 / 1200.0, 1e-9);
+  EXPECT_NEAR(planned_blur(setup).camera_px, kTwoPi * 10.0 * radians_from_degrees(0.01) * 0.01 * 3478.26, 1e-9);
 }
 
 TEST(RecordingPlan, AVertexAtTheEdgeIsHowFarTheCameraMayTurn) {
@@ -134,7 +134,7 @@ TEST(RecordingPlan, RowsReadLaterSeeACameraThatHasGoneOn) {
   setup.readout_s = 0.02;
   setup.camera_swing = Swing{radians_from_degrees(0.02), 40.0};
   const double lag = 28.0 * 3478.26 / 1200.0 * 0.02 / 1012.0;
-  const double acceleration_mm = std::pow(kTurn * 40.0, 2) * radians_from_degrees(0.02) * 1200.0;
+  const double acceleration_mm = std::pow(kTwoPi * 40.0, 2) * radians_from_degrees(0.02) * 1200.0;
   EXPECT_NEAR(shutter_error(setup).lag_s, lag, 1e-12);
   EXPECT_NEAR(shutter_error(setup).camera_mm, 0.5 * acceleration_mm * lag * lag, 1e-12);
 }

@@ -9,7 +9,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kMostQuanta = 2251799813685248.0;  // 2^51: differences stay exact in a browser's numbers
+constexpr double kMaxQuanta = 2251799813685248.0;  // 2^51: differences stay exact in a browser's numbers
 
 std::vector<std::uint8_t> deflated(const std::vector<std::uint8_t>& bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
@@ -27,7 +27,7 @@ std::size_t PackedColumns::add(const std::vector<double>& values, double quantum
   std::int64_t last = 0;
   for (const double value : values) {
     const double quanta = std::round(value / quantum);
-    if (!(std::abs(quanta) < kMostQuanta)) {  // NaN too
+    if (!(std::abs(quanta) < kMaxQuanta)) {  // NaN too
       bytes_.push_back(0);
       continue;
     }

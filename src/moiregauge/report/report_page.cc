@@ -10,7 +10,7 @@
 
 #include "moiregauge/report/packed_columns.h"
 #include "moiregauge/report/page_picture.h"
-#include "moiregauge/report/report_words.h"
+#include "moiregauge/report/report_text.h"
 #include "moiregauge/version.h"
 
 namespace moiregauge::internal {
@@ -23,7 +23,7 @@ constexpr std::string_view kDataMark = "<!--moiregauge:data-->", kTitleMark = "<
 
 // Quanta of what is plotted: a twentieth of u rounds off 1.4 % of it at most.
 constexpr double kPartOfU = 0.05;
-constexpr double kLeastQuantum = 1e-7;    // mm
+constexpr double kMinQuantum = 1e-7;      // mm
 constexpr double kUnknownQuantum = 1e-5;  // mm, where there is no u
 constexpr double kTimeQuantum = 1e-6;     // s
 constexpr double kPixelQuantum = 1e-3;
@@ -106,7 +106,7 @@ Json rows_json(const Measurement& m, const TargetSummary& target, PackedColumns&
     status.push_back(static_cast<double>(std::find(kStatuses.begin(), kStatuses.end(), s.status) - kStatuses.begin()));
   }
   const double least_u = std::fmin(target.u.x, target.u.y);
-  const double quantum = std::isnan(least_u) ? kUnknownQuantum : decade_below(kPartOfU * least_u, kLeastQuantum);
+  const double quantum = std::isnan(least_u) ? kUnknownQuantum : decade_below(kPartOfU * least_u, kMinQuantum);
   return {{"dx", columns.add(dx, quantum)},
           {"dy", columns.add(dy, quantum)},
           {"ux", columns.add(ux, quantum)},

@@ -20,7 +20,7 @@ constexpr double kSlowCycles = 4.0;       // between the knots of what moves slo
 constexpr int kSlowPasses = 3;            // a sine leaves 1 / (2 pi 4)^2 of itself in it, then that of that
 constexpr double kSignificant =
     5.0;  // standard uncertainties of lambda; chosen at 3 the chosen would be too large by half of one
-constexpr double kMostLeft = 0.01;        // of the oscillation's power about its frequency
+constexpr double kMaxLeft = 0.01;         // of the oscillation's power about its frequency
 constexpr double kStandsOut = 6.0;        // times the level around: chance makes 8 averaged ordinates so high in 1e-7
 constexpr double kMisfit = 3.0;           // so much more of it at the peak is not noise, and counts
 constexpr double kFurthestBack = 3.0;     // times the amplitude at its start: so far a decay is run backwards
@@ -56,11 +56,11 @@ Gathered without(const Gathered& g, const std::vector<double>& taken) {
   return left;
 }
 
-OnSlow fit_on_slow(const Gathered& g, double omega, Falling falling) {
+OnSlow fit_on_slow(const Gathered& g, double omega, Decaying decaying) {
   const double spacing = kSlowCycles * kTurnsPerHz / omega;
   OnSlow fit{std::nullopt, slow_part(g.view(), spacing)};
   for (int pass = 0; pass < kSlowPasses; ++pass) {
-    fit.sine = fit_sine(without(g, fit.slow).view(), fit.sine ? fit.sine->omega : omega, falling);
+    fit.sine = fit_sine(without(g, fit.slow).view(), fit.sine ? fit.sine->omega : omega, decaying);
     if (!fit.sine) return fit;
     std::vector<double> swing;
     for (const double t : g.time_s) swing.push_back(fit.sine->oscillation(t));
@@ -109,7 +109,7 @@ std::string not_falling(const SineFit& fit, double u_lambda, double duration) {
 PeakFits::PeakFits(const Series& series, const EvenTimes& times) : times_(times), left_(series) {
   all_ = {times.stretches.front().first,
           times.stretches.back().first + times.stretches.back().count - times.stretches.front().first};
-  all_.count = std::min(all_.count, kMostFitted);
+  all_.count = std::min(all_.count, kMaxFitted);
 }
 
 // From the highest block on, until it is struck again or the samples end.
@@ -144,7 +144,7 @@ PeakFits::Window PeakFits::falling_part(double omega) const {
 }
 
 // The row before the window from which on the oscillation, run backwards, explains the most.
-PeakFits::Window PeakFits::from_the_blow(Window window, const SineFit& sine, double level) const {
+PeakFits::Window PeakFits::from_impact(Window window, const SineFit& sine, double level) const {
   Window best = window;
   double gain = 0.0, most = 0.0;
   for (std::size_t i = window.first; i-- > all_.first;) {
@@ -160,12 +160,12 @@ PeakFits::Window PeakFits::from_the_blow(Window window, const SineFit& sine, dou
   return best;
 }
 
-bool PeakFits::try_fit(Window window, double omega, Falling falling) {
+bool PeakFits::try_fit(Window window, double omega, Decaying decaying) {
   const Gathered g = gathered(left_, window.first, window.count);
-  const auto [sine, slow] = fit_on_slow(g, omega, falling);
+  const auto [sine, slow] = fit_on_slow(g, omega, decaying);
   if (!sine) return false;
   const Stretch even = longest_in(times_, window.first, window.count);
-  if (even.count < kLeastSamples) return false;
+  if (even.count < kMinSamples) return false;
   std::vector<double> left, taken;
   for (std::size_t i = 0; i < g.value.size(); ++i) {
     if (g.row[i] < even.first || g.row[i] >= even.first + even.count) continue;
@@ -175,23 +175,23 @@ bool PeakFits::try_fit(Window window, double omega, Falling falling) {
   const double f = sine->omega / kTurnsPerHz;
   const Beside rest = beside(left, f, times_.interval_s);
   const double power = beside(taken, f, times_.interval_s).near;
-  if (rest.near > std::max(kMostLeft * power, kStandsOut * rest.around)) return false;
+  if (rest.near > std::max(kMaxLeft * power, kStandsOut * rest.around)) return false;
   if (power < kStandsOut * rest.around) return false;
   // Noise of one sample as if it were white with the density that it has at this frequency.
   const double density = rest.near > kMisfit * rest.around ? rest.near : rest.around;
   const double variance = density / (2.0 * times_.interval_s);
   const double duration = g.time_s.back() - g.time_s.front();
-  Fit fit{*sine, {}, window, falling == Falling::kYes ? from_the_blow(window, *sine, slow.front()) : window};
+  Fit fit{*sine, {}, window, decaying == Decaying::kYes ? from_impact(window, *sine, slow.front()) : window};
   Peak& peak = fit.peak;
   peak.from_s = g.time_s.front();
   peak.to_s = g.time_s.back();
   peak.amplitude_mm = sine->amplitude();
   const Eigen::Matrix2d spread = variance * sine->spread;
-  if (falling == Falling::kNo) {
+  if (decaying == Decaying::kNo) {
     peak.kind = PeakKind::kSteady;
     peak.frequency_hz = f;
     peak.u_frequency_hz = std::sqrt(spread(0, 0)) / kTurnsPerHz;
-    const auto slope = fit_sine(without(g, slow).view(), sine->omega, Falling::kYes);
+    const auto slope = fit_sine(without(g, slow).view(), sine->omega, Decaying::kYes);
     if (slope) peak.no_damping = not_falling(*slope, std::sqrt(variance * slope->spread(1, 1)), duration);
   } else {
     const double u_lambda = std::sqrt(spread(1, 1));
@@ -219,14 +219,14 @@ void PeakFits::add(const Fit& fit, double sign) {
 bool PeakFits::take(double near_hz, double resolution_hz) {
   const double lowest = kTurnsPerHz * std::max(near_hz - resolution_hz, 0.3 * near_hz);
   const double highest = kTurnsPerHz * (near_hz + resolution_hz);
-  const Window falling = falling_part(kTurnsPerHz * near_hz);
-  for (const Window& window : {falling, all_}) {
+  const Window decaying = falling_part(kTurnsPerHz * near_hz);
+  for (const Window& window : {decaying, all_}) {
     const Gathered g = gathered(left_, window.first, window.count);
-    if (g.value.size() < kLeastSamples) continue;
+    if (g.value.size() < kMinSamples) continue;
     const auto slow = slow_part(g.view(), kSlowCycles / near_hz);
     const double omega = best_omega(without(g, slow).view(), lowest, highest);
     const bool is_whole = window.first == all_.first && window.count == all_.count;
-    if (try_fit(window, omega, Falling::kYes) || (is_whole && try_fit(window, omega, Falling::kNo))) {
+    if (try_fit(window, omega, Decaying::kYes) || (is_whole && try_fit(window, omega, Decaying::kNo))) {
       add(fits_.back(), -1.0);
       return true;
     }
@@ -235,7 +235,7 @@ bool PeakFits::take(double near_hz, double resolution_hz) {
   return false;
 }
 
-void PeakFits::settle(std::vector<Peak>& found) {
+void PeakFits::refine(std::vector<Peak>& found) {
   if (fits_.size() < 2) return;
   std::vector<Fit> first = std::move(fits_);
   fits_.clear();
@@ -243,8 +243,8 @@ void PeakFits::settle(std::vector<Peak>& found) {
     add(fit, 1.0);
     const auto was = std::find_if(found.begin(), found.end(),
                                   [&](const Peak& p) { return p.frequency_hz == fit.peak.frequency_hz; });
-    const Falling falling = fit.peak.kind == PeakKind::kDecay ? Falling::kYes : Falling::kNo;
-    if (try_fit(fit.fitted, fit.sine.omega, falling)) {
+    const Decaying decaying = fit.peak.kind == PeakKind::kDecay ? Decaying::kYes : Decaying::kNo;
+    if (try_fit(fit.fitted, fit.sine.omega, decaying)) {
       add(fits_.back(), -1.0);
       if (was != found.end()) *was = fits_.back().peak;
     } else {

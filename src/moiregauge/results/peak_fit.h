@@ -18,7 +18,7 @@ class PeakFits {
   [[nodiscard]] const Peak& last() const { return fits_.back().peak; }
   [[nodiscard]] const Series& left() const { return left_; }
   // Each once more with all others taken out; `found`: the peaks as they were, in the order of take(), others between.
-  void settle(std::vector<Peak>& found);
+  void refine(std::vector<Peak>& found);
 
  private:
   struct Window {  // rows of the series, gaps included
@@ -30,8 +30,8 @@ class PeakFits {
     Window fitted, taken;  // a decay is taken out from the blow on, which its fit leaves to others
   };
   [[nodiscard]] Window falling_part(double omega) const;
-  [[nodiscard]] Window from_the_blow(Window window, const SineFit& sine, double level) const;
-  [[nodiscard]] bool try_fit(Window window, double omega, Falling falling);
+  [[nodiscard]] Window from_impact(Window window, const SineFit& sine, double level) const;
+  [[nodiscard]] bool try_fit(Window window, double omega, Decaying decaying);
   void add(const Fit& fit, double sign);
 
   const EvenTimes& times_;

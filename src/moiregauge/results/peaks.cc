@@ -17,8 +17,8 @@ namespace {
 // Chance alone makes one of 10^7 ordinates stand out so far (5.2 standard deviations of a normal distribution).
 constexpr double kOneOfMany = 5.2;
 constexpr double kQuartile = -0.6745;     // as a normal deviate
-constexpr double kLeastRatio = 3.0;       // and a hill that is no higher than this is no peak
-constexpr double kLeastCycles = 3.0;      // in the record; slower is drift
+constexpr double kMinRatio = 3.0;         // and a hill that is no higher than this is no peak
+constexpr double kMinCycles = 3.0;        // in the record; slower is drift
 constexpr std::size_t kLevelAround = 25;  // ordinates to each side that tell the level about one
 constexpr double kResolvedWidth = 4.0;  // half-power width in units of 1 / duration, below which it is the window's own
 constexpr double kCrumb = 0.05;         // of the strongest peak's amplitude
@@ -49,7 +49,7 @@ struct Taken {
 
 // The highest ordinate above its surroundings that no peak has taken yet.
 std::optional<double> next_peak(const Spectrum& s, const std::vector<Taken>& taken, double lowest_hz) {
-  const double threshold = std::max(kLeastRatio, chi_square(s.averages, kOneOfMany));
+  const double threshold = std::max(kMinRatio, chi_square(s.averages, kOneOfMany));
   std::optional<double> best;
   double highest = 0.0;
   for (std::size_t k = 1; k + 2 < s.psd.size(); ++k) {
@@ -143,12 +143,12 @@ const char* word_for(PeakKind kind) {
 std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const Spectrum& spectrum) {
   const Stretch& longest = times.longest();
   const double duration = static_cast<double>(longest.count) * times.interval_s;
-  const double lowest = std::max(kLeastCycles / duration, 1.5 * spectrum.resolution_hz);
+  const double lowest = std::max(kMinCycles / duration, 1.5 * spectrum.resolution_hz);
   PeakFits fits(series, times);
   std::vector<Taken> taken;
   std::vector<Peak> found;
   Spectrum left = spectrum;
-  while (found.size() < kMostPeaks) {
+  while (found.size() < kMaxPeaks) {
     const auto near = next_peak(left, taken, lowest);
     if (!near) break;
     if (fits.take(*near, left.resolution_hz)) {
@@ -160,7 +160,7 @@ std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const S
     taken.push_back(about(found.back(), spectrum));
     taken.push_back({*near - spectrum.resolution_hz, *near + spectrum.resolution_hz});  // never twice the same
   }
-  fits.settle(found);
+  fits.refine(found);
   leave_out_crumbs(found);
   std::sort(found.begin(), found.end(), [](const Peak& a, const Peak& b) { return a.frequency_hz < b.frequency_hz; });
   return found;

@@ -27,10 +27,10 @@ struct Peak {
   double from_s = 0.0, to_s = 0.0;                          // what it was told from
 };
 
-// In order of frequency, the strongest kMostPeaks. Fits look at no more than kMostFitted samples.
+// In order of frequency, the strongest kMaxPeaks. Fits look at no more than kMaxFitted samples.
 [[nodiscard]] std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const Spectrum& spectrum);
-inline constexpr std::size_t kMostPeaks = 5;
-inline constexpr std::size_t kMostFitted = 65536;
+inline constexpr std::size_t kMaxPeaks = 5;
+inline constexpr std::size_t kMaxFitted = 65536;
 
 // All of it for one axis of one target.
 struct AxisSpectrum {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCorrelated = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
 constexpr int kRandomPasses = 40;
-constexpr std::size_t kLeastOrdinates = 12;
+constexpr std::size_t kMinOrdinates = 12;
 
 using Four = Eigen::Vector4d;  // ln S0, ln f0, ln zeta, ln B
 
@@ -119,7 +119,7 @@ double RandomFit::rms() const { return std::sqrt(peak * std::numbers::pi * dampi
 
 std::optional<RandomFit> fit_random(const Spectrum& of_all, double around_hz, double lowest_hz, double highest_hz) {
   const Band band = band_of(of_all, lowest_hz, highest_hz);
-  if (band.psd.size() < kLeastOrdinates) return std::nullopt;
+  if (band.psd.size() < kMinOrdinates) return std::nullopt;
   static const Smear smear;
   Four p = begin(band, around_hz);
   Likelihood here = likelihood(band, p, smear);

@@ -77,8 +77,8 @@ bool solve_linear(const TimedValues& samples, SineFit& fit) {
 }
 
 // All six (or five) at once, about where `fit` stands: the step of omega and lambda, and their spread.
-std::optional<Eigen::Vector2d> step_of(const TimedValues& samples, Falling falling, SineFit& fit) {
-  const int size = falling == Falling::kYes ? kAll : kAll - 1;
+std::optional<Eigen::Vector2d> step_of(const TimedValues& samples, Decaying decaying, SineFit& fit) {
+  const int size = decaying == Decaying::kYes ? kAll : kAll - 1;
   Normal normal;
   for (std::size_t k = 0; k < samples.value.size(); ++k) {
     const double tau = samples.time_s[k] - fit.origin_s;
@@ -93,7 +93,7 @@ std::optional<Eigen::Vector2d> step_of(const TimedValues& samples, Falling falli
   if (!solved) return std::nullopt;
   fit.spread.setZero();
   fit.spread.topLeftCorner(size - kLinear, size - kLinear) = inverse.bottomRightCorner(size - kLinear, size - kLinear);
-  return Eigen::Vector2d((*solved)[kLinear], falling == Falling::kYes ? (*solved)[kLinear + 1] : 0.0);
+  return Eigen::Vector2d((*solved)[kLinear], decaying == Decaying::kYes ? (*solved)[kLinear + 1] : 0.0);
 }
 
 double duration(const TimedValues& samples) { return samples.time_s.back() - samples.time_s.front(); }
@@ -109,14 +109,14 @@ double SineFit::oscillation(double t) const {
 
 double SineFit::operator()(double t) const { return oscillation(t) + linear[2] + linear[3] * (t - origin_s); }
 
-std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Falling falling) {
+std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Decaying decaying) {
   if (samples.value.size() < 2 * kAll) return std::nullopt;
   SineFit fit;
   fit.origin_s = samples.time_s.front();
   fit.omega = omega;
   if (!solve_linear(samples, fit)) return std::nullopt;
   for (int pass = 0; pass < kSinePasses; ++pass) {
-    auto step = step_of(samples, falling, fit);
+    auto step = step_of(samples, decaying, fit);
     if (!step) return std::nullopt;
     SineFit next = fit;
     for (int half = 0; half < 6; ++half, *step *= 0.5) {  // a step too far is halved
@@ -130,7 +130,7 @@ std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Fallin
     fit = next;
     if (went * duration(samples) < kConverged) break;
   }
-  if (!step_of(samples, falling, fit)) return std::nullopt;
+  if (!step_of(samples, decaying, fit)) return std::nullopt;
   if (std::abs(fit.omega - omega) * duration(samples) > kFurthest * 2.0 * std::numbers::pi) return std::nullopt;
   return fit;
 }

@@ -22,7 +22,7 @@ struct TimedValues {
   std::span<const double> value;
 };
 
-enum class Falling { kNo, kYes };  // is lambda free?
+enum class Decaying { kNo, kYes };  // is lambda free?
 
 struct SineFit {
   double origin_s = 0.0;
@@ -38,7 +38,7 @@ struct SineFit {
 
 // At most ten Gauss-Newton passes from `omega`, which must be within a quarter of 1 / duration of the truth.
 // Nothing when the samples do not determine it, or when the passes lead elsewhere.
-[[nodiscard]] std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Falling falling);
+[[nodiscard]] std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Decaying decaying);
 
 // Of the frequencies lowest..highest (rad/s), in steps of a quarter of 1 / duration, that of the best steady sine.
 [[nodiscard]] double best_omega(const TimedValues& samples, double lowest, double highest);

@@ -85,10 +85,10 @@ class Segments {
 
 tl::expected<Spectrum, std::string> welch(const Series& series, const EvenTimes& times) {
   const std::size_t longest = times.longest().count;
-  if (longest < kLeastSamples)
+  if (longest < kMinSamples)
     return tl::unexpected(fmt::format("the longest stretch of ok rows without a gap has {} frames, and {} are needed",
-                                      longest, kLeastSamples));
-  const std::size_t length = quick_length(std::clamp(longest / 3, kLeastSamples, kMostSegment));
+                                      longest, kMinSamples));
+  const std::size_t length = quick_length(std::clamp(longest / 3, kMinSamples, kMaxSegment));
   Segments segments(length);
   std::size_t samples = 0;
   for (const Stretch& stretch : times.stretches) {

@@ -20,12 +20,12 @@ struct Spectrum {
   std::size_t samples = 0;   // that lie in segments
 };
 
-inline constexpr std::size_t kLeastSamples = 32;  // in one stretch; less shows no more than a handful of frequencies
-inline constexpr std::size_t kMostSegment = 16384;
+inline constexpr std::size_t kMinSamples = 32;  // in one stretch; less shows no more than a handful of frequencies
+inline constexpr std::size_t kMaxSegment = 16384;
 
 // The segments' length follows from the longest stretch: a third of it, so that five segments or more are averaged, and
-// never above kMostSegment. Shorter stretches than a segment are left out.
-// fails   when the longest stretch is shorter than kLeastSamples
+// never above kMaxSegment. Shorter stretches than a segment are left out.
+// fails   when the longest stretch is shorter than kMinSamples
 [[nodiscard]] tl::expected<Spectrum, std::string> welch(const Series& series, const EvenTimes& times);
 
 // The same of one segment as long as the samples, which are even: for what needs all the resolution there is.

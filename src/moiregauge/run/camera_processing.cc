@@ -33,7 +33,7 @@ constexpr double kNoGrain = 0.003;
 // Blurred edges of real pictures have a few per cent of repeated steps; a picture enlarged by 1.2 has 1 / 6.
 constexpr double kRepeated = 0.12;
 constexpr long kMinSteps = 200;
-constexpr double kLeastJump = 0.08;  // of a print's contrast
+constexpr double kMinJump = 0.08;  // of a print's contrast
 
 // The rows within which an average may lag, and the movement in them (u) that counts.
 constexpr std::size_t kLagRows = 8;
@@ -160,7 +160,7 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
     const PixelRectangle at = rectangle_round(marker, {}, reference.view);
     const auto part = part_of(luma, static_cast<int>(at.x0), static_cast<int>(at.y0), static_cast<int>(at.x1),
                               static_cast<int>(at.y1));
-    const SlopeSteps found = count_slope_steps(part, kLeastJump * contrast_of(part));
+    const SlopeSteps found = count_slope_steps(part, kMinJump * contrast_of(part));
     steps_.all += found.all;
     steps_.repeated += found.repeated;
   }

@@ -10,7 +10,7 @@
 
 namespace moiregauge::internal {
 
-// Told of everything once and in order, but for what a run that goes on was given (WatchDoors::so_far).
+// Told of everything once and in order, but for what a run that goes on was given (RunHooks::so_far).
 class JournalSink {
  public:
   virtual ~JournalSink() = default;

@@ -73,7 +73,7 @@ bool shows_light(const Reference& reference, int bits) {
 }
 
 std::optional<Tone> contradicting_tone(const Reference& reference, const Tone& mapped_by, int bits) {
-  const auto samples = samples_of(reference, mapped_by.curve.is_linear() ? std::exp2(bits) - 1.0 : kMostLight);
+  const auto samples = samples_of(reference, mapped_by.curve.is_linear() ? std::exp2(bits) - 1.0 : kMaxLight);
   ToneCurve as_measured = mapped_by.curve;
   if (!as_measured.is_linear()) as_measured = {};
   const auto exponent = edge_exponent(samples, as_measured);

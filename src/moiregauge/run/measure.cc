@@ -38,7 +38,7 @@ tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& pictur
     return make_reference_by_gratings(picture, options.site, lens, options.observe);
   if (!options.pitch_mm) return make_reference(picture, options.site, lens, options.observe);
   const bool needs_circles = options.method->needs_circles;
-  auto found = look_for_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});
+  auto found = detect_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});
   if (!found) return tl::unexpected(std::move(found.error()));
   found->site = with_prints_scaled(std::move(found->site), {1.0, options.print_scale.u, options.print_scale.spread});
   auto made = needs_circles ? make_reference(picture, found->site, lens, options.observe)
@@ -55,7 +55,7 @@ constexpr int kMaxToneRounds = 5;
 class Run {
  public:
   // Of a run that goes on without a reference frame nothing is kept: it tries every frame again.
-  Run(const MeasureOptions& options, Measurement& out, WatchDoors doors)
+  Run(const MeasureOptions& options, Measurement& out, RunHooks doors)
       : options_(options), out_(out), frames_(doors.frames), journal_(doors.journal) {
     if (!doors.so_far.reference) return;
     light_ = LightMap(doors.so_far.reference->tone, doors.so_far.input.bits);
@@ -356,7 +356,7 @@ const Site& site_of(const Measurement& measurement, const MeasureOptions& option
   return measurement.reference ? measurement.reference->site : options.site;
 }
 
-void complete_markers(Seen& seen) {
+void complete_markers(ObservationLog& seen) {
   if (!seen.reference) return;
   MarkerObservation not_seen;
   not_seen.loss = Loss::kNotSeen;
@@ -398,7 +398,7 @@ std::string rest_contradiction(const Measurement& measured, const MeasureOptions
 
 }  // namespace
 
-void conclude(const MeasureOptions& options, Measurement& out) {
+void evaluate(const MeasureOptions& options, Measurement& out) {
   out.warnings = out.notes;
   for (std::string& note : notes_on_frames(out.observations)) out.warnings.push_back(std::move(note));
   for (const Observation& seen : out.observations) out.input_damaged |= seen.decode_error;
@@ -446,8 +446,8 @@ void conclude(const MeasureOptions& options, Measurement& out) {
       counts.empty() ? "only the reference frame was measured; two frames are needed" : "no row is ok (" + list + ")";
 }
 
-tl::expected<Measurement, InputError> watch(const OpenInput& open, const MeasureOptions& options,
-                                            const OnProgress& on_progress, WatchDoors doors) {
+tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
+                                                  const OnProgress& on_progress, RunHooks doors) {
   Measurement out;
   Run run(options, out, std::move(doors));
   if (options.reference_frame) {
@@ -471,8 +471,8 @@ tl::expected<Measurement, InputError> watch(const OpenInput& open, const Measure
 
 tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                               const OnProgress& on_progress, FrameSink* frames) {
-  auto out = watch(open, options, on_progress, {.frames = frames});
-  if (out) conclude(options, *out);
+  auto out = observe_all(open, options, on_progress, {.frames = frames});
+  if (out) evaluate(options, *out);
   return out;
 }
 

@@ -43,7 +43,7 @@ struct KeptPicture {
 };
 
 // What the frames told, before anything is concluded from it: all that is needed to solve again without them.
-struct Seen {
+struct ObservationLog {
   InputInfo input;
   std::optional<Reference> reference;  // empty: refused before anything was measured
   Observations observations;
@@ -54,7 +54,7 @@ struct Seen {
   bool interrupted = false;
 };
 
-struct Measurement : Seen {
+struct Measurement : ObservationLog {
   Samples samples;
   std::vector<double> chi2_dof;  // as Solution has it
   std::optional<Scene> scene;    // of a method that solves one
@@ -81,24 +81,24 @@ using OnProgress = std::function<bool(long done, long expected)>;
 using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, InputError>()>;
 
 // Where a run's findings go while it is under way, and what an earlier, unfinished one found.
-struct WatchDoors {
+struct RunHooks {
   FrameSink* frames = nullptr;     // handed every selected frame with what was seen in it
   JournalSink* journal = nullptr;  // handed what was seen in frames that `so_far` does not hold
-  Seen so_far = {};                // frames from the beginning of the selection on, as the journal was given them
+  ObservationLog so_far = {};      // frames from the beginning of the selection on, as the journal was given them
 };
 
 // What is seen in all frames. Fails only when the input gives no picture at all, or is not the one that `so_far` is of;
 // every other trouble is part of the Measurement. A run that goes on gives what it would have given in one piece:
 // frames that were seen are passed over, and the Follower is told of them.
-[[nodiscard]] tl::expected<Measurement, InputError> watch(const OpenInput& open, const MeasureOptions& options,
-                                                          const OnProgress& on_progress, WatchDoors doors = {});
+[[nodiscard]] tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
+                                                                const OnProgress& on_progress, RunHooks doors = {});
 
 // Frames that went by before the reference frame told how many markers there are: their markers, all of them not seen.
-void complete_markers(Seen& seen);
+void complete_markers(ObservationLog& seen);
 
 // The end of every run: what was seen turned into samples, summaries and an exit code; picture and reference frame stay
 // as they are. Used again by `solve`.
-void conclude(const MeasureOptions& options, Measurement& out);
+void evaluate(const MeasureOptions& options, Measurement& out);
 
 // Both.
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,

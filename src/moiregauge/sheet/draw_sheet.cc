@@ -88,7 +88,7 @@ std::string role_of(const Sheet& sheet) {
   return sheet.markers.front().role == Role::kReference ? "reference: stands still" : "target: moves";
 }
 
-void draw_words(cairo_t* cr, const Sheet& sheet) {
+void draw_text(cairo_t* cr, const Sheet& sheet) {
   Canvas canvas(cr);
   const Paper& paper = sheet.paper;
   const Letters name =
@@ -166,7 +166,7 @@ void draw_sheet(cairo_t* cr, const Sheet& sheet, const Ink& ink) {
     if (marker.circle) print_circle(cr, marker.circle->diameter_mm, on_page(sheet, marker.circle->centre), ink);
   }
   draw_rulers(cr, sheet.paper);
-  draw_words(cr, sheet);
+  draw_text(cr, sheet);
 }
 
 }  // namespace moiregauge::internal::sheet

@@ -24,7 +24,7 @@ using figure::Letters;
 
 constexpr double kLeft = 15.0, kRight = 282.0, kPlanText_mm = 3.2, kPlanSmall_mm = 2.7, kLine_mm = 4.6;
 constexpr double kDrawingTop = 24.0, kDrawingHigh = 82.0;
-constexpr std::size_t kMostRows = 16;  // of the table; more markers are in site.toml alone
+constexpr std::size_t kMaxRows = 16;  // of the table; more markers are in site.toml alone
 
 Colour colour_of(const Marker& marker) { return marker.role == Role::kReference ? kBlue : kVermilion; }
 
@@ -125,7 +125,7 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
   };
   row(top, {"name", "role", "circle at x, y mm", "grating at x, y mm", "size mm"}, true);
   canvas.line({{kLeft, top + 1.3}, {kLeft + 122.0, top + 1.3}}, {kGrey, 0.2});
-  for (std::size_t i = 0; i < std::min(kMostRows, set.site.markers.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxRows, set.site.markers.size()); ++i) {
     const Marker& m = set.site.markers[i];
     row(top + 1.0 + kLine_mm * static_cast<double>(i + 1),
         {m.name, m.role == Role::kReference ? "reference" : "target",
@@ -134,9 +134,9 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
          m.grating ? fmt::format("{:g} x {:g}", m.grating->width_mm, m.grating->height_mm) : "-"},
         false);
   }
-  if (set.site.markers.size() > kMostRows)
-    canvas.text({kLeft, top + 1.0 + kLine_mm * (kMostRows + 1.0)},
-                fmt::format("and {} more: see site.toml", set.site.markers.size() - kMostRows),
+  if (set.site.markers.size() > kMaxRows)
+    canvas.text({kLeft, top + 1.0 + kLine_mm * (kMaxRows + 1.0)},
+                fmt::format("and {} more: see site.toml", set.site.markers.size() - kMaxRows),
                 {Align::kLeft, kBlack, false, 0.0, kPlanSmall_mm});
 }
 

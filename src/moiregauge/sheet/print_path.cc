@@ -15,7 +15,7 @@
 namespace moiregauge::internal::sheet {
 namespace {
 
-constexpr double kMostDots = 40e6;
+constexpr double kMaxDots = 40e6;
 
 struct Span {
   double from, to;
@@ -47,7 +47,7 @@ void add_dots(cairo_t* cr, const Grating& g) {
   for (int j = -ny; j <= ny; ++j) {
     for (int i = -nx; i <= nx; ++i) {
       cairo_new_sub_path(cr);
-      cairo_arc(cr, i * p, j * p, radius, 0.0, kTurn);
+      cairo_arc(cr, i * p, j * p, radius, 0.0, kTwoPi);
     }
   }
 }
@@ -97,7 +97,7 @@ struct Raster {
 
 Raster raster_for(const Paper& paper) {
   const double area = paper.width_mm * paper.height_mm;
-  const double dot = std::max(25.4 / 300.0, std::sqrt(area / kMostDots));
+  const double dot = std::max(25.4 / 300.0, std::sqrt(area / kMaxDots));
   const auto dots = [&](double mm) { return static_cast<int>(std::ceil(mm / dot)); };
   return {dot, Image<std::uint8_t>(dots(paper.width_mm), dots(paper.height_mm), 255)};
 }
@@ -122,7 +122,7 @@ void paint_cosine(Raster& raster, const Grating& g, PagePoint centre, const Ink&
 }  // namespace
 
 double cosine_grey(double x, double y, const Ink& ink) {
-  const double wave = 0.25 * (std::cos(kTurn * x) + std::cos(kTurn * y));
+  const double wave = 0.25 * (std::cos(kTwoPi * x) + std::cos(kTwoPi * y));
   return std::pow(1.0 - ink.density * (0.5 - (ink.inverted ? -wave : wave)), 1.0 / ink.gamma);
 }
 
@@ -160,7 +160,7 @@ void print_grating(cairo_t* cr, const Grating& grating, PagePoint centre, const 
 
 void print_circle(cairo_t* cr, double diameter_mm, PagePoint centre, const Ink& ink) {
   cairo_new_path(cr);
-  cairo_arc(cr, centre.x_mm, centre.y_mm, 0.5 * diameter_mm, 0.0, kTurn);
+  cairo_arc(cr, centre.x_mm, centre.y_mm, 0.5 * diameter_mm, 0.0, kTwoPi);
   choose_grey(cr, 1.0 - ink.density);
   cairo_fill(cr);
 }

@@ -23,7 +23,7 @@ double contrast(const Scenario& scenario, long frame = 0) {
   const int y = static_cast<int>(std::lround(middle.y)), reach = static_cast<int>(std::floor(pitch));
   for (int x = static_cast<int>(middle.x) - reach; x <= static_cast<int>(middle.x) + reach; ++x) {
     const double d = x - middle.x, window = std::abs(d) < pitch ? 1.0 + std::cos(kPi * d / pitch) : 0.0;
-    sum += window * (picture.at(x, y) - 125.0) * std::cos(kTurn * d / pitch);
+    sum += window * (picture.at(x, y) - 125.0) * std::cos(kTwoPi * d / pitch);
   }
   return sum;
 }
@@ -34,7 +34,7 @@ TEST(Defocus, OfAGaussianTakesItsShareOfTheContrast) {
   const double sharp = contrast(scenario), pitch = pitch_px(scenario);
   for (const double sigma : {2.0, 5.0}) {
     scenario.sensor.defocus_px.offset = sigma;
-    const double expected = std::exp(-0.5 * std::pow(kTurn * sigma / pitch, 2));
+    const double expected = std::exp(-0.5 * std::pow(kTwoPi * sigma / pitch, 2));
     EXPECT_NEAR(contrast(scenario) / sharp, expected, 0.01) << sigma << " px";
   }
 }
@@ -47,7 +47,7 @@ TEST(Defocus, OfADiscTurnsLightIntoDark) {
   const double sharp = contrast(scenario), pitch = pitch_px(scenario);
   for (const double share : {0.2, 0.4, 0.8}) {
     scenario.sensor.defocus_disc_px.offset = share * pitch;
-    const double x = kTurn * share, expected = 2.0 * std::cyl_bessel_j(1, x) / x;
+    const double x = kTwoPi * share, expected = 2.0 * std::cyl_bessel_j(1, x) / x;
     // The rim is soft by 0.12 of the radius; at equal variance a difference of fourth order, under 0.03 here.
     EXPECT_NEAR(contrast(scenario) / sharp, expected, 0.03) << share << " pitch";
   }
@@ -94,7 +94,7 @@ TEST(Flicker, GoesDownThePictureWithARollingShutter) {
   scenario.light.flicker = {.amplitude = 0.2, .frequency_hz = 50.0, .phase_deg = 0.0};
   const auto picture = render_ideal(scenario, 0);
   const int h = scenario.camera.height, y = h / 4;
-  const double expected = 1.0 + 0.2 * std::sin(kTurn * ((y + 0.5) / h - 0.5));
+  const double expected = 1.0 + 0.2 * std::sin(kTwoPi * ((y + 0.5) / h - 0.5));
   EXPECT_NEAR(picture.at(5, y) / 110.0, expected, 1e-12);
 }
 
@@ -171,7 +171,7 @@ TEST(FinePitch, IsAsFaintAsPointSpreadAndPixelLeaveIt) {
     lightest = std::max(lightest, picture.at(x, static_cast<int>(middle.y)));
     darkest = std::min(darkest, picture.at(x, static_cast<int>(middle.y)));
   }
-  const double turn = kTurn / 2.2, psf = scenario.sensor.psf_sigma_px;
+  const double turn = kTwoPi / 2.2, psf = scenario.sensor.psf_sigma_px;
   const double passed = std::exp(-0.5 * turn * turn * psf * psf) * std::sin(0.5 * turn) / (0.5 * turn);
   // Its crests are met to within 0.1 px: cos(0.1 x 2 pi / 2.2) = 0.96.
   const double alone = 85.0 * passed;

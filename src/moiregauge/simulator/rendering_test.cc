@@ -102,12 +102,12 @@ std::complex<double> phase_px(const Scenario& scenario, const Image<double>& pic
       const auto du = at(0.5, 0) - at(-0.5, 0), dv = at(0, 0.5) - at(0, -0.5);
       const double window = std::pow(std::cos(d.x * kPi / 30.0) * std::cos(d.y * kPi / 30.0), 4);
       const double weight = window * std::abs(du.x * dv.y - du.y * dv.x) * (picture.at(x, y) - 125.0);
-      along_x += weight * std::polar(1.0, -kTurn * d.x / kPitch_mm);
-      along_y += weight * std::polar(1.0, -kTurn * d.y / kPitch_mm);
+      along_x += weight * std::polar(1.0, -kTwoPi * d.x / kPitch_mm);
+      along_y += weight * std::polar(1.0, -kTwoPi * d.y / kPitch_mm);
     }
   }
   const double pitch_px = 29.0, sign = scenario.markers[0].print.grating->pattern == Pattern::kCosine ? 1.0 : -1.0;
-  return {std::arg(sign * along_x) / kTurn * pitch_px, std::arg(sign * along_y) / kTurn * pitch_px};
+  return {std::arg(sign * along_x) / kTwoPi * pitch_px, std::arg(sign * along_y) / kTwoPi * pitch_px};
 }
 
 class EveryPhase : public testing::TestWithParam<Pattern> {};

@@ -41,7 +41,7 @@ TEST(Rig, StaysInThePictureAtAllSignsOfFourDegrees) {
       }
       if (!marker.print.circle) continue;
       for (int i = 0; i < 90; ++i) {
-        const double angle = kTurn * i / 90, r = 0.5 * marker.print.circle->diameter_mm;
+        const double angle = kTwoPi * i / 90, r = 0.5 * marker.print.circle->diameter_mm;
         const BoardPoint c = marker.print.circle->centre;
         const ImagePoint p = project(rig, 0, marker, {c.x + r * std::cos(angle), c.y + r * std::sin(angle)});
         margin = std::min({margin, p.x, p.y, rig.camera.width - 1 - p.x, rig.camera.height - 1 - p.y});

@@ -34,13 +34,13 @@ using Radians = Quantity<struct RadianUnit>;
 using Seconds = Quantity<struct SecondUnit>;
 
 inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kTurn = 2.0 * std::numbers::pi;  // radians
+inline constexpr double kTwoPi = 2.0 * std::numbers::pi;  // radians
 
 [[nodiscard]] constexpr double radians_from_degrees(double degrees) { return degrees * (kPi / 180.0); }
 [[nodiscard]] constexpr double degrees_from_radians(double radians) { return radians * (180.0 / kPi); }
 
 // The same angle in [-pi, pi].
-[[nodiscard]] inline double wrapped(double radians) { return std::remainder(radians, kTurn); }
+[[nodiscard]] inline double wrapped(double radians) { return std::remainder(radians, kTwoPi); }
 
 // No number without its uncertainty.
 template <typename Unit>

@@ -29,19 +29,19 @@ constexpr double kSameError = 0.01;  // of it: chi2 would change by 2 %, and wha
 PrintError print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
                           const ScenePrior& prior, const PrintError& last) {
   const BundleSolution largest =
-      solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Stands);
+      solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Converged);
   if (!largest.scene.solved) return {};
   const auto fits = fits_of(site, largest);
   PrintError error;
-  error.wander_mm = wander_mm(site, largest.scene, largest.frames, fits, prior, last.wander_mm);
-  const auto wandering = with_print_error(site, noise_alone, {.wander_mm = error.wander_mm});
+  error.marker_jitter_mm = marker_jitter_mm(site, largest.scene, largest.frames, fits, prior, last.marker_jitter_mm);
+  const auto wandering = with_print_error(site, noise_alone, {.marker_jitter_mm = error.marker_jitter_mm});
   error.points_mm = print_error_mm(site, largest.scene, wandering, fits, prior);
   return error;
 }
 
 bool is_the_same(const PrintError& a, const PrintError& b) {
   return std::abs(a.points_mm - b.points_mm) <= kSameError * a.points_mm &&
-         std::abs(a.wander_mm - b.wander_mm) <= kSameError * a.wander_mm;
+         std::abs(a.marker_jitter_mm - b.marker_jitter_mm) <= kSameError * a.marker_jitter_mm;
 }
 
 // Of chi2 beyond its degrees of freedom: six parameters of some eighty take a twelfth of anything.
@@ -50,7 +50,7 @@ constexpr double kWorthAsking = 0.25;
 // How much of what noise alone does not explain goes when the camera may turn while rows are read. Asked before a print
 // error is allowed for: that would take it all. Nothing is asked where noise explains everything.
 ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits,
-                         RowsRun run) {
+                         ReadoutDirection run) {
   ShutterTest out;
   double chi2 = 0.0, gone = 0.0;
   long dof = 0, frames = 0;
@@ -63,12 +63,13 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   out.chi2_dof = chi2 / static_cast<double>(dof);
   out.dof = dof;
   const auto excess = chi2 - static_cast<double>(dof);
-  if (!(chi2 > most_by_chance(static_cast<double>(dof))) || solution.frames.front().rows) return out;
+  if (!(chi2 > chi2_upper_quantile(static_cast<double>(dof))) || solution.frames.front().rows) return out;
   for (std::size_t k = 0; k < fits.size(); ++k)
     gone += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
   out.share = gone / chi2;
   const double turned = gone - static_cast<double>(kTurning * frames);
-  out.asks = turned > std::log(std::max(3.0, static_cast<double>(dof))) && turned > kWorthAsking * excess;
+  out.suggests_rolling_shutter =
+      turned > std::log(std::max(3.0, static_cast<double>(dof))) && turned > kWorthAsking * excess;
   return out;
 }
 
@@ -123,10 +124,10 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   Calibration best;
   ScenePrior& prior = best.prior;
   prior = given;
-  auto solution = ascended(site, frames, prior, Prints::kPerfect, until);
+  auto solution = select_scene_model(site, frames, prior, Prints::kPerfect, until);
   for (int wider = 0; wider < kWiderPriors && solution && is_beyond(solution->scene.stretch, prior); ++wider) {
     prior = for_stretched(given, solution->scene.stretch);
-    solution = ascended(site, frames, prior, Prints::kPerfect, until);
+    solution = select_scene_model(site, frames, prior, Prints::kPerfect, until);
   }
   if (!solution) {
     best.bundle.scene.solved = false;
@@ -140,14 +141,15 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   for (int round = 0; round < kErrorRounds; ++round) {
     const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
     if (is_the_same(error, best.print_error)) break;
-    auto again = ascended(site, with_print_error(site, frames, error), prior,
-                          error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, until);
+    auto again = select_scene_model(site, with_print_error(site, frames, error), prior,
+                                    error.points_mm > 0.0 ? Prints::kRough : Prints::kPerfect, until);
     if (!again) break;
     solution = std::move(again);
     best.print_error = error;
   }
   best.bundle = *std::move(solution);
-  if (best.print_error.points_mm > 0.0 || best.print_error.wander_mm > 0.0) best.fits = fits_of(site, best.bundle);
+  if (best.print_error.points_mm > 0.0 || best.print_error.marker_jitter_mm > 0.0)
+    best.fits = fits_of(site, best.bundle);
   Scene& scene = best.bundle.scene;
   scene.covariance = scene_covariance(site, best.fits, prior, scene.model);
   const double u_stretch = std::sqrt(scene.covariance(kStretchParameter, kStretchParameter));

@@ -15,7 +15,8 @@ struct ShutterTest {
   double chi2_dof = 0.0;
   double share = 0.0;  // of chi2
   long dof = 0;
-  bool asks = false;  // for a solution with rows read one after the other: more than chance, and more than noise gives
+  bool suggests_rolling_shutter =
+      false;  // for a solution with rows read one after the other: more than chance, and more than noise gives
 };
 
 struct Calibration {
@@ -35,7 +36,7 @@ struct Calibration {
 // states cannot be seen, so the scales' priors are widened by half the stretch.
 // until     when each of these solutions stops
 [[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
-                                    Until until = Until::kStands);
+                                    Until until = Until::kConverged);
 
 // `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.
 // All of them where there are no more than `most`.

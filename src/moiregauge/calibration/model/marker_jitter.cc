@@ -66,8 +66,8 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
 
 }  // namespace
 
-double wander_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
-                 std::span<const FrameFit> fits, const ScenePrior& prior, double already) {
+double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
+                        std::span<const FrameFit> fits, const ScenePrior& prior, double already) {
   const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, scene.model);
   const auto parameters = covariance.rows();
   std::vector<Common> all;
@@ -90,7 +90,7 @@ double wander_mm(const Site& site, const Scene& scene, std::span<const BundleFra
     per_wander += (left * c.by_shift).squaredNorm() + (by_scene * of_others * by_scene.transpose()).trace();
   }
   if (!(dof > 0.0 && per_wander > 0.0)) return already;
-  if (already == 0.0 && chi2 <= most_by_chance(dof)) return 0.0;
+  if (already == 0.0 && chi2 <= chi2_upper_quantile(dof)) return 0.0;
   return std::sqrt(std::max(0.0, already * already + (chi2 - dof) / per_wander));
 }
 

@@ -22,7 +22,7 @@ namespace moiregauge::internal {
 //
 // frames   with the weights of `fits`
 // already  the wander that these weights allow for
-[[nodiscard]] double wander_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
-                               std::span<const FrameFit> fits, const ScenePrior& prior, double already);
+[[nodiscard]] double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
+                                      std::span<const FrameFit> fits, const ScenePrior& prior, double already);
 
 }  // namespace moiregauge::internal

@@ -16,7 +16,7 @@ constexpr int kSize = PatchResidual::kSize;
 using Matrix18 = Eigen::Matrix<double, kSize, kSize>;
 using Vector18 = Eigen::Matrix<double, kSize, 1>;
 
-constexpr double kMostError_pitches = 0.05;  // beyond, the points are not those of this print
+constexpr double kMaxError_pitches = 0.05;  // beyond, the points are not those of this print
 constexpr int kHalvings = 40;
 constexpr double kBelieved = 100.0;  // degrees of freedom: noise is what the pixels' residuals say
 
@@ -73,7 +73,7 @@ double determined(const Site& site, std::span<const FrameFit> fits, const SceneP
 std::vector<BundleFrame> with_print_error(const Site& site, std::span<const BundleFrame> frames,
                                           const PrintError& error) {
   std::vector<BundleFrame> out(frames.begin(), frames.end());
-  const bool is_rough = error.points_mm > 0.0 || error.wander_mm > 0.0;
+  const bool is_rough = error.points_mm > 0.0 || error.marker_jitter_mm > 0.0;
   if (!is_rough && !(error.noise_share < 1.0)) return out;
   for (BundleFrame& frame : out) {
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
@@ -83,7 +83,7 @@ std::vector<BundleFrame> with_print_error(const Site& site, std::span<const Bund
       if (!is_rough) continue;
       const double pitch = site.markers[i].grating->pitch_mm;
       const Matrix18 covariance =
-          covariance_of(error.points_mm / pitch, std::hypot(error.points_mm, error.wander_mm) / pitch);
+          covariance_of(error.points_mm / pitch, std::hypot(error.points_mm, error.marker_jitter_mm) / pitch);
       information = inflated(information, covariance);
     }
   }
@@ -108,8 +108,8 @@ double print_error_mm(const Site& site, const Scene& scene, std::span<const Bund
     for (const Whitened& patch : patches) sum += patch.chi2(u_mm);
     return sum;
   };
-  if (!(dof > 0.0) || chi2(0.0) <= most_by_chance(dof)) return 0.0;
-  double low = 0.0, high = kMostError_pitches * pitch;
+  if (!(dof > 0.0) || chi2(0.0) <= chi2_upper_quantile(dof)) return 0.0;
+  double low = 0.0, high = kMaxError_pitches * pitch;
   for (int k = 0; k < kHalvings; ++k) {
     const double middle = 0.5 * (low + high);
     (chi2(middle) > dof ? low : high) = middle;

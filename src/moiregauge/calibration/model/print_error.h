@@ -12,10 +12,10 @@
 namespace moiregauge::internal {
 
 struct PrintError {
-  double points_mm = 0.0;    // u (k = 1) in each coordinate of each of the nine points, and once more in common to the
-                             // nine: what is wrong with a print is wrong in its neighbourhood too
-  double wander_mm = 0.0;    // in common to the nine alone: where the print hangs in one frame (marker_jitter.h)
-  double noise_share = 1.0;  // u of the points' noise, relative to what the pixels' residuals have it
+  double points_mm = 0.0;  // u (k = 1) in each coordinate of each of the nine points, and once more in common to the
+                           // nine: what is wrong with a print is wrong in its neighbourhood too
+  double marker_jitter_mm = 0.0;  // in common to the nine alone: where the print hangs in one frame (marker_jitter.h)
+  double noise_share = 1.0;       // u of the points' noise, relative to what the pixels' residuals have it
 };
 
 // The patches of frames with that in their covariance.

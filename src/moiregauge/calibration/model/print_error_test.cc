@@ -88,7 +88,7 @@ double estimate(const Truth& t, const std::vector<BundleFrame>& frames) {
 }
 
 double wander(const Truth& t, const std::vector<BundleFrame>& frames, double already = 0.0) {
-  return wander_mm(t.site, t.scene, frames, fits_of(t, frames), known(t), already);
+  return marker_jitter_mm(t.site, t.scene, frames, fits_of(t, frames), known(t), already);
 }
 
 TEST(PrintError, OfAPerfectPrintIsNone) {
@@ -151,7 +151,7 @@ TEST(Wander, IsToldThoughThePosesTakeUpMostOfIt) {
 
 TEST(Wander, StaysAsItIsOnceTheWeightsAllowForIt) {
   const Truth t = truth();
-  const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {.wander_mm = 0.03});
+  const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {.marker_jitter_mm = 0.03});
   EXPECT_NEAR(wander(t, frames, 0.03) / 0.03, 1.0, 0.2) << "seed " << kPrintSeed;
 }
 

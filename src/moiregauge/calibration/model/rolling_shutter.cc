@@ -22,7 +22,7 @@ constexpr double kUsual = 0.018, kUsualWithin = 0.5;
 constexpr double kShortest = 0.01;  // of the time between frames, or of a tenth of a second if that is less
 // The readout is told with the scene held: what the two have in common shows in point-level runs as a thousandth.
 constexpr double kReadoutOfScene = 0.002;
-constexpr double kMostWidening = 1e6;
+constexpr double kMaxWidening = 1e6;
 
 // Frames as a global shutter would have seen them: each is set back when it is asked for.
 struct SetBack {
@@ -32,7 +32,7 @@ struct SetBack {
   std::vector<FrameStart> read;  // as known when they were set back
   std::vector<FrameMotion> motions;
   double readout_s = 0.0;
-  RowsRun run = RowsRun::kDown;
+  ReadoutDirection run = ReadoutDirection::kDown;
 
   [[nodiscard]] BundleFrame frame(std::size_t k) const {
     BundleFrame seen = given[k];
@@ -40,7 +40,7 @@ struct SetBack {
     const Pose pose = std::exchange(seen.pose, read[k].pose);
     const auto shift = std::exchange(seen.shift, read[k].shift);
     seen.time_s = read[k].time_s;
-    BundleFrame out = set_back(site, scene, seen, motions[k], read.front().pose, readout_s, run);
+    BundleFrame out = to_frame_time(site, scene, seen, motions[k], read.front().pose, readout_s, run);
     out.pose = pose;
     out.shift = shift;
     return out;
@@ -80,10 +80,10 @@ FitSummary summary_of(const FrameFit& fit, bool has_motion) {
   return out;
 }
 
-class Rounds {
+class RollingShutterSolver {
  public:
-  Rounds(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key, const ScenePrior& prior,
-         std::optional<double> readout_s, double side)
+  RollingShutterSolver(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
+                       const ScenePrior& prior, std::optional<double> readout_s, double side)
       : site_(site),
         as_given_(frames),
         read_(frames.starts().begin(), frames.starts().end()),
@@ -122,7 +122,8 @@ class Rounds {
       if (round > 0) solve_readout();
       set_all_back();
       // All but the last one only lead the path: the bends of a long valley are not worth their steps there.
-      out_.calibration = calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kStands : Until::kChi2Stands);
+      out_.calibration =
+          calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kConverged : Until::kChi2Converged);
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
       scene_ = out_.calibration.bundle.scene;
       fits_ = fits_of(out_.frames);
@@ -198,7 +199,7 @@ class Rounds {
       std::vector<double> value, variance;
       for (std::size_t n = 0; n < known.size(); ++n) {
         const double last = n > 0 ? value.back() : places[n](c);
-        value.push_back(c < 3 ? last + std::remainder(places[n](c) - last, kTurn) : places[n](c));
+        value.push_back(c < 3 ? last + std::remainder(places[n](c) - last, kTwoPi) : places[n](c));
         variance.push_back(variances[n](c));
       }
       const auto path = smooth_path(time, value, variance);
@@ -235,7 +236,7 @@ class Rounds {
 
   void widened(FrameMotion& motion) const {
     // Of what the spline does not see nothing is known but that it is quick: as quick as the frames follow each other.
-    const double quick = kTurn / out_.interval_s;
+    const double quick = kTwoPi / out_.interval_s;
     for (std::size_t c = 0; c < motion.camera.size(); ++c) {
       auto& p = motion.camera[c].covariance;
       const double rate = (wider_[c] - 1.0) * p(0, 0);
@@ -283,7 +284,7 @@ class Rounds {
         const auto& p = motions_[k].camera[c % kPathParameters].covariance;
         expected += c < kPathParameters ? p(0, 0) : p(1, 1);
       }
-      if (expected > 0.0) wider_[c] = std::clamp(wider_[c] * found / expected, 1.0, kMostWidening);
+      if (expected > 0.0) wider_[c] = std::clamp(wider_[c] * found / expected, 1.0, kMaxWidening);
     }
   }
 
@@ -320,17 +321,17 @@ double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.mot
 
 Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                       const ScenePrior& prior, std::optional<double> readout_s) {
-  Shutter down = Rounds(site, frames, key, prior, readout_s, 1.0).solved();
+  Shutter down = RollingShutterSolver(site, frames, key, prior, readout_s, 1.0).solved();
   constexpr double kTold = 3.0;
   if (readout_s || (down.problem.empty() && down.readout_s > kTold * down.u_readout_s)) return down;
-  Shutter up = Rounds(site, frames, key, prior, readout_s, -1.0).solved();
+  Shutter up = RollingShutterSolver(site, frames, key, prior, readout_s, -1.0).solved();
   // Sensors are rarely upside down: it takes more than a frame's worth of evidence.
   constexpr double kClearly = 100.0;
   if (!up.problem.empty()) return down;
   return down.problem.empty() && cost_of(down) < cost_of(up) + kClearly ? down : up;
 }
 
-bool pays(const Shutter& shutter, const Calibration& at_once) {
+bool is_justified(const Shutter& shutter, const Calibration& at_once) {
   if (!shutter.problem.empty()) return false;
   // What is solved must also be a readout: a reference that slips lets chi2 fall with a path bent to it, and none.
   constexpr double kReadout = 3.0;  // u

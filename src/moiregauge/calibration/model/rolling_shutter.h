@@ -39,6 +39,6 @@ struct Shutter {
 // Does it pay: is chi2 of the key frames lower by more than what their motions and the readout take up (Schwarz 1978),
 // and by a good part of what noise does not explain?
 // at_once   the scene as solved with all rows read at once
-[[nodiscard]] bool pays(const Shutter& shutter, const Calibration& at_once);
+[[nodiscard]] bool is_justified(const Shutter& shutter, const Calibration& at_once);
 
 }  // namespace moiregauge::internal

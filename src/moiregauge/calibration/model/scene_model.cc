@@ -112,12 +112,12 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
 }
 
 // A model whose first step should gain no more than this part of its price is not solved.
-constexpr double kLeastPrediction = 0.25;
+constexpr double kMinPrediction = 0.25;
 
 }  // namespace
 
-std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
-                                       Prints prints, Until until) {
+std::optional<BundleSolution> select_scene_model(const Site& site, std::span<const BundleFrame> frames,
+                                                 const ScenePrior& prior, Prints prints, Until until) {
   const Bundle bundle(site, frames, prior);
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
@@ -125,7 +125,7 @@ std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleF
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     const double due = have ? price * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
-    if (from != nullptr && bundle.predicted_reduction(model, *from) < kLeastPrediction * due) return false;
+    if (from != nullptr && bundle.predicted_reduction(model, *from) < kMinPrediction * due) return false;
     const auto solved = [&](FocalLength f) { return bundle.solve(model, from->scene, from->frames, f, until); };
     BundleSolution solution = from == nullptr ? bundle.solve(model) : solved(FocalLength::kAsModel);
     if (from != nullptr && !is_sane(solution.scene, side) && solution.scene.chi2_dof > kBeyondNoise)

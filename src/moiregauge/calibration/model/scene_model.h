@@ -16,8 +16,8 @@ enum class Prints { kPerfect, kRough };
 
 // The scene of the largest model that pays for its parameters (Schwarz 1978: ln(rows) each), solved from where the last
 // one accepted ended; none when no model can be solved.
-[[nodiscard]] std::optional<BundleSolution> ascended(const Site& site, std::span<const BundleFrame> frames,
-                                                     const ScenePrior& prior, Prints prints,
-                                                     Until until = Until::kStands);
+[[nodiscard]] std::optional<BundleSolution> select_scene_model(const Site& site, std::span<const BundleFrame> frames,
+                                                               const ScenePrior& prior, Prints prints,
+                                                               Until until = Until::kConverged);
 
 }  // namespace moiregauge::internal

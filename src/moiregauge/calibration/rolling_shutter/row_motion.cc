@@ -67,19 +67,19 @@ struct Sides {
 };
 
 // Motion known better than that would spoil the normal equations: over 10 ms it is 3e-5 px at f = 3000 px.
-constexpr double kLeastRate = 1e-6;          // rad / s
-constexpr double kLeastAcceleration = 1e-4;  // rad / s^2
+constexpr double kMinRate = 1e-6;          // rad / s
+constexpr double kMinAcceleration = 1e-4;  // rad / s^2
 // At either end of the footage rate and acceleration are nearly one: likewise.
-constexpr double kMostCorrelation = 0.99;
+constexpr double kMaxCorrelation = 0.99;
 
 Eigen::Matrix<double, kMotionParameters, kMotionParameters> information_of(const FrameMotion& motion) {
   Eigen::Matrix<double, kMotionParameters, kMotionParameters> out;
   out.setZero();
   for (int k = 0; k < kPathParameters; ++k) {
     Eigen::Matrix2d c = motion.camera[static_cast<std::size_t>(k)].covariance;
-    c(0, 0) = std::max(c(0, 0), 0.0) + kLeastRate * kLeastRate;
-    c(1, 1) = std::max(c(1, 1), 0.0) + kLeastAcceleration * kLeastAcceleration;
-    const double most = kMostCorrelation * std::sqrt(c(0, 0) * c(1, 1));
+    c(0, 0) = std::max(c(0, 0), 0.0) + kMinRate * kMinRate;
+    c(1, 1) = std::max(c(1, 1), 0.0) + kMinAcceleration * kMinAcceleration;
+    const double most = kMaxCorrelation * std::sqrt(c(0, 0) * c(1, 1));
     c(0, 1) = c(1, 0) = std::clamp(c(0, 1), -most, most);
     const Eigen::Matrix2d i = c.inverse();
     out(k, k) = i(0, 0);
@@ -91,29 +91,29 @@ Eigen::Matrix<double, kMotionParameters, kMotionParameters> information_of(const
 
 }  // namespace
 
-RowsRun rows_run(int rotation_deg) {
+ReadoutDirection rows_run(int rotation_deg) {
   switch (((rotation_deg % 360) + 360) % 360) {
     case 90:
-      return RowsRun::kLeft;
+      return ReadoutDirection::kLeft;
     case 180:
-      return RowsRun::kUp;
+      return ReadoutDirection::kUp;
     case 270:
-      return RowsRun::kRight;
+      return ReadoutDirection::kRight;
     default:
-      return RowsRun::kDown;
+      return ReadoutDirection::kDown;
   }
 }
 
-double share_of_row(ImagePoint p, const Camera& picture, RowsRun run) {
+double share_of_row(ImagePoint p, const Camera& picture, ReadoutDirection run) {
   const double down = (p.y + 0.5) / picture.height - 0.5, right = (p.x + 0.5) / picture.width - 0.5;
   switch (run) {
-    case RowsRun::kUp:
+    case ReadoutDirection::kUp:
       return -down;
-    case RowsRun::kRight:
+    case ReadoutDirection::kRight:
       return right;
-    case RowsRun::kLeft:
+    case ReadoutDirection::kLeft:
       return -right;
-    case RowsRun::kDown:
+    case ReadoutDirection::kDown:
       break;
   }
   return down;
@@ -141,8 +141,8 @@ PathPlace path_variance(const Pose& pose, const Eigen::MatrixXd& covariance) {
   return out.cwiseMax(0.0);
 }
 
-BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& seen, const FrameMotion& motion,
-                     const Pose& reference, double readout_s, RowsRun run) {
+BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFrame& seen, const FrameMotion& motion,
+                          const Pose& reference, double readout_s, ReadoutDirection run) {
   BundleFrame out = seen;
   RowDesign rows;
   rows.by_marker.resize(seen.points.size(), RowDesign::Columns::Zero());
@@ -192,7 +192,7 @@ BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& se
 }
 
 double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit,
-                       RowsRun run) {
+                       ReadoutDirection run) {
   if (!fit.ok) return 0.0;
   // Roll and the two directions to the board are free. Priors: 1 rad per readout, 10 rad per readout squared.
   FrameMotion free{};
@@ -200,7 +200,7 @@ double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& 
   BundleFrame rolling = frame;
   rolling.pose = fit.pose;
   rolling.shift = fit.shift;
-  const FrameFit after = fit_frame(site, scene, set_back(site, scene, rolling, free, fit.pose, 1.0, run));
+  const FrameFit after = fit_frame(site, scene, to_frame_time(site, scene, rolling, free, fit.pose, 1.0, run));
   return after.ok ? std::max(0.0, fit.chi2_sum - after.chi2_sum) : 0.0;
 }
 

@@ -16,10 +16,10 @@
 namespace moiregauge::internal {
 
 // Of a picture that is shown turned clockwise by quarter turns: 90 deg makes rows columns, the first one at the right.
-[[nodiscard]] RowsRun rows_run(int rotation_deg);
+[[nodiscard]] ReadoutDirection rows_run(int rotation_deg);
 
 // Rows at -1/2 .. 1/2 of the readout, 0 in the picture's middle, which is where a frame's time is.
-[[nodiscard]] double share_of_row(ImagePoint p, const Camera& picture, RowsRun run);
+[[nodiscard]] double share_of_row(ImagePoint p, const Camera& picture, ReadoutDirection run);
 
 // A pose in coordinates whose noise and motion are independent of one another: turn away from the run's reference pose
 // about the camera's axes (rad), direction to the board's origin (x / z, y / z) and log of its distance.
@@ -45,13 +45,14 @@ struct FrameMotion {
 // set back, and how they change with what the motion may be more (RowDesign). To be made anew when scene, pose or
 // motion have changed by much.
 // seen      the frame as it was read, with pose and shifts as known
-[[nodiscard]] BundleFrame set_back(const Site& site, const Scene& scene, const BundleFrame& seen,
-                                   const FrameMotion& motion, const Pose& reference, double readout_s, RowsRun run);
+[[nodiscard]] BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFrame& seen,
+                                        const FrameMotion& motion, const Pose& reference, double readout_s,
+                                        ReadoutDirection run);
 
 // Returns how much the frame's chi-squared falls if the camera may rotate, at a changing rate, while its rows are read
 // (kTurning parameters with a wide prior). A large value suggests a rolling shutter.
 inline constexpr int kTurning = 6;
 [[nodiscard]] double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& frame,
-                                     const FrameFit& fit, RowsRun run);
+                                     const FrameFit& fit, ReadoutDirection run);
 
 }  // namespace moiregauge::internal

@@ -47,7 +47,7 @@ BundleFrame rolling(const Site& site, const Scene& scene, const Pose& pose, cons
         const auto image =
             projected(camera.data(), numbers.data(), {m.grating->centre.x + x, m.grating->centre.y + y, 0.0});
         fit.image[n] = {image[0], image[1]};
-        delay = kReadout * share_of_row(fit.image[n], scene.camera, RowsRun::kDown);
+        delay = kReadout * share_of_row(fit.image[n], scene.camera, ReadoutDirection::kDown);
       }
       fit.print[n] = {x / kPitch, y / kPitch};
     }
@@ -68,7 +68,8 @@ TEST(RowMotion, WhatIsExpectedIsTakenOutExactly) {
     motion.camera[k].rate = 0.05 + 0.01 * static_cast<double>(k), motion.camera[k].acceleration = 1.0;
   const BundleFrame read = rolling(site, scene, kPose, motion);
   EXPECT_GT(fit_frame(site, scene, read).chi2_sum, 1e4);
-  const FrameFit fit = fit_frame(site, scene, set_back(site, scene, read, motion, kPose, kReadout, RowsRun::kDown));
+  const FrameFit fit =
+      fit_frame(site, scene, to_frame_time(site, scene, read, motion, kPose, kReadout, ReadoutDirection::kDown));
   ASSERT_TRUE(fit.ok);
   EXPECT_LT(fit.chi2_sum, 1e-6);
   EXPECT_NEAR(fit.shift[4].x, 0.0, 1e-5);
@@ -86,7 +87,8 @@ TEST(RowMotion, AConstantRateIsAbsorbedByTheFramesOwnPoints) {
   const BundleFrame read = rolling(site, scene, kPose, truth);
   const double at_once = fit_frame(site, scene, read).shift[4].x;
   EXPECT_GT(std::abs(at_once), 0.05) << "roll passes for a tilt";
-  const FrameFit fit = fit_frame(site, scene, set_back(site, scene, read, allowed, kPose, kReadout, RowsRun::kDown));
+  const FrameFit fit =
+      fit_frame(site, scene, to_frame_time(site, scene, read, allowed, kPose, kReadout, ReadoutDirection::kDown));
   EXPECT_NEAR(fit.motion(2), 0.1, 0.002);
   EXPECT_NEAR(fit.motion(3), -0.05, 0.002);
   EXPECT_LT(std::abs(fit.shift[4].x), 0.02 * std::abs(at_once));
@@ -102,7 +104,7 @@ TEST(RowMotion, AnAccelerationLeavesHalfOfItTimesTheDelaySquared) {
   const auto square = [&](std::size_t i) {
     double sum = 0.0;
     for (const ImagePoint p : read.points[i]->image)
-      sum += std::pow(kReadout * share_of_row(p, scene.camera, RowsRun::kDown), 2) / kPatchPoints;
+      sum += std::pow(kReadout * share_of_row(p, scene.camera, ReadoutDirection::kDown), 2) / kPatchPoints;
     return sum;
   };
   const double references = 0.25 * (square(0) + square(1) + square(2) + square(3));

@@ -17,9 +17,9 @@ struct Scaled {
   double step_s = 1.0, spread = 1.0;
 };
 
-constexpr double kFirstGuess = 100.0;     // variance of the first state: it may be anything
-constexpr double kLeastVariance = 1e-12;  // of a sample, for the arithmetic
-constexpr std::size_t kMostForLikelihood = 400;
+constexpr double kFirstGuess = 100.0;   // variance of the first state: it may be anything
+constexpr double kMinVariance = 1e-12;  // of a sample, for the arithmetic
+constexpr std::size_t kMaxForLikelihood = 400;
 
 Scaled scaled(std::span<const double> time, std::span<const double> value, std::span<const double> variance) {
   Scaled out;
@@ -36,7 +36,7 @@ Scaled scaled(std::span<const double> time, std::span<const double> value, std::
   for (std::size_t i = 0; i < time.size(); ++i) {
     out.time.push_back((time[i] - time[0]) / out.step_s);
     out.value.push_back((value[i] - mean) / out.spread);
-    out.variance.push_back(variance[i] / (out.spread * out.spread) + kLeastVariance);
+    out.variance.push_back(variance[i] / (out.spread * out.spread) + kMinVariance);
   }
   return out;
 }
@@ -122,7 +122,7 @@ struct Likely {
 
 template <int kOrder>
 Likely most_likely(const Scaled& samples) {
-  const std::size_t count = std::min(samples.time.size(), kMostForLikelihood);
+  const std::size_t count = std::min(samples.time.size(), kMaxForLikelihood);
   Likely best;
   const auto look = [&](double log_strength, double excess) {
     const double strength = std::exp(log_strength);

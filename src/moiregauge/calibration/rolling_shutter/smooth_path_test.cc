@@ -22,11 +22,11 @@ Sampled sine(double frequency_hz, int count, double noise) {
   std::normal_distribution<double> normal(0.0, noise);
   Sampled out;
   for (int i = 0; i < count; ++i) {
-    const double t = i / kFps, phase = kTurn * frequency_hz * t + 0.4;
+    const double t = i / kFps, phase = kTwoPi * frequency_hz * t + 0.4;
     out.time.push_back(t);
     out.value.push_back(std::sin(phase) + normal(rng));
     out.variance.push_back(noise * noise);
-    out.rate.push_back(kTurn * frequency_hz * std::cos(phase));
+    out.rate.push_back(kTwoPi * frequency_hz * std::cos(phase));
   }
   return out;
 }
@@ -53,7 +53,7 @@ TEST(SmoothPath, OfAStraightLineHasItsRate) {
 TEST(SmoothPath, FollowsASineOfAQuarterOfTheSamplesRate) {
   const Sampled s = sine(0.25 * kFps, 60, kPathNoise);
   const auto path = smooth_path(s.time, s.value, s.variance);
-  EXPECT_LT(rms_of_rate(s, path), 0.047 * kTurn * 0.25 * kFps / std::sqrt(2.0));
+  EXPECT_LT(rms_of_rate(s, path), 0.047 * kTwoPi * 0.25 * kFps / std::sqrt(2.0));
 }
 
 // What it says of itself covers what it is wrong by: 4 u over 60 samples.
@@ -71,7 +71,7 @@ TEST(SmoothPath, KnowsHowWellItKnows) {
 TEST(SmoothPath, AVibrationAboveHalfTheSamplesRateLooksSlow) {
   const Sampled s = sine(29.0, 60, kPathNoise);
   const auto path = smooth_path(s.time, s.value, s.variance);
-  for (const PathPoint& p : path) EXPECT_LT(std::abs(p.rate), 0.1 * kTurn * 29.0);
+  for (const PathPoint& p : path) EXPECT_LT(std::abs(p.rate), 0.1 * kTwoPi * 29.0);
 }
 
 TEST(SmoothPath, OneSampleTellsNoRate) {

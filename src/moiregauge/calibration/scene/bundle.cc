@@ -11,12 +11,12 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kMostSteps = 40;
+constexpr int kMaxSteps = 40;
 // A step is the last one if it gains no more than this part of the cost: of 10000 rows 1e-3, the square of 0.03
 // standard uncertainties.
 constexpr double kLittle = 1e-7, kLittleOfChi2 = 1e-3;
 // Steps begin as good as Gauss and Newton's: poses and shifts come from fits of their own.
-constexpr double kFirstDamping = 1e-12, kLeastDamping = 1e-18, kMostDamping = 1e6;
+constexpr double kFirstDamping = 1e-12, kMinDamping = 1e-18, kMaxDamping = 1e6;
 // Lens, poses and distances together make a bent valley: where a step gains less than this part of what it should,
 // every frame first finds its place in the new scene.
 constexpr double kAsPromised = 0.9;
@@ -107,11 +107,11 @@ Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter
                   Until until) {
   Minimum best = footage.valued(std::move(start), free);
   double damping = kFirstDamping;
-  for (int taken = 0; taken < kMostSteps; ++taken) {
+  for (int taken = 0; taken < kMaxSteps; ++taken) {
     const BundleNormal normal(footage.patches, free, best.state);
-    const double cost = best.cost(), little = (until == Until::kStands ? kLittle : kLittleOfChi2) * cost;
+    const double cost = best.cost(), little = (until == Until::kConverged ? kLittle : kLittleOfChi2) * cost;
     bool better = false;
-    for (; !better && damping < kMostDamping; damping *= better ? kLessDamping : kMoreDamping) {
+    for (; !better && damping < kMaxDamping; damping *= better ? kLessDamping : kMoreDamping) {
       auto step = normal.step(damping);
       if (!step) continue;
       Minimum next = footage.valued(std::move(step->to), free);
@@ -122,7 +122,7 @@ Minimum minimised(const Bundle::Footage& footage, std::span<const SceneParameter
       if (!(step->gain > little)) return best;
     }
     if (!better) break;
-    damping = std::max(damping, kLeastDamping);
+    damping = std::max(damping, kMinDamping);
   }
   return best;
 }

@@ -40,7 +40,7 @@ struct BundleFrame {
 };
 
 // In which direction of the picture as displayed the sensor's rows follow one another.
-enum class RowsRun { kDown, kUp, kRight, kLeft };
+enum class ReadoutDirection { kDown, kUp, kRight, kLeft };
 
 // What is known beforehand: values (a Scene's) and their standard uncertainties in the Scene's order.
 struct ScenePrior {
@@ -49,7 +49,7 @@ struct ScenePrior {
   double stretch = 0.0, u_stretch = 0.0;
   std::vector<MarkerShape> markers;
   std::vector<MarkerShape> u_markers;  // 0: held fixed
-  RowsRun rows_run = RowsRun::kDown;
+  ReadoutDirection rows_run = ReadoutDirection::kDown;
 };
 
 // Of what all markers share, in the scene's order.
@@ -69,7 +69,7 @@ struct BundleSolution {
 enum class FocalLength { kAsModel, kHeld };
 // When to stop: where nothing moves any more, or where chi2 is known to a thousandth, which takes a few steps even in a
 // valley without end.
-enum class Until { kStands, kChi2Stands };
+enum class Until { kConverged, kChi2Converged };
 
 // Frames with all that does not change from one solution to the next made ready once.
 class Bundle {
@@ -82,7 +82,7 @@ class Bundle {
   // Minimises chi2 of all patches plus that of the priors (Levenberg and Marquardt; robust against a patch that fits
   // nothing). What the model leaves out stays at its value in `scene`. Begins with these frames' poses and shifts.
   [[nodiscard]] BundleSolution solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames,
-                                     FocalLength f = FocalLength::kAsModel, Until until = Until::kStands) const;
+                                     FocalLength f = FocalLength::kAsModel, Until until = Until::kConverged) const;
   // Begins with the prior and the frames as they came.
   [[nodiscard]] BundleSolution solve(const SceneModel& model) const;
   // By how much the model's first step should lower chi2 and priors together, to second order; infinite if that cannot
@@ -97,6 +97,6 @@ class Bundle {
 
 [[nodiscard]] BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames,
                                           const ScenePrior& prior, const SceneModel& model,
-                                          const Scene* start = nullptr, Until until = Until::kStands);
+                                          const Scene* start = nullptr, Until until = Until::kConverged);
 
 }  // namespace moiregauge::internal

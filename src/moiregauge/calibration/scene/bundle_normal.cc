@@ -19,7 +19,7 @@ template <int kMotion>
 using ShiftRows = Eigen::Matrix<double, 2, kAtOnce + kMotion>;
 
 // An axis that the print does not show must not run away; 1e4 mm, as in fit_frame.
-constexpr double kLeastInformation = 1e-8;
+constexpr double kMinInformation = 1e-8;
 
 // What an outlying patch counts: the loss' slope at its chi2.
 double weight(double chi2) { return chi2 <= kRobustFrom * kRobustFrom ? 1.0 : kRobustFrom / std::sqrt(chi2); }
@@ -28,7 +28,7 @@ template <int kSize>
 Eigen::Matrix<double, 2, kSize> shift_rows(const Eigen::Matrix<double, kSize, kSize>& n, double damping) {
   Matrix2 own = n.template block<2, 2>(kPlace, kPlace);
   own.diagonal() *= 1.0 + damping;
-  own.diagonal().array() += kLeastInformation;
+  own.diagonal().array() += kMinInformation;
   return own.llt().solve(n.template middleRows<2>(kPlace));
 }
 

@@ -12,18 +12,18 @@ namespace {
 
 // Through the four outermost points: a place to begin at. Through all where three of those are on a line.
 std::optional<IdealFromBoard> rough_view(const std::vector<BoardPoint>& board, const std::vector<IdealPoint>& ideal) {
-  std::array<std::size_t, 4> outermost{};
+  std::array<std::size_t, 4> select_references{};
   const auto towards = [&](std::size_t corner, std::size_t k) {
     return (corner % 2 == 0 ? 1.0 : -1.0) * board[k].x + (corner / 2 == 0 ? 1.0 : -1.0) * board[k].y;
   };
-  for (std::size_t corner = 0; corner < outermost.size(); ++corner) {
+  for (std::size_t corner = 0; corner < select_references.size(); ++corner) {
     for (std::size_t k = 1; k < board.size(); ++k)
-      if (towards(corner, k) > towards(corner, outermost[corner])) outermost[corner] = k;
+      if (towards(corner, k) > towards(corner, select_references[corner])) select_references[corner] = k;
   }
   std::array<BoardPoint, 4> from;
   std::array<IdealPoint, 4> to;
-  for (std::size_t corner = 0; corner < outermost.size(); ++corner)
-    from[corner] = board[outermost[corner]], to[corner] = ideal[outermost[corner]];
+  for (std::size_t corner = 0; corner < select_references.size(); ++corner)
+    from[corner] = board[select_references[corner]], to[corner] = ideal[select_references[corner]];
   auto h =
       fit_homography<frame::Ideal, frame::Board>(std::span<const BoardPoint>(from), std::span<const IdealPoint>(to));
   if (!h) h = fit_homography<frame::Ideal, frame::Board>(board, ideal);
@@ -39,7 +39,7 @@ std::optional<Pose> pose_of(const Site& site, const Scene& scene, const BundleFr
     if (!frame.points[i] || !site.markers[i].grating || site.markers[i].role != Role::kReference) continue;
     const Grating& grating = *site.markers[i].grating;
     const auto& shape = scene.markers[i].value;
-    const double angle = grating.angle_rad + shape[MarkerShape::kTurn];
+    const double angle = grating.angle_rad + shape[MarkerShape::kRotation];
     const double pitch = grating.pitch_mm * (1.0 + shape[MarkerShape::kScale]);
     const double c = pitch * std::cos(angle), s = pitch * std::sin(angle);
     for (std::size_t n = 0; n < kPatchPoints; ++n) {

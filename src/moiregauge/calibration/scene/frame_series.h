@@ -46,7 +46,7 @@ class FrameSeries {
   // Returns other frames with the same starts.
   [[nodiscard]] FrameSeries with(Make make) const { return {starts_, std::move(make)}; }
   // Returns the same frames without that marker.
-  [[nodiscard]] FrameSeries without(std::size_t marker) const {
+  [[nodiscard]] FrameSeries without_marker(std::size_t marker) const {
     auto starts = std::make_shared<std::vector<FrameStart>>(*starts_);
     for (FrameStart& start : *starts) start.has_points[marker] = false;
     return {std::move(starts), [make = make_, marker](std::size_t k) {

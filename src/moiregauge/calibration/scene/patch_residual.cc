@@ -115,7 +115,7 @@ PatchResidual::PatchResidual(const PatchFit& fit, const Grating& grating)
 
 PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const MarkerShape& shape,
                                             const TurnedPose& pose, Extent<frame::Board> shift) const {
-  const double angle = angle_rad_ + shape.value[MarkerShape::kTurn], scale = 1.0 + shape.value[MarkerShape::kScale];
+  const double angle = angle_rad_ + shape.value[MarkerShape::kRotation], scale = 1.0 + shape.value[MarkerShape::kScale];
   const double half = 0.5 * common[kStretchParameter];
   const double c = pitch_mm_ * std::cos(angle), s = pitch_mm_ * std::sin(angle);
   const double x0 = x_mm_ + shape.value[MarkerShape::kX] + shift.x, y0 = y_mm_ + shape.value[MarkerShape::kY] + shift.y;
@@ -135,7 +135,7 @@ PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const M
     auto by_shape = rows.middleCols<MarkerShape::kParameters>(PatchColumn::kShape);
     by_shape.col(MarkerShape::kX) = by_board.col(0);
     by_shape.col(MarkerShape::kY) = -by_board.col(1);
-    by_shape.col(MarkerShape::kTurn) = scale * (-by * by_board.col(0) - bx * by_board.col(1));
+    by_shape.col(MarkerShape::kRotation) = scale * (-by * by_board.col(0) - bx * by_board.col(1));
     by_shape.col(MarkerShape::kScale) = bx * by_board.col(0) - by * by_board.col(1);
     by_shape.col(MarkerShape::kHeight) = -by_board.col(2);
     const Eigen::Matrix<double, 2, 3> by_turn = by_point.lazyProduct(cross_with(turned));
@@ -167,7 +167,7 @@ double PatchResidual::chi2(const CommonNumbers& common, const MarkerShape& shape
 
 std::array<double, 3> PatchResidual::board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,
                                            std::size_t n) const {
-  const double angle = angle_rad_ + shape.value[MarkerShape::kTurn];
+  const double angle = angle_rad_ + shape.value[MarkerShape::kRotation];
   const double pitch = pitch_mm_ * (1.0 + shape.value[MarkerShape::kScale]);
   const double c = pitch * std::cos(angle), s = pitch * std::sin(angle);
   const double px = (1.0 + 0.5 * stretch) * print_[n].x, py = (1.0 - 0.5 * stretch) * print_[n].y;

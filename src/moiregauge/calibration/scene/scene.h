@@ -17,7 +17,7 @@ namespace moiregauge::internal {
 // Departure of a marker from the site: its place (a target's only if it is known when it rests: where it
 // stands is what is measured), its turn, the scale of its print and its height.
 struct MarkerShape {
-  enum Parameter { kX, kY, kTurn, kScale, kHeight, kParameters };
+  enum Parameter { kX, kY, kRotation, kScale, kHeight, kParameters };
   std::array<double, kParameters> value{};  // mm, mm, rad counter-clockwise, relative, mm above the reference plane
 };
 inline constexpr int kShapeParameters = MarkerShape::kParameters;

@@ -96,25 +96,25 @@ tl::expected<double, UsageError> readout_time(const std::string& text) {
 namespace {
 
 // Beyond, it is no printer's stretch but another pitch.
-constexpr double kMostStretch = 0.05;
+constexpr double kMaxStretch = 0.05;
 
 std::optional<double> parse_factor(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value - 1.0) <= kMostStretch))
+  if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value - 1.0) <= kMaxStretch))
     return std::nullopt;
   return value;
 }
 
 }  // namespace
 
-tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleWords& words) {
-  if (words.factor.empty()) {
-    if (words.u)
+tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleArgs& args) {
+  if (args.factor.empty()) {
+    if (args.u)
       return usage("--u-print-scale without --print-scale: give what the rulers showed, e.g. --print-scale 1.0012");
     return std::nullopt;
   }
-  const std::string_view text = words.factor;
+  const std::string_view text = args.factor;
   const auto comma = text.find(',');
   const auto x = parse_factor(text.substr(0, comma));
   const auto y = comma == std::string_view::npos ? x : parse_factor(text.substr(comma + 1));
@@ -122,25 +122,25 @@ tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintSc
     return usage(
         fmt::format("print scale: --print-scale {}: write measured over nominal length of the rulers, e.g. 1.0012, "
                     "or along x and y 1.0012,0.9990",
-                    words.factor));
+                    args.factor));
   PrintScale scale = mean_of_rulers(*x, *y);
-  if (!words.u) return scale;
-  if (!(*words.u > 0.0 && *words.u <= kMostStretch))
+  if (!args.u) return scale;
+  if (!(*args.u > 0.0 && *args.u <= kMaxStretch))
     return usage(
         fmt::format("print scale: --u-print-scale {}: write a relative standard uncertainty, e.g. 0.0002 (0.02 mm "
                     "of 100 mm)",
-                    *words.u));
-  scale.u = *words.u;
+                    *args.u));
+  scale.u = *args.u;
   return scale;
 }
 
-void add_print_scale(CLI::App& command, PrintScaleWords& words) {
+void add_print_scale(CLI::App& command, PrintScaleArgs& args) {
   command
       .add_option(
-          "--print-scale", words.factor,
+          "--print-scale", args.factor,
           "what the sheet's rulers showed: measured over nominal length, e.g. 1.0012; or along x and y: 1.0012,0.9990")
       ->type_name("FACTOR");
-  command.add_option("--u-print-scale", words.u, "its relative standard uncertainty, e.g. 0.0002 [the site's word]")
+  command.add_option("--u-print-scale", args.u, "its relative standard uncertainty, e.g. 0.0002 [the site's word]")
       ->type_name("U");
 }
 
@@ -186,78 +186,78 @@ std::optional<std::string> camera_problem(const Camera& camera, const InputInfo&
                      camera.width, camera.height, input.width, input.height, input.path);
 }
 
-tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words) {
+tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs& args) {
   MeasureOptions options;
-  const auto method = method_of(words.method);
+  const auto method = method_of(args.method);
   if (!method) return tl::unexpected(method.error());
   options.method = *method;
-  if (words.resume && words.restart)
+  if (args.resume && args.restart)
     return usage(
         "--resume and --restart together: one goes on with an unfinished run, the other throws it away: leave one out");
-  if (!words.pitch.empty() && !words.site.empty())
+  if (!args.pitch.empty() && !args.site.empty())
     return usage("--pitch and --site together: the site file states the pitch: leave one of them out");
-  if (!words.axes.empty() && words.pitch.empty())
+  if (!args.axes.empty() && args.pitch.empty())
     return usage("--axes without --pitch: the site file states the axes: leave --axes out");
-  if (!words.axes.empty() && words.axes != "print" && words.axes != "image")
-    return usage(fmt::format("unknown axes: --axes {}: choose one of print, image", words.axes));
-  if (words.axes == "image") options.axes = BoardAxes::kImage;
-  if (!words.pitch.empty()) {
-    const auto pitch = length_mm(words.pitch);
-    if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", words.pitch, pitch.error()));
+  if (!args.axes.empty() && args.axes != "print" && args.axes != "image")
+    return usage(fmt::format("unknown axes: --axes {}: choose one of print, image", args.axes));
+  if (args.axes == "image") options.axes = BoardAxes::kImage;
+  if (!args.pitch.empty()) {
+    const auto pitch = length_mm(args.pitch);
+    if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", args.pitch, pitch.error()));
     options.pitch_mm = *pitch;
   }
-  if (words.site.empty() && words.pitch.empty()) return tl::unexpected(no_scale(words.input));
-  if (!words.site.empty()) {
-    auto site = site_of_file(words.site);
+  if (args.site.empty() && args.pitch.empty()) return tl::unexpected(no_scale(args.input));
+  if (!args.site.empty()) {
+    auto site = site_of_file(args.site);
     if (!site) return tl::unexpected(site.error());
     options.site = std::move(*site);
   }
-  const auto print_scale = print_scale_of(words.print_scale);
+  const auto print_scale = print_scale_of(args.print_scale);
   if (!print_scale) return tl::unexpected(print_scale.error());
   if (*print_scale) {
     options.print_scale = **print_scale;
     options.site = with_prints_scaled(std::move(options.site), **print_scale);
     if (options.pitch_mm) *options.pitch_mm *= options.print_scale.factor;
   }
-  if (!words.camera.empty()) {
-    if (const auto taken = take_camera(words.camera, options); !taken) return tl::unexpected(taken.error());
+  if (!args.camera.empty()) {
+    if (const auto taken = take_camera(args.camera, options); !taken) return tl::unexpected(taken.error());
   }
   // From a picture in eleven days to a million a second: beyond, times are lost in rounding.
-  if (words.fps && !(*words.fps >= 1e-6 && *words.fps <= 1e6))
-    return usage(fmt::format("frame rate: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *words.fps));
-  auto range = frame_range(words.frames);
+  if (args.fps && !(*args.fps >= 1e-6 && *args.fps <= 1e6))
+    return usage(fmt::format("frame rate: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *args.fps));
+  auto range = frame_range(args.frames);
   if (!range) return tl::unexpected(range.error());
   options.frames = *range;
-  if (!words.rest.empty()) {
-    const auto rest = rest_frames(words.rest);
+  if (!args.rest.empty()) {
+    const auto rest = rest_frames(args.rest);
     if (!rest) return tl::unexpected(rest.error());
     options.solve.rest = *rest;
   }
-  if (!words.readout.empty()) {
-    const auto readout = readout_time(words.readout);
+  if (!args.readout.empty()) {
+    const auto readout = readout_time(args.readout);
     if (!readout) return tl::unexpected(readout.error());
     options.solve.readout_s = *readout;
   }
-  if (!words.template_use.empty()) {
-    const auto use = template_use_named(words.template_use);
-    if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", words.template_use));
+  if (!args.template_use.empty()) {
+    const auto use = template_use_named(args.template_use);
+    if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", args.template_use));
     options.observe.template_use = *use;
   }
-  if (!words.tone.empty() && words.tone != "auto") {
-    options.tone = tone_curve_named(words.tone);
+  if (!args.tone.empty() && args.tone != "auto") {
+    options.tone = tone_curve_named(args.tone);
     if (!options.tone)
       return usage(fmt::format(
           "unknown tone curve: --tone {}: choose one of auto, linear, srgb, bt709, hlg, pq, gamma:2.2 (0.2 to 5)",
-          words.tone));
+          args.tone));
   }
-  if (words.exaggeration && !words.video)
+  if (args.exaggeration && !args.video)
     return usage("--exaggerate without --video: it belongs to the video: add --video, or leave it out");
-  if (words.exaggeration && !(*words.exaggeration >= 1.0 && *words.exaggeration <= 1e5))
-    return usage(fmt::format("factor: --exaggerate {}: give a number from 1 to 100000", *words.exaggeration));
-  if (words.reference_frame && *words.reference_frame < 0)
+  if (args.exaggeration && !(*args.exaggeration >= 1.0 && *args.exaggeration <= 1e5))
+    return usage(fmt::format("factor: --exaggerate {}: give a number from 1 to 100000", *args.exaggeration));
+  if (args.reference_frame && *args.reference_frame < 0)
     return usage(fmt::format("reference frame: --reference-frame {}: give a frame of the input; the first is 0",
-                             *words.reference_frame));
-  options.reference_frame = words.reference_frame;
+                             *args.reference_frame));
+  options.reference_frame = args.reference_frame;
   return options;
 }
 

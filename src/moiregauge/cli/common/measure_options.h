@@ -12,13 +12,13 @@
 
 namespace moiregauge::internal::cli {
 
-struct PrintScaleWords {
+struct PrintScaleArgs {
   std::string factor;       // "1.0012", or "1.0012,0.9990" along x and y
   std::optional<double> u;  // relative
 };
 
 // As typed.
-struct MeasureWords {
+struct MeasureArgs {
   std::string input;
   std::string site;
   std::string pitch;
@@ -31,7 +31,7 @@ struct MeasureWords {
   std::string frames;
   std::string rest;
   std::string readout;
-  PrintScaleWords print_scale;
+  PrintScaleArgs print_scale;
   std::string template_use;
   std::string tone;
   std::string output;
@@ -54,7 +54,7 @@ struct UsageError {
   return tl::unexpected(UsageError{std::move(message)});
 }
 
-[[nodiscard]] tl::expected<MeasureOptions, UsageError> understood(const MeasureWords& words);
+[[nodiscard]] tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs& args);
 [[nodiscard]] tl::expected<FrameRange, UsageError> frame_range(const std::string& text);
 
 // What `measure` and `solve` both take; each fails with what is wrong with the option's word.
@@ -66,8 +66,8 @@ struct UsageError {
 [[nodiscard]] tl::expected<double, UsageError> readout_time(const std::string& text);     // s, from "18ms"
 
 // Nothing when none is given.
-[[nodiscard]] tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleWords& words);
-void add_print_scale(CLI::App& command, PrintScaleWords& words);
+[[nodiscard]] tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleArgs& args);
+void add_print_scale(CLI::App& command, PrintScaleArgs& args);
 
 // <input name without extension, or before %> + suffix, in the current directory.
 [[nodiscard]] std::string default_output(const std::string& input, const std::string& suffix = "-moiregauge");

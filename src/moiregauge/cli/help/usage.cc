@@ -55,7 +55,7 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
 }
 
 // "moiregauge calibrate PHOTOS --pitch LENGTH": what cannot be left out.
-std::string least_words(const CLI::App& command) {
+std::string required_text(const CLI::App& command) {
   std::string words = "moiregauge " + command.get_name();
   for (const CLI::Option* option : command.get_options()) {
     if (!option->get_required()) continue;
@@ -80,7 +80,7 @@ std::string mistake_in(const CLI::App& command, const CLI::ParseError& error) {
     return fmt::format("a word too many: {} {}: leave it out, or put an option before it (moiregauge {} -h)", name,
                        left_over.front(), name);
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-    return fmt::format("something is missing: {}: {}: write {}", name, error.what(), least_words(command));
+    return fmt::format("something is missing: {}: {}: write {}", name, error.what(), required_text(command));
   if (std::string_view(error.what()).ends_with(kEmptyValue))
     return fmt::format("empty value: {} {}: give it a value, or leave it out", name,
                        std::string_view(error.what()).substr(0, std::string_view(error.what()).find(':')));
@@ -92,7 +92,7 @@ std::string mistake_in(const CLI::App& command, const CLI::ParseError& error) {
 
 }  // namespace
 
-std::string first_words(const CLI::App& app) {
+std::string first_text(const CLI::App& app) {
   std::string text = app.get_description() + "\n\n";
   for (const Step& step : kSteps) {
     const auto commands = visible_commands(app);

@@ -9,7 +9,7 @@
 namespace moiregauge::internal::cli {
 
 // What to type next, for `moiregauge` alone: the way from print to result, by the commands the tree has.
-[[nodiscard]] std::string first_words(const CLI::App& app);
+[[nodiscard]] std::string first_text(const CLI::App& app);
 
 // One line, "what: where: what to do", about a command line that `app` has just refused. A word that is nearly one of
 // the program's names it.

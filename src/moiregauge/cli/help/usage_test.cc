@@ -60,7 +60,7 @@ TEST(UsageMistake, ANumberMustBeOne) {
 TEST(FirstWords, ShowOnlyCommandsThatThereAre) {
   int exit_code = 0;
   const auto tree = command_tree(exit_code);
-  const std::string words = first_words(*tree);
+  const std::string words = first_text(*tree);
   EXPECT_NE(words.find("moiregauge measure clip.mp4 --pitch 10mm"), std::string::npos);
   for (std::size_t at = words.find("  moiregauge "); at != std::string::npos;
        at = words.find("  moiregauge ", at + 1)) {

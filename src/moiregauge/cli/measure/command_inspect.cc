@@ -19,7 +19,7 @@
 #include "moiregauge/cli/common/output_folder.h"
 #include "moiregauge/cli/common/progress.h"
 #include "moiregauge/cli/common/terminal_text.h"
-#include "moiregauge/cli/measure/inspect_lines.h"
+#include "moiregauge/cli/measure/inspect_text.h"
 #include "moiregauge/drawing/overlays/overlay_inspection.h"
 #include "moiregauge/image/upper_bits.h"
 #include "moiregauge/run/codec.h"
@@ -30,26 +30,26 @@ namespace {
 namespace fs = std::filesystem;
 
 struct InspectWords {
-  MeasureWords measure;  // the words both commands have
+  MeasureArgs measure;  // the words both commands have
   long frame = 0;
 };
 
 // What `measure` understands by the same words. Neither site nor pitch is no mistake here.
-tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& words) {
-  MeasureWords known = words.measure;
+tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& args) {
+  MeasureArgs known = args.measure;
   const bool has_scale = !known.site.empty() || !known.pitch.empty();
   if (!has_scale) known.pitch = "1mm";  // any: it is not used
-  auto understood_words = understood(known);
-  if (!understood_words) return tl::unexpected(understood_words.error());
-  if (words.frame < 0)
+  auto parsed = parse_measure_options(known);
+  if (!parsed) return tl::unexpected(parsed.error());
+  if (args.frame < 0)
     return tl::unexpected(
-        UsageError{fmt::format("frame: --frame {}: give a frame of the input; the first is 0", words.frame)});
+        UsageError{fmt::format("frame: --frame {}: give a frame of the input; the first is 0", args.frame)});
   InspectOptions options;
-  if (!known.site.empty()) options.site = std::move(understood_words->site);
-  if (has_scale) options.pitch_mm = understood_words->pitch_mm;
-  options.axes = understood_words->axes;
-  options.lens = understood_words->camera.value_or(Camera{});
-  options.observe = understood_words->observe;
+  if (!known.site.empty()) options.site = std::move(parsed->site);
+  if (has_scale) options.pitch_mm = parsed->pitch_mm;
+  options.axes = parsed->axes;
+  options.lens = parsed->camera.value_or(Camera{});
+  options.observe = parsed->observe;
   return options;
 }
 
@@ -130,22 +130,22 @@ int report_refusal(const InspectReport& report, const std::string& output) {
                           report.frame, found_in_short(report.seen), report.seen.missing, output));
 }
 
-int run(const InspectWords& words) {
-  const auto options = inspect_options(words);
+int run(const InspectWords& args) {
+  const auto options = inspect_options(args);
   if (!options) return fail(Exit::kUsage, options.error().message);
   const bool has_scale = options->site || options->pitch_mm;
-  const std::string& input = words.measure.input;
-  const std::string output = words.measure.output.empty() ? default_output(input, "-inspect") : words.measure.output;
+  const std::string& input = args.measure.input;
+  const std::string output = args.measure.output.empty() ? default_output(input, "-inspect") : args.measure.output;
   if (!is_free(output, "inspect.json"))
     return fail(Exit::kUsage,
                 fmt::format("output folder is taken: {}: it holds something else than an inspection: choose "
                             "another with -o",
                             output));
   const auto source =
-      open_input(input, {words.measure.fps, words.measure.sequence, words.measure.threads, words.measure.max_pixels});
+      open_input(input, {args.measure.fps, args.measure.sequence, args.measure.threads, args.measure.max_pixels});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);
   if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
-  const auto frame = frame_of(**source, words.frame, words.measure.quiet);
+  const auto frame = frame_of(**source, args.frame, args.measure.quiet);
   if (!frame) return fail(frame.error().exit, frame.error().message);
   const int bits = (*source)->info().bits;
   InspectReport report{
@@ -156,10 +156,10 @@ int run(const InspectWords& words) {
   if (const auto written = write_inspection(output, report, grey); !written)
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
-  if (words.measure.json)
+  if (args.measure.json)
     print_out(json_text(report));
-  else if (!words.measure.quiet)
-    print_out(inspect_lines(report));
+  else if (!args.measure.quiet)
+    print_out(inspect_text(report));
   return report.exit == Exit::kRefused ? report_refusal(report, output) : 0;
 }
 
@@ -167,12 +167,12 @@ int run(const InspectWords& words) {
 
 void add_inspect(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("inspect", "Show everything that is seen in one frame, and who is taken for what");
-  auto words = std::make_shared<InspectWords>();
-  MeasureWords& shared = words->measure;
+  auto args = std::make_shared<InspectWords>();
+  MeasureArgs& shared = args->measure;
   command->add_option("INPUT", shared.input, "video, picture, folder of pictures, multi-page TIFF, or printf pattern")
       ->type_name("FILE")
       ->required();
-  command->add_option("--frame", words->frame, "which frame to look at, the first is 0 [0]")->type_name("N");
+  command->add_option("--frame", args->frame, "which frame to look at, the first is 0 [0]")->type_name("N");
   command->add_option("--site", shared.site, "site.toml: what is printed where")->type_name("FILE");
   command->add_option("--pitch", shared.pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
@@ -185,7 +185,7 @@ void add_inspect(CLI::App& app, int& exit_code) {
   command->add_flag("--sequence", shared.sequence, "INPUT is a printf pattern such as shot%04d.png");
   command->add_flag("--quiet", shared.quiet, "print nothing but errors");
   command->add_flag("--json", shared.json, "print inspect.json on stdout instead of text");
-  command->callback([words, &exit_code] { exit_code = run(*words); });
+  command->callback([args, &exit_code] { exit_code = run(*args); });
 }
 
 }  // namespace moiregauge::internal::cli

@@ -19,9 +19,9 @@
 #include "moiregauge/cli/common/interrupt.h"
 #include "moiregauge/cli/common/measure_options.h"
 #include "moiregauge/cli/common/progress.h"
-#include "moiregauge/cli/measure/report_lines.h"
 #include "moiregauge/cli/measure/run_figures.h"
 #include "moiregauge/cli/measure/stabilised_video.h"
+#include "moiregauge/cli/measure/summary_text.h"
 #include "moiregauge/drawing/overlays/overlay.h"
 #include "moiregauge/drawing/overlays/overlay_inspection.h"
 #include "moiregauge/io/pictures/picture_source.h"
@@ -76,50 +76,50 @@ Overlay overlay_beside(const Measurement& seen, const MeasureOptions& options, i
 }
 
 // The two folders are each put in place as a whole: neither may hold the other.
-std::optional<std::string> stabilised_problem(const MeasureWords& words, const std::string& output) {
-  if (words.stabilised.empty() || !overlaps(words.stabilised, output)) return std::nullopt;
+std::optional<std::string> stabilised_problem(const MeasureArgs& args, const std::string& output) {
+  if (args.stabilised.empty() || !overlaps(args.stabilised, output)) return std::nullopt;
   return fmt::format("folders overlap: --stabilised {}: the results go to {}: choose a folder beside it",
-                     words.stabilised, output);
+                     args.stabilised, output);
 }
 
 // A method that needs circles cannot use a site without any: known before the input is read.
-std::optional<std::string> reference_problem(const MeasureWords& words, const MeasureOptions& options) {
+std::optional<std::string> reference_problem(const MeasureArgs& args, const MeasureOptions& options) {
   const auto& markers = options.site.markers;
   const bool has_any = std::any_of(markers.begin(), markers.end(), [](const Marker& marker) {
     return marker.role == Role::kReference && marker.circle.has_value();
   });
-  if (words.site.empty() || has_any || !options.method->needs_circles) return std::nullopt;
+  if (args.site.empty() || has_any || !options.method->needs_circles) return std::nullopt;
   return fmt::format(
       "no references: --site {}: method {} needs 4 reference circles: add [[reference]] markers, or give --method "
       "conventional",
-      words.site, options.method->name);
+      args.site, options.method->name);
 }
 
 // The rows of one picture are read before those of the next.
-std::optional<std::string> readout_problem(const MeasureWords& words, const MeasureOptions& options,
+std::optional<std::string> readout_problem(const MeasureArgs& args, const MeasureOptions& options,
                                            const InputInfo& input) {
   constexpr double kRounding = 1.01;
   if (!options.solve.readout_s || !(input.fps > 0.0) || *options.solve.readout_s * input.fps <= kRounding)
     return std::nullopt;
   return fmt::format("readout time: --readout {}: a frame lasts {:.4g} s only: give a shorter time, or the right --fps",
-                     words.readout, 1.0 / input.fps);
+                     args.readout, 1.0 / input.fps);
 }
 
-RunStart start_of(const MeasureWords& words, const InputOptions& input_options, const InputInfo& input) {
-  const auto files = files_of_input(words.input, input_options);
-  return {kVersion, files ? quick_fingerprint(*files) : std::string{}, words.fps, words.sequence, input};
+RunStart start_of(const MeasureArgs& args, const InputOptions& input_options, const InputInfo& input) {
+  const auto files = files_of_input(args.input, input_options);
+  return {kVersion, files ? quick_fingerprint(*files) : std::string{}, args.fps, args.sequence, input};
 }
 
-Earlier earlier_of(const MeasureWords& words) {
-  return words.resume ? Earlier::kResume : words.restart ? Earlier::kRestart : Earlier::kAsk;
+Earlier earlier_of(const MeasureArgs& args) {
+  return args.resume ? Earlier::kResume : args.restart ? Earlier::kRestart : Earlier::kAsk;
 }
 
 // The run is in its place, or in DIR.unfinished: says how it ended.
-int ended(const Measurement& measured, const MeasureOptions& options, const ReportWords& words) {
-  const int exit = report(measured, options, words);
+int ended(const Measurement& measured, const MeasureOptions& options, const ReportArgs& args) {
+  const int exit = report(measured, options, args);
   if (!measured.interrupted) return exit;
   return fail(Exit::kInterrupted, fmt::format("stopped at frame {}: the results so far are in {}: go on with --resume",
-                                              measured.observations.back().frame, words.output));
+                                              measured.observations.back().frame, args.output));
 }
 
 // A statement that the frames contradict gives no results, and costs no frames: `solve` and --resume use them again.
@@ -134,62 +134,62 @@ int kept_without_results(const Measurement& measured, MeasureOptions options, Un
                           measured.contradiction, measured.observations.size(), place.shown, place.shown));
 }
 
-int run(const MeasureWords& words) {
-  const auto options = understood(words);
+int run(const MeasureArgs& args) {
+  const auto options = parse_measure_options(args);
   if (!options) return fail(Exit::kUsage, options.error().message);
-  const auto figures = figure_formats(words.figures);
+  const auto figures = figure_formats(args.figures);
   if (!figures) return fail(Exit::kUsage, figures.error().message);
-  if (const auto problem = reference_problem(words, *options)) return fail(Exit::kUsage, *problem);
-  const std::string output = words.output.empty() ? default_output(words.input) : words.output;
-  if (const auto problem = stabilised_problem(words, output)) return fail(Exit::kUsage, *problem);
-  const InputOptions input_options{words.fps, words.sequence, words.threads, words.max_pixels};
-  auto opened = open_input(words.input, input_options);
+  if (const auto problem = reference_problem(args, *options)) return fail(Exit::kUsage, *problem);
+  const std::string output = args.output.empty() ? default_output(args.input) : args.output;
+  if (const auto problem = stabilised_problem(args, output)) return fail(Exit::kUsage, *problem);
+  const InputOptions input_options{args.fps, args.sequence, args.threads, args.max_pixels};
+  auto opened = open_input(args.input, input_options);
   if (!opened) return fail(Exit::kInputUnreadable, opened.error().message);
   if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*opened)->info()))
     return fail(Exit::kUsage, *problem);
-  if (const auto problem = readout_problem(words, *options, (*opened)->info())) return fail(Exit::kUsage, *problem);
-  Fingerprint fingerprint(words.input, input_options);
+  if (const auto problem = readout_problem(args, *options, (*opened)->info())) return fail(Exit::kUsage, *problem);
+  Fingerprint fingerprint(args.input, input_options);
   tl::expected<Measurement, InputError> measured;
   Overlay overlay;  // of `measured`, so it must not outlive it
   const RunPlace place = place_of_run(output);
   RunDirectory directory(
       place, [&](const Measurement&) { return overlay.get(); }, report_page);
-  directory.also(put_figures(*figures, words.quiet));
+  directory.also(put_figures(*figures, args.quiet));
   // A taken folder is found before, not after, hours of measuring.
   if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
     return fail(Exit::kUsage, free.error().message);
   std::optional<StabilisedFolder> stabilised;
-  if (!words.stabilised.empty()) {
-    stabilised.emplace(words.stabilised);
+  if (!args.stabilised.empty()) {
+    stabilised.emplace(args.stabilised);
     if (const auto begun = stabilised->open(); !begun) return fail_output(begun.error());
   }
   UnfinishedRun journal(place);
-  auto so_far = journal.begin(start_of(words, input_options, (*opened)->info()), *options, earlier_of(words));
+  auto so_far = journal.begin(start_of(args, input_options, (*opened)->info()), *options, earlier_of(args));
   if (!so_far) return fail_output(so_far.error());
   FrameTimes times;
   // What was opened to look at is measured; --reference-frame asks for the input a second time.
   const auto open = [&]() -> tl::expected<std::unique_ptr<FrameSource>, InputError> {
-    auto source = *opened ? std::move(opened) : open_input(words.input, input_options);
+    auto source = *opened ? std::move(opened) : open_input(args.input, input_options);
     if (!source) return source;
     return timed(std::move(*source), times);
   };
-  const OpenInput again = [&] { return open_input(words.input, input_options); };
-  if (words.video) directory.also(put_video({words.exaggeration, words.quiet}, again, *options));
+  const OpenInput again = [&] { return open_input(args.input, input_options); };
+  if (args.video) directory.also(put_video({args.exaggeration, args.quiet}, again, *options));
   {
     const InterruptGuard guard;
-    std::optional<Progress> progress(std::in_place, "measuring", words.quiet);
-    measured = watch(open, *options,
-                     [&](long done, long expected) {
-                       progress->show(done, expected, times.waiting_share());
-                       return !interrupted();
-                     },
-                     {stabilised ? &*stabilised : nullptr, &journal, *std::move(so_far)});
+    std::optional<Progress> progress(std::in_place, "measuring", args.quiet);
+    measured = observe_all(open, *options,
+                           [&](long done, long expected) {
+                             progress->show(done, expected, times.waiting_share());
+                             return !interrupted();
+                           },
+                           {stabilised ? &*stabilised : nullptr, &journal, *std::move(so_far)});
     if (const auto closed = journal.close(); !closed) return fail_output(closed.error());
     progress.reset();
     if (measured) {
-      const ElapsedLine line(fmt::format("solving {} frames", measured->observations.size()), words.quiet);
-      overlay = overlay_beside(*measured, *options, words.threads);
-      conclude(*options, *measured);
+      const ElapsedLine line(fmt::format("solving {} frames", measured->observations.size()), args.quiet);
+      overlay = overlay_beside(*measured, *options, args.threads);
+      evaluate(*options, *measured);
     }
   }
   if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
@@ -201,7 +201,7 @@ int run(const MeasureWords& words) {
   if (!pictures) measured->exit = Exit::kOutputUnwritable;  // the results are kept all the same
   const auto written = journal.end(*measured, *options).and_then([&] { return directory.write(*measured, *options); });
   if (!written) return fail_output(written.error());
-  const int exit = ended(*measured, *options, {words.input, directory.results(), words.quiet, words.json});
+  const int exit = ended(*measured, *options, {args.input, directory.results(), args.quiet, args.json});
   return pictures ? exit : fail_output(pictures.error());
 }
 
@@ -210,71 +210,70 @@ int run(const MeasureWords& words) {
 void add_measure(CLI::App& app, int& exit_code) {
   auto* command =
       app.add_subcommand("measure", "Read displacement in millimetres from a video or a folder of pictures");
-  auto words = std::make_shared<MeasureWords>();
+  auto args = std::make_shared<MeasureArgs>();
   command
-      ->add_option("INPUT", words->input, "video, folder of pictures, multi-page TIFF, or printf pattern (--sequence)")
+      ->add_option("INPUT", args->input, "video, folder of pictures, multi-page TIFF, or printf pattern (--sequence)")
       ->type_name("FILE")
       ->required();
-  command->add_option("--site", words->site, "site.toml: what is printed where")->type_name("FILE");
-  command->add_option("--pitch", words->pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
+  command->add_option("--site", args->site, "site.toml: what is printed where")->type_name("FILE");
+  command->add_option("--pitch", args->pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
   command
-      ->add_option("--axes", words->axes,
+      ->add_option("--axes", args->axes,
                    "without a site file, x lies along: print (the references' gratings) or image [print]")
       ->type_name("print|image");
   std::string methods;
   for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
-  command->add_option("--method", words->method, "how to measure [" + std::string(kDefaultMethod) + "]" + methods)
+  command->add_option("--method", args->method, "how to measure [" + std::string(kDefaultMethod) + "]" + methods)
       ->type_name("conventional|two-stage|precise");
-  command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
-  command->add_option("--fps", words->fps, "frames per second of a folder of pictures")->type_name("N");
+  command->add_option("--camera", args->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command->add_option("--fps", args->fps, "frames per second of a folder of pictures")->type_name("N");
   command
-      ->add_option("--reference-frame", words->reference_frame,
+      ->add_option("--reference-frame", args->reference_frame,
                    "frame of zero displacement [first that can be measured]")
       ->type_name("N");
-  command->add_option("--frames", words->frames, "only these frames, half open: A:B or A:B:STEP")
-      ->type_name("A:B:STEP");
+  command->add_option("--frames", args->frames, "only these frames, half open: A:B or A:B:STEP")->type_name("A:B:STEP");
   command
       ->add_option(
-          "--tone", words->tone,
+          "--tone", args->tone,
           "tone curve of the grey levels: auto (as the input says, or its prints show), linear, srgb, bt709, hlg, "
           "pq or gamma:2.2 [auto]")
       ->type_name("auto|linear|srgb|bt709|gamma:G");
   command
       ->add_option(
-          "--template", words->template_use,
+          "--template", args->template_use,
           "precise: use the print's harmonics, on, off (fundamentals alone; u is wide on binary prints) or auto "
           "[auto]")
       ->type_name("on|off|auto");
-  command->add_option("--rest", words->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
+  command->add_option("--rest", args->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
   command
       ->add_option(
-          "--readout", words->readout,
+          "--readout", args->readout,
           "rolling shutter: first row's exposure to the last one's, e.g. 18ms; 0ms: none [told by the footage]")
       ->type_name("TIME");
-  add_print_scale(*command, words->print_scale);
-  command->add_option("-o,--out", words->output, "output folder [<input>-moiregauge]")->type_name("DIR");
+  add_print_scale(*command, args->print_scale);
+  command->add_option("-o,--out", args->output, "output folder [<input>-moiregauge]")->type_name("DIR");
   command
-      ->add_option("--stabilised", words->stabilised,
+      ->add_option("--stabilised", args->stabilised,
                    "also write every marker as a still camera would see it, frame by frame")
       ->type_name("DIR");
-  add_figures(*command, words->figures);
-  command->add_flag("--video", words->video,
+  add_figures(*command, args->figures);
+  command->add_flag("--video", args->video,
                     "also draw stabilised.mp4: as filmed, and beside it the camera's motion taken out");
   command
-      ->add_option("--exaggerate", words->exaggeration,
+      ->add_option("--exaggerate", args->exaggeration,
                    "with --video: targets move so many times as far [what shows the motion best]")
       ->type_name("N");
-  command->add_option("--threads", words->threads, "threads to use; never changes a result")
+  command->add_option("--threads", args->threads, "threads to use; never changes a result")
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N");
-  add_max_pixels(*command, words->max_pixels);
-  command->add_flag("--sequence", words->sequence, "INPUT is a printf pattern such as shot%04d.png");
-  command->add_flag("--resume", words->resume, "go on with an unfinished run, if there is one");
-  command->add_flag("--restart", words->restart, "throw an unfinished run away, if there is one");
-  command->add_flag("--quiet", words->quiet, "print nothing but errors");
-  command->add_flag("--json", words->json, "print run.json on stdout");
-  command->callback([words, &exit_code] { exit_code = run(*words); });
+  add_max_pixels(*command, args->max_pixels);
+  command->add_flag("--sequence", args->sequence, "INPUT is a printf pattern such as shot%04d.png");
+  command->add_flag("--resume", args->resume, "go on with an unfinished run, if there is one");
+  command->add_flag("--restart", args->restart, "throw an unfinished run away, if there is one");
+  command->add_flag("--quiet", args->quiet, "print nothing but errors");
+  command->add_flag("--json", args->json, "print run.json on stdout");
+  command->callback([args, &exit_code] { exit_code = run(*args); });
 }
 
 }  // namespace moiregauge::internal::cli

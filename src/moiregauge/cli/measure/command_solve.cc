@@ -12,8 +12,8 @@
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/measure_options.h"
 #include "moiregauge/cli/common/progress.h"
-#include "moiregauge/cli/measure/report_lines.h"
 #include "moiregauge/cli/measure/run_figures.h"
+#include "moiregauge/cli/measure/summary_text.h"
 #include "moiregauge/io/journal/run_file.h"
 #include "moiregauge/io/run_dir/run_directory.h"
 #include "moiregauge/observation/views/reprojection.h"
@@ -22,14 +22,14 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-struct SolveWords {
+struct SolveArgs {
   std::string run;
   std::string site;
   std::string camera;
   std::string method;
   std::string rest;
   std::string readout;
-  PrintScaleWords print_scale;
+  PrintScaleArgs print_scale;
   std::string output;
   std::string figures;
   bool quiet = false;
@@ -43,22 +43,22 @@ bool has_seen_enough_for(const Method& measured, const Method& wanted) {
   return measured.name == wanted.name || (measured.name == "precise" && wanted.name == "two-stage");
 }
 
-Done choose_method(const SolveWords& words, MeasureOptions& options) {
-  if (words.method.empty()) return {};
-  const auto wanted = method_of(words.method);
+Done choose_method(const SolveArgs& args, MeasureOptions& options) {
+  if (args.method.empty()) return {};
+  const auto wanted = method_of(args.method);
   if (!wanted) return tl::unexpected(wanted.error());
   if (!has_seen_enough_for(*options.method, **wanted))
     return usage(
         fmt::format("other method: --method {}: this run was measured by `{}`, which did not look at what `{}` "
                     "needs: measure the input again with --method {}",
-                    words.method, options.method->name, words.method, words.method));
+                    args.method, options.method->name, args.method, args.method));
   options.method = *wanted;
   return {};
 }
 
 // What the rulers showed counts from the nominal prints: of the run's own site they are no longer nominal.
-Done rescale(const PrintScaleWords& words, bool has_new_site, MeasureOptions& options, Site& site) {
-  const auto scale = print_scale_of(words);
+Done rescale(const PrintScaleArgs& args, bool has_new_site, MeasureOptions& options, Site& site) {
+  const auto scale = print_scale_of(args);
   if (!scale) return tl::unexpected(scale.error());
   if (!*scale) {
     if (has_new_site) options.print_scale = {};
@@ -76,41 +76,41 @@ Done rescale(const PrintScaleWords& words, bool has_new_site, MeasureOptions& op
 }
 
 // Another site, print scale or lens: the observations are carried over to it.
-Done restate(const SolveWords& words, StoredRun& run) {
-  if (!words.site.empty()) {
-    auto site = site_of_file(words.site);
+Done restate(const SolveArgs& args, StoredRun& run) {
+  if (!args.site.empty()) {
+    auto site = site_of_file(args.site);
     if (!site) return tl::unexpected(site.error());
     run.options.site = *std::move(site);
     run.options.pitch_mm.reset();
   }
-  if (!words.camera.empty()) {
-    if (const auto taken = take_camera(words.camera, run.options); !taken) return taken;
+  if (!args.camera.empty()) {
+    if (const auto taken = take_camera(args.camera, run.options); !taken) return taken;
     if (const auto problem = camera_problem(*run.options.camera, run.seen.input)) return usage(*problem);
   }
-  const bool is_other_site = !words.site.empty() || !words.print_scale.factor.empty();
-  Site site = words.site.empty() && run.seen.reference ? run.seen.reference->site : run.options.site;
-  if (const auto scaled = rescale(words.print_scale, !words.site.empty(), run.options, site); !scaled) return scaled;
+  const bool is_other_site = !args.site.empty() || !args.print_scale.factor.empty();
+  Site site = args.site.empty() && run.seen.reference ? run.seen.reference->site : run.options.site;
+  if (const auto scaled = rescale(args.print_scale, !args.site.empty(), run.options, site); !scaled) return scaled;
   if (is_other_site) run.options.site = site;
-  if (!run.seen.reference || (!is_other_site && words.camera.empty())) return {};
+  if (!run.seen.reference || (!is_other_site && args.camera.empty())) return {};
   Reference& reference = *run.seen.reference;
-  auto again = restated(reference, run.seen.observations, site, run.options.camera.value_or(Camera{}));
+  auto again = reproject_observations(reference, run.seen.observations, site, run.options.camera.value_or(Camera{}));
   if (!again)
     return usage(fmt::format("{}: {}: {}: measure the input again with it",
-                             words.site.empty() ? "camera file" : "site file",
-                             words.site.empty() ? words.camera : words.site, again.error()));
+                             args.site.empty() ? "camera file" : "site file",
+                             args.site.empty() ? args.camera : args.site, again.error()));
   reference = std::move(again->reference);
   run.seen.observations = std::move(again->observations);
   if (is_other_site) run.options.site = reference.site;
   return {};
 }
 
-Done choose_rest(const SolveWords& words, MeasureOptions& options) {
-  if (words.rest.empty()) return {};
-  if (words.rest == "none") {
+Done choose_rest(const SolveArgs& args, MeasureOptions& options) {
+  if (args.rest.empty()) return {};
+  if (args.rest == "none") {
     options.solve.rest.reset();
     return {};
   }
-  const auto rest = rest_frames(words.rest);
+  const auto rest = rest_frames(args.rest);
   if (!rest) return tl::unexpected(rest.error());
   options.solve.rest = *rest;
   return {};
@@ -136,64 +136,64 @@ tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
   return std::move(kept->run);
 }
 
-Done choose_readout(const SolveWords& words, MeasureOptions& options) {
-  if (words.readout.empty()) return {};
-  const auto readout = readout_time(words.readout);
+Done choose_readout(const SolveArgs& args, MeasureOptions& options) {
+  if (args.readout.empty()) return {};
+  const auto readout = readout_time(args.readout);
   if (!readout) return tl::unexpected(readout.error());
   options.solve.readout_s = *readout;
   return {};
 }
 
-int run(const SolveWords& words) {
-  const auto figures = figure_formats(words.figures);
+int run(const SolveArgs& args) {
+  const auto figures = figure_formats(args.figures);
   if (!figures) return fail(Exit::kUsage, figures.error().message);
-  auto stored = run_in(words.run);
+  auto stored = run_in(args.run);
   if (!stored) return fail(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
-  for (const Done& done : {choose_method(words, stored->options), choose_rest(words, stored->options),
-                           choose_readout(words, stored->options), restate(words, *stored)}) {
+  for (const Done& done : {choose_method(args, stored->options), choose_rest(args, stored->options),
+                           choose_readout(args, stored->options), restate(args, *stored)}) {
     if (!done) return fail(Exit::kUsage, done.error().message);
   }
-  const std::string output = words.output.empty() ? words.run : words.output;
-  RunDirectory directory = RunDirectory::solved_from(place_of_run(output), words.run, report_page);
-  directory.also(put_figures(*figures, words.quiet));
+  const std::string output = args.output.empty() ? args.run : args.output;
+  RunDirectory directory = RunDirectory::solved_from(place_of_run(output), args.run, report_page);
+  directory.also(put_figures(*figures, args.quiet));
   if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free)
     return fail_output(free.error());
   Measurement solved;
-  static_cast<Seen&>(solved) = std::move(stored->seen);
+  static_cast<ObservationLog&>(solved) = std::move(stored->seen);
   {
-    const ElapsedLine line(fmt::format("solving {} frames", solved.observations.size()), words.quiet);
-    conclude(stored->options, solved);
+    const ElapsedLine line(fmt::format("solving {} frames", solved.observations.size()), args.quiet);
+    evaluate(stored->options, solved);
   }
   if (!solved.contradiction.empty())
     return fail(Exit::kUsage, solved.contradiction + ": give other frames, or --rest none: nothing was written");
   if (const auto written = directory.write(solved, stored->options); !written) return fail_output(written.error());
-  return report(solved, stored->options, {words.run, output, words.quiet, words.json});
+  return report(solved, stored->options, {args.run, output, args.quiet, args.json});
 }
 
 }  // namespace
 
 void add_solve(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("solve", "New numbers from a finished run, without its video");
-  auto words = std::make_shared<SolveWords>();
-  command->add_option("DIR", words->run, "folder that `measure` wrote")->type_name("DIR")->required();
-  command->add_option("--site", words->site, "site.toml with better places, turns, heights or known_to")
+  auto args = std::make_shared<SolveArgs>();
+  command->add_option("DIR", args->run, "folder that `measure` wrote")->type_name("DIR")->required();
+  command->add_option("--site", args->site, "site.toml with better places, turns, heights or known_to")
       ->type_name("FILE");
-  command->add_option("--camera", words->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command->add_option("--camera", args->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command
-      ->add_option("--rest", words->rest,
+      ->add_option("--rest", args->rest,
                    "frames in which no target moves, half open: A:B; none: take back the run's own")
       ->type_name("A:B|none");
-  command->add_option("--readout", words->readout, "rolling shutter: first row's exposure to the last one's, e.g. 18ms")
+  command->add_option("--readout", args->readout, "rolling shutter: first row's exposure to the last one's, e.g. 18ms")
       ->type_name("TIME");
-  add_print_scale(*command, words->print_scale);
-  command->add_option("--method", words->method, "two-stage, of a run measured by precise [the run's own]")
+  add_print_scale(*command, args->print_scale);
+  command->add_option("--method", args->method, "two-stage, of a run measured by precise [the run's own]")
       ->type_name("two-stage|precise|conventional");
-  command->add_option("-o,--out", words->output, "output folder [DIR: its results are replaced]")->type_name("DIR");
-  add_figures(*command, words->figures);
-  command->add_flag("--quiet", words->quiet, "print nothing but errors");
-  command->add_flag("--json", words->json, "print run.json on stdout");
-  command->callback([words, &exit_code] { exit_code = run(*words); });
+  command->add_option("-o,--out", args->output, "output folder [DIR: its results are replaced]")->type_name("DIR");
+  add_figures(*command, args->figures);
+  command->add_flag("--quiet", args->quiet, "print nothing but errors");
+  command->add_flag("--json", args->json, "print run.json on stdout");
+  command->callback([args, &exit_code] { exit_code = run(*args); });
 }
 
 }  // namespace moiregauge::internal::cli

@@ -17,7 +17,7 @@
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/progress.h"
 #include "moiregauge/cli/common/terminal_text.h"
-#include "moiregauge/cli/plan/calibrate_lines.h"
+#include "moiregauge/cli/plan/calibrate_text.h"
 #include "moiregauge/io/pictures/picture_file.h"
 #include "moiregauge/io/pictures/picture_list.h"
 
@@ -119,7 +119,7 @@ int run(const CalibrateWords& words) {
                 fmt::format("cannot write: {}: make room or choose another file with -o", written.error()));
   if (words.quiet) return 0;
   for (const std::string& warning : calibrate_warnings(report)) print_note(fmt::format("warning: {}\n", warning));
-  print_out(fmt::format("{}next: moiregauge measure ... --camera {}\n", calibrate_lines(report), words.output));
+  print_out(fmt::format("{}next: moiregauge measure ... --camera {}\n", calibrate_text(report), words.output));
   return 0;
 }
 

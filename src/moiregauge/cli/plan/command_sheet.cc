@@ -12,8 +12,8 @@
 
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/terminal_text.h"
-#include "moiregauge/cli/measure/report_lines.h"
-#include "moiregauge/cli/plan/sheet_words.h"
+#include "moiregauge/cli/measure/summary_text.h"
+#include "moiregauge/cli/plan/sheet_args.h"
 #include "moiregauge/io/config/site_file.h"
 #include "moiregauge/io/run_dir/file_set.h"
 #include "moiregauge/sheet/sheet_files.h"
@@ -38,8 +38,8 @@ std::string site_text(const sheet::SheetSet& set) {
          write_site(set.site);
 }
 
-int run(const SheetWords& words) {
-  const auto order = understood(words);
+int run(const SheetArgs& args) {
+  const auto order = parse_sheet_options(args);
   if (!order) return fail(Exit::kUsage, order.error().message);
   const auto set = sheet::sheets_of(order->site, order->page);
   if (!set) return fail(Exit::kUsage, fmt::format("sheets: {}", set.error()));
@@ -51,16 +51,16 @@ int run(const SheetWords& words) {
     if (bytes.empty())
       return fail(Exit::kInternalError, fmt::format("cannot draw: {}: out of memory: choose smaller paper", name));
   }
-  const auto written = write_file_set(words.output, named, words.replace ? Existing::kReplace : Existing::kRefuse);
+  const auto written = write_file_set(args.output, named, args.replace ? Existing::kReplace : Existing::kRefuse);
   if (!written) return fail_output(written.error());
-  if (words.quiet) return 0;
+  if (args.quiet) return 0;
   print_out(fmt::format("{} marker{} on {} sheet{} of {}: {}/sheets.pdf\n", set->site.markers.size(),
                         set->site.markers.size() == 1 ? "" : "s", set->sheets.size(),
-                        set->sheets.size() == 1 ? "" : "s", order->page.paper.name, words.output));
-  print_out(fmt::format("places: {0}/site.toml, to take along: {0}/mounting.pdf\n", words.output));
+                        set->sheets.size() == 1 ? "" : "s", order->page.paper.name, args.output));
+  print_out(fmt::format("places: {0}/site.toml, to take along: {0}/mounting.pdf\n", args.output));
   print_out(fmt::format(
       "next: print at 100 %, measure the 100 mm rulers, hang, film; moiregauge measure CLIP --site {}/site.toml\n",
-      words.output));
+      args.output));
   return 0;
 }
 
@@ -68,22 +68,22 @@ int run(const SheetWords& words) {
 
 void add_sheet(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("sheet", "Print-ready marker sheets (PDF, SVG) with their site.toml");
-  auto words = std::make_shared<SheetWords>();
-  add_layout_options(*command, words->layout);
-  command->add_option("--paper", words->paper, "A0 to A5, letter, legal, tabloid, or a size such as 300x400mm [A4]")
+  auto args = std::make_shared<SheetArgs>();
+  add_layout_options(*command, args->layout);
+  command->add_option("--paper", args->paper, "A0 to A5, letter, legal, tabloid, or a size such as 300x400mm [A4]")
       ->type_name("SIZE");
-  command->add_option("--orientation", words->orientation, "auto, portrait or landscape [auto]")->type_name("WORD");
-  command->add_flag("--separate", words->separate, "one marker a sheet, even where all fit on one");
-  command->add_flag("--inverted", words->inverted, "light lines on dark (circles stay dark)");
-  command->add_option("--ink", words->ink_percent, "how dark, per cent of black [100]")->type_name("PERCENT");
+  command->add_option("--orientation", args->orientation, "auto, portrait or landscape [auto]")->type_name("WORD");
+  command->add_flag("--separate", args->separate, "one marker a sheet, even where all fit on one");
+  command->add_flag("--inverted", args->inverted, "light lines on dark (circles stay dark)");
+  command->add_option("--ink", args->ink_percent, "how dark, per cent of black [100]")->type_name("PERCENT");
   command
-      ->add_option("--gamma", words->gamma,
+      ->add_option("--gamma", args->gamma,
                    "cosine: 1 for video cameras and telephones, 2.2 for cameras with linear output [1]")
       ->type_name("G");
-  command->add_option("-o,--out", words->output, "folder to write [sheets]")->type_name("DIR");
-  command->add_flag("--replace", words->replace, "take the place of an earlier set in DIR");
-  command->add_flag("--quiet", words->quiet, "print nothing but errors");
-  command->callback([words, &exit_code] { exit_code = run(*words); });
+  command->add_option("-o,--out", args->output, "folder to write [sheets]")->type_name("DIR");
+  command->add_flag("--replace", args->replace, "take the place of an earlier set in DIR");
+  command->add_flag("--quiet", args->quiet, "print nothing but errors");
+  command->callback([args, &exit_code] { exit_code = run(*args); });
 }
 
 }  // namespace moiregauge::internal::cli

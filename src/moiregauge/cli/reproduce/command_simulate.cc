@@ -28,7 +28,7 @@ using simulator::Scenario;
 template <typename Value>
 using Expected = tl::expected<Value, std::string>;
 
-struct SimulateWords {
+struct SimulateArgs {
   std::string scenario;
   std::string output;
   std::vector<std::string> settings;
@@ -50,28 +50,28 @@ std::string list_of_scenarios() {
   return text;
 }
 
-Expected<Scenario> scenario_of(const SimulateWords& words) {
+Expected<Scenario> scenario_of(const SimulateArgs& args) {
   Scenario scenario;
-  if (auto known = simulator::built_in(words.scenario)) {
+  if (auto known = simulator::built_in(args.scenario)) {
     scenario = *std::move(known);
-  } else if (!fs::is_regular_file(words.scenario)) {
+  } else if (!fs::is_regular_file(args.scenario)) {
     return tl::unexpected(
-        fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list", words.scenario));
+        fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list", args.scenario));
   } else {
-    auto read = read_scenario(words.scenario);
+    auto read = read_scenario(args.scenario);
     if (!read)
-      return tl::unexpected(mistakes_in("scenario", words.scenario, fmt::format("{}", fmt::join(read.error(), "\n"))));
+      return tl::unexpected(mistakes_in("scenario", args.scenario, fmt::format("{}", fmt::join(read.error(), "\n"))));
     scenario = *std::move(read);
   }
-  for (const std::string& setting : words.settings) {
+  for (const std::string& setting : args.settings) {
     if (auto applied = apply_setting(scenario, setting); !applied) {
       return tl::unexpected(fmt::format("bad setting: --set {}: {}", setting, applied.error()));
     }
   }
-  if (words.seed) scenario.seed = *words.seed;
-  if (words.frames) scenario.frames = *words.frames;
+  if (args.seed) scenario.seed = *args.seed;
+  if (args.frames) scenario.frames = *args.frames;
   if (auto problem = simulator::problem_with(scenario)) {
-    return tl::unexpected(fmt::format("bad scenario: {}: {}", words.scenario, *problem));
+    return tl::unexpected(fmt::format("bad scenario: {}: {}", args.scenario, *problem));
   }
   return scenario;
 }
@@ -86,19 +86,19 @@ Expected<void> clear(const fs::path& output, bool for_video) {
 }
 
 // What --codec, --quality and --gop ask for.
-Expected<std::optional<VideoFormat>> video_of(const SimulateWords& words, const Scenario& scenario) {
-  if (words.codec.empty()) {
-    if (words.quality || words.gop)
+Expected<std::optional<VideoFormat>> video_of(const SimulateArgs& args, const Scenario& scenario) {
+  if (args.codec.empty()) {
+    if (args.quality || args.gop)
       return tl::unexpected(std::string("--quality and --gop belong to a video: add --codec"));
     return std::nullopt;
   }
-  const auto codec = codec_named(words.codec);
+  const auto codec = codec_named(args.codec);
   if (!codec)
-    return tl::unexpected(fmt::format("no such codec: --codec {}: choose one of ffv1, x264, mjpeg", words.codec));
-  if (words.gop && *codec != VideoCodec::kX264) return tl::unexpected(std::string("--gop is for x264: leave it out"));
-  VideoFormat format{*codec, words.quality};
+    return tl::unexpected(fmt::format("no such codec: --codec {}: choose one of ffv1, x264, mjpeg", args.codec));
+  if (args.gop && *codec != VideoCodec::kX264) return tl::unexpected(std::string("--gop is for x264: leave it out"));
+  VideoFormat format{*codec, args.quality};
   format.is_linear = simulator::stores_light(scenario);
-  format.gop = words.gop.value_or(format.gop);
+  format.gop = args.gop.value_or(format.gop);
   format.width = scenario.camera.width;
   format.height = scenario.camera.height;
   format.bits = scenario.sensor.bits;
@@ -122,18 +122,18 @@ fs::path default_folder(const std::string& scenario) {
   return (is_built_in ? scenario : fs::path(scenario).stem().string()) + "-simulated";
 }
 
-int run(const SimulateWords& words) {
-  if (words.list) {
+int run(const SimulateArgs& args) {
+  if (args.list) {
     print_out(list_of_scenarios());
     return 0;
   }
-  if (words.scenario.empty())
+  if (args.scenario.empty())
     return fail(Exit::kUsage, "no scenario: simulate: name one of moiregauge simulate --list or a file");
-  const auto scenario = scenario_of(words);
+  const auto scenario = scenario_of(args);
   if (!scenario) return fail(Exit::kUsage, scenario.error());
-  const auto video = video_of(words, *scenario);
+  const auto video = video_of(args, *scenario);
   if (!video) return fail(Exit::kUsage, video.error());
-  const fs::path output = words.output.empty() ? default_folder(words.scenario) : fs::path(words.output);
+  const fs::path output = args.output.empty() ? default_folder(args.scenario) : fs::path(args.output);
   if (!is_free(output, "truth-camera.toml")) {
     return fail(Exit::kUsage,
                 fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
@@ -141,9 +141,9 @@ int run(const SimulateWords& words) {
   }
   const PicturesPlan plan{
       .video = *video,
-      .area = words.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame,
-      .threads = words.threads,
-      .quiet = words.quiet,
+      .area = args.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame,
+      .threads = args.threads,
+      .quiet = args.quiet,
   };
   const InterruptGuard guard;
   if (const auto written = write_simulation(*scenario, plan, output); !written) {
@@ -153,38 +153,37 @@ int run(const SimulateWords& words) {
     return fail(Exit::kOutputUnwritable,
                 fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
   }
-  if (!words.quiet)
-    print_out(fmt::format("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string()));
+  if (!args.quiet) print_out(fmt::format("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string()));
   return 0;
 }
 
 }  // namespace
 
 void add_simulate(CLI::App& app, int& exit_code) {
-  const auto words = std::make_shared<SimulateWords>();
+  const auto args = std::make_shared<SimulateArgs>();
   CLI::App* command = app.add_subcommand("simulate", "Draw a recording with known truth");
-  command->add_option("SCENARIO", words->scenario, "built-in name (see --list) or TOML file")->type_name("FILE");
-  command->add_option("-o,--out", words->output, "folder to write [SCENARIO-simulated]")->type_name("DIR");
-  command->add_option("--set", words->settings, "override one value, as in lens.k1=-0.0225; may be given again")
+  command->add_option("SCENARIO", args->scenario, "built-in name (see --list) or TOML file")->type_name("FILE");
+  command->add_option("-o,--out", args->output, "folder to write [SCENARIO-simulated]")->type_name("DIR");
+  command->add_option("--set", args->settings, "override one value, as in lens.k1=-0.0225; may be given again")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1);
-  command->add_option("--seed", words->seed, "another draw of the noise [1]")->type_name("N");
-  command->add_option("--frames", words->frames, "stop after so many frames")->type_name("N");
-  command->add_option("--codec", words->codec, "write a video, not pictures: ffv1 (lossless), x264 or mjpeg")
+  command->add_option("--seed", args->seed, "another draw of the noise [1]")->type_name("N");
+  command->add_option("--frames", args->frames, "stop after so many frames")->type_name("N");
+  command->add_option("--codec", args->codec, "write a video, not pictures: ffv1 (lossless), x264 or mjpeg")
       ->type_name("ffv1|x264|mjpeg");
-  command->add_option("--quality", words->quality, "x264: rate factor, 0 to 51 [23]; mjpeg: quantiser, 2 to 31 [3]")
+  command->add_option("--quality", args->quality, "x264: rate factor, 0 to 51 [23]; mjpeg: quantiser, 2 to 31 [3]")
       ->type_name("N");
-  command->add_option("--gop", words->gop, "x264: frames between key frames at most [250]; 1: key frames only")
+  command->add_option("--gop", args->gop, "x264: frames between key frames at most [250]; 1: key frames only")
       ->type_name("N");
-  command->add_option("--threads", words->threads, "threads [all]; never changes a byte")
+  command->add_option("--threads", args->threads, "threads [all]; never changes a byte")
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
-  command->add_flag("--markers-only", words->markers_only, "draw the markers' windows, the rest one flat grey");
-  command->add_flag("--list", words->list, "list the built-in scenarios");
-  command->add_flag("--quiet", words->quiet, "print nothing but errors");
-  command->callback([words, &exit_code] { exit_code = run(*words); });
+  command->add_flag("--markers-only", args->markers_only, "draw the markers' windows, the rest one flat grey");
+  command->add_flag("--list", args->list, "list the built-in scenarios");
+  command->add_flag("--quiet", args->quiet, "print nothing but errors");
+  command->callback([args, &exit_code] { exit_code = run(*args); });
 }
 
 }  // namespace moiregauge::internal::cli

@@ -33,7 +33,7 @@ __attribute__((constructor)) void become_the_child(int count, char** words) {
   std::int64_t max_pixels = 0;
   const std::string_view number = words[2];
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), max_pixels);
-  const bool sane = error == std::errc{} && max_pixels > 0 && max_pixels <= wire::kMostPixels;
+  const bool sane = error == std::errc{} && max_pixels > 0 && max_pixels <= wire::kMaxPixels;
   ::_exit(sane ? decode_child(max_pixels) : 2);
 }
 

@@ -21,8 +21,8 @@ inline constexpr int kSocket = 5;
 inline constexpr int kFirstUnusedFile = 6;
 
 inline constexpr const char* kChildMode = "--decode-child";
-inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;  // whatever --max-pixels says
-inline constexpr int kMostSlots = 8;
+inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;  // whatever --max-pixels says
+inline constexpr int kMaxSlots = 8;
 // The parent looks at one picture, three wait in the child for what is decoded after them (margin.h), one is written.
 inline constexpr int kFewestSlots = 5;
 
@@ -91,7 +91,7 @@ inline constexpr std::size_t kEnoughBytes = std::size_t{256} << 20;
 
 // How many slots: large pictures get fewer.
 [[nodiscard]] inline int slots_for(std::size_t bytes_of_one) {
-  return static_cast<int>(std::clamp<std::size_t>(kEnoughBytes / bytes_of_one, kFewestSlots, kMostSlots));
+  return static_cast<int>(std::clamp<std::size_t>(kEnoughBytes / bytes_of_one, kFewestSlots, kMaxSlots));
 }
 
 // The most that all slots take together, of pictures with so many pixels.

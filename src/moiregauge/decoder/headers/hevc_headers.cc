@@ -16,7 +16,7 @@ constexpr int kSequenceSet = 33, kPictureSet = 34;
 // Slice headers are short, parameter sets seldom longer than a hundred bytes.
 constexpr std::size_t kMaxHeaderBytes = 4096;
 constexpr int kMaxSets = 64, kMaxNeighbours = 16, kMaxLongTerm = 32, kMaxReferences = 15;
-constexpr int kLeastParameter = -48, kMostParameterOf8Bits = 51;
+constexpr int kMinParameter = -48, kMaxParameterOf8Bits = 51;
 constexpr int kLargest = 1 << 24;  // of counts that have no tighter bound
 enum SliceType { kB = 0, kP = 1, kI = 2 };
 
@@ -270,7 +270,7 @@ std::optional<HevcQuantiser> HevcHeaders::read_slice(BitReader& bits, int unit_t
   if (sequence.has_sao) bits.skip(has_chroma ? 2 : 1);
   if (type != kI) skip_prediction(bits, *picture, {type == kB, has_chroma, uses_vectors, neighbours});
   const int parameter = picture->parameter + bits.signed_number(80);
-  if (!bits.good() || parameter < kLeastParameter || parameter > kMostParameterOf8Bits) return std::nullopt;
+  if (!bits.good() || parameter < kMinParameter || parameter > kMaxParameterOf8Bits) return std::nullopt;
   return HevcQuantiser{parameter, picture->varies};
 }
 

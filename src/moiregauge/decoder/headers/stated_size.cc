@@ -10,7 +10,7 @@ namespace moiregauge::internal {
 namespace {
 
 using Size = std::optional<std::uint64_t>;
-constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kMax = std::numeric_limits<std::uint64_t>::max();
 
 template <std::size_t N>
 std::optional<std::array<std::uint8_t, N>> bytes_at(const ReadAt& read, std::uint64_t offset) {
@@ -31,13 +31,13 @@ bool is_text(const std::array<std::uint8_t, N>& bytes, std::size_t at, std::stri
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
-Size sum(std::uint64_t a, std::uint64_t b) { return b > kMost - a ? Size() : Size(a + b); }
+Size sum(std::uint64_t a, std::uint64_t b) { return b > kMax - a ? Size() : Size(a + b); }
 
 Size size_by_boxes(const ReadAt& read, std::uint64_t file_bytes) {
-  constexpr int kMostBoxes = 1 << 20;  // a fragment a second for twelve days
+  constexpr int kMaxBoxes = 1 << 20;  // a fragment a second for twelve days
   std::uint64_t offset = 0;
   for (int boxes = 0; offset < file_bytes; ++boxes) {
-    if (boxes == kMostBoxes) return std::nullopt;
+    if (boxes == kMaxBoxes) return std::nullopt;
     const auto head = bytes_at<8>(read, offset);
     if (!head) return sum(offset, 8);  // cut within the head of a box
     std::uint64_t size = big_endian(std::span(*head).first(4));

@@ -42,7 +42,7 @@ double step_of_block(const AVCodecContext& decoder, const AVVideoEncParams& all,
     case AV_VIDEO_ENC_PARAMS_VP9:
       return step_of_vp9(std::clamp(parameter, 0, 255));
     case AV_VIDEO_ENC_PARAMS_H264:
-      return is_bypassed(decoder, parameter) ? 0.0 : step_of_parameter(std::clamp(parameter, 0, kMostParameter));
+      return is_bypassed(decoder, parameter) ? 0.0 : step_of_parameter(std::clamp(parameter, 0, kMaxParameter));
     case AV_VIDEO_ENC_PARAMS_MPEG2:
       return 2.0 * std::clamp(parameter, 1, 62);  // flat tables; the usual ones are coarser in what is fine only
     default:

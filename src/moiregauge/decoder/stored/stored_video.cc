@@ -48,7 +48,7 @@ std::optional<PixelKind> kind_of(std::uint32_t fourcc) {
 std::optional<StoredPixels> stored_pixels(std::uint32_t fourcc, std::int64_t width, std::int64_t height,
                                           std::size_t frame_bytes, RowGroups groups) {
   const auto kind = kind_of(fourcc);
-  if (!kind || width <= 0 || height <= 0 || width > wire::kMostPixels || height > wire::kMostPixels / width)
+  if (!kind || width <= 0 || height <= 0 || width > wire::kMaxPixels || height > wire::kMaxPixels / width)
     return std::nullopt;
   const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
   const std::size_t word = wire::word_bytes(kind->bits);

@@ -58,15 +58,15 @@ CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const Cir
   }
   const double diameter = fitted->ellipse.diameter();
   const auto shape = fitted->ellipse.shape();
-  verdict.circle = SeenCircle{.centre = {fitted->ellipse.centre.x(), fitted->ellipse.centre.y()},
-                              .u_centre_px = fitted->u_centre_px,
-                              .diameter_px = diameter,
-                              .axis_ratio = shape.axis_ratio,
-                              .angle_rad = shape.angle_rad,
-                              .circularity = std::min(traced.circularity, 1.0),
-                              .ellipse_residual = traced.residual_px / diameter,
-                              .contrast = traced.contrast,
-                              .background = traced.background};
+  verdict.circle = DetectedCircle{.centre = {fitted->ellipse.centre.x(), fitted->ellipse.centre.y()},
+                                  .u_centre_px = fitted->u_centre_px,
+                                  .diameter_px = diameter,
+                                  .axis_ratio = shape.axis_ratio,
+                                  .angle_rad = shape.angle_rad,
+                                  .circularity = std::min(traced.circularity, 1.0),
+                                  .ellipse_residual = traced.residual_px / diameter,
+                                  .contrast = traced.contrast,
+                                  .background = traced.background};
   return verdict;
 }
 

@@ -12,7 +12,7 @@
 namespace moiregauge::internal::markers_detail {
 
 struct CircleVerdict {
-  std::optional<SeenCircle> circle;
+  std::optional<DetectedCircle> circle;
   double circularity = 0.0;  // W of the sub-pixel outline, also of what is no circle
   std::string why;           // it is none
 };

@@ -61,7 +61,7 @@ class Search {
     if (known_.has(candidate.ellipse.centre, candidate.ellipse.diameter())) return;
     const CircleVerdict verdict = judge_circle(luma_, candidate.ellipse, options_);
     if (!verdict.circle) return refuse(candidate, verdict);
-    const SeenCircle& circle = *verdict.circle;
+    const DetectedCircle& circle = *verdict.circle;
     const Eigen::Vector2d centre(circle.centre.x, circle.centre.y);
     if (known_.has(centre, circle.diameter_px)) return;
     known_.add(centre, circle.diameter_px);
@@ -123,8 +123,8 @@ CircleSearch find_circles(const LumaView& luma, const CircleOptions& options) {
   return search.finish();
 }
 
-std::vector<SeenCircle> find_circles_near(const LumaView& luma, ImagePoint predicted, double diameter_px,
-                                          double reach_px, const CircleOptions& options) {
+std::vector<DetectedCircle> find_circles_near(const LumaView& luma, ImagePoint predicted, double diameter_px,
+                                              double reach_px, const CircleOptions& options) {
   constexpr double kSizeSlack = 1.5;  // between two frames a circle does not grow or shrink more
   const double half = reach_px + diameter_px + 4.0;
   const int x0 = std::max(0, static_cast<int>(std::floor(std::clamp(predicted.x - half, 0.0, 1e6))));
@@ -140,9 +140,9 @@ std::vector<SeenCircle> find_circles_near(const LumaView& luma, ImagePoint predi
     candidate.ellipse.centre += Eigen::Vector2d(x0, y0);
     search.look_at(candidate);
   }
-  std::vector<SeenCircle> circles = search.finish().circles;
-  std::erase_if(circles, [&](const SeenCircle& c) { return length(c.centre - predicted) > reach_px; });
-  std::sort(circles.begin(), circles.end(), [&](const SeenCircle& a, const SeenCircle& b) {
+  std::vector<DetectedCircle> circles = search.finish().circles;
+  std::erase_if(circles, [&](const DetectedCircle& c) { return length(c.centre - predicted) > reach_px; });
+  std::sort(circles.begin(), circles.end(), [&](const DetectedCircle& a, const DetectedCircle& b) {
     return length(a.centre - predicted) < length(b.centre - predicted);
   });
   return circles;

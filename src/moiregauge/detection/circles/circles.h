@@ -18,7 +18,7 @@ struct CircleOptions {
 };
 
 // An outline that looks like a circle seen at an angle: an ellipse.
-struct SeenCircle {
+struct DetectedCircle {
   ImagePoint centre;              // px, centre of the imaged ellipse
   double u_centre_px = 0.0;       // standard uncertainty of each coordinate
   double diameter_px = 0.0;       // geometric mean of the ellipse's axes
@@ -38,7 +38,7 @@ struct RejectedOutline {
 };
 
 struct CircleSearch {
-  std::vector<SeenCircle> circles;        // in order of y, then x
+  std::vector<DetectedCircle> circles;    // in order of y, then x
   std::vector<RejectedOutline> rejected;  // outlines of plausible size that failed a test
   [[nodiscard]] double best_rejected_circularity() const;
 };
@@ -48,7 +48,8 @@ struct CircleSearch {
 
 // The circle near a predicted place: searches only a window of +-reach_px + diameter round it. Same centre as
 // find_circles gives for the same circle. Empty when nothing there passes.
-[[nodiscard]] std::vector<SeenCircle> find_circles_near(const LumaView& luma, ImagePoint predicted, double diameter_px,
-                                                        double reach_px, const CircleOptions& options);
+[[nodiscard]] std::vector<DetectedCircle> find_circles_near(const LumaView& luma, ImagePoint predicted,
+                                                            double diameter_px, double reach_px,
+                                                            const CircleOptions& options);
 
 }  // namespace moiregauge::internal

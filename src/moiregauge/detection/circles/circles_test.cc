@@ -33,7 +33,7 @@ TEST(CircleCentre, IsTheCentreOfTheImagedEllipseAtEveryTiltAndSize) {
       const Disc disc{63.31, 64.78, diameter, radians_from_degrees(tilt), 0.6};
       const CircleSearch search = search_of(disc, {});
       ASSERT_EQ(search.circles.size(), 1U) << tilt << " deg, " << diameter << " px";
-      const SeenCircle& seen = search.circles.front();
+      const DetectedCircle& seen = search.circles.front();
       EXPECT_LT(std::hypot(seen.centre.x - disc.x, seen.centre.y - disc.y), kCentreGoal)
           << tilt << " deg, " << diameter;
       EXPECT_NEAR(seen.axis_ratio, std::cos(disc.tilt_rad), 0.005);

@@ -102,7 +102,7 @@ DiscSums sums_of_band(const std::vector<BandPixel>& band, const DiscState& s, st
     const double distance = (rho - 1.0) * per_px;
     const double z = side * distance / s.sigma;
     const double darkness = 0.5 * std::erfc(z * std::sqrt(0.5));  // 1 on the dark side
-    const double bell = std::exp(-0.5 * z * z) / std::sqrt(kTurn);
+    const double bell = std::exp(-0.5 * z * z) / std::sqrt(kTwoPi);
     const double plane = s.light + s.slope_x * u.x() + s.slope_y * u.y();
     const double rest = 1.0 - s.q * darkness;
     const double residual = pixel.grey - plane * rest;

@@ -20,13 +20,13 @@ using Real = hn::CappedTag<double, kRayLanes>;
 using Whole = hn::Rebind<std::int32_t, Real>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Real()));
 
-constexpr int kMost = 32;  // samples of a ray
+constexpr int kMax = 32;  // samples of a ray
 
 // In lots: what one pass stores the next loads some time after, when it is there.
 struct Samples {
-  alignas(64) double fx[kMost], fy[kMost];      // from the upper left of the four pixels round it
-  alignas(64) std::int32_t x[kMost], y[kMost];  // that one's place
-  alignas(64) std::int32_t level[4][kMost];     // upper left, upper right, lower left, lower right
+  alignas(64) double fx[kMax], fy[kMax];      // from the upper left of the four pixels round it
+  alignas(64) std::int32_t x[kMax], y[kMax];  // that one's place
+  alignas(64) std::int32_t level[4][kMax];    // upper left, upper right, lower left, lower right
 };
 
 template <typename Grey>

@@ -29,7 +29,7 @@ struct Scene {
 
 // Integral of the normal distribution function.
 inline double ramp(double z) {
-  return z * 0.5 * std::erfc(-z * std::sqrt(0.5)) + std::exp(-0.5 * z * z) / std::sqrt(kTurn);
+  return z * 0.5 * std::erfc(-z * std::sqrt(0.5)) + std::exp(-0.5 * z * z) / std::sqrt(kTwoPi);
 }
 
 // Share of a blurred box pixel at distance a that lies beyond an edge.

@@ -20,7 +20,7 @@ using Byte = hn::Rebind<std::uint8_t, Word>;  // as many of them as words
 using Words = hn::Vec<Word>;
 constexpr int kWords = static_cast<int>(hn::MaxLanes(Word()));
 constexpr int kColumns = kStripPx + 32;  // a strip, a column to either side, and what is read beyond
-constexpr std::uint16_t kMostSum = 16 * 255;
+constexpr std::uint16_t kMaxSum = 16 * 255;
 
 // Six rows of a strip from the column before its first on: those of a tile and one to either side.
 struct StripRows {
@@ -94,7 +94,7 @@ void TileRowExtremes(const GreyView& picture, int tile_y, std::uint8_t* low, std
       hn::StoreU(s, d, smallest + x);
       hn::StoreU(l, d, largest + x);
     }
-    for (int x = picture.width - x0; x < kStripPx; ++x) smallest[x] = kMostSum, largest[x] = 0;
+    for (int x = picture.width - x0; x < kStripPx; ++x) smallest[x] = kMaxSum, largest[x] = 0;
     for (int t = 0; t < kStripTiles; t += kWords) {
       Words s[kTilePx], l[kTilePx];
       hn::LoadInterleaved4(d, smallest + t * kTilePx, s[0], s[1], s[2], s[3]);
@@ -174,7 +174,7 @@ void TileRowSums(const GreyView& picture, int tile_y, TileSums& sums) {
   const Word d;
   const std::uint8_t* const row = picture.data + tile_y * kTilePx * picture.stride;
   const int whole = picture.width / kTilePx * kTilePx;
-  Words smallest = hn::Set(d, kMostSum), largest = hn::Zero(d);
+  Words smallest = hn::Set(d, kMaxSum), largest = hn::Zero(d);
   int x = 0;
   for (; x + kTilePx * kWords <= whole; x += kTilePx * kWords) {
     Words sum = fours(row + x);

@@ -61,7 +61,7 @@ void aim_rays(std::size_t count, std::vector<Ray>& rays) {
   if (rays.size() == count) return;  // as in the round before
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const double angle = kTurn * static_cast<double>(i) / static_cast<double>(count);
+    const double angle = kTwoPi * static_cast<double>(i) / static_cast<double>(count);
     rays[i].unit = {std::cos(angle), std::sin(angle)};
   }
 }
@@ -132,7 +132,7 @@ int find_edges(Round& round, TracedOutline& out) {
     }
   }
   const double slope = slopes.empty() ? 0.0 : slopes.median();
-  out.blur_px = slope > 0.0 ? std::abs(out.contrast) / (slope * std::sqrt(kTurn)) : 1.0;
+  out.blur_px = slope > 0.0 ? std::abs(out.contrast) / (slope * std::sqrt(kTwoPi)) : 1.0;
   return missing;
 }
 

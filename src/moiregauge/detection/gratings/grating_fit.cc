@@ -25,7 +25,7 @@ struct LatticePixel {
   double weight = 0.0;
 };
 
-double hann_at(double t) { return t > 0.0 && t < 1.0 ? 0.5 - 0.5 * std::cos(kTurn * t) : 0.0; }
+double hann_at(double t) { return t > 0.0 && t < 1.0 ? 0.5 - 0.5 * std::cos(kTwoPi * t) : 0.0; }
 
 class PixelPicker {
  public:
@@ -100,7 +100,7 @@ class Waves {
  public:
   explicit Waves(const Eigen::Vector2d& phi) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double angle = kTurn * phi[static_cast<Eigen::Index>(axis)];
+      const double angle = kTwoPi * phi[static_cast<Eigen::Index>(axis)];
       powers_[axis][1] = {std::cos(angle), std::sin(angle)};
       for (std::size_t n = 2; n < powers_[axis].size(); ++n) powers_[axis][n] = powers_[axis][n - 1] * powers_[axis][1];
     }
@@ -199,8 +199,8 @@ class Pass {
     series_ += (p.weight * left) * terms_;
     light_ += p.weight * p.x * p.x.transpose();
     light_right_ += p.weight * left * p.x;
-    slope1 *= kTurn;
-    slope2 *= kTurn;
+    slope1 *= kTwoPi;
+    slope2 *= kTwoPi;
     Eigen::Matrix<double, kUnknowns, 1> row;
     row << slope1, slope2, slope1 * p.x / w, slope2 * p.x / w, -(slope1 * phi.x() + slope2 * phi.y()) * p.x / w;
     normal_.selfadjointView<Eigen::Lower>().rankUpdate(row, p.weight);

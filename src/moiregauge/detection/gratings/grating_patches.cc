@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMostAttempts = 500;     // of the best seeds, in a picture full of things that repeat
+constexpr std::size_t kMaxAttempts = 500;      // of the best seeds, in a picture full of things that repeat
 constexpr std::size_t kMaxThinAttempts = 100;  // each takes about 2 ms
 // Smoothing keeps 0.6 of a pitch's fundamental and 0.1 of its second harmonic.
 constexpr double kPitchesPerSigma = 6.0;
@@ -56,10 +56,10 @@ class SmoothedPictures {
 
 ImageExtent extent_of_wave(const Eigen::RowVector2d& k) { return {k.x(), k.y()}; }
 
-SeenPatch seen_patch(const GrownPatch& grown) {
+DetectedPatch seen_patch(const GrownPatch& grown) {
   const Lattice& lattice = grown.model.lattice;
   const auto k_at = [&](ImagePoint p) -> Eigen::Matrix2d { return grown.to_phi.inverse() * lattice.jacobian(p); };
-  SeenPatch patch;
+  DetectedPatch patch;
   PhiBox box = grown.box;
   const Eigen::Matrix2d rough = grown.to_phi.inverse() * lattice.k;
   for (int axis = 0; axis < 2; ++axis) {
@@ -99,7 +99,7 @@ double beside(ImagePoint a, ImagePoint b, ImagePoint p) {
   return (ab.x * ap.y - ab.y * ap.x) / std::max(length(ab), 1e-12);
 }
 
-bool overlap(const SeenPatch& a, const SeenPatch& b) {
+bool overlap(const DetectedPatch& a, const DetectedPatch& b) {
   if (holds(a, b.centre) || holds(b, a.centre)) return true;
   return std::any_of(a.outline.begin(), a.outline.end(), [&](ImagePoint p) { return holds(b, p); }) ||
          std::any_of(b.outline.begin(), b.outline.end(), [&](ImagePoint p) { return holds(a, p); });
@@ -107,13 +107,13 @@ bool overlap(const SeenPatch& a, const SeenPatch& b) {
 
 }  // namespace
 
-bool holds(const SeenPatch& patch, ImagePoint p) {
+bool holds(const DetectedPatch& patch, ImagePoint p) {
   int sign = 0;
   for (std::size_t i = 0; i < 4; ++i) sign += beside(patch.outline[i], patch.outline[(i + 1) % 4], p) > 0.0 ? 1 : -1;
   return std::abs(sign) == 4;
 }
 
-double distance_px(const SeenPatch& patch, ImagePoint p) {
+double distance_px(const DetectedPatch& patch, ImagePoint p) {
   if (holds(patch, p)) return 0.0;
   double nearest = 1e300;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -125,11 +125,11 @@ double distance_px(const SeenPatch& patch, ImagePoint p) {
   return nearest;
 }
 
-std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingSearchOptions& options) {
+std::vector<DetectedPatch> find_grating_patches(const LumaView& luma, const GratingSearchOptions& options) {
   const Image<float> grey = grey_of(luma, options.bits);
-  std::vector<SeenPatch> patches, spent;
-  const auto in_any = [](const std::vector<SeenPatch>& list, ImagePoint at, double within) {
-    return std::any_of(list.begin(), list.end(), [&](const SeenPatch& p) { return distance_px(p, at) <= within; });
+  std::vector<DetectedPatch> patches, spent;
+  const auto in_any = [](const std::vector<DetectedPatch>& list, ImagePoint at, double within) {
+    return std::any_of(list.begin(), list.end(), [&](const DetectedPatch& p) { return distance_px(p, at) <= within; });
   };
   GrowthLimits limits{options.min_periods, options.min_explained, options.min_modulation, {}};
   limits.taken = [&](ImagePoint at) { return in_any(patches, at, 0.0); };
@@ -140,11 +140,11 @@ std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingS
       if (++attempts > max_attempts) break;
       const Grown grown = grow(seed);
       if (grown.outcome == Growth::kNoLattice) continue;
-      const SeenPatch patch = seen_patch(grown.patch);
+      const DetectedPatch patch = seen_patch(grown.patch);
       // If two overlap, the first is the print, because its seed was purer. The other is a harmonic or a piece of it.
       const bool keeps =
           grown.outcome == Growth::kPatch &&
-          std::none_of(patches.begin(), patches.end(), [&](const SeenPatch& p) { return overlap(p, patch); });
+          std::none_of(patches.begin(), patches.end(), [&](const DetectedPatch& p) { return overlap(p, patch); });
       (keeps ? patches : spent).push_back(patch);
     }
   };
@@ -156,9 +156,9 @@ std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingS
   search(seeds.thin_lines, kMaxThinAttempts,
          [&](const LatticeSeed& seed) { return grow_thin_lines(grey, smoothed_for, seed, limits); });
   spent.clear();
-  search(seeds.plain, kMostAttempts, [&](const LatticeSeed& seed) { return grow_patch(grey, seed, limits); });
+  search(seeds.plain, kMaxAttempts, [&](const LatticeSeed& seed) { return grow_patch(grey, seed, limits); });
   std::stable_sort(patches.begin(), patches.end(),
-                   [](const SeenPatch& a, const SeenPatch& b) { return a.modulation > b.modulation; });
+                   [](const DetectedPatch& a, const DetectedPatch& b) { return a.modulation > b.modulation; });
   return patches;
 }
 

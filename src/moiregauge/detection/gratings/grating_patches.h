@@ -20,7 +20,7 @@ struct GratingSearchOptions {
 
 using ImageExtent = Extent<frame::Image>;
 
-struct SeenPatch {
+struct DetectedPatch {
   ImagePoint centre;                  // px
   std::array<ImagePoint, 4> outline;  // px, in turn; a rectangle on the print that never reaches beyond it
   // The print's own axes, x nearest to the picture's horizontal (rightwards), y upwards. Cycles (pitches) per px at the
@@ -36,10 +36,11 @@ struct SeenPatch {
 };
 
 // Strongest first.
-[[nodiscard]] std::vector<SeenPatch> find_grating_patches(const LumaView& luma, const GratingSearchOptions& options);
+[[nodiscard]] std::vector<DetectedPatch> find_grating_patches(const LumaView& luma,
+                                                              const GratingSearchOptions& options);
 
-[[nodiscard]] bool holds(const SeenPatch& patch, ImagePoint p);
+[[nodiscard]] bool holds(const DetectedPatch& patch, ImagePoint p);
 // px from p to the nearest point of the outline; 0 inside.
-[[nodiscard]] double distance_px(const SeenPatch& patch, ImagePoint p);
+[[nodiscard]] double distance_px(const DetectedPatch& patch, ImagePoint p);
 
 }  // namespace moiregauge::internal

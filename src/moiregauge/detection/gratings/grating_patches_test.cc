@@ -21,11 +21,11 @@ PaintedPrint squares() {
   return print;
 }
 
-std::vector<SeenPatch> patches_in(const Image<std::uint8_t>& picture) {
+std::vector<DetectedPatch> patches_in(const Image<std::uint8_t>& picture) {
   return find_grating_patches(picture.view(), {});
 }
 
-std::vector<SeenPatch> seen(const PaintedPrint& print, double fade = 0.0) {
+std::vector<DetectedPatch> seen(const PaintedPrint& print, double fade = 0.0) {
   auto picture = testing::blank(256, 256);
   testing::paint(print, picture);
   testing::expose(picture, 1.5, fade);
@@ -119,21 +119,21 @@ TEST(GratingElements, DotsBeyondTheOutlineAreStillDots) {
   PaintedPrint print = squares();
   print.half_x = print.half_y = 5.0;
   print.ink = testing::ink_of_dots;
-  std::vector<SeenCircle> circles;
+  std::vector<DetectedCircle> circles;
   for (int m = -4; m <= 4; ++m) {
     for (int n = -4; n <= 4; ++n) {
       const Eigen::Vector2d px = print.k.inverse() * Eigen::Vector2d(m, n);
-      SeenCircle c;
+      DetectedCircle c;
       c.centre = {print.centre.x + px.x(), print.centre.y + px.y()};
       c.diameter_px = 11.0;
       circles.push_back(c);
     }
   }
-  SeenCircle marker;  // as large as two dots, half a pitch out of step
+  DetectedCircle marker;  // as large as two dots, half a pitch out of step
   marker.centre = print.centre + ImageExtent{11.0, 7.0 * 22.0};
   marker.diameter_px = 22.0;
   circles.push_back(marker);
-  SeenPatch patch;  // only the middle of the print was found
+  DetectedPatch patch;  // only the middle of the print was found
   const Eigen::Matrix2d px = print.k.inverse();
   const auto corner = [&](double x, double y) {
     const Eigen::Vector2d p = px * Eigen::Vector2d(x, y);
@@ -142,7 +142,7 @@ TEST(GratingElements, DotsBeyondTheOutlineAreStillDots) {
   patch.outline = {corner(-1.5, -1.5), corner(1.5, -1.5), corner(1.5, 1.5), corner(-1.5, 1.5)};
   patch.k_x = {print.k(0, 0), print.k(0, 1)};
   patch.k_y = {print.k(1, 0), print.k(1, 1)};
-  const std::vector<SeenPatch> patches{patch};
+  const std::vector<DetectedPatch> patches{patch};
   const auto left = without_elements(circles, patches);
   ASSERT_EQ(left.size(), 1U);
   EXPECT_EQ(left[0].diameter_px, marker.diameter_px);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kSide = 16;    // places along each axis
 constexpr double kProbeReach = 1.1;  // periods
-constexpr int kMostTerms = 9;        // mean, (1, 0), (0, 1), (1, 1), (1, -1)
+constexpr int kMaxTerms = 9;         // mean, (1, 0), (0, 1), (1, 1), (1, -1)
 
 const std::array<Eigen::Vector2d, kSide * kSide>& places() {
   static const auto list = [] {
@@ -44,33 +44,32 @@ double explained_by(const LatticeSeed& seed, const Image<float>& grey) {
   k.row(0) = seed.k1.transpose();
   k.row(1) = lines ? Eigen::RowVector2d(-seed.k1.y(), seed.k1.x()) : Eigen::RowVector2d(seed.k2.transpose());
   const Eigen::Matrix2d px_from_phi = k.inverse();
-  const Eigen::Index terms = lines ? 3 : kMostTerms;
-  Eigen::Matrix<double, kMostTerms + 1, kMostTerms + 1> sums =
-      decltype(sums)::Zero();  // the last one is the grey level
+  const Eigen::Index terms = lines ? 3 : kMaxTerms;
+  Eigen::Matrix<double, kMaxTerms + 1, kMaxTerms + 1> sums = decltype(sums)::Zero();  // the last one is the grey level
   for (const Eigen::Vector2d& place : places()) {
     const Eigen::Vector2d x = px_from_phi * place;
     const int px = static_cast<int>(std::lround(seed.centre.x + x.x())),
               py = static_cast<int>(std::lround(seed.centre.y + x.y()));
     if (px < 0 || py < 0 || px >= grey.width() || py >= grey.height()) continue;
-    const Eigen::Vector2d phi = kTurn * (k * Eigen::Vector2d(px - seed.centre.x, py - seed.centre.y));
+    const Eigen::Vector2d phi = kTwoPi * (k * Eigen::Vector2d(px - seed.centre.x, py - seed.centre.y));
     const double c1 = std::cos(phi.x()), s1 = std::sin(phi.x());
-    Eigen::Matrix<double, kMostTerms + 1, 1> row = decltype(row)::Zero();
+    Eigen::Matrix<double, kMaxTerms + 1, 1> row = decltype(row)::Zero();
     row.head<3>() << 1.0, c1, s1;
     if (!lines) {
       const double c2 = std::cos(phi.y()), s2 = std::sin(phi.y());
       row.segment<6>(3) << c2, s2, c1 * c2, s1 * s2, s1 * c2, c1 * s2;
     }
-    row[kMostTerms] = double{grey.at(px, py)};
+    row[kMaxTerms] = double{grey.at(px, py)};
     sums.noalias() += row * row.transpose();
   }
-  const double count = sums(0, 0), greys = sums(0, kMostTerms);
+  const double count = sums(0, 0), greys = sums(0, kMaxTerms);
   // Half of the core beyond the picture's edge is too little to judge by.
   if (count < 0.5 * kSide * kSide) return 0.0;
-  const double variation = sums(kMostTerms, kMostTerms) - greys * greys / count;
+  const double variation = sums(kMaxTerms, kMaxTerms) - greys * greys / count;
   Eigen::MatrixXd normal = sums.topLeftCorner(terms, terms);
   normal.diagonal().array() += 1e-6 * count;
-  const Eigen::VectorXd right = sums.col(kMostTerms).head(terms);
-  const double left = sums(kMostTerms, kMostTerms) - normal.ldlt().solve(right).dot(right);
+  const Eigen::VectorXd right = sums.col(kMaxTerms).head(terms);
+  const double left = sums(kMaxTerms, kMaxTerms) - normal.ldlt().solve(right).dot(right);
   return variation > 0.0 ? std::clamp(1.0 - left / variation, 0.0, 1.0) : 0.0;
 }
 
@@ -88,7 +87,7 @@ double explained_by_thin_lines(const LatticeSeed& seed, const Image<float>& grey
     const int px = static_cast<int>(std::lround(seed.centre.x + x.x())),
               py = static_cast<int>(std::lround(seed.centre.y + x.y()));
     if (px < 0 || py < 0 || px >= grey.width() || py >= grey.height()) continue;
-    const Eigen::Vector2d phi = kTurn * (k * Eigen::Vector2d(px - seed.centre.x, py - seed.centre.y));
+    const Eigen::Vector2d phi = kTwoPi * (k * Eigen::Vector2d(px - seed.centre.x, py - seed.centre.y));
     row[0] = 1.0;
     for (int axis = 0; axis < 2; ++axis) {
       const double c = std::cos(phi[axis]), s = std::sin(phi[axis]);

@@ -15,14 +15,14 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kTile = 32;                // pixels of the level
-constexpr double kLowestBin = 1.9;       // fewer periods in a tile are not a lattice yet; the next level sees them
-constexpr double kHighestBin = 6.4;      // finer ones belong to the level before
-constexpr double kFinestBin = 13.5;      // but for the first level: 2.4 px
-constexpr double kLobe = 1.7;            // bins, the main lobe of the window
-constexpr double kPairShare = 0.25;      // of the spectrum, that two fundamentals must hold
-constexpr double kLinesShare = 0.5;      // and one
-constexpr double kLeastExplained = 0.4;  // of a tile's grey levels
+constexpr int kTile = 32;              // pixels of the level
+constexpr double kLowestBin = 1.9;     // fewer periods in a tile are not a lattice yet; the next level sees them
+constexpr double kHighestBin = 6.4;    // finer ones belong to the level before
+constexpr double kFinestBin = 13.5;    // but for the first level: 2.4 px
+constexpr double kLobe = 1.7;          // bins, the main lobe of the window
+constexpr double kPairShare = 0.25;    // of the spectrum, that two fundamentals must hold
+constexpr double kLinesShare = 0.5;    // and one
+constexpr double kMinExplained = 0.4;  // of a tile's grey levels
 // Thin lines spread their power over many harmonics, so that the plain probe may see less than it requires.
 constexpr double kMinPlainOfThin = 0.2;
 constexpr double kMinThinExplained = 0.5;
@@ -42,7 +42,7 @@ const std::array<float, kTile>& hann_window() {
   static const std::array<float, kTile> weights = [] {
     std::array<float, kTile> w{};
     for (int i = 0; i < kTile; ++i)
-      w[static_cast<std::size_t>(i)] = static_cast<float>(0.5 - 0.5 * std::cos(kTurn * (i + 0.5) / kTile));
+      w[static_cast<std::size_t>(i)] = static_cast<float>(0.5 - 0.5 * std::cos(kTwoPi * (i + 0.5) / kTile));
     return w;
   }();
   return weights;
@@ -230,7 +230,7 @@ LatticeSeeds find_lattice_seeds(const Image<float>& grey, double min_modulation)
     thin.score = explained_by_thin_lines(seed, grey);
     if (thin.score > kMinThinExplained) found.thin_lines.push_back(thin);
   }
-  std::erase_if(seeds, [](const LatticeSeed& seed) { return seed.score < kLeastExplained; });
+  std::erase_if(seeds, [](const LatticeSeed& seed) { return seed.score < kMinExplained; });
   for (auto* list : {&found.plain, &found.thin_lines}) {
     std::stable_sort(list->begin(), list->end(),
                      [](const LatticeSeed& a, const LatticeSeed& b) { return a.score > b.score; });

@@ -13,10 +13,10 @@ constexpr double kCore = 1.1;      // fundamental periods each way from the seed
 constexpr double kCore_px = 8.0;   // and as much of the seed's tile as its window has looked at
 constexpr double kStranger = 0.6;  // rms misfit of a strip, in the pattern's own rms, that is no longer the print
 constexpr double kStretch = 1.4;   // growth between two fits: so far an affine lattice tells where to look
-constexpr double kMostBack = 0.5;  // pitches
+constexpr double kMaxBack = 0.5;   // pitches
 constexpr double kFinestHarmonic_px = 2.2;
-constexpr double kMostInStrip = 64.0;         // points that judge a strip
-constexpr int kMostRounds = 16;               // 2 kCore kStretch^16: more periods than any picture has
+constexpr double kMaxInStrip = 64.0;          // points that judge a strip
+constexpr int kMaxRounds = 16;                // 2 kCore kStretch^16: more periods than any picture has
 constexpr std::size_t kSeedPixels = 600;      // tell whether a seed is worth growing
 constexpr std::size_t kGrowingPixels = 1600;  // tell where the next strip is
 constexpr std::size_t kFinalPixels = 20000;   // all of a marker: only then do the finest harmonics cancel
@@ -129,7 +129,7 @@ class Side {
     const Eigen::Matrix2d k = per_px(patch);
     step_ = sign_ * k.row(axis).norm();
     const double px = extent_of_box(patch)[along_] / k.row(along_).norm();
-    points_ = static_cast<int>(std::clamp(px, 8.0, kMostInStrip));
+    points_ = static_cast<int>(std::clamp(px, 8.0, kMaxInStrip));
   }
   [[nodiscard]] double step() const { return step_; }
   void learn_light(double edge) {
@@ -200,7 +200,7 @@ bool grow_side(const Image<float>& grey, GrownPatch& patch, int axis, bool high)
   const double start = edge, most = (kStretch - 1.0) * extent_of_box(patch)[axis];
   Side side(grey, patch, axis, high);
   side.learn_light(edge);
-  while (std::abs(edge - start) < kMostBack && !side.belongs(edge) && !side.belongs(edge - side.step()))
+  while (std::abs(edge - start) < kMaxBack && !side.belongs(edge) && !side.belongs(edge - side.step()))
     edge -= side.step();
   if (edge != start) return true;
   double learnt = edge;
@@ -226,7 +226,7 @@ Grown grown(const Image<float>& grey, GrownPatch patch, bool diagonal, const Gro
   // Inside the diamond of the diagonals when those are the fundamentals'.
   if (diagonal) patch.box = {0.5 * patch.box.low, 0.5 * patch.box.high};
   patch.to_phi = print_axes(patch.model.lattice, diagonal);
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const GrownPatch before = patch;
     if (!grow(grey, patch)) break;
     if (is_taken(patch, limits)) return {Growth::kTaken, patch};

@@ -10,7 +10,7 @@
 namespace moiregauge::internal::markers_detail {
 
 // 0 to 1, without any pattern in n (the finaliser of SplitMix64).
-[[nodiscard]] inline double strewn(std::uint64_t n) {
+[[nodiscard]] inline double stratified_points(std::uint64_t n) {
   n = (n + 1) * 0x9E3779B97F4A7C15U;
   n = (n ^ (n >> 30U)) * 0xBF58476D1CE4E5B9U;
   n = (n ^ (n >> 27U)) * 0x94D049BB133111EBU;
@@ -20,7 +20,7 @@ namespace moiregauge::internal::markers_detail {
 // The i-th of side x side places in the unit square, one in each cell of a raster.
 [[nodiscard]] inline Eigen::Vector2d strewn_in_square(std::size_t i, std::size_t side) {
   const Eigen::Vector2d cell(static_cast<double>(i % side), static_cast<double>(i / side));
-  return (cell + Eigen::Vector2d(strewn(2 * i), strewn(2 * i + 1))) / static_cast<double>(side);
+  return (cell + Eigen::Vector2d(stratified_points(2 * i), stratified_points(2 * i + 1))) / static_cast<double>(side);
 }
 
 }  // namespace moiregauge::internal::markers_detail

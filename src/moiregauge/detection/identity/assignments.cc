@@ -37,7 +37,7 @@ struct Gauge {
   Eigen::Matrix2d board_from_px;
 };
 
-Gauge gauge_of(const SeenCircle& circle, double diameter_mm) {
+Gauge gauge_of(const DetectedCircle& circle, double diameter_mm) {
   const double c = std::cos(circle.angle_rad), s = std::sin(circle.angle_rad);
   const Eigen::Matrix2d turn = (Eigen::Matrix2d() << c, -s, s, c).finished();
   const double major = circle.diameter_px / diameter_mm / std::sqrt(circle.axis_ratio);
@@ -66,7 +66,7 @@ Eigen::Vector2d elongation(const Eigen::Matrix2d& symmetric) {
 
 class Searcher {
  public:
-  Searcher(const std::vector<ReferenceCircle>& references, const std::vector<SeenCircle>& seen, double position_mm,
+  Searcher(const std::vector<ReferenceCircle>& references, const std::vector<DetectedCircle>& seen, double position_mm,
            const std::function<bool(std::size_t, std::size_t)>& may_be)
       : references_(references), seen_(seen), position_mm_(position_mm) {
     sizes_stated_ =
@@ -283,7 +283,7 @@ class Searcher {
   }
 
   const std::vector<ReferenceCircle>& references_;
-  const std::vector<SeenCircle>& seen_;
+  const std::vector<DetectedCircle>& seen_;
   double position_mm_ = 0.0;
   bool sizes_stated_ = true;
   std::vector<std::vector<Gauge>> gauges_;         // [reference][circle]
@@ -294,8 +294,9 @@ class Searcher {
 
 }  // namespace
 
-AssignmentSearch find_assignments(const std::vector<ReferenceCircle>& references, const std::vector<SeenCircle>& seen,
-                                  double position_mm, const std::function<bool(std::size_t, std::size_t)>& may_be) {
+AssignmentSearch find_assignments(const std::vector<ReferenceCircle>& references,
+                                  const std::vector<DetectedCircle>& seen, double position_mm,
+                                  const std::function<bool(std::size_t, std::size_t)>& may_be) {
   return Searcher(references, seen, position_mm, may_be).run();
 }
 

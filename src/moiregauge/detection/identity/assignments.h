@@ -34,7 +34,7 @@ struct AssignmentSearch {
 
 // may_be(reference, circle) says what is to be tried at all.
 [[nodiscard]] AssignmentSearch find_assignments(const std::vector<ReferenceCircle>& references,
-                                                const std::vector<SeenCircle>& seen, double position_mm,
+                                                const std::vector<DetectedCircle>& seen, double position_mm,
                                                 const std::function<bool(std::size_t, std::size_t)>& may_be);
 
 }  // namespace moiregauge::internal::markers_detail

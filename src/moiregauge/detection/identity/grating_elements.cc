@@ -16,7 +16,7 @@ constexpr double kElementStep = 0.2;
 constexpr double kOneElement = 0.2;  // relative difference of neighbours' diameters
 
 // px per pitch, along the print's x and y.
-std::array<ImageExtent, 2> steps_of(const SeenPatch& patch) {
+std::array<ImageExtent, 2> steps_of(const DetectedPatch& patch) {
   Eigen::Matrix2d k;
   k << patch.k_x.x, patch.k_x.y, patch.k_y.x, patch.k_y.y;
   const Eigen::Matrix2d px = k.inverse();
@@ -24,7 +24,7 @@ std::array<ImageExtent, 2> steps_of(const SeenPatch& patch) {
 }
 
 // Marks the circles inside the patch, and from each of them on its neighbours one pitch away, as far as there are any.
-void mark(const SeenPatch& patch, std::span<const SeenCircle> circles, std::vector<bool>& is_element) {
+void mark(const DetectedPatch& patch, std::span<const DetectedCircle> circles, std::vector<bool>& is_element) {
   const auto steps = steps_of(patch);
   const double pitch_px = 0.5 * (length(steps[0]) + length(steps[1]));
   std::vector<std::size_t> open;
@@ -36,7 +36,7 @@ void mark(const SeenPatch& patch, std::span<const SeenCircle> circles, std::vect
     if (!is_element[i] && distance_px(patch, circles[i].centre) < kCautious * pitch_px) take(i);
   }
   while (!open.empty()) {
-    const SeenCircle& from = circles[open.back()];
+    const DetectedCircle& from = circles[open.back()];
     open.pop_back();
     for (int n = 0; n < 4; ++n) {
       const ImagePoint there = from.centre + (n % 2 == 0 ? 1.0 : -1.0) * steps[static_cast<std::size_t>(n / 2)];
@@ -50,10 +50,11 @@ void mark(const SeenPatch& patch, std::span<const SeenCircle> circles, std::vect
 
 }  // namespace
 
-std::vector<SeenCircle> without_elements(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+std::vector<DetectedCircle> without_elements(std::span<const DetectedCircle> circles,
+                                             std::span<const DetectedPatch> patches) {
   std::vector<bool> is_element(circles.size(), false);
-  for (const SeenPatch& patch : patches) mark(patch, circles, is_element);
-  std::vector<SeenCircle> out;
+  for (const DetectedPatch& patch : patches) mark(patch, circles, is_element);
+  std::vector<DetectedCircle> out;
   for (std::size_t i = 0; i < circles.size(); ++i) {
     if (!is_element[i]) out.push_back(circles[i]);
   }

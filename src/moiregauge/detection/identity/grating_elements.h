@@ -12,7 +12,7 @@ namespace moiregauge::internal {
 
 // The circles that are no elements of a grating: neither inside its outline, nor in step with those inside where the
 // print goes on beyond it (a sheet partly covered, or cut along other lines than its print's).
-[[nodiscard]] std::vector<SeenCircle> without_elements(std::span<const SeenCircle> circles,
-                                                       std::span<const SeenPatch> patches);
+[[nodiscard]] std::vector<DetectedCircle> without_elements(std::span<const DetectedCircle> circles,
+                                                           std::span<const DetectedPatch> patches);
 
 }  // namespace moiregauge::internal

@@ -51,12 +51,12 @@ std::string text_of(const char* format, Values... values) {
 }
 
 // Circles that are one of very many of their size.
-std::vector<bool> crowd_of(const std::vector<SeenCircle>& circles) {
+std::vector<bool> crowd_of(const std::vector<DetectedCircle>& circles) {
   std::vector<double> sizes;
-  for (const SeenCircle& c : circles) sizes.push_back(c.diameter_px);
+  for (const DetectedCircle& c : circles) sizes.push_back(c.diameter_px);
   std::sort(sizes.begin(), sizes.end());
   std::vector<bool> out;
-  for (const SeenCircle& c : circles) {
+  for (const DetectedCircle& c : circles) {
     const auto low = std::lower_bound(sizes.begin(), sizes.end(), c.diameter_px * (1.0 - kCrowdSize));
     const auto high = std::upper_bound(sizes.begin(), sizes.end(), c.diameter_px * (1.0 + kCrowdSize));
     out.push_back(static_cast<std::size_t>(high - low) > kCrowd);
@@ -64,12 +64,12 @@ std::vector<bool> crowd_of(const std::vector<SeenCircle>& circles) {
   return out;
 }
 
-bool same_places(const Assignment& a, const Assignment& b, const std::vector<SeenCircle>& seen) {
+bool same_places(const Assignment& a, const Assignment& b, const std::vector<DetectedCircle>& seen) {
   // As sets: each circle of a has one of b at its place, whichever reference it plays.
   const auto at_a_place_of = [&](int i, const Assignment& other) {
     return std::any_of(other.circle_of_reference.begin(), other.circle_of_reference.end(), [&](int k) {
       if (k < 0) return false;
-      const SeenCircle &p = seen[static_cast<std::size_t>(i)], &q = seen[static_cast<std::size_t>(k)];
+      const DetectedCircle &p = seen[static_cast<std::size_t>(i)], &q = seen[static_cast<std::size_t>(k)];
       return length(p.centre - q.centre) < kSamePlaceShare * std::max(p.diameter_px, q.diameter_px);
     });
   };
@@ -78,7 +78,7 @@ bool same_places(const Assignment& a, const Assignment& b, const std::vector<See
 }
 
 bool other_turn(const Assignment& a, const Assignment& b) {
-  return std::abs(std::remainder(a.roll_rad - b.roll_rad, kTurn)) > kOtherTurn;
+  return std::abs(std::remainder(a.roll_rad - b.roll_rad, kTwoPi)) > kOtherTurn;
 }
 
 struct Ranked {
@@ -88,7 +88,7 @@ struct Ranked {
 };
 
 // The best set of circles, and of its turns the nearest one. Null, with the reason, when there is no telling.
-const Assignment* decide(std::vector<Ranked> ranked, const std::vector<SeenCircle>& seen, double same_distance,
+const Assignment* decide(std::vector<Ranked> ranked, const std::vector<DetectedCircle>& seen, double same_distance,
                          const char* nearest_to, std::string& reason) {
   std::stable_sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) { return a.cost < b.cost; });
   const Ranked& best = ranked.front();
@@ -117,7 +117,7 @@ const Assignment* decide(std::vector<Ranked> ranked, const std::vector<SeenCircl
 }
 
 // The circle of a target: the nearest one of its size to where the layout has it; targets move, so within a wide reach.
-void add_targets(const Site& site, const std::vector<SeenCircle>& seen, double reach_px, Identified& out) {
+void add_targets(const Site& site, const std::vector<DetectedCircle>& seen, double reach_px, Identified& out) {
   for (std::size_t m = 0; m < site.markers.size(); ++m) {
     const Marker& marker = site.markers[m];
     if (marker.role != Role::kTarget || !marker.circle) continue;
@@ -160,7 +160,7 @@ struct Preference {
 tl::expected<Identified, IdentityFailure> identify(const Site& site, const CircleSearch& search,
                                                    const Preference& prefer) {
   const References references = references_of(site);
-  const std::vector<SeenCircle>& seen = search.circles;
+  const std::vector<DetectedCircle>& seen = search.circles;
   const auto n = static_cast<int>(references.circles.size());
   const double best_rejected = search.best_rejected_circularity();
   const auto fail = [&](int found, std::string reason) {

@@ -41,10 +41,10 @@ ImageFromBoard oblique_view(double pitch, double yaw, double roll, double distan
   return ImageFromBoard(camera * plane);
 }
 
-SeenCircle seen_circle(const ImageFromBoard& view, BoardPoint where, double diameter_mm) {
+DetectedCircle seen_circle(const ImageFromBoard& view, BoardPoint where, double diameter_mm) {
   const Matrix2 j = view.jacobian(where);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(j * j.transpose());
-  SeenCircle circle;
+  DetectedCircle circle;
   circle.centre = view(where);
   circle.diameter_px = diameter_mm * std::sqrt(std::abs(j.determinant()));
   circle.axis_ratio = std::sqrt(solver.eigenvalues()[0] / solver.eigenvalues()[1]);
@@ -77,7 +77,7 @@ TEST(Identity, IsRightOrRefusedAmongLookAlikesAndEllipses) {
       bool free = true;
       for (const Marker& marker : site.markers) free = free && length(there - marker.circle->centre) > 1.1 * kCircleMm;
       if (!free) continue;
-      SeenCircle decoy = seen_circle(view, there, i < 6 ? kCircleMm : kCircleMm * (1.0 + share(rng)));
+      DetectedCircle decoy = seen_circle(view, there, i < 6 ? kCircleMm : kCircleMm * (1.0 + share(rng)));
       if (i >= 6) decoy.axis_ratio *= 0.85 + 0.3 * share(rng);
       search.circles.push_back(decoy);
     }

@@ -28,7 +28,7 @@ struct Pair {
 };
 
 // Pitches per px; of lines, which show one of them, the other is taken as equal and square to it.
-Eigen::Matrix2d lattice_of(const SeenPatch& p) {
+Eigen::Matrix2d lattice_of(const DetectedPatch& p) {
   Eigen::Matrix2d k;
   k << p.k_x.x, p.k_x.y, p.k_y.x, p.k_y.y;
   if (p.pattern == Pattern::kLinesX) k.row(1) << p.k_x.y, -p.k_x.x;
@@ -36,10 +36,10 @@ Eigen::Matrix2d lattice_of(const SeenPatch& p) {
   return k;
 }
 
-bool shows_the_plane(const SeenPatch& p) { return p.pattern != Pattern::kLinesX && p.pattern != Pattern::kLinesY; }
+bool shows_the_plane(const DetectedPatch& p) { return p.pattern != Pattern::kLinesX && p.pattern != Pattern::kLinesY; }
 
 // Diameters of the circle along its axes on the grating's plane, in pitches, larger first.
-Eigen::Vector2d on_plane(const SeenCircle& circle, const SeenPatch& patch) {
+Eigen::Vector2d on_plane(const DetectedCircle& circle, const DetectedPatch& patch) {
   const double c = std::cos(circle.angle_rad), s = std::sin(circle.angle_rad);
   const double major = circle.diameter_px / std::sqrt(circle.axis_ratio), minor = major * circle.axis_ratio;
   Eigen::Matrix2d axes;  // the ellipse's, as columns
@@ -47,7 +47,7 @@ Eigen::Vector2d on_plane(const SeenCircle& circle, const SeenPatch& patch) {
   return Eigen::JacobiSVD<Eigen::Matrix2d>(lattice_of(patch) * axes).singularValues();
 }
 
-std::optional<Pair> pair_of(const SeenCircle& circle, const SeenPatch& patch) {
+std::optional<Pair> pair_of(const DetectedCircle& circle, const DetectedPatch& patch) {
   Pair pair;
   pair.edge_px = distance_px(patch, circle.centre);
   if (pair.edge_px > kGratingReach * circle.diameter_px || holds(patch, circle.centre)) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<Pair> pair_of(const SeenCircle& circle, const SeenPatch& patch) {
 }
 
 // Each circle and each grating with the one nearest to it of the other kind, where that is mutual.
-std::vector<Pair> nearest_pairs(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+std::vector<Pair> nearest_pairs(std::span<const DetectedCircle> circles, std::span<const DetectedPatch> patches) {
   std::vector<Pair> all;
   for (std::size_t i = 0; i < circles.size(); ++i) {
     for (std::size_t j = 0; j < patches.size(); ++j) {
@@ -92,13 +92,14 @@ bool alike_pairs(const Pair& a, const Pair& b) {
 
 }  // namespace
 
-double out_of_round(const SeenCircle& circle, const SeenPatch& patch) {
+double out_of_round(const DetectedCircle& circle, const DetectedPatch& patch) {
   if (!shows_the_plane(patch)) return 0.0;
   const Eigen::Vector2d diameters = on_plane(circle, patch);
   return std::log(diameters[0] / diameters[1]);
 }
 
-std::vector<LikeSheet> like_sheets(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
+std::vector<LikeSheet> matching_sheets(std::span<const DetectedCircle> circles,
+                                       std::span<const DetectedPatch> patches) {
   const std::vector<Pair> pairs = nearest_pairs(circles, patches);
   std::vector<LikeSheet> best;
   for (const Pair& first : pairs) {

@@ -24,12 +24,12 @@ inline constexpr double kRoundPx = 0.7;  // px of diameter: two spreads of a see
 
 // ln(major / minor) of the circle on the grating's plane, as the grating's lattice shows it: 0 where the circle is
 // round and on that plane. Of lines, which do not show the plane, 0.
-[[nodiscard]] double out_of_round(const SeenCircle& circle, const SeenPatch& patch);
+[[nodiscard]] double out_of_round(const DetectedCircle& circle, const DetectedPatch& patch);
 
 // The largest set of circles, each with the grating nearest to it, that agree in the circle's size and contrast and in
 // the grating's extent and distance, all counted in pitches of that grating, which takes the view out. Only circles
 // that are round where the grating's lattice is square lie on its plane. Fewer than two that agree are no set: empty.
-[[nodiscard]] std::vector<LikeSheet> like_sheets(std::span<const SeenCircle> circles,
-                                                 std::span<const SeenPatch> patches);
+[[nodiscard]] std::vector<LikeSheet> matching_sheets(std::span<const DetectedCircle> circles,
+                                                     std::span<const DetectedPatch> patches);
 
 }  // namespace moiregauge::internal

@@ -15,8 +15,8 @@ namespace {
 constexpr double kPitch = 20.0;  // px
 
 // A grating of 3 x 3 pitches, face on.
-SeenPatch grating(ImagePoint centre, double periods = 3.0) {
-  SeenPatch p;
+DetectedPatch grating(ImagePoint centre, double periods = 3.0) {
+  DetectedPatch p;
   p.centre = centre;
   const double half = 0.5 * periods * kPitch;
   p.outline = {ImagePoint{centre.x - half, centre.y - half},
@@ -29,8 +29,8 @@ SeenPatch grating(ImagePoint centre, double periods = 3.0) {
   return p;
 }
 
-SeenCircle circle(ImagePoint centre, double axis_ratio = 1.0) {
-  SeenCircle c;
+DetectedCircle circle(ImagePoint centre, double axis_ratio = 1.0) {
+  DetectedCircle c;
   c.centre = centre;
   c.diameter_px = 32.0;
   c.axis_ratio = axis_ratio;
@@ -39,8 +39,8 @@ SeenCircle circle(ImagePoint centre, double axis_ratio = 1.0) {
 }
 
 struct SheetScene {
-  std::vector<SeenCircle> circles;
-  std::vector<SeenPatch> patches;
+  std::vector<DetectedCircle> circles;
+  std::vector<DetectedPatch> patches;
 };
 
 // Four sheets, each with a circle 56 px beside its grating, and a target in the middle.
@@ -54,30 +54,30 @@ SheetScene rig() {
   return s;
 }
 
-bool has(const std::vector<SeenCircle>& circles, ImagePoint centre) {
+bool has(const std::vector<DetectedCircle>& circles, ImagePoint centre) {
   return std::any_of(circles.begin(), circles.end(),
-                     [&](const SeenCircle& c) { return length(c.centre - centre) < 1.0; });
+                     [&](const DetectedCircle& c) { return length(c.centre - centre) < 1.0; });
 }
 
 TEST(LikeSheets, FourCirclesBesideGratingsOfOneKindAreASet) {
   const SheetScene s = rig();
-  EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 4U);
+  EXPECT_EQ(matching_sheets(s.circles, s.patches).size(), 4U);
 }
 
 TEST(LikeSheets, LookAlikesWithoutAGratingAreNotAmongTheOutermost) {
   SheetScene s = rig();
   for (const ImagePoint c : {ImagePoint{30, 30}, {990, 30}, {990, 480}, {30, 480}}) s.circles.push_back(circle(c));
-  const auto outermost = outermost_circles(s.circles, s.patches);
-  EXPECT_FALSE(outermost.doubtful);
-  ASSERT_EQ(outermost.circles.size(), 4U);
-  EXPECT_TRUE(has(outermost.circles, {250, 170}));
-  EXPECT_TRUE(has(outermost.circles, {750, 340}));
+  const auto select_references = outermost_circles(s.circles, s.patches);
+  EXPECT_FALSE(select_references.doubtful);
+  ASSERT_EQ(select_references.circles.size(), 4U);
+  EXPECT_TRUE(has(select_references.circles, {250, 170}));
+  EXPECT_TRUE(has(select_references.circles, {750, 340}));
 }
 
 TEST(LikeSheets, ALookAlikeBesideTheTargetStandsToItAsNoOtherDoes) {
   SheetScene s = rig();
   s.circles.push_back(circle({500, 80}));  // 175 px from its centre, where a reference has 56
-  const auto sheets = like_sheets(s.circles, s.patches);
+  const auto sheets = matching_sheets(s.circles, s.patches);
   ASSERT_EQ(sheets.size(), 4U);
   for (const LikeSheet& sheet : sheets) EXPECT_NE(sheet.patch, 4U);
 }
@@ -85,7 +85,7 @@ TEST(LikeSheets, ALookAlikeBesideTheTargetStandsToItAsNoOtherDoes) {
 TEST(LikeSheets, AnEllipseIsNoCircleOfThatPlane) {
   SheetScene s = rig();
   s.circles[0] = circle(s.circles[0].centre, 0.7);
-  EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 3U);
+  EXPECT_EQ(matching_sheets(s.circles, s.patches).size(), 3U);
   EXPECT_NEAR(out_of_round(s.circles[0], s.patches[0]), -std::log(0.7), 1e-12);
 }
 
@@ -93,19 +93,19 @@ TEST(LikeSheets, AnEllipseIsNoCircleOfThatPlane) {
 TEST(LikeSheets, ACircleSeenAtAnAngleIsRoundOnItsOwnPlane) {
   const double narrow = std::cos(radians_from_degrees(40.0));
   SheetScene s = rig();
-  for (SeenCircle& c : s.circles) {
+  for (DetectedCircle& c : s.circles) {
     c.centre.x *= narrow;
     c.axis_ratio = narrow;
     c.angle_rad = 0.5 * kPi;
     c.diameter_px *= std::sqrt(narrow);
   }
-  for (SeenPatch& p : s.patches) {
+  for (DetectedPatch& p : s.patches) {
     p.centre.x *= narrow;
     for (ImagePoint& corner : p.outline) corner.x *= narrow;
     p.k_x.x /= narrow;
   }
   EXPECT_NEAR(out_of_round(s.circles[0], s.patches[0]), 0.0, 1e-12);
-  EXPECT_EQ(like_sheets(s.circles, s.patches).size(), 4U);
+  EXPECT_EQ(matching_sheets(s.circles, s.patches).size(), 4U);
 }
 
 TEST(LikeSheets, WhereAReferenceIsMissingALookAlikeIsAGuess) {
@@ -125,9 +125,9 @@ TEST(LikeSheets, BareCirclesRoundThreeSheetsAreReferencesAndTheSheetsTargets) {
     s.circles.push_back(circle({x, 255}));
     s.patches.push_back(grating({x + 56.0, 255}));
   }
-  const auto outermost = outermost_circles(s.circles, s.patches);
-  EXPECT_FALSE(outermost.doubtful);
-  EXPECT_EQ(outermost.circles.size(), 5U);
+  const auto select_references = outermost_circles(s.circles, s.patches);
+  EXPECT_FALSE(select_references.doubtful);
+  EXPECT_EQ(select_references.circles.size(), 5U);
 }
 
 }  // namespace

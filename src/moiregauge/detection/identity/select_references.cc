@@ -37,24 +37,25 @@ std::vector<ImagePoint> hull_of(std::vector<ImagePoint> p) {
 
 // As a circle that stands on the plane of one of the gratings. Far from a grating perspective turns the plane a little:
 // at 40 deg of tilt, 8 deg aside in the picture, by 0.13 of ln(major / minor).
-bool is_round_on_some_plane(const SeenCircle& c, std::span<const SeenPatch> patches) {
-  return patches.empty() || std::any_of(patches.begin(), patches.end(), [&](const SeenPatch& p) {
+bool is_round_on_some_plane(const DetectedCircle& c, std::span<const DetectedPatch> patches) {
+  return patches.empty() || std::any_of(patches.begin(), patches.end(), [&](const DetectedPatch& p) {
            return out_of_round(c, p) < std::hypot(kFarOutOfRound, kRoundPx / c.diameter_px);
          });
 }
 
-std::vector<SeenCircle> outer_candidates(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
-  std::vector<SeenCircle> out = without_elements(circles, patches);
-  std::erase_if(out, [&](const SeenCircle& c) { return !is_round_on_some_plane(c, patches); });
+std::vector<DetectedCircle> outer_candidates(std::span<const DetectedCircle> circles,
+                                             std::span<const DetectedPatch> patches) {
+  std::vector<DetectedCircle> out = without_elements(circles, patches);
+  std::erase_if(out, [&](const DetectedCircle& c) { return !is_round_on_some_plane(c, patches); });
   return out;
 }
 
 // Those of c's size, one at each place.
-std::vector<SeenCircle> like(const SeenCircle& c, const std::vector<SeenCircle>& all) {
-  std::vector<SeenCircle> out;
-  for (const SeenCircle& o : all) {
+std::vector<DetectedCircle> like(const DetectedCircle& c, const std::vector<DetectedCircle>& all) {
+  std::vector<DetectedCircle> out;
+  for (const DetectedCircle& o : all) {
     if (std::abs(std::log(o.diameter_px / c.diameter_px)) > kOneSize) continue;
-    const auto same = std::find_if(out.begin(), out.end(), [&](const SeenCircle& k) {
+    const auto same = std::find_if(out.begin(), out.end(), [&](const DetectedCircle& k) {
       return length(o.centre - k.centre) < kConcentric * k.diameter_px;
     });
     if (same == out.end())
@@ -66,30 +67,31 @@ std::vector<SeenCircle> like(const SeenCircle& c, const std::vector<SeenCircle>&
 }
 
 // Those on the hull of all.
-std::vector<SeenCircle> round_all(const std::vector<SeenCircle>& circles) {
+std::vector<DetectedCircle> round_all(const std::vector<DetectedCircle>& circles) {
   std::vector<ImagePoint> places;
   double diameter = 0.0;
-  for (const SeenCircle& c : circles) {
+  for (const DetectedCircle& c : circles) {
     places.push_back(c.centre);
     diameter = std::max(diameter, c.diameter_px);
   }
-  std::vector<SeenCircle> out;
+  std::vector<DetectedCircle> out;
   for (const std::size_t i : on_hull(places, kNearHull * diameter)) out.push_back(circles[i]);
   return out;
 }
 
 // Whether some of the outermost stand beside gratings and some do not, other than the sheets and one more. Three sheets
 // within four bare circles are three targets.
-bool are_mixed(const std::vector<SeenCircle>& outermost, const std::vector<SeenCircle>& sheets,
-               std::span<const SeenPatch> patches) {
-  const auto is_outermost = [&](const SeenCircle& s) {
-    return std::any_of(outermost.begin(), outermost.end(),
+bool are_mixed(const std::vector<DetectedCircle>& select_references, const std::vector<DetectedCircle>& sheets,
+               std::span<const DetectedPatch> patches) {
+  const auto is_outermost = [&](const DetectedCircle& s) {
+    return std::any_of(select_references.begin(), select_references.end(),
                        [&](const auto& c) { return length(c.centre - s.centre) == 0.0; });
   };
-  if (outermost.size() == kEnough && std::all_of(sheets.begin(), sheets.end(), is_outermost)) return false;
-  return std::any_of(outermost.begin(), outermost.end(), [&](const SeenCircle& c) {
-    return std::any_of(patches.begin(), patches.end(),
-                       [&](const SeenPatch& p) { return distance_px(p, c.centre) < kGratingReach * c.diameter_px; });
+  if (select_references.size() == kEnough && std::all_of(sheets.begin(), sheets.end(), is_outermost)) return false;
+  return std::any_of(select_references.begin(), select_references.end(), [&](const DetectedCircle& c) {
+    return std::any_of(patches.begin(), patches.end(), [&](const DetectedPatch& p) {
+      return distance_px(p, c.centre) < kGratingReach * c.diameter_px;
+    });
   });
 }
 
@@ -111,12 +113,12 @@ std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slac
   return out;
 }
 
-OutermostCircles outermost_circles(std::span<const SeenCircle> circles, std::span<const SeenPatch> patches) {
-  const std::vector<SeenCircle> all = outer_candidates(circles, patches);
-  std::vector<SeenCircle> most, sheets;
-  for (const SeenCircle& c : all) {
-    std::vector<SeenCircle> group = like(c, all);
-    const std::vector<LikeSheet> alike = like_sheets(group, patches);
+OutermostCircles outermost_circles(std::span<const DetectedCircle> circles, std::span<const DetectedPatch> patches) {
+  const std::vector<DetectedCircle> all = outer_candidates(circles, patches);
+  std::vector<DetectedCircle> most, sheets;
+  for (const DetectedCircle& c : all) {
+    std::vector<DetectedCircle> group = like(c, all);
+    const std::vector<LikeSheet> alike = matching_sheets(group, patches);
     if (alike.size() > sheets.size()) {
       sheets.clear();
       for (const LikeSheet& sheet : alike) sheets.push_back(group[sheet.circle]);

@@ -11,7 +11,7 @@
 namespace moiregauge::internal {
 
 struct OutermostCircles {
-  std::vector<SeenCircle> circles;
+  std::vector<DetectedCircle> circles;
   // Three circles stand beside gratings of their own all in the same way, but `circles` is not those and one more:
   // which is the fourth reference would be a guess.
   bool doubtful = false;
@@ -21,8 +21,8 @@ struct OutermostCircles {
 // Circles inside a grating are its elements and do not count, nor does what is round on no grating's plane; of
 // concentric ones only the strongest counts. Where four or more stand beside gratings of their own all in the same way
 // (matching_sheets.h), only those count: the others are look-alikes.
-[[nodiscard]] OutermostCircles outermost_circles(std::span<const SeenCircle> circles,
-                                                 std::span<const SeenPatch> patches);
+[[nodiscard]] OutermostCircles outermost_circles(std::span<const DetectedCircle> circles,
+                                                 std::span<const DetectedPatch> patches);
 
 // Index of the points on their convex hull or within `slack` px of it.
 [[nodiscard]] std::vector<std::size_t> on_hull(std::span<const ImagePoint> points, double slack);

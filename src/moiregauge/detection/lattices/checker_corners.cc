@@ -59,7 +59,7 @@ std::optional<Sectors> sectors_round(const cv::Mat& level, const Eigen::Vector2d
   std::array<double, kOnRing> grey{};
   double mean = 0.0;
   for (int i = 0; i < kOnRing; ++i) {
-    const double angle = kTurn * i / kOnRing;
+    const double angle = kTwoPi * i / kOnRing;
     grey[static_cast<std::size_t>(i)] =
         bilinear(level, at.x() + radius * std::cos(angle), at.y() + radius * std::sin(angle));
     mean += grey[static_cast<std::size_t>(i)] / kOnRing;
@@ -70,7 +70,7 @@ std::optional<Sectors> sectors_round(const cv::Mat& level, const Eigen::Vector2d
     const double here = grey[i] - mean, opposite = grey[(i + kOnRing / 2) % kOnRing] - mean;
     variance += here * here / kOnRing;
     even += 0.25 * (here + opposite) * (here + opposite) / kOnRing;
-    second += here * std::polar(2.0 / kOnRing, -2.0 * kTurn * static_cast<double>(i) / kOnRing);
+    second += here * std::polar(2.0 / kOnRing, -2.0 * kTwoPi * static_cast<double>(i) / kOnRing);
   }
   const double contrast = 2.0 * std::sqrt(variance);
   if (contrast < kMinCornerContrast || even < kMinEven * variance || 0.5 * std::norm(second) < kMinSecond * variance)

@@ -114,7 +114,7 @@ TEST(CheckerLattice, ACosinePrintIsNoCheckerboard) {
     Image<std::uint8_t> crossed(kBoardWidth, kBoardHeight);
     for (int y = 0; y < kBoardHeight; ++y) {
       for (int x = 0; x < kBoardWidth; ++x) {
-        const double waves = std::cos(kTurn * x / pitch) + std::cos(kTurn * y / pitch);
+        const double waves = std::cos(kTwoPi * x / pitch) + std::cos(kTwoPi * y / pitch);
         crossed.at(x, y) = static_cast<std::uint8_t>(110.5 + 35.0 * waves);
       }
     }

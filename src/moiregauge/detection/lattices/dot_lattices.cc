@@ -23,19 +23,20 @@ constexpr double kMinDotContrastShare = 0.4;  // of its neighbour's
 constexpr double kMinDotCircularity = 0.78;
 constexpr double kEllipseSlack = 1.6;  // a square differs from an ellipse by two of the usual limits
 
-LatticeNode node_of(const SeenCircle& circle) {
+LatticeNode node_of(const DetectedCircle& circle) {
   return {{circle.centre.x, circle.centre.y}, circle.diameter_px, circle.contrast < 0.0 ? 0.0 : kPi};
 }
 
-Ellipse ellipse_at(const Eigen::Vector2d& centre, const SeenCircle& like, double diameter_px) {
+Ellipse ellipse_at(const Eigen::Vector2d& centre, const DetectedCircle& like, double diameter_px) {
   const double minor = 0.5 * diameter_px * std::sqrt(like.axis_ratio), major = minor / like.axis_ratio;
   const Eigen::Vector2d along(std::cos(like.angle_rad), std::sin(like.angle_rad)), across(-along.y(), along.x());
   return {centre, major * along * along.transpose() + minor * across * across.transpose()};
 }
 
 // `dots` gets what is seen there, in step with the nodes.
-std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction& there, std::vector<SeenCircle>& dots) {
-  const SeenCircle& neighbour = dots[there.nearest];
+std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction& there,
+                                     std::vector<DetectedCircle>& dots) {
+  const DetectedCircle& neighbour = dots[there.nearest];
   CircleOptions options;
   options.min_circularity = kMinDotCircularity;
   options.min_diameter_px = there.size_px / kSizeSlack;
@@ -43,7 +44,7 @@ std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction&
   const auto verdict =
       markers_detail::judge_circle(luma, ellipse_at(there.at, neighbour, there.size_px), options, kEllipseSlack);
   if (!verdict.circle) return std::nullopt;
-  const SeenCircle& dot = *verdict.circle;
+  const DetectedCircle& dot = *verdict.circle;
   const LatticeNode node = node_of(dot);
   if (dot.diameter_px < options.min_diameter_px || dot.diameter_px > options.max_diameter_px) return std::nullopt;
   if ((node.at - there.at).norm() > kDotReach * there.spacing_px) return std::nullopt;
@@ -52,10 +53,10 @@ std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction&
   return node;
 }
 
-std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const SeenCircle> circles) {
-  std::vector<SeenCircle> dots(circles.begin(), circles.end());
+std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const DetectedCircle> circles) {
+  std::vector<DetectedCircle> dots(circles.begin(), circles.end());
   std::vector<LatticeNode> nodes;
-  for (const SeenCircle& dot : dots) nodes.push_back(node_of(dot));
+  for (const DetectedCircle& dot : dots) nodes.push_back(node_of(dot));
   std::vector<IndexedLattice> out;
   for (GrownLattice& lattice : grow_lattices(nodes, markers_detail::SignRule::kAlike)) {
     if (luma != nullptr) {
@@ -63,7 +64,7 @@ std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const Se
       if (!prune(lattice, nodes)) continue;
     }
     std::vector<double> u;
-    for (const SeenCircle& dot : dots) u.push_back(dot.u_centre_px);
+    for (const DetectedCircle& dot : dots) u.push_back(dot.u_centre_px);
     auto indexing = index_upright(lattice, nodes, u);
     indexing.lattice.dark = dots[indexing.node.front()].contrast < 0.0;
     out.push_back(std::move(indexing.lattice));
@@ -75,11 +76,11 @@ std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const Se
 
 }  // namespace
 
-std::vector<IndexedLattice> find_dot_lattices(std::span<const SeenCircle> circles) {
+std::vector<IndexedLattice> find_dot_lattices(std::span<const DetectedCircle> circles) {
   return lattices_of(nullptr, circles);
 }
 
-std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, std::span<const SeenCircle> seen) {
+std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, std::span<const DetectedCircle> seen) {
   return lattices_of(&luma, seen);
 }
 

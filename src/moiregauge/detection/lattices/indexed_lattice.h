@@ -49,11 +49,11 @@ struct DotSearchOptions {
 };
 
 // The lattices some circles form, largest first. Circles that belong to none are left out.
-[[nodiscard]] std::vector<IndexedLattice> find_dot_lattices(std::span<const SeenCircle> circles);
+[[nodiscard]] std::vector<IndexedLattice> find_dot_lattices(std::span<const DetectedCircle> circles);
 
 // The lattices of dots in a picture, largest first. Where a lattice says that a dot must be and none was accepted, the
 // place is looked at once more by the lattice's own measure of size. `seen`: circles already found in the picture.
-[[nodiscard]] std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, std::span<const SeenCircle> seen);
+[[nodiscard]] std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, std::span<const DetectedCircle> seen);
 [[nodiscard]] std::vector<IndexedLattice> find_dot_lattices(const LumaView& luma, const DotSearchOptions& options);
 
 // The inner corners of the checkerboards in a picture, largest first. `bits`: of the picture's grey levels.

@@ -42,12 +42,12 @@ ImagePoint seen_at(const Board& board, double column, double row) {
   return {board.middle.x + p.x, board.middle.y + p.y};
 }
 
-SeenCircle circle_at(ImagePoint centre, double diameter = 18.0) {
+DetectedCircle circle_at(ImagePoint centre, double diameter = 18.0) {
   return {.centre = centre, .u_centre_px = 0.05, .diameter_px = diameter, .circularity = 0.95, .contrast = -100.0};
 }
 
-std::vector<SeenCircle> dots_of(const Board& board) {
-  std::vector<SeenCircle> dots;
+std::vector<DetectedCircle> dots_of(const Board& board) {
+  std::vector<DetectedCircle> dots;
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) dots.push_back(circle_at(seen_at(board, column, row)));
   }
@@ -61,9 +61,9 @@ void expect_true_indices(const IndexedLattice& lattice, const Board& board) {
   }
 }
 
-std::vector<SeenCircle> scattered(int count, std::mt19937_64& rng) {
+std::vector<DetectedCircle> scattered(int count, std::mt19937_64& rng) {
   std::uniform_real_distribution<double> x(0.0, kWidth), y(0.0, kHeight), size(14.0, 22.0);
-  std::vector<SeenCircle> circles;
+  std::vector<DetectedCircle> circles;
   for (int i = 0; i < count; ++i) {
     const double px = x(rng), py = y(rng);
     circles.push_back(circle_at({px, py}, size(rng)));
@@ -90,10 +90,10 @@ TEST(DotLattice, MissingDotsLeaveTheOthersInTheirPlaces) {
   std::mt19937_64 rng(kLatticeSeed);
   std::bernoulli_distribution missing(0.2);
   const Board board{.tilt_rad = 0.6, .barrel = -0.2};
-  std::vector<SeenCircle> dots = dots_of(board);
+  std::vector<DetectedCircle> dots = dots_of(board);
   // The corners stay: without them nobody knows where the board begins.
   std::set<std::pair<int, int>> there;
-  std::vector<SeenCircle> seen;
+  std::vector<DetectedCircle> seen;
   for (int i = 0; i < 88; ++i) {
     const bool corner = (i % 11 == 0 || i % 11 == 10) && (i / 11 == 0 || i / 11 == 7);
     if (missing(rng) && !corner) continue;
@@ -115,8 +115,8 @@ TEST(DotLattice, MissingDotsLeaveTheOthersInTheirPlaces) {
 TEST(DotLattice, ClutterRoundItIsNoPartOfIt) {
   std::mt19937_64 rng(kLatticeSeed);
   const Board board{.tilt_rad = 0.5};
-  std::vector<SeenCircle> seen = dots_of(board);
-  for (const SeenCircle& circle : scattered(60, rng)) seen.push_back(circle);
+  std::vector<DetectedCircle> seen = dots_of(board);
+  for (const DetectedCircle& circle : scattered(60, rng)) seen.push_back(circle);
   const auto lattices = find_dot_lattices(seen);
   ASSERT_EQ(lattices.size(), 1U);
   EXPECT_TRUE(lattices[0].whole());
@@ -127,8 +127,8 @@ TEST(DotLattice, TwoSheetsAreTwoLatticesTheLargerOneFirst) {
   const Board large{.columns = 8, .rows = 7, .tilt_rad = 0.4, .middle = {300.0, 450.0}};
   const Board small{
       .columns = 5, .rows = 4, .pitch_px = 43.0, .tilt_rad = 0.4, .roll_rad = -0.4, .middle = {900.0, 450.0}};
-  std::vector<SeenCircle> seen = dots_of(small);
-  for (const SeenCircle& dot : dots_of(large)) seen.push_back(dot);
+  std::vector<DetectedCircle> seen = dots_of(small);
+  for (const DetectedCircle& dot : dots_of(large)) seen.push_back(dot);
   const auto lattices = find_dot_lattices(seen);
   ASSERT_EQ(lattices.size(), 2U);
   EXPECT_TRUE(lattices[0].whole());
@@ -139,8 +139,8 @@ TEST(DotLattice, TwoSheetsAreTwoLatticesTheLargerOneFirst) {
 
 TEST(DotLattice, OfABoardCutOffByTheFrameTheVisiblePartIsFoundAndNoMore) {
   const Board board{.roll_rad = 0.0, .middle = {230.0, 450.0}};
-  std::vector<SeenCircle> seen;
-  for (const SeenCircle& dot : dots_of(board)) {
+  std::vector<DetectedCircle> seen;
+  for (const DetectedCircle& dot : dots_of(board)) {
     if (dot.centre.x > 12.0) seen.push_back(dot);
   }
   const auto lattices = find_dot_lattices(seen);
@@ -162,8 +162,8 @@ TEST(DotLattice, CirclesThatOnlyRoughlyKeepTheirDistanceAreNone) {
   std::mt19937_64 rng(kLatticeSeed);
   std::uniform_real_distribution<double> stray(-0.2, 0.2);  // of the pitch
   for (int trial = 0; trial < 20; ++trial) {
-    std::vector<SeenCircle> heap = dots_of({});
-    for (SeenCircle& circle : heap) {
+    std::vector<DetectedCircle> heap = dots_of({});
+    for (DetectedCircle& circle : heap) {
       circle.centre.x += stray(rng) * Board{}.pitch_px;
       circle.centre.y += stray(rng) * Board{}.pitch_px;
     }
@@ -173,10 +173,10 @@ TEST(DotLattice, CirclesThatOnlyRoughlyKeepTheirDistanceAreNone) {
 
 TEST(DotLattice, OneLargerDotInTheCornerAndHolesInOthersChangeNothing) {
   const Board board{.tilt_rad = 0.3};
-  std::vector<SeenCircle> seen = dots_of(board);
+  std::vector<DetectedCircle> seen = dots_of(board);
   seen[0].diameter_px *= 2.0;
   for (const std::size_t ring : {14U, 30U, 52U}) {
-    SeenCircle hole = seen[ring];
+    DetectedCircle hole = seen[ring];
     hole.diameter_px *= 0.4;
     hole.contrast = 80.0;
     seen.push_back(hole);
@@ -201,9 +201,9 @@ TEST(DotLattice, ADotTheSearchMissedIsFoundWhereItMustBe) {
   std::mt19937_64 rng(kLatticeSeed);
   const auto image = test::picture<std::uint8_t>(test::grey_levels(share, scene), scene.size, 1.0, 1.0, rng);
   const LumaView luma(image.view());
-  std::vector<SeenCircle> seen = find_circles(luma, {}).circles;
+  std::vector<DetectedCircle> seen = find_circles(luma, {}).circles;
   ASSERT_EQ(seen.size(), 16U);
-  const SeenCircle lost = seen[2];
+  const DetectedCircle lost = seen[2];
   seen.erase(seen.begin() + 2);
   ASSERT_FALSE(find_dot_lattices(seen)[0].whole());
   const auto lattices = find_dot_lattices(luma, seen);

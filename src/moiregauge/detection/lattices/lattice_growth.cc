@@ -27,7 +27,7 @@ constexpr double kGrownSizeRatio = 2.6;  // a lattice may hold larger dots that 
 constexpr double kGrowthReach = 0.25;    // of the spacing
 constexpr double kMaxSignError = 1.0;    // rad
 
-double wrapped(double angle) { return std::remainder(angle, kTurn); }
+double wrapped(double angle) { return std::remainder(angle, kTwoPi); }
 
 class Growth {
  public:

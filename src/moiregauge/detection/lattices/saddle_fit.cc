@@ -80,8 +80,8 @@ SaddleSums sums_of_disc(const std::vector<DiscPixel>& pixels, const SaddleState&
     const double rest = 1.0 - s.q * darkness;
     const double residual = pixel.grey - plane * rest;
     // d(grey) / d(za) and / d(zb); erf(z / sqrt 2) has slope 2 bell.
-    const double bell_a = std::exp(-0.5 * za * za) / std::sqrt(kTurn),
-                 bell_b = std::exp(-0.5 * zb * zb) / std::sqrt(kTurn);
+    const double bell_a = std::exp(-0.5 * za * za) / std::sqrt(kTwoPi),
+                 bell_b = std::exp(-0.5 * zb * zb) / std::sqrt(kTwoPi);
     const double by_a = plane * s.q * s.side * eb * bell_a, by_b = plane * s.q * s.side * ea * bell_b;
     const Eigen::Vector2d by_at =
         -(by_a * normal_a + by_b * normal_b) / s.sigma - rest * Eigen::Vector2d(s.slope_x, s.slope_y);

@@ -77,7 +77,7 @@ std::optional<CameraContradiction> camera_contradiction(const Site& site, std::s
   const double fall = stated.bundle.scene.penalised_cost - open.bundle.scene.penalised_cost;
   const double unit = std::max(1.0, open.bundle.scene.chi2_dof);
   const double matters = most_error_u(site, stated, open);
-  if (!(fall > kBeyondTemplates * unit * most_by_chance(kCameraParameters)) || !(matters > kMatters))
+  if (!(fall > kBeyondTemplates * unit * chi2_upper_quantile(kCameraParameters)) || !(matters > kMatters))
     return std::nullopt;
   const auto numbers = [](const Camera& c) {
     return std::array<double, kCameraParameters>{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};

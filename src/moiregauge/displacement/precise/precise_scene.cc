@@ -14,7 +14,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMostKeyFrames = 120;
+constexpr std::size_t kMaxKeyFrames = 120;
 // px at the print's edge per e-fold of distance, standard uncertainty: what a change of distance makes of an edge's shape
 // beyond what a fit allows for (blur, contrast, width of lines). A wall at 8 m, prints of 7 pitches of 21 px, without
 // noise: 0.0001 to 0.005 px for point spreads of 0.5 to 1.4 px. Sharpened by 0.6 to 1.2, where the template exceeds its
@@ -26,7 +26,7 @@ constexpr double kRollingShare = 0.6;  // of chi2, that goes when the camera may
 // The reference frame leads.
 std::vector<std::size_t> key_of(const FrameSeries& frames) {
   std::vector<std::size_t> key{0};
-  for (const std::size_t k : key_frames(frames.starts(), kMostKeyFrames)) {
+  for (const std::size_t k : key_frames(frames.starts(), kMaxKeyFrames)) {
     if (k > 0) key.push_back(k);
   }
   return key;
@@ -80,12 +80,12 @@ class SceneSolver {
   void solve() {
     const auto given = options_.readout_s;
     Calibration& at_once = out_.calibration = calibrate(site_, key_frames_of(out_.frames), prior_);
-    if (given == 0.0 || (!given && is_solved() && !at_once.shutter.asks)) return;
+    if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return;
     if (!given && is_solved() && is_explained_by_a_reference()) return;
     if (given && !timed()) note("--readout is not used: the frames have no times: give --fps");
     Shutter shutter = solve_shutter(site_, out_.frames, key_of(out_.frames), prior_, timed() ? given : std::nullopt);
     if (given && !shutter.problem.empty()) note("--readout is not used: " + shutter.problem);
-    if (!shutter.problem.empty() || (!given && !pays(shutter, at_once))) return;
+    if (!shutter.problem.empty() || (!given && !is_justified(shutter, at_once))) return;
     if (given && is_solved() && fits_worse(shutter.calibration.shutter, at_once.shutter))
       note(
           fmt::format("with rows read over {:.2f} ms the frames fit worse than with all rows at once: check --readout, "
@@ -102,9 +102,9 @@ class SceneSolver {
     if (judged_) return false;
     at_once_ = tested();
     if (!at_once_->moved) return false;
-    auto rest = out_.frames.without(*at_once_->moved);
+    auto rest = out_.frames.without_marker(*at_once_->moved);
     Calibration calibration = calibrate(site_, key_frames_of(rest), prior_);
-    if (!calibration.bundle.scene.solved || calibration.shutter.asks) return false;
+    if (!calibration.bundle.scene.solved || calibration.shutter.suggests_rolling_shutter) return false;
     judged_ = out_.references_verified = true;
     out_.frames = std::move(rest);
     out_.calibration = std::move(calibration);
@@ -119,7 +119,7 @@ class SceneSolver {
     out_.references_verified = verdict.verified && !verdict.doubtful;
     if (verdict.doubtful) report_doubt(verdict);
     if (!verdict.moved) return;
-    out_.frames = read_.without(*verdict.moved);
+    out_.frames = read_.without_marker(*verdict.moved);
     out_.shutter.reset();
     solve();
     if (is_solved()) report_movement(*verdict.moved);
@@ -196,7 +196,7 @@ class SceneSolver {
   void take_noise_for_what_it_is() {
     Calibration& calibration = out_.calibration;
     PrintError& error = out_.print_error;
-    if (error.points_mm > 0.0 || error.wander_mm > 0.0) return;
+    if (error.points_mm > 0.0 || error.marker_jitter_mm > 0.0) return;
     error.noise_share = noise_share(site_, calibration.bundle.scene.model, calibration.fits, calibration.prior);
     if (!(error.noise_share < 1.0)) return;
     const auto frames = with_print_error(site_, calibration.bundle.frames, error);

@@ -17,7 +17,7 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
   // Paper that is white to the limit in both frames leaves the edges of the dark lines, and the template has them so.
   const Status sharp = sharpness(then, seen.patch, then.clipped_share);
   if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
-  if (seen.cover != Cover::kNone) return Status::kPartlyCovered;
+  if (seen.occlusion != Occlusion::kNone) return Status::kPartlyCovered;
   const double missing = missing_contrast(*seen.points, *reference.seen.markers[i].points, *reference.prints[i],
                                           rounding_of_step(reference.step_of(i, seen.quantiser)));
   return missing > kHiddenContrast ? Status::kPartlyCovered : Status::kOk;

@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMostFrames = 24;
+constexpr std::size_t kMaxFrames = 24;
 // A step to stay is two unknowns. Of noise alone chi2 falls by 40 once in 10^8 (exp(-20)) for each of some hundred
 // places of a step; from here on a reference has slipped.
 constexpr double kSlips = 40.0;
@@ -92,10 +92,11 @@ ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, co
   }
   if (references.size() < 4) return verdict;
   verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
-  const BundleSolution all = solved_with_all(site, frames.at(key_frames(frames.starts(), kMostFrames)), prior, start);
+  const BundleSolution all = solved_with_all(site, frames.at(key_frames(frames.starts(), kMaxFrames)), prior, start);
   std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
   for (const std::size_t r : references) {
-    if (const auto slip = slip_of(site, all.frames, prior, start.model, all.scene, r)) slips.emplace_back(r, *slip);
+    if (const auto slip = fit_reference_step(site, all.frames, prior, start.model, all.scene, r))
+      slips.emplace_back(r, *slip);
   }
   const auto judge = [&](std::size_t marker, bool clear) {
     if (verdict.verified && clear)

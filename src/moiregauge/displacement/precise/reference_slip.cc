@@ -70,8 +70,8 @@ double ReferenceSlip::unit() const {
   return std::max({1.0, scene, about});
 }
 
-std::optional<ReferenceSlip> slip_of(Site site, std::span<const BundleFrame> frames, ScenePrior prior, SceneModel model,
-                                     const Scene& start, std::size_t marker) {
+std::optional<ReferenceSlip> fit_reference_step(Site site, std::span<const BundleFrame> frames, ScenePrior prior,
+                                                SceneModel model, const Scene& start, std::size_t marker) {
   site.markers[marker].role = Role::kTarget;
   auto& u = prior.u_markers[marker].value;
   u[MarkerShape::kX] = u[MarkerShape::kY] = 0.0;  // its place is what every frame tells anew

@@ -27,7 +27,8 @@ struct ReferenceSlip {
 
 // The scene, lens and all, is solved anew from `start`; nothing where that fails. What `model` leaves out is yet
 // allowed for, within its prior, in what the other references say of this one's place.
-[[nodiscard]] std::optional<ReferenceSlip> slip_of(Site site, std::span<const BundleFrame> frames, ScenePrior prior,
-                                                   SceneModel model, const Scene& start, std::size_t marker);
+[[nodiscard]] std::optional<ReferenceSlip> fit_reference_step(Site site, std::span<const BundleFrame> frames,
+                                                              ScenePrior prior, SceneModel model, const Scene& start,
+                                                              std::size_t marker);
 
 }  // namespace moiregauge::internal

@@ -155,7 +155,7 @@ std::optional<MovedAtRest> movement_of_target(const Site& site, const PreciseSce
     places.chi2 = unit * static_cast<double>(places.dof);
   }
   if (!rest || places.rows <= 2) return std::nullopt;
-  const double allowed = kNoiseSlack * places.unit() * most_by_chance(static_cast<double>(places.rows - 2));
+  const double allowed = kNoiseSlack * places.unit() * chi2_upper_quantile(static_cast<double>(places.rows - 2));
   if (!(rest->chi2 > allowed)) return std::nullopt;
   return furthest_apart(places, *rest, target);
 }

@@ -7,7 +7,8 @@
 #include <fmt/format.h>
 
 namespace moiregauge::internal {
-std::string shutter_note(const Scene& scene, bool given, double relative, double taken_out_mm, const Samples& samples) {
+std::string shutter_note(const Scene& scene, bool given, double relative, double max_correction_mm,
+                         const Samples& samples) {
   double worst = 0.0;
   long frame = 0;
   for (const Sample& s : samples) {
@@ -22,8 +23,8 @@ std::string shutter_note(const Scene& scene, bool given, double relative, double
   // Of rows that are not trusted there is none at worst.
   const std::string left =
       worst > 0.0 ? fmt::format(", {:.4f} mm are left in u at worst (frame {})", worst, frame) : "";
-  return fmt::format("rolling shutter: rows are read over {}: up to {:.3f} mm were corrected{}", over, taken_out_mm,
-                     left);
+  return fmt::format("rolling shutter: rows are read over {}: up to {:.3f} mm were corrected{}", over,
+                     max_correction_mm, left);
 }
 
 }  // namespace moiregauge::internal

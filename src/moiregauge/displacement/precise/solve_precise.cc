@@ -78,7 +78,8 @@ void widen_by_target(Sample& sample, const Shutter& shutter, std::size_t place) 
 }
 
 // By what targets would have been wrong at most, mm: the frames as read, taken for rows read at once, in the same scene.
-double taken_out_mm(const Reference& reference, const Scene& scene, const FrameSeries& read, const Shutter& shutter) {
+double max_correction_mm(const Reference& reference, const Scene& scene, const FrameSeries& read,
+                         const Shutter& shutter) {
   const auto shifts = [&](BundleFrame frame) {
     frame.pose = pose_of(reference.site, scene, frame).value_or(frame.pose);
     return fit_frame(reference.site, scene, frame).shift;
@@ -126,7 +127,7 @@ class FramesInScene {
       solution.chi2_dof.push_back(now.ok && now.dof > 0 ? now.chi2_sum / static_cast<double>(now.dof) : kNotMeasured);
       for (std::size_t i = 0; i < site_.markers.size(); ++i) {
         if (!is_target(reference_, i)) continue;
-        Sample sample = begun_sample(reference_, seen, i);
+        Sample sample = initial_sample(reference_, seen, i);
         if (seen.frame != reference_.seen.frame) {
           sample.status = precise_status(reference_, seen, i, now, solved_.shutter ? kRollingChi2 : kUntrustedChi2);
           const bool unproven = outruns[i] && seen.markers[i].order == Order::kUnproven;
@@ -188,7 +189,7 @@ void report_shutter(Solution& solution, const Reference& reference, const Shutte
   scene.readout_s = timed ? shutter.readout_s : kNotTimed;
   scene.u_readout_s = timed ? shutter.u_readout_s : kNotTimed;
   solution.findings.push_back(shutter_note(scene, given, shutter.readout_s / shutter.interval_s,
-                                           taken_out_mm(reference, scene, read, shutter), solution.samples));
+                                           max_correction_mm(reference, scene, read, shutter), solution.samples));
 }
 
 // A run's footage and the scene solved from it.
@@ -205,9 +206,9 @@ SolvedRun solved_run(const Reference& reference, const Observations& observation
   const auto codec = std::make_shared<const CodecHistory>(reference, observations);
   run.lossy = codec->is_lossy();
   run.seen = bundle_frames(reference, observations, prior.camera, options,
-                           reference.knows_camera() ? kLeastForPose : kLeastForHomography);
+                           reference.knows_camera() ? kMinForPose : kMinForHomography);
   run.read = with_codec_error(run.seen, codec);
-  if (references_in(reference.site, run.read.front()) < kLeastForHomography)
+  if (references_in(reference.site, run.read.front()) < kMinForHomography)
     run.scene.problem = "the prints of four references could not be learned from the reference frame";
   else
     run.scene = precise_scene(reference, run.read, prior, options, run.lossy);

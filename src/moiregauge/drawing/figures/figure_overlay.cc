@@ -54,8 +54,8 @@ std::vector<Outline> outlines_of(const Reference& reference) {
     if (marker.circle && marker.circle->diameter_mm > 0.0) {
       std::vector<Extent<frame::Board>> round;
       for (int i = 0; i < kCorners; ++i)
-        round.push_back({0.5 * marker.circle->diameter_mm * std::cos(kTurn * i / kCorners),
-                         0.5 * marker.circle->diameter_mm * std::sin(kTurn * i / kCorners)});
+        round.push_back({0.5 * marker.circle->diameter_mm * std::cos(kTwoPi * i / kCorners),
+                         0.5 * marker.circle->diameter_mm * std::sin(kTwoPi * i / kCorners)});
       outline.lines.push_back(seen_along(reference.view, marker.circle->centre, round));
     }
     if (marker.grating) {
@@ -72,7 +72,7 @@ std::vector<Outline> outlines_of(const Reference& reference) {
 }
 
 // Readable on any picture: the same words in white all round.
-void outlined_words(Canvas& canvas, Spot at, const std::string& words, Letters letters) {
+void outlined_text(Canvas& canvas, Spot at, const std::string& words, Letters letters) {
   const Colour ink = letters.colour;
   letters.colour = kWhite;
   for (const auto& [x, y] :
@@ -108,14 +108,14 @@ void draw_contents(Canvas& canvas, const Contents& c) {
     }
     const double half = 0.5 * canvas.text_width(outline.name, {.bold = true}) + 1.0;
     const double x = std::clamp(0.5 * (left + right), half, std::max(half, c.size.x - half));
-    outlined_words(canvas, {x, std::max(kTextSize, top - 2.5)}, outline.name,
-                   {.align = Align::kCentre, .colour = ink, .bold = true});
+    outlined_text(canvas, {x, std::max(kTextSize, top - 2.5)}, outline.name,
+                  {.align = Align::kCentre, .colour = ink, .bold = true});
   }
   const double bar_mm = round_length(0.25 * c.size.x / c.points_per_mm), bar = bar_mm * c.points_per_mm;
   const Spot foot{c.size.x - 4.0, c.size.y - 4.0};
   canvas.line({{foot.x - bar, foot.y}, foot}, {kWhite, 2.6});
   canvas.line({{foot.x - bar, foot.y}, foot}, {kBlack, 1.4});
-  outlined_words(canvas, {foot.x - 0.5 * bar, foot.y - 3.0}, fmt::format("{:g} mm", bar_mm), {.align = Align::kCentre});
+  outlined_text(canvas, {foot.x - 0.5 * bar, foot.y - 3.0}, fmt::format("{:g} mm", bar_mm), {.align = Align::kCentre});
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ void title(Canvas& canvas, Spot corner, const std::string& letter, const std::st
   canvas.text({corner.x + 15.0, corner.y + 7.5}, words);
 }
 
-void outline(Canvas& canvas, const PictureBox& box, const SeenCircle& c, Stroke stroke) {
+void outline(Canvas& canvas, const PictureBox& box, const DetectedCircle& c, Stroke stroke) {
   const double minor = c.diameter_px * std::sqrt(c.axis_ratio), scale = 0.5 * box.points_per_px();
   canvas.ellipse(box.at(c.centre), scale * minor / c.axis_ratio, scale * minor, c.angle_rad, stroke);
 }
@@ -50,10 +50,10 @@ void draw_circles(Canvas& canvas, const CirclesFigure& f, double width, double s
     const double radius = 0.5 * r.diameter_px * outlines.points_per_px();
     canvas.ellipse(outlines.at(r.centre), radius, radius, 0.0, {kVermilion, 0.5});
   }
-  for (const SeenCircle& c : f.search.circles) outline(canvas, outlines, c, {kBlue, 1.2});
+  for (const DetectedCircle& c : f.search.circles) outline(canvas, outlines, c, {kBlue, 1.2});
   canvas.unclip();
   const PictureBox centres = next("(c)", "Centres, px");
-  for (const SeenCircle& c : f.search.circles) {
+  for (const DetectedCircle& c : f.search.circles) {
     const Spot p = centres.at(c.centre);
     cross(canvas, p, 4.0, {kVermilion, 0.8});
     const double above = 0.5 * c.diameter_px * centres.points_per_px() + 4.0;
@@ -61,8 +61,8 @@ void draw_circles(Canvas& canvas, const CirclesFigure& f, double width, double s
   }
 }
 
-std::vector<SeenCircle> circles_of(const Observation& seen) {
-  std::vector<SeenCircle> circles;
+std::vector<DetectedCircle> circles_of(const Observation& seen) {
+  std::vector<DetectedCircle> circles;
   for (const MarkerObservation& m : seen.markers) {
     if (m.circle) circles.push_back(*m.circle);
   }
@@ -77,7 +77,7 @@ void draw_stages(Canvas& canvas, const StabilisedFigure& f, double width, double
   };
   const auto put_circles = [&](Spot corner, const char* letter, GreyView picture, const Observation& seen) {
     const PictureBox box = put(corner, letter, "Circles found", picture);
-    for (const SeenCircle& c : circles_of(seen)) {
+    for (const DetectedCircle& c : circles_of(seen)) {
       outline(canvas, box, c, {kVermilion, 0.9});
       cross(canvas, box.at(c.centre), 0.5 * c.diameter_px * box.points_per_px() + 1.5, {kVermilion, 0.5});
     }

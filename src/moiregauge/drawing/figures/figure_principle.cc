@@ -20,7 +20,7 @@ Image<double> grating(const PrincipleFigure& f, double moved_px) {
   Image<double> picture(f.width_px, 2 * f.sampling_pitch_px);
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x)
-      picture.at(x, y) = 125.0 + 85.0 * std::cos(kTurn * (x - moved_px) / f.pitch_px);
+      picture.at(x, y) = 125.0 + 85.0 * std::cos(kTwoPi * (x - moved_px) / f.pitch_px);
   }
   return picture;
 }
@@ -51,7 +51,7 @@ DrawnCurve moire_phase(const Image<double>& picture, int sampling_pitch_px) {
   DrawnCurve curve;
   for (int i = 0; i < field.fringe.width(); ++i) {
     const double x = i + field.margin;
-    const double phase = wrapped(std::arg(field.fringe.at(i, 0)) - kTurn * x / sampling_pitch_px);
+    const double phase = wrapped(std::arg(field.fringe.at(i, 0)) - kTwoPi * x / sampling_pitch_px);
     const bool jumps = !curve.y.empty() && std::abs(phase - curve.y.back()) > kPi;
     curve.x.push_back(jumps ? std::nan("") : x);
     curve.y.push_back(phase);
@@ -64,7 +64,7 @@ DrawnCurve displacement(const DrawnCurve& before, const DrawnCurve& after, doubl
   DrawnCurve curve;
   for (std::size_t i = 0; i < before.x.size(); ++i) {
     curve.x.push_back(std::isfinite(before.x[i]) ? before.x[i] : after.x[i]);
-    curve.y.push_back(-pitch_px * wrapped(after.y[i] - before.y[i]) / kTurn);
+    curve.y.push_back(-pitch_px * wrapped(after.y[i] - before.y[i]) / kTwoPi);
   }
   return curve;
 }

@@ -37,11 +37,11 @@ struct RunFigures {
 
 // The longest a curve may be: beyond it every bin of neighbours is drawn by its lowest and highest. More points than
 // that no column can show.
-inline constexpr std::size_t kMostPointsDrawn = 2400;
+inline constexpr std::size_t kMaxPointsDrawn = 2400;
 
 struct Curve {
   std::vector<double> x, y, low, high;  // low and high: of the band; all of one length, NaN is a gap
 };
-[[nodiscard]] Curve thinned(const Curve& curve, std::size_t most = kMostPointsDrawn);
+[[nodiscard]] Curve thinned(const Curve& curve, std::size_t most = kMaxPointsDrawn);
 
 }  // namespace moiregauge::internal::figure

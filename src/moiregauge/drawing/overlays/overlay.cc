@@ -31,7 +31,7 @@ void draw_markers(Pen& pen, const Reference& reference, const Box& page) {
     pen.colour(marker.role == Role::kReference ? kReferenceColour : kTargetColour);
     std::vector<ImagePoint> about;
     if (marker.circle && seen.circle) {
-      const SeenCircle& c = *seen.circle;
+      const DetectedCircle& c = *seen.circle;
       pen.ellipse(c);
       pen.cross(c.centre, 6.0);
       about = corners_round(c.centre, c.diameter_px);

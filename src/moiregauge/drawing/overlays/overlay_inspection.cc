@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/drawing/overlays/inspection_words.h"
+#include "moiregauge/drawing/overlays/inspection_text.h"
 #include "moiregauge/drawing/overlays/overlay_pen.h"
 #include "moiregauge/drawing/overlays/scale_bar.h"
 #include "moiregauge/drawing/surface/png_bytes.h"
@@ -20,9 +20,9 @@ using namespace overlay;
 
 // A page narrower than this has no room for words: the picture is enlarged.
 constexpr double kReadableWidth_px = 1200.0;
-constexpr std::size_t kMostRejected = 60;  // drawn; more would hide the picture
-constexpr std::size_t kMostReasons = 24;   // of them told why
-constexpr double kMostCovered = 0.05;      // of such a label
+constexpr std::size_t kMaxRejected = 60;  // drawn; more would hide the picture
+constexpr std::size_t kMaxReasons = 24;   // of them told why
+constexpr double kMaxCovered = 0.05;      // of such a label
 constexpr double kLetterSize = 12.0;
 
 using Corners = std::vector<ImagePoint>;
@@ -35,7 +35,7 @@ Colour colour_of(const Inspection& seen, int marker) {
 
 std::vector<const RejectedOutline*> rejected_to_draw(const Inspection& seen) {
   std::vector<const RejectedOutline*> out = rejected_elsewhere(seen);
-  out.resize(std::min(out.size(), kMostRejected));
+  out.resize(std::min(out.size(), kMaxRejected));
   return out;
 }
 
@@ -78,7 +78,9 @@ class InspectionDrawing {
     }
     return points;
   }
-  [[nodiscard]] Box box_of(const SeenCircle& c) const { return pen_.page_box(corners_round(c.centre, c.diameter_px)); }
+  [[nodiscard]] Box box_of(const DetectedCircle& c) const {
+    return pen_.page_box(corners_round(c.centre, c.diameter_px));
+  }
 
   void draw_lattices() {
     pen_.colour(kLatticeColour);
@@ -140,7 +142,7 @@ class InspectionDrawing {
       for (const InspectedPatch& p : seen_.patches) {
         if (p.marker != marker) continue;
         about.insert(about.end(), p.seen.outline.begin(), p.seen.outline.end());
-        words += "  " + short_words(p);
+        words += "  " + short_text(p);
       }
       if (about.empty()) {  // the site's, and not seen
         about.push_back(seen_.reference->view(place_of(i)));
@@ -160,7 +162,7 @@ class InspectionDrawing {
     const Marker& m = seen_.reference->site.markers[i];
     return m.grating ? m.grating->centre : m.circle->centre;
   }
-  static std::string short_words(const InspectedPatch& p) {
+  static std::string short_text(const InspectedPatch& p) {
     const PatchAxes axes = axes_of(p.seen);
     return fmt::format("P {:.1f} px", std::max(length(axes.x), length(axes.y)));
   }
@@ -168,19 +170,18 @@ class InspectionDrawing {
     pen_.letters(kLetterSize, false);
     pen_.colour(kLatticeColour);
     for (const IndexedLattice& lattice : seen_.lattices) {
-      pen_.label_beside(about(lattice), lattice_words(lattice), picture_);
+      pen_.label_beside(about(lattice), lattice_text(lattice), picture_);
     }
     pen_.colour(kNobodyColour);
     for (const InspectedPatch& p : seen_.patches) {
-      if (p.marker == kNobody)
-        pen_.label_beside(corners_of(p), pattern_words(p.seen) + "\n" + short_words(p), picture_);
+      if (p.marker == kNobody) pen_.label_beside(corners_of(p), pattern_text(p.seen) + "\n" + short_text(p), picture_);
     }
     pen_.letters(0.85 * kLetterSize, false);
     pen_.colour(kRejectedColour);
     const auto rejected = rejected_to_draw(seen_);
-    for (std::size_t i = 0; i < std::min(rejected.size(), kMostReasons); ++i) {
+    for (std::size_t i = 0; i < std::min(rejected.size(), kMaxReasons); ++i) {
       const RejectedOutline& r = *rejected[i];
-      pen_.label_beside(corners_round(r.centre, r.diameter_px + 4.0), reason(r), picture_, kMostCovered);
+      pen_.label_beside(corners_round(r.centre, r.diameter_px + 4.0), reason(r), picture_, kMaxCovered);
     }
   }
   // "W = 0.79" or "W = 0.90: not an ellipse": the terminal and --json have the rest.
@@ -232,7 +233,7 @@ std::vector<Piece> legend_of(const InspectionOverlay& contents) {
     pieces.back().text += drawn > 0 ? fmt::format(" ({} drawn, dashed)", drawn) : " (inside what was found)";
   for (const ExpectedUncertainty& e : contents.expected)
     pieces.push_back(
-        {fmt::format("{}: expected {} (k = 1, {})", name_of(seen, static_cast<int>(e.marker)), expected_words(seen, e),
+        {fmt::format("{}: expected {} (k = 1, {})", name_of(seen, static_cast<int>(e.marker)), expected_text(seen, e),
                      e.codec.x > 0.0 || e.codec.y > 0.0 ? "noise and codec" : "noise alone"),
          kTargetColour, false, true});
   if (!seen.reference)

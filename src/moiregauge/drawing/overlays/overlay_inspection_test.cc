@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/drawing/overlays/inspection_words.h"
+#include "moiregauge/drawing/overlays/inspection_text.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -62,7 +62,7 @@ TEST(InspectionWords, ALatticeSaysHowMuchOfItWasSeen) {
   IndexedLattice lattice;
   lattice.columns = lattice.rows = 10;
   lattice.points.resize(99);
-  EXPECT_EQ(lattice_words(lattice), "dots 10 x 10, 99 of 100");
+  EXPECT_EQ(lattice_text(lattice), "dots 10 x 10, 99 of 100");
 }
 
 }  // namespace

@@ -63,21 +63,21 @@ void Pen::letters(double units, bool bold) {
   cairo_set_font_size(cr_, letters_ * unit_);
 }
 
-void Pen::ellipse(const SeenCircle& c) {
+void Pen::ellipse(const DetectedCircle& c) {
   const double minor = c.diameter_px * std::sqrt(c.axis_ratio), major = minor / c.axis_ratio;
   cairo_save(cr_);
   cairo_translate(cr_, page_x(c.centre.x), page_y(c.centre.y));
   cairo_rotate(cr_, c.angle_rad);
   cairo_scale(cr_, 0.5 * scale_ * major, 0.5 * scale_ * minor);
   cairo_new_sub_path(cr_);
-  cairo_arc(cr_, 0, 0, 1, 0, kTurn);
+  cairo_arc(cr_, 0, 0, 1, 0, kTwoPi);
   cairo_restore(cr_);
   stroke();
 }
 
 void Pen::circle(ImagePoint centre, double diameter_px) {
   cairo_new_sub_path(cr_);
-  cairo_arc(cr_, page_x(centre.x), page_y(centre.y), 0.5 * scale_ * diameter_px, 0, kTurn);
+  cairo_arc(cr_, page_x(centre.x), page_y(centre.y), 0.5 * scale_ * diameter_px, 0, kTwoPi);
   stroke();
 }
 
@@ -115,7 +115,7 @@ void Pen::arrow(ImagePoint a, ImagePoint b) {
 
 void Pen::dot(ImagePoint p, double radius_units) {
   cairo_new_sub_path(cr_);
-  cairo_arc(cr_, page_x(p.x), page_y(p.y), radius_units * unit_, 0, kTurn);
+  cairo_arc(cr_, page_x(p.x), page_y(p.y), radius_units * unit_, 0, kTwoPi);
   cairo_set_source_rgb(cr_, colour_.r, colour_.g, colour_.b);
   cairo_fill(cr_);
 }

@@ -44,7 +44,7 @@ class Pen {
   void colour(Colour c) { colour_ = c; }
   void dashed(bool on) { dashed_ = on; }
   void width(double units) { width_ = units; }
-  void ellipse(const SeenCircle& circle);
+  void ellipse(const DetectedCircle& circle);
   void circle(ImagePoint centre, double diameter_px);
   void cross(ImagePoint p, double half_units);
   void polygon(const std::vector<ImagePoint>& points);

@@ -28,7 +28,7 @@ void draw_scale_bar(overlay::Pen& pen, const Reference& reference, double unit_m
   if (!(units_per_page_px > 0.0) || !std::isfinite(units_per_page_px)) return;
   const double length = round_length(kPartOfWidth * picture.width * units_per_page_px);
   const double bar = length / units_per_page_px;
-  const std::string words = fmt::format("{:g} {} ({})", length, unit, tape_words(check, reference.site, unit_mm, unit));
+  const std::string words = fmt::format("{:g} {} ({})", length, unit, tape_text(check, reference.site, unit_mm, unit));
   const double margin = kMargin * pen.unit(), line = pen.line_height();
   const double width = std::max(bar, pen.text_width(words)) + 2.0 * margin, height = 1.3 * line + 2.0 * margin;
   const double right = picture.x + picture.width - width, bottom = picture.y + picture.height - height;

@@ -58,7 +58,7 @@ void Canvas::band(const std::vector<Spot>& above, const std::vector<Spot>& below
 void Canvas::dot(Spot at, double radius, Colour colour) {
   if (!std::isfinite(at.x) || !std::isfinite(at.y)) return;
   cairo_new_sub_path(cr_);
-  cairo_arc(cr_, at.x, at.y, radius, 0, kTurn);
+  cairo_arc(cr_, at.x, at.y, radius, 0, kTwoPi);
   cairo_set_source_rgb(cr_, colour.r, colour.g, colour.b);
   cairo_fill(cr_);
 }
@@ -80,7 +80,7 @@ void Canvas::ellipse(Spot centre, double a, double b, double angle_rad, Stroke s
   cairo_rotate(cr_, angle_rad);
   cairo_scale(cr_, a, b);
   cairo_new_sub_path(cr_);
-  cairo_arc(cr_, 0, 0, 1, 0, kTurn);
+  cairo_arc(cr_, 0, 0, 1, 0, kTwoPi);
   cairo_restore(cr_);
   pen(stroke);
 }

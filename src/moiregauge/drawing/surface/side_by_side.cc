@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWidest = 1920;     // px, of the whole: what every player can show
 constexpr int kBetweenParts = 4;  // px between the two
-constexpr int kMostSamples = 3;   // to a pixel's side; beyond it the filmed picture is sampled more thinly
+constexpr int kMaxSamples = 3;    // to a pixel's side; beyond it the filmed picture is sampled more thinly
 constexpr double kRing = 0.6;     // of a target's size
 constexpr double kStack = 2.0;    // width to height
 constexpr std::uint8_t kNothing = 96, kGround = 24, kInk = 240;
@@ -35,7 +35,7 @@ int even(double value) { return 2 * std::max(1, static_cast<int>(std::lround(0.5
 double outside(double distance, double half) { return std::max(0.0, std::abs(distance) - half); }
 
 // Letters, white on dark, cut off where the strip ends.
-void write_words(Image<std::uint8_t>& page, int x0, int width, int height, const std::string& words) {
+void write_text(Image<std::uint8_t>& page, int x0, int width, int height, const std::string& words) {
   Image<std::uint8_t> strip(width, height, kGround);
   const Surface surface = grey_surface(strip.view());
   const Context context(cairo_create(surface.get()), cairo_destroy);
@@ -88,7 +88,7 @@ SideBySide::SideBySide(const Reference& reference, double exaggeration, double l
   height_ = stacked ? 2 * (part_height_ + letters_px_) : part_height_ + letters_px_;
   still_x_ = stacked ? 0 : part_width_ + kBetweenParts;
   still_y_ = stacked ? part_height_ + 2 * letters_px_ : letters_px_;
-  samples_ = std::clamp(static_cast<int>(std::ceil(1.0 / scale_ - 0.2)), 1, kMostSamples);
+  samples_ = std::clamp(static_cast<int>(std::ceil(1.0 / scale_ - 0.2)), 1, kMaxSamples);
   for (int y = 0; y < part_height_; ++y)
     for (int x = 0; x < part_width_; ++x)
       for (int k = 0; k < samples_ * samples_; ++k) {
@@ -143,25 +143,24 @@ Image<std::uint8_t> SideBySide::draw(ImageView<std::uint8_t> filmed, const View*
       page.at(still_x_ + x, still_y_ + y) = view == nullptr ? kNothing : still_pixel(filmed, *view, at, moves);
     }
   }
-  write_words(page, 0, part_width_, letters_px_, words_filmed);
+  write_text(page, 0, part_width_, letters_px_, words_filmed);
   if (still_x_ > 0) {
-    write_words(page, still_x_, part_width_, letters_px_, words_still);
+    write_text(page, still_x_, part_width_, letters_px_, words_still);
     return page;
   }
   Image<std::uint8_t> strip(part_width_, letters_px_);
-  write_words(strip, 0, part_width_, letters_px_, words_still);
+  write_text(strip, 0, part_width_, letters_px_, words_still);
   for (int y = 0; y < letters_px_; ++y)
     std::copy_n(strip.row(y).begin(), part_width_, page.row(still_y_ - letters_px_ + y).begin());
   return page;
 }
 
 double best_exaggeration(double longest_mm, double u_mm, double size_mm) {
-  constexpr double kShare = 0.25, kNoiseShare = 0.05, kMost = 10000.0;
+  constexpr double kShare = 0.25, kNoiseShare = 0.05, kMax = 10000.0;
   if (!(longest_mm > 0.0)) return 1.0;
-  const double most =
-      std::min({kMost, kShare * size_mm / longest_mm, u_mm > 0.0 ? kNoiseShare * size_mm / u_mm : kMost});
+  const double most = std::min({kMax, kShare * size_mm / longest_mm, u_mm > 0.0 ? kNoiseShare * size_mm / u_mm : kMax});
   double best = 1.0;
-  for (double power = 1.0; power <= kMost; power *= 10.0)
+  for (double power = 1.0; power <= kMax; power *= 10.0)
     for (const double digit : {1.0, 2.0, 5.0})
       if (digit * power <= most) best = std::max(best, digit * power);
   return best;

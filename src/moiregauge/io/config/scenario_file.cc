@@ -130,14 +130,14 @@ std::vector<Entry>::iterator spoken_of(const std::string& problem, std::vector<E
 }
 
 // More than anybody corrects at a time; a file made to hold thousands must not take hours.
-constexpr int kMostMistakes = 20;
+constexpr int kMaxMistakes = 20;
 
 // Takes the lines in as far as they can be; the others are mistakes, and left out.
 void apply(std::vector<Entry>& entries, simulator::Scenario& scenario, TomlMistakes& wrong) {
   const Settings settings(scenario);
   int mistakes = 0;
   std::erase_if(entries, [&](const Entry& entry) {
-    const auto problem = mistakes < kMostMistakes ? settings.problem_applying(entry.name, entry.text) : std::nullopt;
+    const auto problem = mistakes < kMaxMistakes ? settings.problem_applying(entry.name, entry.text) : std::nullopt;
     if (!problem) return false;
     wrong.add_at(*entry.place, *problem);
     ++mistakes;
@@ -148,7 +148,7 @@ void apply(std::vector<Entry>& entries, simulator::Scenario& scenario, TomlMista
 // Values that are numbers but make no sense, each at its line: what one line says wrongly is left out to see what else
 // is wrong. A problem that no line alone makes is told only when it is the only one.
 void note_senseless(const simulator::Scenario& unset, std::vector<Entry> entries, TomlMistakes& wrong) {
-  for (int mistakes = 0; mistakes < kMostMistakes; ++mistakes) {
+  for (int mistakes = 0; mistakes < kMaxMistakes; ++mistakes) {
     simulator::Scenario scenario = unset;
     apply(entries, scenario, wrong);
     const auto problem = simulator::problem_with(scenario);

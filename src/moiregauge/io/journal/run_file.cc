@@ -209,7 +209,7 @@ class RunReader {
   [[nodiscard]] bool has_end() const { return end_.has_value(); }
   // What a run that did not end knows of its input is what it began with.
   [[nodiscard]] StoredRun take_run() {
-    Seen& seen = run_.seen;
+    ObservationLog& seen = run_.seen;
     if (end_) {
       seen.input = std::move(end_->input);
       seen.notes = std::move(end_->notes);
@@ -307,7 +307,7 @@ std::string reference_bytes(const Reference& reference, const std::vector<std::s
 
 std::string frame_bytes(const std::string& packed) { return record_of(kObservationTag, deflated(packed)); }
 
-std::string end_bytes(const Seen& seen, const MeasureOptions& options) {
+std::string end_bytes(const ObservationLog& seen, const MeasureOptions& options) {
   return (options.solve.rest ? record(kOptionsTag, options) : std::string{}) +
          record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.processing, seen.input_damaged,
                                 seen.interrupted, seen.observations.size()});

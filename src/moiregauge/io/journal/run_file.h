@@ -31,7 +31,7 @@ struct RunStart {
 struct StoredRun {
   RunStart start;
   MeasureOptions options;
-  Seen seen;
+  ObservationLog seen;
 };
 
 // The file's parts, in their order: head; frames, with the reference frame before the first one that is measured
@@ -41,7 +41,7 @@ struct StoredRun {
 [[nodiscard]] std::string head_bytes(const RunStart& start, MeasureOptions options);
 [[nodiscard]] std::string reference_bytes(const Reference& reference, const std::vector<std::string>& notes);
 [[nodiscard]] std::string frame_bytes(const std::string& packed);
-[[nodiscard]] std::string end_bytes(const Seen& seen, const MeasureOptions& options);
+[[nodiscard]] std::string end_bytes(const ObservationLog& seen, const MeasureOptions& options);
 
 // All of it, or "what: where: what to do". Every byte is checked; nothing is believed of a file that is not whole.
 [[nodiscard]] tl::expected<StoredRun, std::string> read_run(const std::string& path);

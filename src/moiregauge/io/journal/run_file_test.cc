@@ -183,7 +183,7 @@ TEST(RunFile, FramesMayGoByBeforeTheReferenceFrame) {
   const StoredRun run = filled_run(2);
   Observation before;
   const auto order = [&](const Observation& first) {
-    Seen seen = run.seen;
+    ObservationLog seen = run.seen;
     seen.observations = {first, run.seen.observations[0]};
     return parsed(head_bytes(run.start, run.options) + frame_bytes(Observations().packed(first)) +
                   reference_bytes(*run.seen.reference, run.seen.notes) + frame_bytes(run.seen.observations.packed(0)) +
@@ -271,8 +271,8 @@ TEST_P(RunFileOfVersion, IsReadAndSolved) {
   ASSERT_EQ(run->seen.observations.size(), 3U);
   for (const std::size_t n : {1U, 2U}) EXPECT_LT(run->seen.observations.packed(n).size(), 2000U);
   Measurement solved;
-  static_cast<Seen&>(solved) = std::move(run->seen);
-  conclude(run->options, solved);
+  static_cast<ObservationLog&>(solved) = std::move(run->seen);
+  evaluate(run->options, solved);
   ASSERT_EQ(solved.samples.size(), 3U);
   for (const std::size_t n : {1U, 2U}) {
     const Sample& sample = solved.samples[n];

@@ -27,7 +27,7 @@ template <> inline constexpr std::size_t kFields<Camera> = 11;
 template <> inline constexpr std::size_t kFields<Observation> = 8;
 template <> inline constexpr std::size_t kFields<MarkerObservation> = 8;
 template <> inline constexpr std::size_t kFields<Quantiser> = 2;
-template <> inline constexpr std::size_t kFields<SeenCircle> = 9;
+template <> inline constexpr std::size_t kFields<DetectedCircle> = 9;
 template <> inline constexpr std::size_t kFields<PatchReading> = 10;
 template <> inline constexpr std::size_t kFields<PatchFit> = 10;
 
@@ -116,11 +116,11 @@ inline constexpr int kSinceWidth = 3;
   }
   return false;
 }
-[[nodiscard]] constexpr bool is_known(Cover cover) {
+[[nodiscard]] constexpr bool is_known(Occlusion cover) {
   switch (cover) {
-    case Cover::kNone:
-    case Cover::kNow:
-    case Cover::kAtRest:
+    case Occlusion::kNone:
+    case Occlusion::kNow:
+    case Occlusion::kAtRest:
       return true;
   }
   return false;

@@ -9,7 +9,7 @@ namespace moiregauge::internal {
 
 PicturesAhead::PicturesAhead(long first, long end, std::function<PictureOrError(long)> read, int readers)
     : read_(std::move(read)), end_(end), to_read_(first), to_take_(first) {
-  readers = std::clamp(readers, 1, kMostReaders);
+  readers = std::clamp(readers, 1, kMaxReaders);
   ahead_ = readers + 1;  // one lies ready while every reader is at work: more would only cost memory
   try {
     for (int i = 0; i < readers; ++i) readers_.emplace_back([this](const std::stop_token& stop) { work(stop); });

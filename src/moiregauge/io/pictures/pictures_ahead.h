@@ -16,7 +16,7 @@
 namespace moiregauge::internal {
 
 // However many threads there are: with the picture in use never more than 16 in memory.
-inline constexpr int kMostReaders = 14;
+inline constexpr int kMaxReaders = 14;
 
 class PicturesAhead {
  public:

@@ -10,7 +10,7 @@ namespace moiregauge::internal {
 namespace {
 
 // Colour with transparency. A row is read whole, and damaged tags that name 65535 samples would make it of gigabytes.
-constexpr int kMostSamples = 4;
+constexpr int kMaxSamples = 4;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ std::string problem_with(const TiffPage& page) {
   const bool grey = page.photometric == PHOTOMETRIC_MINISBLACK || page.photometric == PHOTOMETRIC_MINISWHITE;
   const bool colour = page.photometric == PHOTOMETRIC_RGB && page.samples >= 3;
   if (!grey && !colour) return "store it as grey or RGB";
-  if (page.samples > kMostSamples) return fmt::format("{} samples a pixel; store it as grey or RGB", page.samples);
+  if (page.samples > kMaxSamples) return fmt::format("{} samples a pixel; store it as grey or RGB", page.samples);
   if (page.word_bits != 8 && page.word_bits != 16)
     return fmt::format("{} bits a sample; store 8 or 16", page.word_bits);
   if (page.format != SAMPLEFORMAT_UINT) return "store whole numbers without sign";

@@ -57,7 +57,7 @@ tl::expected<void, OutputError> write_file_set(const std::string& dir, const std
     if (const auto written = write_file_atomically((partial / name).string(), bytes); !written)
       return fail(written.error());
   }
-  if (const auto placed = put_in_place(partial, place); !placed) return fail(placed.error());
+  if (const auto placed = publish(partial, place); !placed) return fail(placed.error());
   return {};
 }
 

@@ -83,7 +83,7 @@ TEST(InspectJson, WithoutAPitchThereAreNoMillimetres) {
 
 TEST(InspectJson, DirectionsAreCounterClockwiseAsThePictureIsSeen) {
   InspectReport report = full_of_gaps(BoardUnit::kMillimetre);
-  SeenPatch& patch = report.seen.patches[0].seen;
+  DetectedPatch& patch = report.seen.patches[0].seen;
   patch.pattern = Pattern::kAuto;
   const double angle = 0.1;  // rad; the picture's y counts downwards
   patch.k_x = {std::cos(angle) / 12.0, -std::sin(angle) / 12.0};

@@ -88,7 +88,7 @@ OutputError RunDirectory::unwritable(const std::string& why, const Measurement& 
 }
 
 tl::expected<void, OutputError> RunDirectory::check(const std::function<std::string()>& input_sha256) const {
-  mend(place_);
+  recover(place_);
   std::error_code error;
   const fs::path& dir = place_.results;
   if (!fs::exists(dir, error)) return {};
@@ -130,7 +130,7 @@ tl::expected<void, OutputError> RunDirectory::write(const Measurement& measureme
   is_unfinished_ = is_new && measurement.interrupted && fs::exists(place_.results, error) &&
                    !fs::is_empty(place_.results, error) && !holds_interrupted_run(place_.results);
   if (done && !is_unfinished_) {
-    done = put_in_place(folder, place_);
+    done = publish(folder, place_);
     if (!done) done = tl::unexpected(place_.shown + ": " + done.error());
   }
   if (done) return {};

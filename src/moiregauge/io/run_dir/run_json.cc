@@ -126,7 +126,8 @@ void add_solved(const Site& site, const Scene& scene, std::size_t i, Json& json)
   add("y_mm", at.y, u.value[MarkerShape::kY]);
   add("z_mm", scene.markers[i].value[MarkerShape::kHeight], u.value[MarkerShape::kHeight]);
   if (!solved.grating) return;
-  add("angle_deg", degrees_from_radians(solved.grating->angle_rad), degrees_from_radians(u.value[MarkerShape::kTurn]));
+  add("angle_deg", degrees_from_radians(solved.grating->angle_rad),
+      degrees_from_radians(u.value[MarkerShape::kRotation]));
   add("pitch_mm", solved.grating->pitch_mm, site.markers[i].grating->pitch_mm * u.value[MarkerShape::kScale]);
 }
 

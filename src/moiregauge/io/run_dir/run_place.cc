@@ -50,7 +50,7 @@ RunPlace place_of_run(const std::string& dir) {
   return {shown, results, beside(".unfinished"), beside(".solved"), beside(".replaced")};
 }
 
-void mend(const RunPlace& place) {
+void recover(const RunPlace& place) {
   std::error_code error;
   if (!fs::exists(place.replaced / "run.json", error)) return;
   if (!fs::exists(place.results, error))
@@ -59,7 +59,7 @@ void mend(const RunPlace& place) {
     fs::remove_all(place.replaced, error);
 }
 
-tl::expected<void, std::string> put_in_place(const fs::path& folder, const RunPlace& place) {
+tl::expected<void, std::string> publish(const fs::path& folder, const RunPlace& place) {
   const auto failed = [] { return tl::unexpected(std::string(std::strerror(errno))); };
   std::error_code error;
   if (!sync_folder(folder.string())) return failed();

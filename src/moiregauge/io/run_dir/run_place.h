@@ -20,12 +20,12 @@ struct RunPlace {
 [[nodiscard]] RunPlace place_of_run(const std::string& dir);
 
 // After a process was killed while it put a run in its place: DIR is there again.
-void mend(const RunPlace& place);
+void recover(const RunPlace& place);
 
 // `folder`, whose files are on the disk, becomes DIR, and what stood there is gone: at no moment, a kill's or a power
 // cut's, there is neither (file systems that cannot exchange two folders at once: see mend). Fails with the system's
 // words.
-[[nodiscard]] tl::expected<void, std::string> put_in_place(const std::filesystem::path& folder, const RunPlace& place);
+[[nodiscard]] tl::expected<void, std::string> publish(const std::filesystem::path& folder, const RunPlace& place);
 
 // Results that were written so far are gone; run.mgj stays.
 void keep_journal_only(const std::filesystem::path& folder);

@@ -67,11 +67,11 @@ Marker solved_marker(const Site& site, const Scene& scene, std::size_t marker) {
   if (solved.grating) {
     Grating& print = *solved.grating;
     if (solved.circle)
-      solved.circle->centre = turned_about(print.centre, solved.circle->centre, shape[MarkerShape::kTurn],
+      solved.circle->centre = turned_about(print.centre, solved.circle->centre, shape[MarkerShape::kRotation],
                                            1.0 + shape[MarkerShape::kScale]) +
                               moved;
     print.centre = print.centre + moved;
-    print.angle_rad += shape[MarkerShape::kTurn];
+    print.angle_rad += shape[MarkerShape::kRotation];
     print.pitch_mm *= 1.0 + shape[MarkerShape::kScale];
   } else if (solved.circle) {
     solved.circle->centre = solved.circle->centre + moved;
@@ -89,7 +89,7 @@ Site solved_site(const Site& site, const Scene& scene) {
     for (const int k : {MarkerShape::kX, MarkerShape::kY}) {
       if (is_solved(scene, i, k)) places.push_back(shape_row(i, k));
     }
-    if (is_solved(scene, i, MarkerShape::kTurn)) turns.push_back(shape_row(i, MarkerShape::kTurn));
+    if (is_solved(scene, i, MarkerShape::kRotation)) turns.push_back(shape_row(i, MarkerShape::kRotation));
     if (is_solved(scene, i, MarkerShape::kScale)) scales.push_back(shape_row(i, MarkerShape::kScale));
     if (has_new_height(site, scene, i))
       heights.push_back(shape_row(i, MarkerShape::kHeight));

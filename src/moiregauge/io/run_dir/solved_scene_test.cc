@@ -69,7 +69,7 @@ TEST(SolvedScene, ACircleGoesWithItsPrint) {
     const auto then = arm(before.markers[i]), now = arm(after.markers[i]);
     const auto& shape = s.markers[i].value;
     EXPECT_NEAR(length(now), length(then) * (1.0 + shape[MarkerShape::kScale]), 1e-12);
-    EXPECT_NEAR(std::atan2(now.y, now.x) - std::atan2(then.y, then.x), shape[MarkerShape::kTurn], 1e-12);
+    EXPECT_NEAR(std::atan2(now.y, now.x) - std::atan2(then.y, then.x), shape[MarkerShape::kRotation], 1e-12);
   }
 }
 

@@ -106,10 +106,10 @@ TEST(StabilisedFolder, ReferencesStandStillAndTargetsMoveByTheTruth) {
   const auto then = measure_region(grey_of(place / "still/mid/000000.png").view(), Axis::kY, sampling);
   const auto now = measure_region(grey_of(place / "still/mid/000001.png").view(), Axis::kY, sampling);
   ASSERT_TRUE(then.valid && now.valid);
-  const double moved = grating.pitch_mm / kTurn * wrapped(now.phase_rad - then.phase_rad);
+  const double moved = grating.pitch_mm / kTwoPi * wrapped(now.phase_rad - then.phase_rad);
   const double truth = simulator::truth(scenario(), kLater, *simulator::find_marker(scenario(), "mid")).dy_mm;
   ASSERT_GT(truth, 1.0);
-  const double u = grating.pitch_mm / kTurn *
+  const double u = grating.pitch_mm / kTwoPi *
                    region_mean_uncertainty(noise, then.modulation, pitch_px, pitch_px, sampling.region_px);
   EXPECT_NEAR(moved, truth, 5.0 * std::hypot(u, run.targets[0].u.y));
 }

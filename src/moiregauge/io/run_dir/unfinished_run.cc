@@ -116,9 +116,9 @@ tl::expected<void, OutputError> UnfinishedRun::judge(const Found& found, const R
   return {};
 }
 
-tl::expected<Seen, OutputError> UnfinishedRun::begin(const RunStart& start, const MeasureOptions& options,
-                                                     Earlier earlier) {
-  mend(place_);
+tl::expected<ObservationLog, OutputError> UnfinishedRun::begin(const RunStart& start, const MeasureOptions& options,
+                                                               Earlier earlier) {
+  recover(place_);
   auto found = find();
   if (!found) return tl::unexpected(found.error());
   if (!*found) return start_new(start, options, -1);
@@ -128,15 +128,15 @@ tl::expected<Seen, OutputError> UnfinishedRun::begin(const RunStart& start, cons
       ::close((*found)->file);
       return tl::unexpected(allowed.error());
     }
-    if (earlier == Earlier::kResume) return go_on(std::move(**found));
+    if (earlier == Earlier::kResume) return may_continue(std::move(**found));
   }
   if (!(*found)->in_results) return start_new(start, options, (*found)->file);
   ::close((*found)->file);
   return start_new(start, options, -1);
 }
 
-tl::expected<Seen, OutputError> UnfinishedRun::start_new(const RunStart& start, const MeasureOptions& options,
-                                                         int locked) {
+tl::expected<ObservationLog, OutputError> UnfinishedRun::start_new(const RunStart& start, const MeasureOptions& options,
+                                                                   int locked) {
   const auto failed = [&] { return tl::unexpected(unwritable(std::strerror(errno))); };
   std::error_code error;
   fs::create_directories(place_.unfinished, error);
@@ -160,10 +160,10 @@ tl::expected<Seen, OutputError> UnfinishedRun::start_new(const RunStart& start, 
   if (!sync_folder(place_.unfinished.string()) || !sync_folder(place_.unfinished.parent_path().string()))
     return failed();
   journal_->start();
-  return Seen{};
+  return ObservationLog{};
 }
 
-tl::expected<Seen, OutputError> UnfinishedRun::go_on(Found found) {
+tl::expected<ObservationLog, OutputError> UnfinishedRun::may_continue(Found found) {
   const auto failed = [&] { return tl::unexpected(unwritable(std::strerror(errno))); };
   file_ = found.file;
   frames_ = frames_of(*found.kept);
@@ -194,7 +194,7 @@ tl::expected<void, OutputError> UnfinishedRun::close() {
   return {};
 }
 
-tl::expected<void, OutputError> UnfinishedRun::end(const Seen& seen, const MeasureOptions& options) {
+tl::expected<void, OutputError> UnfinishedRun::end(const ObservationLog& seen, const MeasureOptions& options) {
   if (const auto done = journal_->append(end_bytes(seen, options)); !done)
     return tl::unexpected(unwritable(done.error()));
   is_whole_ = true;

@@ -30,15 +30,15 @@ class UnfinishedRun : public JournalSink {
   // Before any frame. Returns what an earlier run found, nothing (no reference frame) where there is none to go on
   // with. Fails (usage) where one is found and cannot or may not be gone on with, where another process is at work, or
   // where the place is somebody else's; (not usage) where nothing can be written.
-  [[nodiscard]] tl::expected<Seen, OutputError> begin(const RunStart& start, const MeasureOptions& options,
-                                                      Earlier earlier);
+  [[nodiscard]] tl::expected<ObservationLog, OutputError> begin(const RunStart& start, const MeasureOptions& options,
+                                                                Earlier earlier);
   void refer(const Reference& reference, const std::vector<std::string>& notes) override;
   void add(const std::string& packed) override;
   [[nodiscard]] bool good() const override { return journal_->good(); }
   // All that was added is on the disk. Fails with what to tell the user.
   [[nodiscard]] tl::expected<void, OutputError> close();
   // After close(): the run is whole, `seen` is all of it. Results that were concluded from it had these options.
-  [[nodiscard]] tl::expected<void, OutputError> end(const Seen& seen, const MeasureOptions& options);
+  [[nodiscard]] tl::expected<void, OutputError> end(const ObservationLog& seen, const MeasureOptions& options);
 
  private:
   // The journal, locked; of a run that was interrupted it may lie in DIR. No value: there is none.
@@ -48,9 +48,9 @@ class UnfinishedRun : public JournalSink {
     tl::expected<KeptRun, std::string> kept;
   };
   [[nodiscard]] tl::expected<std::optional<Found>, OutputError> find();
-  [[nodiscard]] tl::expected<Seen, OutputError> start_new(const RunStart& start, const MeasureOptions& options,
-                                                          int locked);
-  [[nodiscard]] tl::expected<Seen, OutputError> go_on(Found found);
+  [[nodiscard]] tl::expected<ObservationLog, OutputError> start_new(const RunStart& start,
+                                                                    const MeasureOptions& options, int locked);
+  [[nodiscard]] tl::expected<ObservationLog, OutputError> may_continue(Found found);
   [[nodiscard]] tl::expected<void, OutputError> judge(const Found& found, const RunStart& start,
                                                       const MeasureOptions& options, Earlier earlier) const;
   [[nodiscard]] OutputError unwritable(const std::string& why) const;

@@ -127,7 +127,7 @@ long frame_step_of(const RunTable& table) {
   return std::max(step, 1L);
 }
 
-std::string gap_words(const RunTable& table, const Place& place, const std::vector<Readings>& stretches, long rows) {
+std::string gap_text(const RunTable& table, const Place& place, const std::vector<Readings>& stretches, long rows) {
   std::size_t there = 0;
   for (const Readings& stretch : stretches) there += stretch.size();
   return fmt::format(
@@ -156,7 +156,7 @@ tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps) {
       if (stretches.empty()) continue;
       has_any = true;
       const bool is_whole = stretches.size() == 1 && stretches.front().size() == static_cast<std::size_t>(rows);
-      if (!is_whole && gaps == Gaps::kRefuse) return tl::unexpected(gap_words(table, place, stretches, rows));
+      if (!is_whole && gaps == Gaps::kRefuse) return tl::unexpected(gap_text(table, place, stretches, rows));
       for (std::size_t k = 0; k < stretches.size(); ++k) text += dataset(table, place, stretches[k], k + 1);
     }
   }

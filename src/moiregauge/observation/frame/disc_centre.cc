@@ -17,13 +17,13 @@ namespace {
 
 constexpr double kPaper = 1.25;  // radii: so far there is paper round a disc
 constexpr double kInside = 0.7;  // radii: no blur reaches in here
-constexpr int kMostLooks = 4;
+constexpr int kMaxLooks = 4;
 constexpr int kFirstRows = 3;    // the first look, from which the next begins, takes every third row
 constexpr double kLarge = 40.0;  // px: a disc of which every second row will do
 constexpr int kRowsAhead = 6;
-constexpr double kStands = 0.1;         // px: the centroid of a window round it that moves no further
-constexpr double kSameArea = 0.05;      // relative
-constexpr double kLeastContrast = 0.4;  // of the contrast that it had
+constexpr double kStands = 0.1;       // px: the centroid of a window round it that moves no further
+constexpr double kSameArea = 0.05;    // relative
+constexpr double kMinContrast = 0.4;  // of the contrast that it had
 
 struct DiscLook {
   ImagePoint centre;
@@ -120,10 +120,10 @@ std::optional<DiscLook> look_at_disc(const ImageView<Grey>& picture, ImagePoint 
 }  // namespace
 
 std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected, double diameter_px,
-                                      const SeenCircle& like, Rows rows) {
+                                      const DetectedCircle& like, Rows rows) {
   const double radius = 0.5 * diameter_px;
   ImagePoint at = expected;
-  for (int k = 0; k < kMostLooks; ++k) {
+  for (int k = 0; k < kMaxLooks; ++k) {
     const int row_step = k == 0 ? kFirstRows : rows == Rows::kAll || diameter_px < kLarge ? 1 : 2;
     const auto seen =
         std::visit([&](const auto& picture) { return look_at_disc(picture, at, radius, row_step); }, luma);
@@ -132,7 +132,7 @@ std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected,
     at = seen->centre;
     if (k == 0 || moved > kStands) continue;
     const bool same = std::abs(row_step * seen->area / (kPi * radius * radius) - 1.0) < kSameArea &&
-                      std::abs(seen->contrast) > kLeastContrast * std::abs(like.contrast);
+                      std::abs(seen->contrast) > kMinContrast * std::abs(like.contrast);
     return same ? std::optional(at) : std::nullopt;
   }
   return std::nullopt;

@@ -15,6 +15,6 @@ namespace moiregauge::internal {
 // where there is no such disc, whole, with paper round it: then one has to look properly. Of a large disc every second row
 // tells the centre nearly as well.
 [[nodiscard]] std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected, double diameter_px,
-                                                    const SeenCircle& like, Rows rows = Rows::kAll);
+                                                    const DetectedCircle& like, Rows rows = Rows::kAll);
 
 }  // namespace moiregauge::internal

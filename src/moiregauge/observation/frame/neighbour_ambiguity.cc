@@ -30,7 +30,7 @@ Extent<frame::Board> gone(const Reference& reference, const MarkerObservation& s
 
 }  // namespace
 
-void doubt_what_may_be_another(const Reference& reference, const Prediction& prediction, Observation& seen) {
+void flag_ambiguous_targets(const Reference& reference, const Prediction& prediction, Observation& seen) {
   const Site& site = reference.site;
   for (std::size_t i = 0; i < seen.markers.size(); ++i) {
     MarkerObservation& here = seen.markers[i];

@@ -10,6 +10,6 @@ namespace moiregauge::internal {
 // A target found more than half as far from its own last place as from that of another marker like it may be that
 // marker: its order becomes kContradicted, and it is looked for next where it was last sure. So nothing is mistaken for
 // another as long as no print goes two thirds of the way to a like one's place from one frame to the next.
-void doubt_what_may_be_another(const Reference& reference, const Prediction& prediction, Observation& seen);
+void flag_ambiguous_targets(const Reference& reference, const Prediction& prediction, Observation& seen);
 
 }  // namespace moiregauge::internal

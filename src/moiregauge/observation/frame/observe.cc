@@ -16,7 +16,7 @@ namespace {
 
 struct Located {
   std::vector<CirclePoint> points;
-  std::vector<std::optional<SeenCircle>> circles;  // one per site marker
+  std::vector<std::optional<DetectedCircle>> circles;  // one per site marker
   std::string problem;
   CircleSearch search;  // in which they were found
 };
@@ -30,8 +30,8 @@ CircleSearch search_near(const GreyPicture& picture, const Reference& reference,
   const View view{predicted, reference.lens};
   for (const CirclePoint& point : reference.circles) {
     const double diameter = reference.diameter_px(point, view);
-    for (const SeenCircle& circle : find_circles_near(picture.luma, view(point.board), diameter,
-                                                      kCircleReach * diameter, reference.options.circles))
+    for (const DetectedCircle& circle : find_circles_near(picture.luma, view(point.board), diameter,
+                                                          kCircleReach * diameter, reference.options.circles))
       search.circles.push_back(circle);
   }
   return search;
@@ -112,13 +112,13 @@ std::optional<IdealFromBoard> first_view(const Reference& reference, const std::
 constexpr double kSlipReach = 1.5;  // diameters
 constexpr double kSameSize = 0.1;   // relative
 
-const SeenCircle* circle_of_slipped(const Reference& reference, const Located& now, const View& view,
-                                    const CirclePoint& lost) {
+const DetectedCircle* circle_of_slipped(const Reference& reference, const Located& now, const View& view,
+                                        const CirclePoint& lost) {
   const double diameter = reference.diameter_px(lost, view);
   const ImagePoint place = view(lost.board);
-  const SeenCircle* nearest = nullptr;
+  const DetectedCircle* nearest = nullptr;
   double away = kSlipReach * diameter;
-  for (const SeenCircle& circle : now.search.circles) {
+  for (const DetectedCircle& circle : now.search.circles) {
     const bool is_another = std::any_of(now.circles.begin(), now.circles.end(), [&](const auto& other) {
       return other && length(other->centre - circle.centre) < 0.5 * diameter;
     });
@@ -130,7 +130,7 @@ const SeenCircle* circle_of_slipped(const Reference& reference, const Located& n
 
 // Reads the print of a reference that slipped, with its circle. It counts as covered until its template matches.
 void read_slipped(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                  const SeenCircle& circle, MarkerObservation& seen, PatchWorkspace& work) {
+                  const DetectedCircle& circle, MarkerObservation& seen, PatchWorkspace& work) {
   const auto went = view.board(circle.centre) - reference.view.board(reference.seen.markers[i].circle->centre);
   seen.circle = circle;
   follow_marker(picture, reference, view, i, went, seen, work);
@@ -178,7 +178,7 @@ std::optional<IdealFromBoard> second_view(const Reference& reference, const std:
 namespace {
 
 std::string too_few(std::size_t least, const char* what) {
-  return std::string(least == kLeastForPose ? "fewer than three " : "fewer than four ") + what;
+  return std::string(least == kMinForPose ? "fewer than three " : "fewer than four ") + what;
 }
 
 // By how much a reference's print may be left behind by a lossy codec, told from its fainter fundamental; 0 of others.
@@ -190,8 +190,8 @@ double lag_mm(const GreyPicture& picture, const Reference& reference, const Circ
                        : !plan.reads_x ? modulation[1]
                                        : std::min(modulation[0], modulation[1]);
   const double mm_per_px = reference.view.mm_per_px(point.board);
-  const double slope = least * kTurn * mm_per_px / plan.pitch_mm / std::sqrt(2.0);
-  return std::min(dead_zone_px(picture.rounding / rounding_of_step(1.0), slope), 2.0 * kMostLag_px) * mm_per_px;
+  const double slope = least * kTwoPi * mm_per_px / plan.pitch_mm / std::sqrt(2.0);
+  return std::min(dead_zone_px(picture.rounding / rounding_of_step(1.0), slope), 2.0 * kMaxLag_px) * mm_per_px;
 }
 
 }  // namespace
@@ -226,7 +226,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   const View view{*first, reference.lens};
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
-    const SeenCircle* circle = nullptr;
+    const DetectedCircle* circle = nullptr;
     if (slipped == i)
       circle = &*now.circles[i];
     else if (!now.circles[i] && now.points.size() + 1 >= kMinReferencesForSlip)
@@ -251,7 +251,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
 
 Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
                               PatchWorkspace& work) {
-  return observe_board(picture, reference, prediction, kLeastForHomography, work);
+  return observe_board(picture, reference, prediction, kMinForHomography, work);
 }
 
 }  // namespace moiregauge::internal

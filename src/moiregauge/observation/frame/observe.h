@@ -23,9 +23,9 @@ struct Prediction {
 [[nodiscard]] Observation observe_conventional(const GreyPicture& picture, const Reference& reference,
                                                const Prediction& prediction, PatchWorkspace& work);
 
-inline constexpr std::size_t kLeastForHomography = 4, kLeastForPose = 3;  // references
+inline constexpr std::size_t kMinForHomography = 4, kMinForPose = 3;  // references
 
-// The first stage and the second through at least so many references: kLeastForPose of a known camera will do where the
+// The first stage and the second through at least so many references: kMinForPose of a known camera will do where the
 // frame before says which three are seen.
 [[nodiscard]] Observation observe_board(const GreyPicture& picture, const Reference& reference,
                                         const Prediction& prediction, std::size_t least, PatchWorkspace& work);

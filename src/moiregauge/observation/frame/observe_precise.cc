@@ -65,7 +65,7 @@ void prove(const GreyPicture& picture, const Reference& reference, const View& v
     return;
   }
   const auto here = moved(reference, seen, i);
-  const OrderVerdict verdict = prove_order(picture.luma, view, grating, *outline, here, is_taken);
+  const OrderVerdict verdict = verify_fringe_order(picture.luma, view, grating, *outline, here, is_taken);
   seen.order = verdict.order;
   if (verdict.order == Order::kProven && length(verdict.moved - here) > 0.0)
     follow_marker(picture, reference, view, i, verdict.moved, seen, work);
@@ -89,7 +89,7 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
     seen.points = *std::move(points);
     return;
   }
-  const CoveredBlocks covered = blocks_covered(picture, print, *at_rest, *points);
+  const CoveredBlocks covered = find_occluded_blocks(picture, print, *at_rest, *points);
   if (covered.any_now) {
     auto free = free_points(picture, print, *at_rest, *points, covered.now);
     if (!free) {
@@ -100,7 +100,7 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   } else if (may_have_slipped && !is_whole(*points, *at_rest, print, picture.rounding)) {
     return;
   }
-  seen.cover = covered.any_now ? Cover::kNow : covered.any_then ? Cover::kAtRest : Cover::kNone;
+  seen.occlusion = covered.any_now ? Occlusion::kNow : covered.any_then ? Occlusion::kAtRest : Occlusion::kNone;
   if (may_have_slipped)
     seen.patch =
         patch_of_points(reference, i, *points, motion_of_points(reference, view, i, *points), seen.window_shift);
@@ -149,7 +149,7 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
     reference.prints[i] = *std::move(learned);
     read(picture, reference, reference.view, i, seen);
     PrintModel& print = *reference.prints[i];
-    if (seen.points) print.misses = misses_of(picture.luma, *seen.points, print.window, print.print);
+    if (seen.points) print.misses = template_residuals(picture.luma, *seen.points, print.window, print.print);
   }
 }
 
@@ -164,8 +164,8 @@ bool tracked(const GreyPicture& picture, const Reference& reference, const View&
   const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
   if (is_taken(here.window_shift) ||
       !ends_with_print(*here.points, *reference.seen.markers[i].points, *reference.prints[i], picture.rounding)) {
-    const OrderVerdict verdict = prove_order(picture.luma, view, *reference.site.markers[i].grating,
-                                             *reference.prints[i]->outline, here.window_shift, is_taken);
+    const OrderVerdict verdict = verify_fringe_order(picture.luma, view, *reference.site.markers[i].grating,
+                                                     *reference.prints[i]->outline, here.window_shift, is_taken);
     if (verdict.order != Order::kProven || length(verdict.moved - here.window_shift) > 0.0) return false;
   }
   seen = std::move(here);
@@ -199,16 +199,16 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
       if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
         look_for(picture, reference, view, i, prediction, true, seen.markers[i], work);
     }
-    doubt_what_may_be_another(reference, prediction, seen);
+    flag_ambiguous_targets(reference, prediction, seen);
     return seen;
   }
-  const std::size_t least = reference.knows_camera() ? kLeastForPose : kLeastForHomography;
+  const std::size_t least = reference.knows_camera() ? kMinForPose : kMinForHomography;
   Observation seen = observe_board(picture, reference, prediction, least, work);
   if (!seen.references_seen) return seen;
   const View view{seen.stage2, reference.lens};
   for (std::size_t i = 0; i < seen.markers.size(); ++i)
     look_for(picture, reference, view, i, prediction, false, seen.markers[i], work);
-  doubt_what_may_be_another(reference, prediction, seen);
+  flag_ambiguous_targets(reference, prediction, seen);
   return seen;
 }
 

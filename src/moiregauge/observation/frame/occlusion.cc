@@ -13,23 +13,23 @@ namespace {
 constexpr double kMissesChanged = 1.15;
 // Of the template's contrast: what a block must miss in excess for the print to move by half a thousandth of a pixel or
 // more, should all of it pull one way.
-constexpr double kLeastMiss = 0.01;
+constexpr double kMinMiss = 0.01;
 // The free part may miss by so much more, squared, than the print did at rest: blur and light take their share.
 constexpr double kStillCovered = 2.0;
 
 double square(double v) { return v * v; }
 
 double least_of(const PrintModel& model, const PatchFit& fit, double rounding) {
-  return square(kLeastMiss * fit.gain[0] * model.print.contrast()) + square(rounding);
+  return square(kMinMiss * fit.gain[0] * model.print.contrast()) + square(rounding);
 }
 
 }  // namespace
 
-CoveredBlocks blocks_covered(const GreyPicture& picture, const PrintModel& model, const PatchFit& at_rest,
-                             const PatchFit& fit) {
+CoveredBlocks find_occluded_blocks(const GreyPicture& picture, const PrintModel& model, const PatchFit& at_rest,
+                                   const PatchFit& fit) {
   const double ratio = square(fit.sigma) / square(at_rest.sigma);
   if (ratio < kMissesChanged && ratio > 1.0 / kMissesChanged) return {};
-  return covered_blocks(model.misses, misses_of(picture.luma, fit, model.window, model.print),
+  return covered_blocks(model.misses, template_residuals(picture.luma, fit, model.window, model.print),
                         least_of(model, fit, picture.rounding));
 }
 

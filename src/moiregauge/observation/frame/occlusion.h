@@ -12,8 +12,8 @@ namespace moiregauge::internal {
 //
 // at_rest, fit   the print's points then and now
 // A lossy codec leaves some blocks coarser than others: picture.rounding is allowed for.
-[[nodiscard]] CoveredBlocks blocks_covered(const GreyPicture& picture, const PrintModel& model, const PatchFit& at_rest,
-                                           const PatchFit& fit);
+[[nodiscard]] CoveredBlocks find_occluded_blocks(const GreyPicture& picture, const PrintModel& model,
+                                                 const PatchFit& at_rest, const PatchFit& fit);
 
 // The points of the part that is free; nothing when that is too little, or has something over it still.
 [[nodiscard]] std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel& model,

@@ -60,8 +60,8 @@ PatchReading patch_of_points(const Reference& reference, std::size_t i, const Pa
   const Matrix2 bent = turn.transpose() * motion.gradient * turn;
   const double pitch_mm = reference.site.markers[i].grating->pitch_mm;
   for (std::size_t a = 0; a < 2; ++a) {
-    patch.phase_rad[a] = wrapped(then.patch.phase_rad[a] - kTurn * along[a] / plan.pitch_mm);
-    patch.u_phase_rad[a] = u_of_shift(fit.information, static_cast<int>(a)) * kTurn * pitch_mm / plan.pitch_mm;
+    patch.phase_rad[a] = wrapped(then.patch.phase_rad[a] - kTwoPi * along[a] / plan.pitch_mm);
+    patch.u_phase_rad[a] = u_of_shift(fit.information, static_cast<int>(a)) * kTwoPi * pitch_mm / plan.pitch_mm;
     patch.modulation[a] *= fit.fundamental[a] / then.points->fundamental[a];
     for (std::size_t b = 0; b < 2; ++b)
       patch.gradient[a][b] += bent(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));

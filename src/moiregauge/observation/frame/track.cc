@@ -32,7 +32,7 @@ std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& r
   who.circle_of_marker.assign(reference.site.markers.size(), -1);
   who.image_from_board = Homography<frame::Image, frame::Board>(expected.matrix());
   for (const CirclePoint& point : reference.circles) {
-    SeenCircle circle = *reference.seen.markers[point.marker].circle;
+    DetectedCircle circle = *reference.seen.markers[point.marker].circle;
     circle.diameter_px = reference.diameter_px(point, view);
     const auto centre = disc_centre(picture.luma, view(point.board), circle.diameter_px, circle, rows);
     if (!centre) return std::nullopt;
@@ -50,7 +50,7 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
   if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) ||
       !is_whole(*fit, *reference.seen.markers[i].points, print, picture.rounding))
     return std::nullopt;
-  const CoveredBlocks covered = blocks_covered(picture, print, *reference.seen.markers[i].points, *fit);
+  const CoveredBlocks covered = find_occluded_blocks(picture, print, *reference.seen.markers[i].points, *fit);
   if (covered.any_now || covered.any_then) return std::nullopt;
   return *std::move(fit);
 }

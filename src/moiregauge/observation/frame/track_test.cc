@@ -48,7 +48,7 @@ TEST(Track, SeesWhatTheLongWaySees) {
   const auto seen = track_references(picture, reference, prediction);
   ASSERT_TRUE(seen);
   PatchWorkspace work;
-  const Observation long_way = observe_board(picture, reference, prediction, kLeastForHomography, work);
+  const Observation long_way = observe_board(picture, reference, prediction, kMinForHomography, work);
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
     const RasterPlan& plan = reference.plans[i];
@@ -96,7 +96,7 @@ TEST(DiscCentre, IsWithinATwentiethOfAPixelAndOnlyWhereADiscIs) {
       picture.at(x, y) = static_cast<std::uint8_t>(std::lround(210.0 - 160.0 * inside - 0.2 * x));  // lit from one side
     }
   }
-  SeenCircle like;
+  DetectedCircle like;
   like.contrast = -160.0;
   const auto found = disc_centre(picture.view(), {64.0, 58.0}, 40.0, like);
   ASSERT_TRUE(found);

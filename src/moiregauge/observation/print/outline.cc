@@ -36,7 +36,7 @@ bool is_whole(const Grating& grating, int i, int j) {
 }
 
 // Does the window, displaced to the place, hold half of a print or more?
-bool is_print(const PresenceMap& map, const Outline& outline, const Place& p) {
+bool is_print(const VisibilityMap& map, const Outline& outline, const Place& p) {
   auto cells = map.cells(outline.window, p.i, p.j);
   if (cells.empty()) return false;
   const auto high = cells.begin() + static_cast<std::ptrdiff_t>(cells.size() * 4 / 5);
@@ -58,7 +58,7 @@ struct Ranked {
 };
 
 // The best place and the best of those that lie beside it along an axis the print shows.
-Ranked rank(const PresenceMap& map, const Grating& grating, const Outline& outline, int pitches,
+Ranked rank(const VisibilityMap& map, const Grating& grating, const Outline& outline, int pitches,
             const std::function<bool(const Place&)>& is_taken) {
   Ranked r;
   std::vector<Place> all;
@@ -102,8 +102,8 @@ std::optional<Outline> learn_outline(const LumaView& luma, const View& view, con
   return outline;
 }
 
-OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& grating, const Outline& outline,
-                         Extent<frame::Board> moved, const IsTaken& is_taken) {
+OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const Grating& grating, const Outline& outline,
+                                 Extent<frame::Board> moved, const IsTaken& is_taken) {
   const Axes axes = axes_of(grating);
   for (const int pitches : {kNear, kFar}) {
     const auto map = presence_round(luma, view, grating, outline.window, moved, outline.correction, pitches);
@@ -140,7 +140,7 @@ std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const Vie
 namespace {
 
 // The place at which a window holds most of the lattice.
-Place best_place(const PresenceMap& map, const PatchWindow& window, int pitches) {
+Place best_place(const VisibilityMap& map, const PatchWindow& window, int pitches) {
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
     for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
@@ -157,7 +157,7 @@ struct Beside {
   [[nodiscard]] double middle() const { return low + high > 0.0 ? 0.5 * (low - high) / (low + high) : 0.0; }  // pitches
 };
 
-Beside beside(const PresenceMap& map, const PatchWindow& window, const Place& best, bool along_x) {
+Beside beside(const VisibilityMap& map, const PatchWindow& window, const Place& best, bool along_x) {
   const int x = along_x ? 2 : 0, y = along_x ? 0 : 2;
   return {best.score - map.sum(window, best.i - x, best.j - y), best.score - map.sum(window, best.i + x, best.j + y)};
 }
@@ -169,7 +169,7 @@ bool stands_out(const Beside& b, double score, double half) {
 }
 
 bool is_plausible(const PrintFromPrint& lattice) {
-  return (lattice.matrix().topLeftCorner<2, 2>() - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() < kMostStretched;
+  return (lattice.matrix().topLeftCorner<2, 2>() - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() < kMaxStretched;
 }
 
 constexpr double kRim = 0.25;  // pitches: cells of the print's rim are half paper

@@ -45,8 +45,9 @@ using IsTaken = std::function<bool(Extent<frame::Board>)>;
 
 // `moved`: where the phase puts the print, right but for whole pitches. Looks three pitches round it, and further when
 // what it finds there is not the whole print.
-[[nodiscard]] OrderVerdict prove_order(const LumaView& luma, const View& view, const Grating& grating,
-                                       const Outline& outline, Extent<frame::Board> moved, const IsTaken& is_taken);
+[[nodiscard]] OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const Grating& grating,
+                                               const Outline& outline, Extent<frame::Board> moved,
+                                               const IsTaken& is_taken);
 
 // Where the print may stand when nothing is known but that it is not at `from`: the place, to half a pitch, within
 // `pitches` of it that shows most of its lattice. Nothing when half of it is nowhere seen.

@@ -24,7 +24,7 @@ constexpr double kNoSlope = 1e-3;
 // on until the map stands still; then the window grows, and the last rounds learn all harmonics. What a template leaves
 // over pushes the map by the same little in every round (1e-5 to 6e-5 pitch, mostly along, where the two may drift
 // together): a map that moves as it did before has nothing more to learn either.
-constexpr int kMostRounds = 12;
+constexpr int kMaxRounds = 12;
 constexpr double kStandsStill = 1e-6;  // pitches
 constexpr double kAsBefore = 0.03;     // of the movement
 constexpr int kFirstOrders = 5;
@@ -32,7 +32,7 @@ constexpr int kFirstOrders = 5;
 // To move a print as a whole, to within a hundredth of a pitch, not every row need be seen: three to a pitch, and never
 // so few that printed edges fall between them.
 constexpr double kRowsPerPitch = 3.0;
-constexpr int kMostRowStep = 4;
+constexpr int kMaxRowStep = 4;
 
 // A template that leaves this share less than the fundamentals alone is worth its harmonics: the rms residual of some
 // thousand pixels is known to 1 %.
@@ -76,7 +76,7 @@ void gather_grey(const ImageView<Grey>& picture, const PrintFromImage& map, cons
 // How far the print reaches to one side: strips beyond the window are taken in while they look like the template.
 constexpr double kStrip = 0.05;        // pitches
 constexpr double kSameAsInside = 1.6;  // rms residual of a strip against that of the window
-constexpr double kMostBeyond = 0.6;    // pitches beyond the site's size
+constexpr double kMaxBeyond = 0.6;     // pitches beyond the site's size
 
 struct Side {
   int axis;     // 0: x, 1: y
@@ -120,8 +120,8 @@ double reach(const ImageView<Grey>& picture, const PrintFromImage& map, const Pa
 template <typename Grey>
 PatchWindow grown(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit& fit,
                   const PrintTemplate& print, const Grating& grating, double pixel) {
-  const double most_x = 0.5 * grating.width_mm / grating.pitch_mm + kMostBeyond;
-  const double most_y = 0.5 * grating.height_mm / grating.pitch_mm + kMostBeyond;
+  const double most_x = 0.5 * grating.width_mm / grating.pitch_mm + kMaxBeyond;
+  const double most_y = 0.5 * grating.height_mm / grating.pitch_mm + kMaxBeyond;
   // A strip's last good pixel may be half a pixel from its edge, and half a pixel of edge goes unnoticed in a strip.
   const auto limit = [&](Side side) {
     const double most = side.axis == 0 ? most_x : most_y;
@@ -216,7 +216,7 @@ class Learning {
 
   tl::expected<void, Failure> until_it_stands_still(int most_orders) {
     double before = 0.0;
-    for (int k = 0; k < kMostRounds; ++k) {
+    for (int k = 0; k < kMaxRounds; ++k) {
       const auto moved = round(most_orders);
       if (!moved) return tl::unexpected(moved.error());
       if (*moved < kStandsStill || std::abs(*moved - before) < kAsBefore * *moved) break;
@@ -273,7 +273,7 @@ PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Gratin
   }
   const Matrix3 change = found.matrix() / found.matrix()(2, 2) - Matrix3::Identity();
   const double stretch = change.topLeftCorner<2, 2>().cwiseAbs().maxCoeff();
-  return stretch > kStretched && stretch < kMostStretched ? found : PrintFromPrint{};
+  return stretch > kStretched && stretch < kMaxStretched ? found : PrintFromPrint{};
 }
 
 // The print by all of its harmonics, or by its fundamentals.
@@ -348,7 +348,7 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   if (!taken) return tl::unexpected(taken.error());
   PrintModel model = taken->model();
   const double pitch_px = grating.pitch_mm / view.mm_per_px(grating.centre);
-  model.options.row_step = std::clamp(static_cast<int>(pitch_px / kRowsPerPitch), 1, kMostRowStep);
+  model.options.row_step = std::clamp(static_cast<int>(pitch_px / kRowsPerPitch), 1, kMaxRowStep);
   model.correction = taken->map() * map->inverse();
   if (origin_within > 0.0) take_own_origin(model, origin_within);
   model.outline = learn_outline(luma, view, grating, model.window, model.correction);

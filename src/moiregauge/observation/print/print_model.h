@@ -63,6 +63,6 @@ inline constexpr double kPrintEdgePx = 2.4;
 
 // Scale and shear of a lattice farther off than this are something else's. (The first round sees too much of a
 // stretch.)
-inline constexpr double kMostStretched = 0.6;
+inline constexpr double kMaxStretched = 0.6;
 
 }  // namespace moiregauge::internal

@@ -35,7 +35,7 @@ double step(double px) { return 0.5 * std::erfc(-px / (std::sqrt(2.0) * kBlurPx)
 double lines(double px) { return step(std::abs(std::remainder(px, kPitchPx)) - 0.25 * kPitchPx); }
 double crossed_lines(double x, double y) { return 40.0 + 170.0 * lines(x) * lines(y); }
 double cosines(double x, double y) {
-  return 125.0 + 42.5 * (std::cos(kTurn * x / kPitchPx) + std::cos(kTurn * y / kPitchPx));
+  return 125.0 + 42.5 * (std::cos(kTwoPi * x / kPitchPx) + std::cos(kTwoPi * y / kPitchPx));
 }
 
 template <typename Grey>

@@ -18,7 +18,7 @@ double to_nearest_whole(double pitches) { return pitches - std::round(pitches); 
 
 // Prints with lines along both axes: crossings of dark lines, and half a pitch further along both, of light ones.
 PrintOrigin of_crossings(Complex x, Complex y) {
-  const double dx = to_nearest_whole(-std::arg(x) / kTurn), dy = to_nearest_whole(-std::arg(y) / kTurn);
+  const double dx = to_nearest_whole(-std::arg(x) / kTwoPi), dy = to_nearest_whole(-std::arg(y) / kTwoPi);
   const PrintPoint light{dx, dy}, dark{to_nearest_whole(dx + 0.5), to_nearest_whole(dy + 0.5)};
   const bool is_light = std::hypot(light.x, light.y) < std::hypot(dark.x, dark.y);
   return {is_light ? light : dark, std::sqrt(0.5), 0.0};
@@ -26,12 +26,12 @@ PrintOrigin of_crossings(Complex x, Complex y) {
 
 // Checkerboards, whose fundamentals run along the diagonals: corners and centres of squares.
 PrintOrigin of_checkers(Complex up, Complex down) {
-  const double u = to_nearest_half(-std::arg(up) / kTurn), v = to_nearest_half(-std::arg(down) / kTurn);
+  const double u = to_nearest_half(-std::arg(up) / kTwoPi), v = to_nearest_half(-std::arg(down) / kTwoPi);
   return {{0.5 * (u + v), 0.5 * (u - v)}, std::sqrt(0.125), 0.0};
 }
 
 PrintOrigin of_lines(Complex c, bool is_x) {
-  const double at = to_nearest_half(-std::arg(c) / kTurn);
+  const double at = to_nearest_half(-std::arg(c) / kTwoPi);
   return {is_x ? PrintPoint{at, 0.0} : PrintPoint{0.0, at}, 0.5, 0.0};
 }
 
@@ -66,7 +66,7 @@ std::optional<PrintOrigin> nearest_symmetry(const PrintTemplate& print, bool alo
     }
   }
   if (!(strongest > 0.0) || !(odd < kMaxOddPower * all)) return std::nullopt;
-  origin.u = std::sqrt(odd / count) / (kTurn * strongest);
+  origin.u = std::sqrt(odd / count) / (kTwoPi * strongest);
   return origin;
 }
 
@@ -74,7 +74,7 @@ PrintTemplate with_origin(const PrintTemplate& print, PrintPoint origin) {
   std::vector<Complex> series;
   for (int n = -print.order(); n <= print.order(); ++n) {
     for (int m = -print.order(); m <= print.order(); ++m)
-      series.push_back(print.coefficient(m, n) * std::polar(1.0, kTurn * (m * origin.x + n * origin.y)));
+      series.push_back(print.coefficient(m, n) * std::polar(1.0, kTwoPi * (m * origin.x + n * origin.y)));
   }
   return {print.order(), series};
 }

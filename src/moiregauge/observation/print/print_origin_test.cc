@@ -15,13 +15,13 @@ constexpr double kOddHarmonics[] = {1.0, 3.0};
 // Dark lines through the origin along both axes.
 double dark_grid(double x, double y) {
   double value = 0.0;
-  for (const double m : kOddHarmonics) value -= (std::cos(kTurn * m * x) + std::cos(kTurn * m * y)) / m;
-  return 40.0 * (value + 0.3 * std::cos(kTurn * x) * std::cos(kTurn * y));
+  for (const double m : kOddHarmonics) value -= (std::cos(kTwoPi * m * x) + std::cos(kTwoPi * m * y)) / m;
+  return 40.0 * (value + 0.3 * std::cos(kTwoPi * x) * std::cos(kTwoPi * y));
 }
-double checker_field(double x, double y) { return 60.0 * std::sin(kTurn * x) * std::sin(kTurn * y); }
-double upright_lines(double x, double /*y*/) { return 60.0 * std::cos(kTurn * x); }
+double checker_field(double x, double y) { return 60.0 * std::sin(kTwoPi * x) * std::sin(kTwoPi * y); }
+double upright_lines(double x, double /*y*/) { return 60.0 * std::cos(kTwoPi * x); }
 // A saw: its second harmonic is a quarter of a period out of step.
-double saw_field(double x, double y) { return dark_grid(x, y) + 30.0 * std::sin(2.0 * kTurn * x); }
+double saw_field(double x, double y) { return dark_grid(x, y) + 30.0 * std::sin(2.0 * kTwoPi * x); }
 
 template <typename Level>
 PrintTemplate shifted_print(const Level& level, double x, double y) {

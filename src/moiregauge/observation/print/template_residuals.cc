@@ -13,15 +13,15 @@ namespace {
 
 constexpr double kThrice = 3.0;
 constexpr double kBeyondNoise = 6.0;  // standard deviations
-constexpr double kLeastFree = 0.4;    // of the window
-constexpr int kLeastPixels = 30;      // in a block, for its mean square to mean something
+constexpr double kMinFree = 0.4;      // of the window
+constexpr int kMinPixels = 30;        // in a block, for its mean square to mean something
 
 // What a pixel at `p` should show.
 class Expected {
  public:
   Expected(const PatchFit& fit, const PrintTemplate& print) : fit_(fit), print_(print) {
     // fundamental = contrast - (2 pi)^2 blur, of the first harmonic (patch_fit.cc)
-    for (std::size_t a = 0; a < 2; ++a) blur_[a] = (fit.gain[0] - fit.fundamental[a]) / (kTurn * kTurn);
+    for (std::size_t a = 0; a < 2; ++a) blur_[a] = (fit.gain[0] - fit.fundamental[a]) / (kTwoPi * kTwoPi);
   }
   [[nodiscard]] double operator()(ImagePoint at, PrintPoint p) const {
     const PrintLevel level = print_.at(p);
@@ -61,7 +61,7 @@ void gather_misses(const ImageView<Grey>& picture, const PatchFit& fit, const Pr
 double median_of(const PrintMisses& m) {
   std::vector<double> all;
   for (std::size_t b = 0; b < kAllMissBlocks; ++b) {
-    if (m.pixels[b] >= kLeastPixels) all.push_back(m.mean_square[b]);
+    if (m.pixels[b] >= kMinPixels) all.push_back(m.mean_square[b]);
   }
   if (all.empty()) return 0.0;
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
@@ -71,8 +71,8 @@ double median_of(const PrintMisses& m) {
 
 }  // namespace
 
-PrintMisses misses_of(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
-                      const PrintTemplate& print) {
+PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
+                               const PrintTemplate& print) {
   PrintMisses out;
   const auto map = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(fit.image),
                                                               std::span<const PrintPoint>(fit.print));
@@ -89,7 +89,7 @@ CoveredBlocks covered_blocks(const PrintMisses& then, const PrintMisses& now, do
   const double usual_then = median_of(then), usual_now = median_of(now);
   if (!(usual_then > 0.0 && usual_now > 0.0)) return out;
   for (std::size_t b = 0; b < kAllMissBlocks; ++b) {
-    if (then.pixels[b] < kLeastPixels || now.pixels[b] < kLeastPixels) continue;
+    if (then.pixels[b] < kMinPixels || now.pixels[b] < kMinPixels) continue;
     const double was = std::max(then.mean_square[b] / usual_then, 1.0);
     const double is = std::max(now.mean_square[b] / usual_now, 1.0);
     const double by_chance = std::exp(kBeyondNoise * std::sqrt(2.0 / then.pixels[b] + 2.0 / now.pixels[b]));
@@ -123,7 +123,7 @@ std::optional<PatchWindow> free_window(const PatchWindow& window, const BlockSet
       }
     }
   }
-  if (best < kLeastFree * static_cast<double>(kAllMissBlocks)) return std::nullopt;
+  if (best < kMinFree * static_cast<double>(kAllMissBlocks)) return std::nullopt;
   const auto at = [](int block) { return 2.0 * block / kMissBlocks - 1.0; };
   return PatchWindow{{window.centre.x + 0.5 * (at(best_x0) + at(best_x1)) * window.half_x,
                       window.centre.y + 0.5 * (at(best_y0) + at(best_y1)) * window.half_y},

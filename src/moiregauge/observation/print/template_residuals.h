@@ -19,8 +19,8 @@ struct PrintMisses {
   std::array<double, kAllMissBlocks> mean_square{};  // grey levels squared
   std::array<int, kAllMissBlocks> pixels{};
 };
-[[nodiscard]] PrintMisses misses_of(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
-                                    const PrintTemplate& print);
+[[nodiscard]] PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
+                                             const PrintTemplate& print);
 
 // In which blocks something lies that is not there in the other frame.
 using BlockSet = std::array<bool, kAllMissBlocks>;

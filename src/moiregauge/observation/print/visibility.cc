@@ -58,7 +58,7 @@ using Complex = std::complex<double>;
 // exp(2 pi i X) at the middles of points from `low` on.
 std::vector<Complex> turns(double low, int points) {
   std::vector<Complex> out;
-  for (int i = 0; i < points; ++i) out.push_back(std::polar(1.0, kTurn * (low + (i + 0.5) / kPerPitch)));
+  for (int i = 0; i < points; ++i) out.push_back(std::polar(1.0, kTwoPi * (low + (i + 0.5) / kPerPitch)));
   return out;
 }
 
@@ -77,14 +77,14 @@ Axes axes_of(const Grating& grating) {
   return {grating.pattern != Pattern::kLinesY, grating.pattern != Pattern::kLinesX};
 }
 
-PresenceMap::Span PresenceMap::span_of(const PatchWindow& w, int i, int j) const {
+VisibilityMap::Span VisibilityMap::span_of(const PatchWindow& w, int i, int j) const {
   const auto first = [](double low, double edge) { return static_cast<int>(std::ceil(2.0 * (edge - low) - 1e-9)); };
   const auto last = [](double low, double edge) { return static_cast<int>(std::floor(2.0 * (edge - low) + 1e-9)); };
   return {first(low_.x, w.centre.x - w.half_x) + i, first(low_.y, w.centre.y - w.half_y) + j,
           last(low_.x, w.centre.x + w.half_x) + i, last(low_.y, w.centre.y + w.half_y) + j};
 }
 
-std::vector<double> PresenceMap::cells(const PatchWindow& w, int i, int j) const {
+std::vector<double> VisibilityMap::cells(const PatchWindow& w, int i, int j) const {
   const Span s = span_of(w, i, j);
   std::vector<double> out;
   for (int b = s.j0; b <= s.j1; ++b) {
@@ -96,7 +96,7 @@ std::vector<double> PresenceMap::cells(const PatchWindow& w, int i, int j) const
   return out;
 }
 
-PrintFromPrint PresenceMap::lattice(const PatchWindow& w, int i, int j, Axes axes) const {
+PrintFromPrint VisibilityMap::lattice(const PatchWindow& w, int i, int j, Axes axes) const {
   const Span s = span_of(w, i, j);
   const auto cell = [&](int a, int b) -> const Presence& { return cells_[static_cast<std::size_t>(b * columns_ + a)]; };
   // Of each fundamental's phase, half a pitch along x and along y.
@@ -114,7 +114,7 @@ PrintFromPrint PresenceMap::lattice(const PatchWindow& w, int i, int j, Axes axe
   }
   // A print ahead of the map turns the amplitude backwards; a whole turn is a pitch, a step half a pitch.
   const auto slope = [&](std::size_t which, std::size_t along) {
-    return -std::arg(step[which][along]) / (0.5 * kTurn);
+    return -std::arg(step[which][along]) / (0.5 * kTwoPi);
   };
   Matrix3 m = Matrix3::Identity();
   for (const Eigen::Index along : {0, 1}) {
@@ -129,14 +129,14 @@ PrintFromPrint PresenceMap::lattice(const PatchWindow& w, int i, int j, Axes axe
   return PrintFromPrint(m);
 }
 
-double PresenceMap::sum(const PatchWindow& window, int i, int j) const {
+double VisibilityMap::sum(const PatchWindow& window, int i, int j) const {
   const auto all = cells(window, i, j);
   return std::accumulate(all.begin(), all.end(), 0.0);
 }
 
-std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
-                                          const PatchWindow& window, Extent<frame::Board> moved,
-                                          const PrintFromPrint& correction, int pitches, const IsHidden& is_hidden) {
+std::optional<VisibilityMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
+                                            const PatchWindow& window, Extent<frame::Board> moved,
+                                            const PrintFromPrint& correction, int pitches, const IsHidden& is_hidden) {
   const auto map = local_map(view, grating, moved);
   if (!map) return std::nullopt;
   const auto image_from_print = (correction * *map).inverse();
@@ -164,7 +164,7 @@ std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view
       table.set(i, j, {1.0, g, first.real(), first.imag(), second.real(), second.imag()});
     }
   }
-  PresenceMap presences(low, columns, rows, diagonal);
+  VisibilityMap presences(low, columns, rows, diagonal);
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i)
       presences.at(i, j) =

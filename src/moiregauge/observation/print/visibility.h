@@ -28,9 +28,9 @@ struct Presence {
   std::complex<double> first, second;
 };
 
-class PresenceMap {
+class VisibilityMap {
  public:
-  PresenceMap(PrintPoint low, int columns, int rows, bool diagonal)
+  VisibilityMap(PrintPoint low, int columns, int rows, bool diagonal)
       : low_(low), columns_(columns), rows_(rows), diagonal_(diagonal) {
     cells_.resize(static_cast<std::size_t>(columns * rows));
   }
@@ -65,9 +65,9 @@ using IsHidden = std::function<bool(ImagePoint)>;
 // the fundamentals there against the mean grey level (their geometric mean over both axes, so that a mere edge counts
 // nothing). Cells beyond the picture's edge, or with anything hidden, show nothing. Empty when the window itself does
 // not lie before the camera.
-[[nodiscard]] std::optional<PresenceMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
-                                                        const PatchWindow& window, Extent<frame::Board> moved,
-                                                        const PrintFromPrint& correction, int pitches,
-                                                        const IsHidden& is_hidden = {});
+[[nodiscard]] std::optional<VisibilityMap> presence_round(const LumaView& luma, const View& view,
+                                                          const Grating& grating, const PatchWindow& window,
+                                                          Extent<frame::Board> moved, const PrintFromPrint& correction,
+                                                          int pitches, const IsHidden& is_hidden = {});
 
 }  // namespace moiregauge::internal

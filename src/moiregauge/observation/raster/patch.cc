@@ -50,7 +50,7 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
   // The raster holds as much information as the picture's pixels under it, not as its own points.
   const double step_px = plan.step_mm / view.mm_per_px(plan.centre + shift);
   const double pitch_px = plan.pitch_mm / plan.step_mm;
-  const double mm_per_rad = plan.pitch_mm / kTurn;
+  const double mm_per_rad = plan.pitch_mm / kTwoPi;
   reading.valid = true;
   double straightness = 0.0;
   for (std::size_t a = 0; a < 2; ++a) {
@@ -121,7 +121,7 @@ bool shows_an_axis(const RasterPlan& plan) {
 }
 
 Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchReading& from, const PatchReading& to) {
-  const double mm_per_rad = plan.pitch_mm / kTurn;
+  const double mm_per_rad = plan.pitch_mm / kTwoPi;
   const double d0 = plan.reads_x ? -mm_per_rad * wrapped(to.phase_rad[0] - from.phase_rad[0]) : kNaN;
   const double d1 = plan.reads_y ? -mm_per_rad * wrapped(to.phase_rad[1] - from.phase_rad[1]) : kNaN;
   // A one-axis print that lies along the board's axes must not spoil the axis it does show.

@@ -35,9 +35,9 @@ LocalLattice local(ImagePoint at, ImageExtent k_x, ImageExtent k_y, const Camera
 }
 
 // Few patches: their own perspective says what their distances cannot.
-std::vector<LocalLattice> lattices(std::span<const SeenPatch> patches, const Camera& lens) {
+std::vector<LocalLattice> lattices(std::span<const DetectedPatch> patches, const Camera& lens) {
   std::vector<LocalLattice> out;
-  for (const SeenPatch& p : patches) {
+  for (const DetectedPatch& p : patches) {
     if (patches.size() >= 3) {
       out.push_back(local(p.centre, p.k_x, p.k_y, lens, p.pattern));
       continue;
@@ -93,7 +93,7 @@ Eigen::MatrixXd slopes(const std::vector<LocalLattice>& seen, const Unknowns& u,
 
 }  // namespace
 
-BoardFromIdeal board_from_gratings(std::span<const SeenPatch> patches, const Camera& lens, double pitch_mm) {
+BoardFromIdeal board_from_gratings(std::span<const DetectedPatch> patches, const Camera& lens, double pitch_mm) {
   const std::vector<LocalLattice> seen = lattices(patches, lens);
   Normalised n;
   const auto share = 1.0 / static_cast<double>(seen.size());
@@ -124,7 +124,7 @@ BoardFromIdeal board_from_gratings(std::span<const SeenPatch> patches, const Cam
   return map_of(u, n);
 }
 
-double pitch_on(const SeenPatch& patch, const BoardFromIdeal& board, const Camera& lens) {
+double pitch_on(const DetectedPatch& patch, const BoardFromIdeal& board, const Camera& lens) {
   const LocalLattice at = local(patch.centre, patch.k_x, patch.k_y, lens, patch.pattern);
   const Eigen::Matrix2d k = at.k * board.jacobian(at.at).inverse();
   if (!at.reads_y) return 1.0 / k.row(0).norm();
@@ -132,12 +132,12 @@ double pitch_on(const SeenPatch& patch, const BoardFromIdeal& board, const Camer
   return 1.0 / std::sqrt(k.row(0).norm() * k.row(1).norm());
 }
 
-double print_angle(const SeenPatch& patch, const BoardFromIdeal& board, const Camera& lens) {
+double print_angle(const DetectedPatch& patch, const BoardFromIdeal& board, const Camera& lens) {
   const LocalLattice at = local(patch.centre, patch.k_x, patch.k_y, lens, patch.pattern);
   const Eigen::Matrix2d k = at.k * board.jacobian(at.at).inverse();
   // Crossed prints have two readings of the one angle.
   const double by_x = std::atan2(k(0, 1), k(0, 0)), by_y = std::atan2(-k(1, 0), k(1, 1));
-  const double angle = !at.reads_y ? by_x : !at.reads_x ? by_y : by_x + 0.5 * std::remainder(by_y - by_x, kTurn);
+  const double angle = !at.reads_y ? by_x : !at.reads_x ? by_y : by_x + 0.5 * std::remainder(by_y - by_x, kTwoPi);
   return std::remainder(angle, 0.5 * kPi);
 }
 

@@ -18,12 +18,12 @@ IdealFromBoard tilted() {
 }
 
 // What an exact search would tell of a grating there: its local wave vectors.
-SeenPatch patch_at(const IdealFromBoard& view, BoardPoint at, double angle_rad, double pitch_mm) {
+DetectedPatch patch_at(const IdealFromBoard& view, BoardPoint at, double angle_rad, double pitch_mm) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   Matrix2 turn;
   turn << c, s, -s, c;
   const auto k_at = [&](BoardPoint p) -> Matrix2 { return turn * view.jacobian(p).inverse() / pitch_mm; };
-  SeenPatch patch;
+  DetectedPatch patch;
   const auto place = [&](double x, double y) { return BoardPoint{at.x + c * x - s * y, at.y + s * x + c * y}; };
   const auto image = [&](BoardPoint p) { return ImagePoint{view(p).x, view(p).y}; };
   const Matrix2 k = k_at(at);
@@ -45,28 +45,28 @@ double board_distance(const BoardFromIdeal& board, const IdealFromBoard& view, B
 
 TEST(BoardFromGratings, PitchesAloneMeasureTheBoard) {
   const IdealFromBoard view = tilted();
-  std::vector<SeenPatch> patches;
+  std::vector<DetectedPatch> patches;
   for (const auto& [x, y, angle] : {std::array{-100.0, 40.0, 0.0}, std::array{100.0, 40.0, 0.3},
                                     std::array{-100.0, -40.0, -0.2}, std::array{100.0, -40.0, 0.7}})
     patches.push_back(patch_at(view, {x, y}, angle, 10.0));
   const BoardFromIdeal board = board_from_gratings(patches, Camera{}, 10.0);
   EXPECT_NEAR(board_distance(board, view, {-100, 40}, {100, -40}), std::hypot(200.0, 80.0), 1e-4);
   EXPECT_NEAR(board_distance(board, view, {0, 0}, {0, 30}), 30.0, 1e-4);
-  for (const SeenPatch& p : patches) EXPECT_NEAR(pitch_on(p, board, Camera{}), 10.0, 1e-5);
+  for (const DetectedPatch& p : patches) EXPECT_NEAR(pitch_on(p, board, Camera{}), 10.0, 1e-5);
   const double first = print_angle(patches[0], board, Camera{});
   EXPECT_NEAR(std::remainder(print_angle(patches[1], board, Camera{}) - first - 0.3, 0.5 * kPi), 0.0, 1e-6);
 }
 
 TEST(BoardFromGratings, OneGratingIsEnoughWhereItsOwnPerspectiveShows) {
   const IdealFromBoard view = tilted();
-  const std::vector<SeenPatch> one{patch_at(view, {10, -5}, 0.1, 10.0)};
+  const std::vector<DetectedPatch> one{patch_at(view, {10, -5}, 0.1, 10.0)};
   const BoardFromIdeal board = board_from_gratings(one, Camera{}, 10.0);
   EXPECT_NEAR(board_distance(board, view, {-10, 0}, {30, 10}), std::hypot(40.0, 10.0), 1e-3);
 }
 
 TEST(BoardFromGratings, LinesMeasureTheAxisTheyShow) {
   const IdealFromBoard view = tilted();
-  std::vector<SeenPatch> patches;
+  std::vector<DetectedPatch> patches;
   int n = 0;
   for (const auto& [x, y] :
        {std::pair{-100.0, 40.0}, {100.0, 40.0}, {-100.0, -40.0}, {100.0, -40.0}, {0.0, 60.0}, {0.0, -60.0}}) {
@@ -80,7 +80,7 @@ TEST(BoardFromGratings, LinesMeasureTheAxisTheyShow) {
 
 TEST(BoardFromGratings, AnotherPitchIsNamed) {
   const IdealFromBoard view = tilted();
-  std::vector<SeenPatch> patches;
+  std::vector<DetectedPatch> patches;
   for (const auto& [x, y] : {std::pair{-100.0, 40.0}, {100.0, 40.0}, {-100.0, -40.0}, {100.0, -40.0}})
     patches.push_back(patch_at(view, {x, y}, 0.0, 10.0));
   const BoardFromIdeal board = board_from_gratings(patches, Camera{}, 10.0);

@@ -17,17 +17,17 @@ namespace moiregauge::internal {
 enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kCovered, kTooCoarse };
 
 // Does something lie over a part of the print? At rest: in the reference frame it did, and now does not.
-enum class Cover { kNone, kNow, kAtRest };
+enum class Occlusion { kNone, kNow, kAtRest };
 
 struct MarkerObservation {
-  std::optional<SeenCircle> circle;   // px, as displayed
-  std::optional<PatchFit> points;     // of `precise`: what nine pixels show of the print
-  PatchReading patch;                 // in the raster of the method's last stage for this marker
-  Extent<frame::Board> window_shift;  // by which the raster followed a travelling target, mm
+  std::optional<DetectedCircle> circle;  // px, as displayed
+  std::optional<PatchFit> points;        // of `precise`: what nine pixels show of the print
+  PatchReading patch;                    // in the raster of the method's last stage for this marker
+  Extent<frame::Board> window_shift;     // by which the raster followed a travelling target, mm
   Loss loss = Loss::kNone;
-  Cover cover = Cover::kNone;      // of `precise`; the points are then those of the part that is free
-  Order order = Order::kUnproven;  // of `precise`: the whole pitch it stands in
-  Quantiser quantiser;             // of a lossy codec, where the marker is seen
+  Occlusion occlusion = Occlusion::kNone;  // of `precise`; the points are then those of the part that is free
+  Order order = Order::kUnproven;          // of `precise`: the whole pitch it stands in
+  Quantiser quantiser;                     // of a lossy codec, where the marker is seen
 };
 
 // Stages of the two-stage method, as they were used on the pixels of this frame.

@@ -143,7 +143,7 @@ bool has_shared_information(const ObservationPacking::Shared& shared, const Patc
   return (fit.information - expected).cwiseAbs().maxCoeff() <= kSameInformation * expected.cwiseAbs().maxCoeff();
 }
 
-bool is_alike(const SeenCircle& a, const SeenCircle& b) {
+bool is_alike(const DetectedCircle& a, const DetectedCircle& b) {
   return a.u_centre_px == b.u_centre_px && a.axis_ratio == b.axis_ratio && a.angle_rad == b.angle_rad &&
          a.circularity == b.circularity && a.ellipse_residual == b.ellipse_residual && a.contrast == b.contrast &&
          a.background == b.background;
@@ -260,15 +260,15 @@ void transfer_fit(Archive& archive, Fit& fit, unsigned flags, const ObservationP
   }
 }
 
-template <typename Archive, typename Seen>
-void transfer_marker(Archive& archive, Seen& seen, const ObservationPacking::Shared& shared) {
+template <typename Archive, typename ObservationLog>
+void transfer_marker(Archive& archive, ObservationLog& seen, const ObservationPacking::Shared& shared) {
   unsigned flags = 0;
   if constexpr (Archive::kReads) {
     archive.flags(flags);
     archive.word(seen.loss, Loss::kTooCoarse);
-    archive.word(seen.cover, Cover::kAtRest);
+    archive.word(seen.occlusion, Occlusion::kAtRest);
     archive.word(seen.order, Order::kContradicted);
-    if ((flags & kHasCircle) != 0) seen.circle = shared.circle.value_or(SeenCircle{});
+    if ((flags & kHasCircle) != 0) seen.circle = shared.circle.value_or(DetectedCircle{});
     if ((flags & kHasPoints) != 0) seen.points.emplace();
     seen.patch.valid = (flags & kIsPatchValid) != 0;
     seen.quantiser.predicted = (flags & kIsPredicted) != 0;
@@ -276,7 +276,7 @@ void transfer_marker(Archive& archive, Seen& seen, const ObservationPacking::Sha
     flags = flags_of(seen, shared);
     archive.flags(flags);
     archive.word(seen.loss);
-    archive.word(seen.cover);
+    archive.word(seen.occlusion);
     archive.word(seen.order);
   }
   if ((flags & kHasCircle) != 0) transfer_circle(archive, *seen.circle, (flags & kHasOwnCircle) != 0);

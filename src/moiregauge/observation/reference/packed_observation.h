@@ -31,7 +31,7 @@ class ObservationPacking {
 
   // The part that a marker's observations have in common.
   struct Shared {
-    std::optional<SeenCircle> circle;  // as in the reference frame
+    std::optional<DetectedCircle> circle;  // as in the reference frame
     bool has_print = false;
     PatchWindow window;
     PatchInformation per_pixel = PatchInformation::Zero();  // of noise and contrast as at rest

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSamePlace = 0.25;  // diameters: a circle seen where the site has one
 
-double diameter_mm(const Circle& circle, const SeenCircle& seen, const IdealFromBoard& h) {
+double diameter_mm(const Circle& circle, const DetectedCircle& seen, const IdealFromBoard& h) {
   if (circle.diameter_mm > 0.0) return circle.diameter_mm;
   return seen.diameter_px * View{h, {}}.mm_per_px(circle.centre);
 }
@@ -54,7 +54,7 @@ double u_of_place(const Reference& reference, BoardPoint place) {
   return std::sqrt(sum);
 }
 
-constexpr int kMostPitchesOff = 8;
+constexpr int kMaxPitchesOff = 8;
 
 // A print beyond half the way to another's place would be that other one.
 double half_way_mm(const Site& site, std::size_t own) {
@@ -75,7 +75,7 @@ void centre_windows(Reference& reference, const LumaView& luma) {
     const double may_be_off = 3.0 * u_of_place(reference, marker.grating->centre) / marker.grating->pitch_mm;
     if (may_be_off <= kBeside) continue;
     const double room = half_way_mm(as_stated, i) / marker.grating->pitch_mm;
-    const int pitches = static_cast<int>(std::ceil(std::min({may_be_off, room, double{kMostPitchesOff}})));
+    const int pitches = static_cast<int>(std::ceil(std::min({may_be_off, room, double{kMaxPitchesOff}})));
     const auto found = find_print(luma, reference.view, *marker.grating, pitches,
                                   [&](ImagePoint p) { return is_circle(reference, p); });
     if (found && length(*found) > kBeside * marker.grating->pitch_mm)
@@ -165,7 +165,7 @@ std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, con
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const int found = who.circle_of_marker[i];
     if (found < 0 || site.markers[i].role != Role::kReference) continue;
-    const SeenCircle& seen = search.circles[static_cast<std::size_t>(found)];
+    const DetectedCircle& seen = search.circles[static_cast<std::size_t>(found)];
     points.push_back({i, site.markers[i].circle->centre, lens.undistort(seen.centre), seen.u_centre_px});
     diameters.push_back(diameter_mm(*site.markers[i].circle, seen, rough));
   }
@@ -260,7 +260,7 @@ tl::expected<Reference, ReferenceFailure> make_reference_in_view(const GreyPictu
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     if (!site.markers[i].circle) continue;
     const ImagePoint there = view(site.markers[i].circle->centre);
-    for (const SeenCircle& c : reference.search.circles) {
+    for (const DetectedCircle& c : reference.search.circles) {
       if (length(c.centre - there) > kSamePlace * c.diameter_px) continue;
       reference.seen.markers[i].circle = c;
       if (site.markers[i].role == Role::kReference)

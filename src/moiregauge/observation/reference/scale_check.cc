@@ -60,7 +60,7 @@ std::string short_length(double length, const char* unit) {
   return text;
 }
 
-std::string tape_words(const ScaleCheck& check, const Site& site, double unit_mm, const char* unit) {
+std::string tape_text(const ScaleCheck& check, const Site& site, double unit_mm, const char* unit) {
   const std::string& from = site.markers[check.from].name;
   const std::string size = short_length(check.distance_mm / unit_mm, unit);
   if (check.from == check.to) return "print of " + from + ": " + size + " wide";

@@ -23,6 +23,6 @@ struct ScaleCheck {
 [[nodiscard]] std::string short_length(double length, const char* unit);
 
 // Returns "R1 to R2: 256 mm", or "print of T1: 60.0 mm wide". `unit_mm` is the length on the board of one unit.
-[[nodiscard]] std::string tape_words(const ScaleCheck& check, const Site& site, double unit_mm, const char* unit);
+[[nodiscard]] std::string tape_text(const ScaleCheck& check, const Site& site, double unit_mm, const char* unit);
 
 }  // namespace moiregauge::internal

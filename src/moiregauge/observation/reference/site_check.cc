@@ -51,7 +51,7 @@ double stretch_of(const PatchReading& patch) {
   return axes > 0 && std::isfinite(patch.u_gradient) ? stretch / axes : std::nan("");
 }
 
-std::string pitch_words(const Marker& marker, double stretch) {
+std::string pitch_text(const Marker& marker, double stretch) {
   char text[240];
   std::snprintf(
       text, sizeof text,
@@ -86,7 +86,7 @@ std::optional<MeanStretch> mean_stretch(const Reference& reference) {
 }
 
 // Two references that are far apart along that direction, and what the prints say of their distance there.
-std::string spacing_words(const Reference& reference, Extent<frame::Board> along, double stretch) {
+std::string spacing_text(const Reference& reference, Extent<frame::Board> along, double stretch) {
   const auto part = [&](Extent<frame::Board> d) { return std::abs(d.x * along.x + d.y * along.y); };
   const CirclePoint *from = &reference.circles.front(), *to = from;
   for (const CirclePoint& a : reference.circles) {
@@ -117,7 +117,7 @@ std::string both_suspects(const Reference& reference, const Marker& first, doubl
   char text[160];
   std::snprintf(text, sizeof text, "; either the prints are %.1f %% too %s%s, or ", 100.0 * std::abs(stretch),
                 stretch > 0.0 ? "large" : "small", axis);
-  return pitch_words(first, stretch) + text + spacing_words(reference, along, stretch) + axis;
+  return pitch_text(first, stretch) + text + spacing_text(reference, along, stretch) + axis;
 }
 
 // All references by the same part: the common pitch or the circles' places are wrong.
@@ -145,7 +145,7 @@ std::optional<std::string> pitch_disagreement(const Reference& reference, std::s
                                   kSure * scale_uncertainty(reference).alone);
   // A region of a few pixels tells no scale: ask three times its noise, too.
   if (std::isnan(stretch) || std::abs(stretch) <= allowed + 3.0 * patch.u_gradient) return std::nullopt;
-  return pitch_words(marker, stretch);
+  return pitch_text(marker, stretch);
 }
 
 std::optional<std::string> diameter_disagreement(const Reference& reference, std::size_t i) {

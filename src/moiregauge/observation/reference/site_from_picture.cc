@@ -24,12 +24,12 @@ constexpr double kForeign = 0.05;  // relative difference of pitch
 constexpr double kAgreeing = 0.02;
 
 struct Parts {
-  std::vector<SeenCircle> circles;
-  std::vector<std::optional<SeenPatch>> of_circle;  // the grating of each
-  std::vector<SeenPatch> targets;
+  std::vector<DetectedCircle> circles;
+  std::vector<std::optional<DetectedPatch>> of_circle;  // the grating of each
+  std::vector<DetectedPatch> targets;
   std::vector<std::string> notes;
-  [[nodiscard]] std::vector<SeenPatch> reference_patches() const {
-    std::vector<SeenPatch> out;
+  [[nodiscard]] std::vector<DetectedPatch> reference_patches() const {
+    std::vector<DetectedPatch> out;
     for (const auto& p : of_circle) {
       if (p) out.push_back(*p);
     }
@@ -49,7 +49,7 @@ std::string counted(std::size_t n, const char* what) {
 }
 
 // The circle nearest to the patch's edge, when it is within reach of it; otherwise circles.size().
-std::size_t circle_of(const SeenPatch& patch, const std::vector<SeenCircle>& circles) {
+std::size_t circle_of(const DetectedPatch& patch, const std::vector<DetectedCircle>& circles) {
   std::size_t nearest = circles.size();
   double least = 0.0;
   for (std::size_t i = 0; i < circles.size(); ++i) {
@@ -61,10 +61,10 @@ std::size_t circle_of(const SeenPatch& patch, const std::vector<SeenCircle>& cir
   return nearest < circles.size() && least <= kGratingReach * circles[nearest].diameter_px ? nearest : circles.size();
 }
 
-Parts sorted_out(std::vector<SeenCircle> circles, const std::vector<SeenPatch>& patches) {
+Parts sorted_out(std::vector<DetectedCircle> circles, const std::vector<DetectedPatch>& patches) {
   Parts parts{std::move(circles), {}, {}, {}};
   parts.of_circle.resize(parts.circles.size());
-  for (const SeenPatch& patch : patches) {
+  for (const DetectedPatch& patch : patches) {
     const std::size_t i = circle_of(patch, parts.circles);
     if (i == parts.circles.size()) {
       parts.targets.push_back(patch);
@@ -73,8 +73,8 @@ Parts sorted_out(std::vector<SeenCircle> circles, const std::vector<SeenPatch>& 
     // One of two gratings at one circle may be a target that happens to be near: taken for one, a grating that stands
     // still does no harm; taken for a reference's, one that moves would.
     auto& own = parts.of_circle[i];
-    const auto away = [&](const SeenPatch& p) { return distance_px(p, parts.circles[i].centre); };
-    SeenPatch spare = patch;
+    const auto away = [&](const DetectedPatch& p) { return distance_px(p, parts.circles[i].centre); };
+    DetectedPatch spare = patch;
     if (!own) {
       own = patch;
       continue;
@@ -101,23 +101,24 @@ void drop_bare_circles(Parts& parts) {
 }
 
 // How far the patches' pitches on the board are from the stated one, relative: the worst.
-double lattice_disagreement(std::span<const SeenPatch> patches, const BoardFromIdeal& board, const Camera& lens,
+double lattice_disagreement(std::span<const DetectedPatch> patches, const BoardFromIdeal& board, const Camera& lens,
                             double pitch_mm) {
   double worst = 0.0;
-  for (const SeenPatch& p : patches) worst = std::max(worst, std::abs(std::log(pitch_on(p, board, lens) / pitch_mm)));
+  for (const DetectedPatch& p : patches)
+    worst = std::max(worst, std::abs(std::log(pitch_on(p, board, lens) / pitch_mm)));
   return worst;
 }
 
 // A circle's grating that repeats by another length than all the others is none of ours: it bends the metric of all.
 void drop_foreign_reference(Parts& parts, const Camera& lens, double pitch_mm) {
-  const std::vector<SeenPatch> all = parts.reference_patches();
+  const std::vector<DetectedPatch> all = parts.reference_patches();
   if (all.size() < 4) return;
   const double before = lattice_disagreement(all, board_from_gratings(all, lens, pitch_mm), lens, pitch_mm);
   if (before < kForeign) return;
   double least = before;
   std::size_t foreign = all.size();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    std::vector<SeenPatch> others = all;
+    std::vector<DetectedPatch> others = all;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const double now = lattice_disagreement(others, board_from_gratings(others, lens, pitch_mm), lens, pitch_mm);
     if (now >= least) continue;
@@ -136,7 +137,7 @@ void drop_foreign_reference(Parts& parts, const Camera& lens, double pitch_mm) {
 }
 
 void drop_foreign_targets(Parts& parts, const BoardFromIdeal& board, const Camera& lens, double pitch_mm) {
-  std::erase_if(parts.targets, [&](const SeenPatch& p) {
+  std::erase_if(parts.targets, [&](const DetectedPatch& p) {
     const double pitch = pitch_on(p, board, lens);
     if (std::abs(std::log(pitch / pitch_mm)) <= kTargetTolerance) return false;
     parts.notes.push_back(
@@ -149,9 +150,9 @@ void drop_foreign_targets(Parts& parts, const BoardFromIdeal& board, const Camer
 // Turned so that x is what the user asked for and y goes up, with the origin at the references' centroid.
 BoardFromIdeal placed(const BoardFromIdeal& rough, const Parts& parts, const Camera& lens, BoardAxes axes) {
   std::vector<ImagePoint> places;
-  for (const SeenCircle& c : parts.circles) places.push_back(c.centre);
+  for (const DetectedCircle& c : parts.circles) places.push_back(c.centre);
   if (places.empty()) {
-    for (const SeenPatch& patch : parts.targets) places.push_back(patch.centre);
+    for (const DetectedPatch& patch : parts.targets) places.push_back(patch.centre);
   }
   BoardPoint centroid;
   const auto share = 1.0 / static_cast<double>(places.size());
@@ -164,17 +165,17 @@ BoardFromIdeal placed(const BoardFromIdeal& rough, const Parts& parts, const Cam
   const double horizontal = std::atan2(j(1, 0), j(0, 0));
   double angle = horizontal;
   if (axes == BoardAxes::kPrint) {
-    std::vector<SeenPatch> prints = parts.reference_patches();
+    std::vector<DetectedPatch> prints = parts.reference_patches();
     if (prints.empty()) prints = parts.targets;
     std::complex<double> mean;  // prints repeat under quarter turns
-    for (const SeenPatch& p : prints) mean += std::polar(1.0, 4.0 * print_angle(p, rough, lens));
+    for (const DetectedPatch& p : prints) mean += std::polar(1.0, 4.0 * print_angle(p, rough, lens));
     angle = 0.25 * std::arg(mean);
     angle += 0.5 * kPi * std::round((horizontal - angle) / (0.5 * kPi));
   }
   return turned(rough, angle, centroid);
 }
 
-Circle circle_on(const BoardFromIdeal& board, const Camera& lens, const SeenCircle& seen) {
+Circle circle_on(const BoardFromIdeal& board, const Camera& lens, const DetectedCircle& seen) {
   const IdealPoint ideal = lens.undistort(seen.centre);
   const IdealFromBoard back = board.inverse();
   const BoardPoint about = board(ideal);
@@ -183,7 +184,7 @@ Circle circle_on(const BoardFromIdeal& board, const Camera& lens, const SeenCirc
   return {board(ideal + (-1.0) * offset), diameter};
 }
 
-Grating grating_on(const BoardFromIdeal& board, const Camera& lens, const SeenPatch& seen, double pitch_mm) {
+Grating grating_on(const BoardFromIdeal& board, const Camera& lens, const DetectedPatch& seen, double pitch_mm) {
   Grating grating;
   grating.centre = board(lens.undistort(seen.centre));
   grating.pitch_mm = pitch_mm;
@@ -218,7 +219,7 @@ Site site_of(const Parts& parts, const BoardFromIdeal& board, const Camera& lens
     if (parts.of_circle[i]) marker.grating = grating_on(board, lens, *parts.of_circle[i], pitch_mm);
     references.push_back(marker);
   }
-  for (const SeenPatch& patch : parts.targets) {
+  for (const DetectedPatch& patch : parts.targets) {
     Marker marker;
     marker.role = Role::kTarget;
     marker.grating = grating_on(board, lens, patch, pitch_mm);
@@ -234,12 +235,12 @@ Site site_of(const Parts& parts, const BoardFromIdeal& board, const Camera& lens
 
 }  // namespace
 
-tl::expected<PictureSite, ReferenceFailure> look_for_site(const GreyPicture& picture, const Camera& lens,
-                                                          const PictureSiteOptions& options) {
+tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
+                                                        const PictureSiteOptions& options) {
   CircleSearch search = find_circles(picture.luma, options.circles);
   GratingSearchOptions gratings;
   gratings.bits = picture.bits;
-  const std::vector<SeenPatch> patches = find_grating_patches(picture.luma, gratings);
+  const std::vector<DetectedPatch> patches = find_grating_patches(picture.luma, gratings);
   auto [circles, doubtful] = outermost_circles(search.circles, patches);
   const std::size_t seen = circles.size();
   const auto fail = [&](ReferenceProblem problem, std::string text) {
@@ -270,7 +271,7 @@ tl::expected<PictureSite, ReferenceFailure> look_for_site(const GreyPicture& pic
   drop_foreign_reference(parts, lens, options.pitch_mm);
   // A target may stand before or behind the references, where the same pitch looks larger or smaller: they alone say
   // the scale, unless they are too few to say the perspective.
-  std::vector<SeenPatch> scale = parts.reference_patches();
+  std::vector<DetectedPatch> scale = parts.reference_patches();
   if (scale.size() < 3) scale.insert(scale.end(), parts.targets.begin(), parts.targets.end());
   const BoardFromIdeal rough = board_from_gratings(scale, lens, options.pitch_mm);
   drop_foreign_targets(parts, rough, lens, options.pitch_mm);
@@ -287,7 +288,7 @@ tl::expected<PictureSite, ReferenceFailure> look_for_site(const GreyPicture& pic
 
 tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& picture, const Camera& lens,
                                                        const PictureSiteOptions& options) {
-  auto found = look_for_site(picture, lens, options);
+  auto found = detect_site(picture, lens, options);
   if (!found) return tl::unexpected(std::move(found.error()));
   return std::move(found->site);
 }

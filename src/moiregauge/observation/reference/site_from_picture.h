@@ -34,8 +34,8 @@ struct PictureSite {
 // The outermost circles (four or more) are references R1, R2, ...; of the gratings whose edge is within three diameters
 // of the nearest of them, the nearest is its; every other one is a target T1, T2, ...; both in reading order. A grating
 // that repeats by another length than the references' is left out. The origin is the references' centroid.
-[[nodiscard]] tl::expected<PictureSite, ReferenceFailure> look_for_site(const GreyPicture& picture, const Camera& lens,
-                                                                        const PictureSiteOptions& options);
+[[nodiscard]] tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
+                                                                      const PictureSiteOptions& options);
 [[nodiscard]] tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& picture, const Camera& lens,
                                                                      const PictureSiteOptions& options);
 

@@ -42,7 +42,7 @@ std::vector<InspectedPatch> patches_of(const GreyPicture& picture) {
   GratingSearchOptions options;
   options.bits = picture.bits;
   std::vector<InspectedPatch> out;
-  for (SeenPatch& patch : find_grating_patches(picture.luma, options)) {
+  for (DetectedPatch& patch : find_grating_patches(picture.luma, options)) {
     const PixelNoise noise = noise_of(picture, patch.outline);
     const double pixels = area_of(patch.outline);
     patch.modulation = std::ldexp(patch.modulation, picture.bits - 8);  // as stored, like everything else here
@@ -72,7 +72,7 @@ void name_dots(Inspection& inspection) {
   }
 }
 
-int lattice_of(const SeenCircle& circle, const std::vector<IndexedLattice>& lattices) {
+int lattice_of(const DetectedCircle& circle, const std::vector<IndexedLattice>& lattices) {
   for (std::size_t i = 0; i < lattices.size(); ++i) {
     if (lattices[i].kind != LatticeKind::kDots) continue;
     for (const LatticePoint& dot : lattices[i].points) {
@@ -82,7 +82,7 @@ int lattice_of(const SeenCircle& circle, const std::vector<IndexedLattice>& latt
   return kNobody;
 }
 
-RejectedOutline too_small(const SeenCircle& circle, const CircleOptions& options) {
+RejectedOutline too_small(const DetectedCircle& circle, const CircleOptions& options) {
   char why[96];
   std::snprintf(why, sizeof why, "diameter %.2f px, need %.2f", circle.diameter_px, options.min_diameter_px);
   return {circle.centre, circle.diameter_px, circle.circularity, why};
@@ -95,13 +95,13 @@ tl::expected<Reference, ReferenceFailure> who_is_who(const GreyPicture& picture,
   looked_for.pitch_mm = options.pitch_mm.value_or(kPitchForOrder_mm);
   looked_for.axes = options.axes;
   looked_for.circles = options.observe.circles;
-  auto found = look_for_site(picture, options.lens, looked_for);
+  auto found = detect_site(picture, options.lens, looked_for);
   if (!found) return tl::unexpected(std::move(found.error()));
   notes = std::move(found->notes);
   return make_reference(picture, found->site, options.lens, options.observe);
 }
 
-bool same_circle(const SeenCircle& a, const SeenCircle& b) {
+bool same_circle(const DetectedCircle& a, const DetectedCircle& b) {
   return length(a.centre - b.centre) < 0.25 * std::min(a.diameter_px, b.diameter_px) &&
          std::abs(a.diameter_px - b.diameter_px) < 0.25 * a.diameter_px;
 }
@@ -144,7 +144,7 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   CircleSearch search = find_circles(picture.luma, circles);
   out.lattices = lattices_of(picture, search);
   out.rejected = std::move(search.rejected);
-  for (const SeenCircle& circle : search.circles) {
+  for (const DetectedCircle& circle : search.circles) {
     const int lattice = lattice_of(circle, out.lattices);
     if (lattice < 0 && circle.diameter_px < options.observe.circles.min_diameter_px)
       out.rejected.push_back(too_small(circle, options.observe.circles));
@@ -169,7 +169,7 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   return out;
 }
 
-PatchAxes axes_of(const SeenPatch& patch) {
+PatchAxes axes_of(const DetectedPatch& patch) {
   const auto along = [](ImageExtent k) { return (1.0 / (k.x * k.x + k.y * k.y)) * k; };
   if (patch.pattern == Pattern::kLinesX) return {along(patch.k_x), {}};
   if (patch.pattern == Pattern::kLinesY) return {{}, along(patch.k_y)};
@@ -186,7 +186,7 @@ PatchBound displacement_bound(const InspectedPatch& patch) {
   const double shared = patch.seen.pattern == Pattern::kCheckerboard ? std::sqrt(0.5) : 1.0;
   const auto along = [&](ImageExtent pitch) {
     const double px = length(pitch);
-    return px > 0.0 ? shared * u_phase / kTurn * px : std::numeric_limits<double>::quiet_NaN();
+    return px > 0.0 ? shared * u_phase / kTwoPi * px : std::numeric_limits<double>::quiet_NaN();
   };
   return {along(axes.x), along(axes.y)};
 }

@@ -26,13 +26,13 @@ struct InspectOptions {
 inline constexpr int kNobody = -1;  // seen, and taken for no marker
 
 struct InspectedCircle {
-  SeenCircle seen;
+  DetectedCircle seen;
   int marker = kNobody;   // index in the reference's site
   int lattice = kNobody;  // index in the inspection's lattices: one of its dots
 };
 
 struct InspectedPatch {
-  SeenPatch seen;       // modulation and noise in grey levels as stored
+  DetectedPatch seen;   // modulation and noise in grey levels as stored
   PixelNoise noise;     // of the raw pixels in and round the outline
   double pixels = 0.0;  // picture pixels inside the outline
   int marker = kNobody;
@@ -63,7 +63,7 @@ struct Inspection {
 struct PatchAxes {
   ImageExtent x, y;
 };
-[[nodiscard]] PatchAxes axes_of(const SeenPatch& patch);
+[[nodiscard]] PatchAxes axes_of(const DetectedPatch& patch);
 
 // Standard uncertainty (k = 1) of a displacement read in this patch alone by a camera that stands still, along the
 // print's axes, px: the Cramer-Rao bound of the fundamentals over every pixel of the outline, twice, for both frames

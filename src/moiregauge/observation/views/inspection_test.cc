@@ -14,7 +14,7 @@ namespace {
 double displacement_bound_of(bool checkerboard, double pitch, int pitches, double amplitude, double sigma) {
   double information = 0.0;
   const int side = static_cast<int>(pitch) * pitches;
-  const double k = kTurn / pitch;
+  const double k = kTwoPi / pitch;
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
       const double slope = checkerboard ? amplitude * k * (std::sin(k * (x + y)) + std::sin(k * (x - y)))

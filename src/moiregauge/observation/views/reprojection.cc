@@ -95,7 +95,7 @@ void carry(PatchReading& patch, const RasterPlan& then, const RasterPlan& now, c
   for (std::size_t a = 0; a < 2; ++a) {
     auto& g = patch.gradient[a];
     const double lag = std::isfinite(g[0]) && std::isfinite(g[1]) ? g[0] * e[0] + g[1] * e[1] : 0.0;
-    patch.phase_rad[a] = wrapped(patch.phase_rad[a] + kTurn * (e[a] - lag) / then.pitch_mm);
+    patch.phase_rad[a] = wrapped(patch.phase_rad[a] + kTwoPi * (e[a] - lag) / then.pitch_mm);
     const Eigen::RowVector2d row((a == 0 ? 1.0 : 0.0) - g[0], (a == 1 ? 1.0 : 0.0) - g[1]);
     const Eigen::RowVector2d turned = now.pitch_mm / then.pitch_mm * row * change;
     g = {(a == 0 ? 1.0 : 0.0) - turned(0), (a == 1 ? 1.0 : 0.0) - turned(1)};
@@ -190,8 +190,9 @@ class Restating {
 
 }  // namespace
 
-tl::expected<Restated, std::string> restated(const Reference& reference, const Observations& observations,
-                                             const Site& site, const Camera& lens) {
+tl::expected<Reprojected, std::string> reproject_observations(const Reference& reference,
+                                                              const Observations& observations, const Site& site,
+                                                              const Camera& lens) {
   auto ordered = in_old_order(reference.site, site);
   if (!ordered) return tl::unexpected(ordered.error());
   for (std::size_t i = 0; i < ordered->markers.size(); ++i) {
@@ -199,7 +200,7 @@ tl::expected<Restated, std::string> restated(const Reference& reference, const O
   }
   Restating restating(reference, *ordered, lens);
   if (auto problem = restating.reference_frame()) return tl::unexpected(*problem);
-  Restated out{restating.reference(), Observations(restating.reference())};
+  Reprojected out{restating.reference(), Observations(restating.reference())};
   for (const Observation& seen : observations) out.observations.push_back(restating.frame(seen));
   return out;
 }

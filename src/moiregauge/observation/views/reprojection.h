@@ -13,7 +13,7 @@
 
 namespace moiregauge::internal {
 
-struct Restated {
+struct Reprojected {
   Reference reference;
   Observations observations;
 };
@@ -25,7 +25,8 @@ inline constexpr double kRestatedPlace =
     0.5;  // of the print's smaller side, between where it was read and where it is now
 
 // fails  what is wrong with the site, in words, marker by marker
-[[nodiscard]] tl::expected<Restated, std::string> restated(const Reference& reference, const Observations& observations,
-                                                           const Site& site, const Camera& lens);
+[[nodiscard]] tl::expected<Reprojected, std::string> reproject_observations(const Reference& reference,
+                                                                            const Observations& observations,
+                                                                            const Site& site, const Camera& lens);
 
 }  // namespace moiregauge::internal

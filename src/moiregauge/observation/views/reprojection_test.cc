@@ -80,7 +80,7 @@ Extent<frame::Board> displacement(const Reference& reference, const Observation&
 
 // A fiftieth of what the change does: what is left is of second order, and the pixels at the windows' edges.
 void expect_as_if_measured_with(const Film& now, const Film& then) {
-  const auto again = restated(then.reference, then.observations, now.reference.site, now.reference.lens);
+  const auto again = reproject_observations(then.reference, then.observations, now.reference.site, now.reference.lens);
   ASSERT_TRUE(again) << again.error();
   const auto wanted = displacement(now.reference, now.observations[0]);
   const auto before = displacement(then.reference, then.observations[0]);
@@ -92,17 +92,17 @@ void expect_as_if_measured_with(const Film& now, const Film& then) {
   EXPECT_LT(length(again->observations[0].stage2(corner) - now.observations[0].stage2(corner)), 0.001);
 }
 
-TEST(Restated, WithAnotherLensIsAsIfMeasuredWithIt) {
+TEST(Reprojected, WithAnotherLensIsAsIfMeasuredWithIt) {
   expect_as_if_measured_with(seen_with(true_site(), true_lens()), seen_with(true_site(), {}));
 }
 
-TEST(Restated, WithAnotherSiteIsAsIfMeasuredWithIt) {
+TEST(Reprojected, WithAnotherSiteIsAsIfMeasuredWithIt) {
   expect_as_if_measured_with(seen_with(true_site(), {}), seen_with(wrong_site(), {}));
 }
 
-TEST(Restated, WithTheSameSiteAndLensNothingChanges) {
+TEST(Reprojected, WithTheSameSiteAndLensNothingChanges) {
   const Film run = seen_with(true_site(), true_lens());
-  const auto again = restated(run.reference, run.observations, true_site(), true_lens());
+  const auto again = reproject_observations(run.reference, run.observations, true_site(), true_lens());
   ASSERT_TRUE(again) << again.error();
   // But for the rounding of packed phases.
   EXPECT_LT(
@@ -110,11 +110,11 @@ TEST(Restated, WithTheSameSiteAndLensNothingChanges) {
       1e-6);
 }
 
-TEST(Restated, PointsOfAPrintCountFromWhereTheNewSiteHasIt) {
+TEST(Reprojected, PointsOfAPrintCountFromWhereTheNewSiteHasIt) {
   Film then = seen_with(wrong_site(), {}), now = seen_with(true_site(), {});
   learn_prints({picture(0).view(), 8}, then.reference);
   learn_prints({picture(0).view(), 8}, now.reference);
-  const auto again = restated(then.reference, {}, true_site(), {});
+  const auto again = reproject_observations(then.reference, {}, true_site(), {});
   ASSERT_TRUE(again) << again.error();
   const std::size_t target = true_site().markers.size() - 1;
   const auto middle = [&](const Reference& reference) {
@@ -128,12 +128,12 @@ TEST(Restated, PointsOfAPrintCountFromWhereTheNewSiteHasIt) {
   EXPECT_LT(length(middle(again->reference) - middle(now.reference)), 0.3);
 }
 
-TEST(Restated, SaysWhichMarkerCannotHaveBeenThere) {
+TEST(Reprojected, SaysWhichMarkerCannotHaveBeenThere) {
   const Film run = seen_with(true_site(), {});
   const auto problem = [&](auto change) {
     Site site = true_site();
     change(site);
-    const auto again = restated(run.reference, run.observations, site, {});
+    const auto again = reproject_observations(run.reference, run.observations, site, {});
     return again ? std::string() : again.error();
   };
   const auto has = [](const std::string& text, const std::string& part) {

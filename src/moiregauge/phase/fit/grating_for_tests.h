@@ -24,8 +24,8 @@ inline Image<double> crossed_cosine(int width, int height, const Grating& g) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       picture.at(x, y) = g.background +
-                         g.amplitude * std::cos(kTurn * (x - 0.5 * (width - 1) - g.shift_x_px) / g.pitch_px) +
-                         g.amplitude * std::cos(kTurn * (y - 0.5 * (height - 1) - g.shift_y_px) / g.pitch_px);
+                         g.amplitude * std::cos(kTwoPi * (x - 0.5 * (width - 1) - g.shift_x_px) / g.pitch_px) +
+                         g.amplitude * std::cos(kTwoPi * (y - 0.5 * (height - 1) - g.shift_y_px) / g.pitch_px);
     }
   }
   return picture;
@@ -35,8 +35,8 @@ inline Image<double> crossed_cosine(int width, int height, const Grating& g) {
 inline double blurred_bars(double s, double pitch_px, double sigma_px) {
   double value = 0.5;
   for (int m = 1; m <= 61; m += 2) {
-    const double blur = std::exp(-0.5 * std::pow(kTurn * m * sigma_px / pitch_px, 2));
-    value += 2.0 / (kPi * m) * ((m / 2) % 2 == 0 ? 1.0 : -1.0) * blur * std::cos(kTurn * m * s / pitch_px);
+    const double blur = std::exp(-0.5 * std::pow(kTwoPi * m * sigma_px / pitch_px, 2));
+    value += 2.0 / (kPi * m) * ((m / 2) % 2 == 0 ? 1.0 : -1.0) * blur * std::cos(kTwoPi * m * s / pitch_px);
   }
   return value;
 }

@@ -14,7 +14,7 @@ using Failure = PatchFitFailure;
 using Field = Eigen::Matrix<double, kPatchPoints, 1>;
 using Bend = Eigen::Matrix<double, 8, 2 * kPatchPoints>;
 
-constexpr int kLeastPixelsPerUnknown = 4;
+constexpr int kMinPixelsPerUnknown = 4;
 // A fit whose last pass still moves a point by this much (pitches) has found nothing to hold on to.
 constexpr double kStillMoving = 0.1;
 // Of noise, each of the print's columns explains one sigma^2, give or take a third.
@@ -26,7 +26,7 @@ constexpr double kNear = 0.02;
 constexpr double kConverged = 2e-4;
 constexpr double kShapeConverged = 5e-4;
 constexpr double kStands = 0.002;  // farther off, the patch's own normal equations are needed
-constexpr int kMostPasses = 3;     // of each kind
+constexpr int kMaxPasses = 3;      // of each kind
 
 // The homography about the identity, in (u, v), that comes nearest to a field given at the nine points: rows are
 // a0 a1 a2 b0 b1 b2 g h of  u + a0 + a1 u + a2 v - u (g u + h v),  v + b0 + b1 u + b2 v - v (g u + h v).
@@ -77,7 +77,7 @@ class Passes {
     }
     NormalMatrix normal;
     sum_patch(luma_, model_, print_.nodes(), box_, sums_, known == nullptr ? &normal : nullptr);
-    if (sums_.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    if (sums_.pixels < kMinPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
     if (known == nullptr) {
       own_ = PatchSystem::of(normal, sums_.pixels, options_);
       if (!own_) return tl::unexpected(Failure::kNoPattern);
@@ -90,7 +90,7 @@ class Passes {
     if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
     ShiftSums sums;
     sum_shift(luma_, model_, print_.nodes(), box_, row_step, sums);
-    if (row_step * sums.pixels < kLeastPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    if (row_step * sums.pixels < kMinPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
     Eigen::Matrix4d normal = sums.normal;
     for (const int axis : {2, 3}) {  // one that is not shown stays where it is
       if (axis == 2 ? options_.along_x : options_.along_y) continue;
@@ -200,7 +200,7 @@ PatchFit Passes::fit(const PatchSystem* known) const {
   fit.window_from_image = window_from_print(w) * seen_through_;
   fit.light = model_.light, fit.gain = model_.contrast;
   for (std::size_t a = 0; a < 2; ++a)
-    fit.fundamental[a] = model_.contrast[0] * (1.0 - kTurn * kTurn * relative_ * model_.shape[a]);
+    fit.fundamental[a] = model_.contrast[0] * (1.0 - kTwoPi * kTwoPi * relative_ * model_.shape[a]);
   fit.sigma = sigma_;
   fit.last_step = last_step_;
   fit.pixels = sums_.pixels;
@@ -212,7 +212,7 @@ PatchFit Passes::fit(const PatchSystem* known) const {
 // not come to rest with them. A patch that is still on its way is neither where it says nor as sure as it says: its
 // residuals are told from the step, and come out at anything down to nothing.
 tl::expected<PatchFit, Failure> stand_by_own_equations(Passes& passes) {
-  for (int k = 0; k < kMostPasses; ++k) {
+  for (int k = 0; k < kMaxPasses; ++k) {
     if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());
     if (passes.last_step() < kStands) break;
   }
@@ -239,11 +239,11 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
                                              const PatchFitOptions& options, const PatchAtRest& at_rest, Rows rows) {
   Passes passes(luma, start, window, print, options);
   passes.begin(&at_rest);
-  for (int k = 0; k < kMostPasses; ++k) {
+  for (int k = 0; k < kMaxPasses; ++k) {
     if (const auto done = passes.shift(options.row_step); !done) return tl::unexpected(done.error());
     if (passes.last_step() < (rows == Rows::kAll ? kNear : kStands)) break;
   }
-  for (int k = 0; rows == Rows::kAll && k < kMostPasses; ++k) {
+  for (int k = 0; rows == Rows::kAll && k < kMaxPasses; ++k) {
     if (const auto done = passes.pass(&at_rest.system); !done) return tl::unexpected(done.error());
     if (passes.last_step() < kConverged && passes.shape_step() < kShapeConverged) break;
   }

@@ -48,7 +48,7 @@ Image<std::uint16_t> seen(const PrintFromImage& map, const Light& light, Print g
   return picture;
 }
 
-double crossed(PrintPoint p) { return 42.5 * (std::cos(kTurn * p.x) + std::cos(kTurn * p.y)); }
+double crossed(PrintPoint p) { return 42.5 * (std::cos(kTwoPi * p.x) + std::cos(kTwoPi * p.y)); }
 
 constexpr PatchWindow kWindow{{0, 0}, 1.6, 1.6};
 
@@ -88,21 +88,22 @@ TEST(PatchFit, WithoutNoiseEveryPointIsWhereThePrintHasIt) {
 // within an edge, what the template cannot hold would pass for displacement.
 TEST(PatchFit, MoreBlurThanTheTemplateHasMovesNothing) {
   const auto amplitude = [](int k, double psf) {
-    return 35.0 / k * std::exp(-0.5 * kTurn * kTurn * k * k * psf * psf);
+    return 35.0 / k * std::exp(-0.5 * kTwoPi * kTwoPi * k * k * psf * psf);
   };
   constexpr std::array<int, 5> kOrders{1, 3, 5, 7, 9};
   constexpr double kThen = 0.03, kNow = 0.032;  // pitches, sigma of the PSF: 0.87 and 0.93 px
   const auto edges = [&](PrintPoint p) {
     double level = 0.0;
     for (const int k : kOrders)
-      level += amplitude(k, kNow) * (std::cos(k * kTurn * p.x) + std::cos(k * kTurn * (p.y + 0.2)));
+      level += amplitude(k, kNow) * (std::cos(k * kTwoPi * p.x) + std::cos(k * kTwoPi * (p.y + 0.2)));
     return level;
   };
   std::array<std::complex<double>, 19 * 19> series{};
   for (const int k : kOrders) {
     for (const int m : {-k, k}) {
       series[static_cast<std::size_t>(9 * 19 + 9 + m)] = 0.5 * amplitude(k, kThen);
-      series[static_cast<std::size_t>((9 + m) * 19 + 9)] = 0.5 * amplitude(k, kThen) * std::polar(1.0, 0.2 * m * kTurn);
+      series[static_cast<std::size_t>((9 + m) * 19 + 9)] =
+          0.5 * amplitude(k, kThen) * std::polar(1.0, 0.2 * m * kTwoPi);
     }
   }
   const auto truth = oblique(17.0);
@@ -147,7 +148,7 @@ TEST(PatchFit, ScattersAsItsInformationSaysAndReachesTheBound) {
     const double shift = common.dot(fit->information * error) / weight;
     shift2 += shift * shift / kRuns;
     stated += 1.0 / weight / kRuns;
-    const double slope = kTurn * 42.5;
+    const double slope = kTwoPi * 42.5;
     bound += kSigma * kSigma / (0.5 * slope * slope * fit->pixels) / kRuns;
     EXPECT_NEAR(fit->sigma, 256.0 * kSigma, 0.05 * 256.0 * kSigma);
   }
@@ -225,7 +226,7 @@ TEST(PatchFit, SomeOfTheRowsTellThePlaceWithAWiderU) {
 TEST(PatchFit, LinesShowOneAxisAndSayNothingOfTheOther) {
   const auto truth = oblique(10.0);
   const auto picture = seen(
-      truth, {}, [](PrintPoint p) { return 60.0 * std::cos(kTurn * p.x); }, 1);
+      truth, {}, [](PrintPoint p) { return 60.0 * std::cos(kTwoPi * p.x); }, 1);
   PatchFitOptions options;
   options.along_y = false;
   const auto fit =

@@ -11,7 +11,7 @@ namespace {
 
 // Relative. On a print of one harmonic more blur is less contrast: then contrast has it.
 constexpr double kBlurRidge = 1e-4;
-constexpr double kLeastPivot = 1e-9;  // of columns of unit length
+constexpr double kMinPivot = 1e-9;  // of columns of unit length
 
 using Values = Eigen::Matrix<double, kPatchPoints, kFieldColumns>;
 
@@ -64,7 +64,7 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
   // Columns of unit length, or the pivots would compare grey levels with slopes.
   s.per_length_ = n.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   s.ldlt_.compute(s.per_length_.asDiagonal() * n * s.per_length_.asDiagonal());
-  if (s.ldlt_.info() != Eigen::Success || !s.ldlt_.isPositive() || !(s.ldlt_.vectorD().minCoeff() > kLeastPivot))
+  if (s.ldlt_.info() != Eigen::Success || !s.ldlt_.isPositive() || !(s.ldlt_.vectorD().minCoeff() > kMinPivot))
     return std::nullopt;
   if (!options.along_x)
     s.per_length_(kLightColumns) = 0.0, s.per_length_.segment<kFieldColumns>(kBaseColumns).setZero();

@@ -19,11 +19,11 @@ using Complex = std::complex<double>;
 // which acts on a harmonic of k periods as sinc^4(k / side), taken out again, and folds (k / (side - k))^4 of others
 // into it: 1e-4 at worst, 2e-3 of the weights, whose orders go twice as far.
 constexpr int kBinsPerPeriod = 12;
-constexpr int kLeastBins = 48;
+constexpr int kMinBins = 48;
 // Relative to the mean weight: enough to keep a series that the bins leave open from running away, 1e-6 of what they
 // say.
 constexpr double kRidge = 1e-6;
-constexpr long kLeastPixelsPerCoefficient = 4;
+constexpr long kMinPixelsPerCoefficient = 4;
 
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
@@ -44,7 +44,7 @@ std::vector<Complex> spectrum(const std::vector<double>& value, int side, int hi
   const int wide = 2 * highest + 1;
   Eigen::MatrixXd c(side, highest + 1), s(side, highest + 1);
   std::vector<Complex> turn;
-  for (int k = 0; k < side; ++k) turn.push_back(std::polar(1.0, kTurn * k / side));
+  for (int k = 0; k < side; ++k) turn.push_back(std::polar(1.0, kTwoPi * k / side));
   for (int m = 0; m <= highest; ++m) {
     for (int j = 0; j < side; ++j) {
       const Complex t = turn[static_cast<std::size_t>((j * m) % side)];
@@ -135,14 +135,14 @@ class DifferenceMatrix {
 
 // Conjugate gradients. How often the window shows each part of the print differs by a small factor, so the error falls
 // several times a step; what it does not show stays near zero.
-constexpr int kMostSteps = 60;
+constexpr int kMaxSteps = 60;
 constexpr double kSmallEnough = 1e-9;  // residual against the right side
 
 Eigen::VectorXcd solved(DifferenceMatrix& normal, double ridge, const Eigen::VectorXcd& right) {
   Eigen::VectorXcd x = Eigen::VectorXcd::Zero(right.size()), r = right, p = r;
   double rr = r.squaredNorm();
   const double enough = kSmallEnough * kSmallEnough * rr;
-  for (int step = 0; step < kMostSteps && rr > enough; ++step) {
+  for (int step = 0; step < kMaxSteps && rr > enough; ++step) {
     const Eigen::VectorXcd ap = normal * p + ridge * p;
     const double along = rr / p.dot(ap).real();
     x += along * p;
@@ -158,7 +158,7 @@ Eigen::VectorXcd solved(DifferenceMatrix& normal, double ridge, const Eigen::Vec
 
 PrintBins::PrintBins(int order)
     : order_(order),
-      side_(std::max(kLeastBins, kBinsPerPeriod * order)),
+      side_(std::max(kMinBins, kBinsPerPeriod * order)),
       count_(static_cast<std::size_t>(side_ * side_)),
       sum_(static_cast<std::size_t>(side_ * side_)) {}
 
@@ -182,7 +182,7 @@ void PrintBins::add(PrintPoint p, double grey) {
 
 std::optional<PrintTemplate> PrintBins::fit() const {
   const int wide = 2 * order_ + 1, unknowns = wide * wide;
-  if (pixels_ < kLeastPixelsPerCoefficient * unknowns) return std::nullopt;
+  if (pixels_ < kMinPixelsPerCoefficient * unknowns) return std::nullopt;
   // The normal equations of exponentials depend on differences of their orders only.
   const auto weight = spectrum(count_, side_, 2 * order_);
   const auto right = spectrum(sum_, side_, order_);

@@ -14,7 +14,7 @@ using Complex = std::complex<double>;
 
 // Nodes per period of the highest harmonic: half a step is 0.39 rad, the third term of its series 1e-2.
 constexpr int kNodesPerPeriod = 8;
-constexpr int kLeastSide = 64;
+constexpr int kMinSide = 64;
 constexpr double kFullScale = 32767.0;
 
 std::size_t index_of(int order, int m, int n) {
@@ -24,7 +24,7 @@ std::size_t index_of(int order, int m, int n) {
 // exp(2 pi i k / side), k = 0 .. side - 1.
 std::vector<Complex> turns(int side) {
   std::vector<Complex> out;
-  for (int k = 0; k < side; ++k) out.push_back(std::polar(1.0, kTurn * k / side));
+  for (int k = 0; k < side; ++k) out.push_back(std::polar(1.0, kTwoPi * k / side));
   return out;
 }
 
@@ -64,7 +64,7 @@ std::vector<double> tabulated(const std::vector<Complex>& series, int order, int
 // Of the series' derivative: each harmonic times (2 pi i m)^p / p! (2 pi i n)^q / q!, per node.
 std::vector<Complex> derived(const std::vector<Complex>& series, int order, int side, NodePower power) {
   std::vector<Complex> out = series;
-  const double step = kTurn / side;
+  const double step = kTwoPi / side;
   for (int n = -order; n <= order; ++n) {
     for (int m = -order; m <= order; ++m) {
       Complex& c = out[index_of(order, m, n)];
@@ -77,7 +77,7 @@ std::vector<Complex> derived(const std::vector<Complex>& series, int order, int 
 
 PrintNodes nodes_of(const std::vector<Complex>& series, int order) {
   PrintNodes nodes;
-  nodes.side = std::max(kLeastSide, kNodesPerPeriod * order);
+  nodes.side = std::max(kMinSide, kNodesPerPeriod * order);
   const int side = nodes.side, wide = nodes.wide();
   nodes.words.assign(static_cast<std::size_t>(wide * wide * PrintNodes::kWords), 0);
   for (std::size_t k = 0; k < kNodePowers.size(); ++k) {
@@ -114,7 +114,7 @@ PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : order
     for (int m = -order; m <= order; ++m) {
       const double here = std::norm(series_[index_of(order, m, n)]);
       power += here;
-      slope_power_[0] += kTurn * kTurn * m * m * here, slope_power_[1] += kTurn * kTurn * n * n * here;
+      slope_power_[0] += kTwoPi * kTwoPi * m * m * here, slope_power_[1] += kTwoPi * kTwoPi * n * n * here;
     }
   }
   contrast_ = std::sqrt(power);

@@ -22,12 +22,12 @@ TEST(PrintTemplate, LooksUpTheSeriesAndItsSlopes) {
   for (double x = -1.3; x < 1.3; x += 0.0917) {
     const double y = 0.7 - 0.9 * x;
     const PrintLevel level = print.at({x, y});
-    EXPECT_NEAR(level.t, 40 * std::cos(kTurn * x) + 20 * std::cos(kTurn * y), 60 * 2e-5);
-    EXPECT_NEAR(level.dx, -40 * kTurn * std::sin(kTurn * x), 40 * kTurn * 2e-3);
-    EXPECT_NEAR(level.dy, -20 * kTurn * std::sin(kTurn * y), 20 * kTurn * 2e-3);
+    EXPECT_NEAR(level.t, 40 * std::cos(kTwoPi * x) + 20 * std::cos(kTwoPi * y), 60 * 2e-5);
+    EXPECT_NEAR(level.dx, -40 * kTwoPi * std::sin(kTwoPi * x), 40 * kTwoPi * 2e-3);
+    EXPECT_NEAR(level.dy, -20 * kTwoPi * std::sin(kTwoPi * y), 20 * kTwoPi * 2e-3);
   }
-  EXPECT_NEAR(print.slope_power_x(), 0.5 * std::pow(40 * kTurn, 2), 1e-9);
-  EXPECT_NEAR(print.slope_power_y(), 0.5 * std::pow(20 * kTurn, 2), 1e-9);
+  EXPECT_NEAR(print.slope_power_x(), 0.5 * std::pow(40 * kTwoPi, 2), 1e-9);
+  EXPECT_NEAR(print.slope_power_y(), 0.5 * std::pow(20 * kTwoPi, 2), 1e-9);
 }
 
 // Pixels of an oblique picture of a binary print teach it: to the harmonics beyond the order, which blur has made
@@ -52,7 +52,7 @@ TEST(PrintBins, LearnTheBlurredPrintFromOblique) {
   // The 15th harmonic of the bars is 2 / (15 pi) exp(-(2 pi 15 x 0.757 / 29)^2 / 2) = 0.2 % of 170, both ways; the
   // bins' own width of 1/104 pitch at slopes of 5 a pitch scatters the rest.
   EXPECT_LT(error, 1.5);
-  EXPECT_NEAR(std::abs(print->coefficient(1, 0)), 0.5 * 170 / kPi * std::exp(-0.5 * std::pow(kTurn * 0.757 / 29, 2)),
+  EXPECT_NEAR(std::abs(print->coefficient(1, 0)), 0.5 * 170 / kPi * std::exp(-0.5 * std::pow(kTwoPi * 0.757 / 29, 2)),
               0.02);
   EXPECT_NEAR(std::abs(print->coefficient(2, 1)), 0.0, 0.05) << "half of it is dark: no even harmonics";
 }

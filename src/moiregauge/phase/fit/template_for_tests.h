@@ -24,7 +24,7 @@ PrintTemplate template_of(int order, const Level& level) {
       for (int n = -order; n <= order; ++n) {
         for (int m = -order; m <= order; ++m)
           series[static_cast<std::size_t>((n + order) * wide + m + order)] +=
-              grey * std::polar(1.0, -kTurn * (m * x + n * y));
+              grey * std::polar(1.0, -kTwoPi * (m * x + n * y));
       }
     }
   }

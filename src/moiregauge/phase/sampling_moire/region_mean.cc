@@ -23,7 +23,7 @@ Region centred(int width, int height, int region_px) {
 
 // The turn of `wrapped_rad` nearest to a neighbour's phase.
 double continued(double wrapped_rad, double neighbour_rad) {
-  return wrapped_rad + kTurn * std::round((neighbour_rad - wrapped_rad) / kTurn);
+  return wrapped_rad + kTwoPi * std::round((neighbour_rad - wrapped_rad) / kTwoPi);
 }
 
 double mean_amplitude(const Image<std::complex<double>>& fringe, const Region& region, double& least) {
@@ -47,7 +47,7 @@ Image<double> less_carrier(const Image<std::complex<double>>& fringe, const Regi
   for (int y = 0; y < region.height; ++y) {
     for (int x = 0; x < region.width; ++x) {
       const double s = axis == Axis::kX ? region.x_from_centre(x) : region.y_from_centre(y);
-      phase.at(x, y) = std::arg(fringe.at(region.x0 + x, region.y0 + y)) - kTurn * s / pitch_px;
+      phase.at(x, y) = std::arg(fringe.at(region.x0 + x, region.y0 + y)) - kTwoPi * s / pitch_px;
     }
   }
   return phase;
@@ -120,7 +120,7 @@ RegionPhase region_mean(const FringeField& field, Axis axis, double pitch_px, in
       field.sampling_pitch_px > 0.0 ? window_response(field.sampling_pitch_px, 1.0 / pitch_px) : 1.0;
   result.modulation = 2.0 * amplitude / std::abs(response);
   // Written so that a NaN is refused too.
-  if (!(result.modulation > kLeastModulation && least > kLeastRelativeModulation * amplitude)) return result;
+  if (!(result.modulation > kMinModulation && least > kMinRelativeModulation * amplitude)) return result;
   Image<double> phase = less_carrier(field.fringe, region, axis, pitch_px);
   if (!continue_outwards(phase)) return result;
   fit_plane(phase, region, result);
@@ -154,7 +154,7 @@ double region_mean_uncertainty(double noise_sigma, double modulation, double sam
     std::complex<double> weight_along;
     double weight_across = 0.0;
     for (int u = std::max(-window.margin, j - region_px + 1); u <= std::min(window.margin, j); ++u) {
-      weight_along += window.along(u) * std::polar(1.0, kTurn * u / pitch_px);
+      weight_along += window.along(u) * std::polar(1.0, kTwoPi * u / pitch_px);
       weight_across += window.triangle(u);
     }
     along += std::norm(weight_along);

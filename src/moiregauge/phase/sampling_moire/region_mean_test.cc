@@ -28,7 +28,7 @@ RegionPhase measured(Print print, const Grating& grating, Axis axis, const Sampl
 
 // Eq. (4), within half a pitch.
 double displacement_px(const RegionPhase& before, const RegionPhase& after, double pitch_px) {
-  return -pitch_px / kTurn * wrapped(after.phase_rad - before.phase_rad);
+  return -pitch_px / kTwoPi * wrapped(after.phase_rad - before.phase_rad);
 }
 
 TEST(RegionMean, AGratingMovedTowardsLargerCoordinatesLosesPhase) {
@@ -36,8 +36,8 @@ TEST(RegionMean, AGratingMovedTowardsLargerCoordinatesLosesPhase) {
     // T = P: fringe and carrier are exact, only rounding is left.
     const RegionPhase x = measured(crossed_cosine, {.shift_x_px = d}, Axis::kX, kMatched);
     const RegionPhase y = measured(crossed_cosine, {.shift_y_px = d}, Axis::kY, kMatched);
-    EXPECT_NEAR(x.phase_rad, -kTurn * d / 29.0, 1e-12);
-    EXPECT_NEAR(y.phase_rad, -kTurn * d / 29.0, 1e-12);
+    EXPECT_NEAR(x.phase_rad, -kTwoPi * d / 29.0, 1e-12);
+    EXPECT_NEAR(y.phase_rad, -kTwoPi * d / 29.0, 1e-12);
   }
 }
 
@@ -99,9 +99,9 @@ TEST(RegionMean, AWrongPitchShowsAsAGradientAndLeavesThePhaseAtTheCentre) {
   // 27 px taken for 29: phi gains 2 pi (1/27 - 1/29) per px, 1.6 turns over the region, so it must be continued.
   const RegionPhase phase =
       measured(crossed_cosine, {.pitch_px = 27.0, .shift_x_px = 2.0}, Axis::kX, {27.0, 29.0, 100});
-  EXPECT_NEAR(phase.gradient_x_rad_per_px, kTurn * (1.0 / 27.0 - 1.0 / 29.0), 1e-12);
+  EXPECT_NEAR(phase.gradient_x_rad_per_px, kTwoPi * (1.0 / 27.0 - 1.0 / 29.0), 1e-12);
   EXPECT_NEAR(phase.gradient_y_rad_per_px, 0.0, 1e-12);
-  EXPECT_NEAR(phase.phase_rad, -kTurn * 2.0 / 27.0, 1e-11);
+  EXPECT_NEAR(phase.phase_rad, -kTwoPi * 2.0 / 27.0, 1e-11);
   EXPECT_LT(phase.straightness_rad, 1e-11);
   EXPECT_GT(std::abs(phase.gradient_x_rad_per_px) * 100.0, kPi / 2);
 }
@@ -136,7 +136,7 @@ TEST(RegionMean, ADislocationOfTheFringeIsRefused) {
   FringeField field{Image<std::complex<double>>(40, 40), 6, 7.0};
   for (int y = 0; y < 40; ++y) {
     for (int x = 0; x < 40; ++x) {
-      field.fringe.at(x, y) = std::polar(10.0, kTurn * x / 7.0 + std::atan2(y - 12.5, x - 9.5));
+      field.fringe.at(x, y) = std::polar(10.0, kTwoPi * x / 7.0 + std::atan2(y - 12.5, x - 9.5));
     }
   }
   EXPECT_FALSE(region_mean(field, Axis::kX, 7.0, 40).valid);

@@ -69,7 +69,7 @@ Image<double> triangle_down(ImageView<double> in, const SamplingWindow& window) 
 
 // exp(-2 pi i s / T); s is reduced to one turn first, exactly, so that far pixels are as good as near ones.
 std::complex<double> carrier(int s, double pitch_px) {
-  return std::polar(1.0, -kTurn * (std::fmod(static_cast<double>(s), pitch_px) / pitch_px));
+  return std::polar(1.0, -kTwoPi * (std::fmod(static_cast<double>(s), pitch_px) / pitch_px));
 }
 
 // Each row (real, one per step along the axis) times the carrier, side by side: real parts, imaginary parts and, where
@@ -109,7 +109,7 @@ Image<std::complex<double>> remodulated(const Image<double>& parts, int width, A
 }  // namespace
 
 FringeField sampling_moire(ImageView<double> picture, Axis axis, double sampling_pitch_px) {
-  if (!(sampling_pitch_px >= kLeastSamplingPitchPx)) return {};
+  if (!(sampling_pitch_px >= kMinSamplingPitchPx)) return {};
   const SamplingWindow window(sampling_pitch_px);
   if (std::min(picture.width, picture.height) < 2 * window.margin + 1) return {};
   // Across first, while the picture is still real; then rows that run along the axis, one per step.
@@ -123,7 +123,7 @@ double window_response(double sampling_pitch_px, double cycles_per_px) {
   const SamplingWindow window(sampling_pitch_px);
   double response = 0.0;
   for (int u = -window.margin; u <= window.margin; ++u) {
-    response += (window.along(u) * std::polar(1.0, kTurn * cycles_per_px * u)).real();
+    response += (window.along(u) * std::polar(1.0, kTwoPi * cycles_per_px * u)).real();
   }
   return response;
 }

@@ -16,7 +16,7 @@ namespace moiregauge::internal {
 
 enum class Axis { kX, kY };
 
-inline constexpr double kLeastSamplingPitchPx = 2.5;  // below it the fringe and its mirror image are one
+inline constexpr double kMinSamplingPitchPx = 2.5;  // below it the fringe and its mirror image are one
 
 // How far the window reaches to either side of its pixel, along and across: the triangle of Eq. (2) is zero from T on.
 [[nodiscard]] inline int window_margin(double sampling_pitch_px) {
@@ -28,7 +28,7 @@ inline constexpr double kLeastSamplingPitchPx = 2.5;  // below it the fringe and
 // phi the phase of Eq. (1) (NOT the moire phase: the carrier 2 pi x / T is added back), so that phi grows by 2 pi per
 // pitch along the axis. Pixel (x, y) of the field is pixel (x + margin, y + margin) of the picture: T along the axis
 // separates the grating, T across it averages the crossed one away.
-// Empty when the picture is smaller than one window or T < kLeastSamplingPitchPx. A NaN pixel makes the fringe NaN
+// Empty when the picture is smaller than one window or T < kMinSamplingPitchPx. A NaN pixel makes the fringe NaN
 // wherever a window holds it, and nowhere else.
 struct FringeField {
   Image<std::complex<double>> fringe;
@@ -65,12 +65,12 @@ struct RegionPhase {
 
 // The least local amplitude, as a part of the region's mean, that still carries the phase across: below it an edge, a
 // shadow or an occluder is in the window, and noise of a tenth of the mean amplitude can add a whole turn.
-inline constexpr double kLeastRelativeModulation = 0.1;
+inline constexpr double kMinRelativeModulation = 0.1;
 
 // Grey levels. Below it the fringe is what rounding leaves of an evenly lit sheet (1e-13 of it), not light. Whether a
 // modulation above it suffices against the camera's noise is for the caller to judge, by region_mean_uncertainty and
 // the straightness.
-inline constexpr double kLeastModulation = 1e-6;
+inline constexpr double kMinModulation = 1e-6;
 
 // Mean over the centred region of `region_px` x `region_px` (or the field's whole extent when smaller); the carrier is
 // the pitch P along `axis`. Phase is continued from the centre outwards relative to that carrier, and must come out the

@@ -41,11 +41,11 @@ std::complex<double> fringe_by_taps(const Image<double>& picture, int x, int y, 
   std::complex<double> fringe, leak;
   double plain = 0.0, area = 0.0, turned = 0.0;
   for (int u = -margin; u <= margin; ++u) area += pitch - std::abs(u);
-  for (int u = -margin; u <= margin; ++u) turned += (pitch - std::abs(u)) / area * std::cos(kTurn * u / pitch);
+  for (int u = -margin; u <= margin; ++u) turned += (pitch - std::abs(u)) / area * std::cos(kTwoPi * u / pitch);
   for (int v = -margin; v <= margin; ++v) {
     for (int u = -margin; u <= margin; ++u) {
       const double weight = (pitch - std::abs(u)) * (pitch - std::abs(v)) / (area * area);
-      fringe += weight * picture.at(x + u, y + v) * std::polar(1.0, -kTurn * u / pitch);
+      fringe += weight * picture.at(x + u, y + v) * std::polar(1.0, -kTwoPi * u / pitch);
       plain += weight * picture.at(x + u, y + v);
     }
   }
@@ -113,11 +113,11 @@ TEST(SamplingMoire, APureCosineComesOutAsFringeAndMirrorTermAndNothingElse) {
   for (const double pitch : {29.0, 31.0, 30.5}) {
     Image<double> picture(140, 70);
     for (int y = 0; y < 70; ++y) {
-      for (int x = 0; x < 140; ++x) picture.at(x, y) = 90.0 + 40.0 * std::cos(kTurn * x / 29.3 + 0.7);
+      for (int x = 0; x < 140; ++x) picture.at(x, y) = 90.0 + 40.0 * std::cos(kTwoPi * x / 29.3 + 0.7);
     }
     const FringeField field = sampling_moire(picture.view(), Axis::kX, pitch);
     for (int x = 0; x < field.fringe.width(); ++x) {
-      const std::complex<double> wave = std::polar(20.0, kTurn * (x + field.margin) / 29.3 + 0.7);
+      const std::complex<double> wave = std::polar(20.0, kTwoPi * (x + field.margin) / 29.3 + 0.7);
       const auto expected =
           window_response(pitch, 1.0 / 29.3) * wave + window_response(pitch, -1.0 / 29.3) * std::conj(wave);
       EXPECT_LT(std::abs(field.fringe.at(x, 0) - expected), 1e-12) << "T = " << pitch;

@@ -42,9 +42,9 @@ Image<std::complex<double>> dft_right(ImageView<double> in, int pitch) {
       const int column = x + pitch - 1;
       std::complex<double> moire;
       for (int k = 0; k < pitch; ++k) {
-        moire += down_sampled(pixel_at, column, k, pitch) * std::polar(1.0, -kTurn * k / pitch);
+        moire += down_sampled(pixel_at, column, k, pitch) * std::polar(1.0, -kTwoPi * k / pitch);
       }
-      out.at(x, y) = moire / static_cast<double>(pitch) * std::polar(1.0, kTurn * (column % pitch) / pitch);
+      out.at(x, y) = moire / static_cast<double>(pitch) * std::polar(1.0, kTwoPi * (column % pitch) / pitch);
     }
   }
   return out;
@@ -63,7 +63,7 @@ Image<Pixel> transposed(ImageView<Pixel> in) {
 
 FringeField sampling_moire_textbook(ImageView<double> picture, Axis axis, int sampling_pitch_px) {
   const int margin = window_margin(sampling_pitch_px);
-  if (sampling_pitch_px < kLeastSamplingPitchPx || std::min(picture.width, picture.height) < 2 * margin + 1) return {};
+  if (sampling_pitch_px < kMinSamplingPitchPx || std::min(picture.width, picture.height) < 2 * margin + 1) return {};
   const Image<double> upright = axis == Axis::kX ? Image<double>() : transposed(picture);
   const Image<double> averaged = mean_down(axis == Axis::kX ? picture : upright.view(), sampling_pitch_px);
   Image<std::complex<double>> fringe = dft_right(averaged.view(), sampling_pitch_px);

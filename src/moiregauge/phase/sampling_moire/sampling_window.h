@@ -17,13 +17,13 @@ struct SamplingWindow {
       : pitch_px(sampling_pitch_px), margin(window_margin(sampling_pitch_px)) {
     for (int u = -margin; u <= margin; ++u) area += pitch_px - std::abs(u);
     if (is_integer()) return;
-    for (int u = -margin; u <= margin; ++u) leak += triangle(u) * std::cos(kTurn * u / pitch_px);
+    for (int u = -margin; u <= margin; ++u) leak += triangle(u) * std::cos(kTwoPi * u / pitch_px);
   }
 
   [[nodiscard]] bool is_integer() const { return pitch_px == std::floor(pitch_px); }
   [[nodiscard]] double triangle(int u) const { return (pitch_px - std::abs(u)) / area; }
   [[nodiscard]] std::complex<double> along(int u) const {
-    return triangle(u) * (std::polar(1.0, -kTurn * u / pitch_px) - leak);
+    return triangle(u) * (std::polar(1.0, -kTwoPi * u / pitch_px) - leak);
   }
 
   double pitch_px;

@@ -17,7 +17,7 @@ bool overlaps(const PrintedMarker& a, const PrintedMarker& b) {
 }
 
 // Dark discs on white squares wherever no marker stands; a place that is taken is given up after some tries.
-std::vector<SceneMarker> strewn(const Scenario& scenario) {
+std::vector<SceneMarker> stratified_points(const Scenario& scenario) {
   std::vector<PrintedMarker> taken;
   for (const SceneMarker& marker : scenario.markers) taken.emplace_back(marker);
   const double half_x = 0.5 * scenario.camera.width / scenario.camera.fx * scenario.mount.distance_mm;
@@ -49,7 +49,7 @@ Background::Background(const Scenario& scenario, long frame)
       grey_(scenario.light.background),
       texture_(scenario.light.texture),
       seed_(scenario.seed),
-      decoys_(strewn(scenario)) {
+      decoys_(stratified_points(scenario)) {
   const bool is_rolling = scenario.sensor.exposes_row_by_row();
   for (int y = 0; y < (is_rolling ? scenario.camera.height : 1); ++y) {
     const double time = time_of(scenario, frame) + (is_rolling ? delay_of_row(scenario, y) : 0.0);

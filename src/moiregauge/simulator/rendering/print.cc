@@ -124,7 +124,7 @@ double PrintedGrating::ink_uncorrelated(double x, double y, double sigma_x, doub
 }
 
 double PrintedGrating::cosine_ink(double x, double y, const Blur& blur) const {
-  const double k = kTurn / grating_.pitch_mm;
+  const double k = kTwoPi / grating_.pitch_mm;
   const double inside = extent_x_.seen(x, blur.sigma_x) * extent_y_.seen(y, blur.sigma_y);
   const double wave_x = std::exp(-0.5 * k * k * blur.xx) * std::cos(k * x);
   const double wave_y = std::exp(-0.5 * k * k * blur.yy) * std::cos(k * y);

@@ -83,7 +83,7 @@ double PrintedMarker::seen_circle(const Footprint& pixel, const Blur& blur) cons
 }
 
 namespace {
-constexpr double kMostGrain = 2.4;  // of `grain`
+constexpr double kMaxGrain = 2.4;  // of `grain`
 }
 
 BoardPoint PrintedMarker::smoothed(BoardPoint own) const {
@@ -101,7 +101,7 @@ double PrintedMarker::seen_grating(const Footprint& pixel, const Blur& blur) con
   };
   const BoardPoint own_centre = in_own_axes(unfolded(pixel.centre.x), pixel.centre.y);
   const bool is_creased = fold_mm_ != 0.0 && std::abs(pixel.centre.x - crease_mm_) < pixel.reach_mm;
-  const double reach_mm = pixel.reach_mm + kMostGrain * ink_.rough_mm;
+  const double reach_mm = pixel.reach_mm + kMaxGrain * ink_.rough_mm;
   const bool is_even = !is_creased && grating.is_even(own_centre.x, own_centre.y, reach_mm);
   const Blur own_blur(c * c * blur.xx + 2.0 * c * s * blur.xy + s * s * blur.yy,
                       c * s * (blur.yy - blur.xx) + (c * c - s * s) * blur.xy,

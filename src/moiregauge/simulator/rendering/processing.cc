@@ -111,7 +111,7 @@ Taps gaussian_taps(double sigma_px) {
 // sin(2 pi c n) / (pi n), cut off: edges ring as after a scaler.
 Taps low_pass_taps(double cycles_per_px) {
   Taps taps{2.0 * cycles_per_px};
-  for (int i = 1; i <= kHalfOfLowPass; ++i) taps.push_back(std::sin(kTurn * cycles_per_px * i) / (kPi * i));
+  for (int i = 1; i <= kHalfOfLowPass; ++i) taps.push_back(std::sin(kTwoPi * cycles_per_px * i) / (kPi * i));
   return unit_sum(taps);
 }
 

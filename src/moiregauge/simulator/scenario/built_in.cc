@@ -115,7 +115,7 @@ void walk(Scenario& scenario) {
   turn(scenario.mount, kSways[2]);
   SceneMarker& target = marker_named(scenario, "mid");
   target.print.grating->centre = {0.0, -30.0};
-  target.dy = Track{.offset = 30.0, .amplitude = 30.0, .frequency_hz = 63.0 / (30.0 * kTurn), .phase_deg = -90.0};
+  target.dy = Track{.offset = 30.0, .amplitude = 30.0, .frequency_hz = 63.0 / (30.0 * kTwoPi), .phase_deg = -90.0};
 }
 
 void add_two_references(Scenario& scenario) {

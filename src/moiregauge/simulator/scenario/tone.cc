@@ -44,7 +44,7 @@ std::optional<ToneCurve> tone_named(const std::string& text) {
 
 double encoded(const ToneCurve& tone, double light) {
   const double y = curve(tone, std::clamp(light / 255.0, 0.0, 1.0));
-  return 255.0 * (tone.contrast == 0.0 ? y : y - tone.contrast * std::sin(kTurn * y) / kTurn);
+  return 255.0 * (tone.contrast == 0.0 ? y : y - tone.contrast * std::sin(kTwoPi * y) / kTwoPi);
 }
 
 bool stores_light(const Scenario& scenario) {

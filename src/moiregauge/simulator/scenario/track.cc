@@ -59,7 +59,7 @@ double random_mean(const Track& track, double from_s, double to_s) {
 }  // namespace
 
 double Track::at(double time_s) const {
-  const double phase = kTurn * frequency_hz * time_s + radians_from_degrees(phase_deg);
+  const double phase = kTwoPi * frequency_hz * time_s + radians_from_degrees(phase_deg);
   return offset + scale * value_of(knots, time_s) + amplitude * std::sin(phase) +
          random_of(*this, step_at(*this, time_s));
 }
@@ -69,7 +69,7 @@ double Track::mean(double from_s, double to_s) const {
   const double middle = 0.5 * (from_s + to_s);
   const double half_turn = kPi * frequency_hz * (to_s - from_s);
   const double sinc = half_turn == 0.0 ? 1.0 : std::sin(half_turn) / half_turn;
-  const double phase = kTurn * frequency_hz * middle + radians_from_degrees(phase_deg);
+  const double phase = kTwoPi * frequency_hz * middle + radians_from_degrees(phase_deg);
   return offset + scale * area_under(knots, from_s, to_s) / (to_s - from_s) + amplitude * sinc * std::sin(phase) +
          random_mean(*this, from_s, to_s);
 }

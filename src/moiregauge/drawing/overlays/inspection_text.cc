@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/drawing/overlays/inspection_words.h"
+#include "moiregauge/drawing/overlays/inspection_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ std::string two_digits(double value) {
   return fmt::format("{:.{}f}", value, decimals);
 }
 
-std::string axis_words(double value, const char* unit, const char* axis) {
+std::string axis_text(double value, const char* unit, const char* axis) {
   if (!std::isfinite(value)) return fmt::format("nothing along {}", axis);
   return fmt::format("{} {} along {}", two_digits(value), unit, axis);
 }
@@ -51,13 +51,13 @@ std::string name_of(const Inspection& seen, int marker) {
   return marker == kNobody ? "-" : seen.reference->site.markers[static_cast<std::size_t>(marker)].name;
 }
 
-std::string pattern_words(const SeenPatch& patch) {
+std::string pattern_text(const DetectedPatch& patch) {
   const std::string pattern = patch.pattern == Pattern::kAuto ? "crossed" : word_for(patch.pattern);
   if (patch.pattern == Pattern::kCheckerboard || patch.pattern == Pattern::kCosine) return pattern;
   return pattern + (patch.dark_on_light ? ", dark on light" : ", light on dark");
 }
 
-std::string pitch_words(const SeenPatch& patch) {
+std::string pitch_text(const DetectedPatch& patch) {
   const PatchAxes axes = axes_of(patch);
   if (length(axes.y) == 0.0)
     return fmt::format("pitch {:.2f} px along x, x at {:+.1f} deg", length(axes.x), direction_deg(axes.x));
@@ -67,16 +67,16 @@ std::string pitch_words(const SeenPatch& patch) {
                      direction_deg(axes.x), direction_deg(axes.y));
 }
 
-std::string lattice_words(const IndexedLattice& lattice) {
+std::string lattice_text(const IndexedLattice& lattice) {
   return fmt::format("{} {} x {}, {} of {}", lattice.kind == LatticeKind::kDots ? "dots" : "checker corners",
                      lattice.columns, lattice.rows, lattice.points.size(), lattice.columns * lattice.rows);
 }
 
 std::string both_axes(double x, double y, const char* unit) {
-  return axis_words(x, unit, "x") + ", " + axis_words(y, unit, "y");
+  return axis_text(x, unit, "x") + ", " + axis_text(y, unit, "y");
 }
 
-std::string expected_words(const Inspection& seen, const ExpectedUncertainty& e) {
+std::string expected_text(const Inspection& seen, const ExpectedUncertainty& e) {
   const Reference& reference = *seen.reference;
   if (reference.seen.markers[e.marker].loss != Loss::kNone) return "not seen";
   if (seen.unit == BoardUnit::kMillimetre) {

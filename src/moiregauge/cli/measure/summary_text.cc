@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/measure/report_lines.h"
+#include "moiregauge/cli/measure/summary_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ std::string check_of(const Measurement& m) {
 std::string scale_of_run(const Reference& reference) {
   const ScaleCheck check = scale_check(reference);
   return fmt::format("scale {:.3g} mm/px, {} (check with a tape)", check.mm_per_px,
-                     tape_words(check, reference.site, 1.0, "mm"));
+                     tape_text(check, reference.site, 1.0, "mm"));
 }
 
 std::string found_line(const Measurement& m, const MeasureOptions& options) {
@@ -96,25 +96,25 @@ std::string next_after_measure(const Measurement& m, const MeasureOptions& optio
 
 }  // namespace
 
-std::string report_lines(const Measurement& measurement, const MeasureOptions& options, const std::string& output) {
+std::string summary_text(const Measurement& measurement, const MeasureOptions& options, const std::string& output) {
   return found_line(measurement, options) + "\n" + result_line(measurement, options) + "\n" +
          next_after_measure(measurement, options, output) + "\n";
 }
 
-int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words) {
-  if (words.json) {
+int report(const Measurement& measurement, const MeasureOptions& options, const ReportArgs& args) {
+  if (args.json) {
     print_out(fmt::format(
         "{}\n", run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
-  } else if (!words.quiet) {
-    print_out(report_lines(measurement, options, words.output));
+  } else if (!args.quiet) {
+    print_out(summary_text(measurement, options, args.output));
   }
   for (const std::string& warning : measurement.warnings) {
     const bool is_note = warning.starts_with("note: ");
-    if (!words.quiet) print_note(fmt::format("{}{}\n", is_note ? "" : "warning: ", warning));
+    if (!args.quiet) print_note(fmt::format("{}{}\n", is_note ? "" : "warning: ", warning));
   }
   if (measurement.exit == Exit::kRefused)
-    return fail(Exit::kRefused, fmt::format("refused: {}: {}: {}", words.input, measurement.refusal,
-                                            measurement.remedy.empty() ? fmt::format("see {}/overlay.png", words.output)
+    return fail(Exit::kRefused, fmt::format("refused: {}: {}: {}", args.input, measurement.refusal,
+                                            measurement.remedy.empty() ? fmt::format("see {}/overlay.png", args.output)
                                                                        : measurement.remedy));
   return static_cast<int>(measurement.exit);
 }

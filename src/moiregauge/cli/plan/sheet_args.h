@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-#include "moiregauge/cli/common/layout_words.h"
+#include "moiregauge/cli/common/layout_args.h"
 #include "moiregauge/cli/common/measure_options.h"
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
@@ -15,8 +15,8 @@
 namespace moiregauge::internal::cli {
 
 // As typed.
-struct SheetWords {
-  LayoutWords layout;
+struct SheetArgs {
+  LayoutArgs layout;
   std::string paper = "A4", orientation = "auto";
   double ink_percent = 100.0, gamma = 1.0;
   std::string output = "sheets";
@@ -29,6 +29,6 @@ struct SheetOrder {
   sheet::Ink ink;
 };
 
-[[nodiscard]] tl::expected<SheetOrder, UsageError> understood(const SheetWords& words);
+[[nodiscard]] tl::expected<SheetOrder, UsageError> parse_sheet_options(const SheetArgs& args);
 
 }  // namespace moiregauge::internal::cli

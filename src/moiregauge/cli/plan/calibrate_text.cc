@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/plan/calibrate_lines.h"
+#include "moiregauge/cli/plan/calibrate_text.h"
 
 #include <algorithm>
 #include <array>
@@ -83,7 +83,7 @@ std::size_t used_of(const BoardCalibration& s) {
 
 }  // namespace
 
-std::string calibrate_lines(const CalibrateReport& report) {
+std::string calibrate_text(const CalibrateReport& report) {
   const BoardCalibration& s = report.solved;
   std::string text = fmt::format("found: {}, {} points in {} of {} photographs of {} x {} px\n", report.pattern,
                                  s.points, used_of(s), s.views.size(), s.camera.width, s.camera.height);

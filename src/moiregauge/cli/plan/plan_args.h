@@ -7,14 +7,14 @@
 
 #include <tl/expected.hpp>
 
-#include "moiregauge/cli/common/layout_words.h"
+#include "moiregauge/cli/common/layout_args.h"
 #include "moiregauge/planning/recording_plan.h"
 
 namespace moiregauge::internal::cli {
 
 // As typed.
-struct PlanWords {
-  LayoutWords layout;
+struct PlanArgs {
+  LayoutArgs layout;
   std::string distance, camera, resolution, pixel, focal, exposure, readout, vibration, camera_vibration;
   std::optional<double> fov_deg;
   double noise = 1.5, contrast = 170.0, psf_px = 0.7, fps = 30.0;
@@ -29,6 +29,6 @@ struct PlanOrder {
   bool rolls_untold = false;  // a rolling shutter whose readout nobody stated
 };
 
-[[nodiscard]] tl::expected<PlanOrder, UsageError> understood(const PlanWords& words);
+[[nodiscard]] tl::expected<PlanOrder, UsageError> parse_plan_options(const PlanArgs& args);
 
 }  // namespace moiregauge::internal::cli

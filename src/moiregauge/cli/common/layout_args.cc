@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/common/layout_words.h"
+#include "moiregauge/cli/common/layout_args.h"
 
 #include <algorithm>
 #include <cctype>
@@ -11,34 +11,34 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-constexpr int kMostTargets = 100;
+constexpr int kMaxTargets = 100;
 // From finer than any printer draws to larger than any structure.
 constexpr double kMinLength_mm = 0.01;
 constexpr double kMaxLength_mm = 1e6;
 constexpr double kUnmeasuredPrintScale = 0.001;  // relative, k = 1
 
-tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutWords& words, const Room& room) {
+tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutArgs& args, const Room& room) {
   sheet::SetRequest request;
-  const std::string pattern = words.pattern.empty() ? "grid" : words.pattern;
+  const std::string pattern = args.pattern.empty() ? "grid" : args.pattern;
   const auto known = pattern_named(pattern);
   if (!known || *known == Pattern::kAuto)
     return usage(fmt::format(
         "pattern: --pattern {}: choose one of grid, squares, dots, lines-x, lines-y, checkerboard, cosine", pattern));
   request.pattern = *known;
-  request.references = words.references.value_or(4);
-  request.targets = words.targets.value_or(1);
+  request.references = args.references.value_or(4);
+  request.targets = args.targets.value_or(1);
   if (request.references != 4 && request.references != 6)
     return usage(fmt::format("references: --references {}: 4, or 6 (which can check each other)", request.references));
-  if (request.targets < 0 || request.targets > kMostTargets)
-    return usage(fmt::format("targets: --targets {}: 0 to {}", request.targets, kMostTargets));
+  if (request.targets < 0 || request.targets > kMaxTargets)
+    return usage(fmt::format("targets: --targets {}: 0 to {}", request.targets, kMaxTargets));
   const struct {
     const char* option;
     const std::string& text;
     double& value;
-  } lengths[] = {{"--pitch", words.pitch, request.pitch_mm},
-                 {"--reference-size", words.reference_size, request.reference_size_mm},
-                 {"--target-size", words.target_size, request.target_size_mm},
-                 {"--circle", words.circle, request.circle_diameter_mm}};
+  } lengths[] = {{"--pitch", args.pitch, request.pitch_mm},
+                 {"--reference-size", args.reference_size, request.reference_size_mm},
+                 {"--target-size", args.target_size, request.target_size_mm},
+                 {"--circle", args.circle, request.circle_diameter_mm}};
   for (const auto& length : lengths) {
     const auto mm = length_or(length.option, length.text, length.value);
     if (!mm) return tl::unexpected(mm.error());
@@ -47,11 +47,11 @@ tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutWords& words,
                                kMinLength_mm, kMaxLength_mm));
     length.value = *mm;
   }
-  if (!words.span.empty()) {
-    const auto span = size_mm(words.span);
-    if (!span) return usage(fmt::format("span: --span {}: {}", words.span, span.error()));
+  if (!args.span.empty()) {
+    const auto span = size_mm(args.span);
+    if (!span) return usage(fmt::format("span: --span {}: {}", args.span, span.error()));
     if (!(std::max(span->x, span->y) <= kMaxLength_mm))
-      return usage(fmt::format("span: --span {}: give up to {:g} mm each way", words.span, kMaxLength_mm));
+      return usage(fmt::format("span: --span {}: give up to {:g} mm each way", args.span, kMaxLength_mm));
     request.span = *span;
   } else {
     request.span = sheet::widest_span(request, room.size);
@@ -62,27 +62,26 @@ tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutWords& words,
   return request;
 }
 
-bool asks_for_a_layout(const LayoutWords& words) {
-  return !words.pitch.empty() || !words.pattern.empty() || !words.span.empty() || !words.reference_size.empty() ||
-         !words.target_size.empty() || !words.circle.empty() || words.references || words.targets;
+bool asks_for_a_layout(const LayoutArgs& args) {
+  return !args.pitch.empty() || !args.pattern.empty() || !args.span.empty() || !args.reference_size.empty() ||
+         !args.target_size.empty() || !args.circle.empty() || args.references || args.targets;
 }
 
 }  // namespace
 
-void add_layout_options(CLI::App& command, LayoutWords& words) {
-  command.add_option("--pitch", words.pitch, "pitch of the gratings with its unit [10mm]")->type_name("LENGTH");
-  command
-      .add_option("--pattern", words.pattern, "grid, squares, dots, lines-x, lines-y, checkerboard or cosine [grid]")
+void add_layout_options(CLI::App& command, LayoutArgs& args) {
+  command.add_option("--pitch", args.pitch, "pitch of the gratings with its unit [10mm]")->type_name("LENGTH");
+  command.add_option("--pattern", args.pattern, "grid, squares, dots, lines-x, lines-y, checkerboard or cosine [grid]")
       ->type_name("NAME");
-  command.add_option("--references", words.references, "4, or 6, which can check each other [4]")->type_name("N");
-  command.add_option("--targets", words.targets, "targets, in a row at half height [1]")->type_name("N");
-  command.add_option("--span", words.span, "between the outermost circles, e.g. 760x300mm [as far as there is room]")
+  command.add_option("--references", args.references, "4, or 6, which can check each other [4]")->type_name("N");
+  command.add_option("--targets", args.targets, "targets, in a row at half height [1]")->type_name("N");
+  command.add_option("--span", args.span, "between the outermost circles, e.g. 760x300mm [as far as there is room]")
       ->type_name("WxH");
-  command.add_option("--reference-size", words.reference_size, "side of a reference's grating [4 pitches]")
+  command.add_option("--reference-size", args.reference_size, "side of a reference's grating [4 pitches]")
       ->type_name("LENGTH");
-  command.add_option("--target-size", words.target_size, "side of a target's grating [6 pitches]")->type_name("LENGTH");
-  command.add_option("--circle", words.circle, "diameter of the circles [2 pitches]")->type_name("LENGTH");
-  command.add_option("--site", words.site, "the markers of this site.toml instead")->type_name("FILE");
+  command.add_option("--target-size", args.target_size, "side of a target's grating [6 pitches]")->type_name("LENGTH");
+  command.add_option("--circle", args.circle, "diameter of the circles [2 pitches]")->type_name("LENGTH");
+  command.add_option("--site", args.site, "the markers of this site.toml instead")->type_name("FILE");
 }
 
 tl::expected<double, UsageError> length_or(const char* option, const std::string& text, double otherwise) {
@@ -112,14 +111,14 @@ tl::expected<Extent<frame::Board>, std::string> size_mm(const std::string& text)
   return Extent<frame::Board>{*x, *y};
 }
 
-tl::expected<Site, UsageError> site_of_layout(const LayoutWords& words, const Room& room) {
-  if (!words.site.empty()) {
-    if (asks_for_a_layout(words))
+tl::expected<Site, UsageError> site_of_layout(const LayoutArgs& args, const Room& room) {
+  if (!args.site.empty()) {
+    if (asks_for_a_layout(args))
       return usage(
           "--site with a layout's options: the site file states pitch, pattern, sizes and places: leave those out");
-    return site_of_file(words.site);
+    return site_of_file(args.site);
   }
-  const auto request = request_of(words, room);
+  const auto request = request_of(args, room);
   if (!request) return tl::unexpected(request.error());
   auto site = sheet::site_of_set(*request);
   if (!site) return usage("layout: " + site.error());

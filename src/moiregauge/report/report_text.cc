@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/report/report_words.h"
+#include "moiregauge/report/report_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,9 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMostWorded = 3;  // peaks of a target that are put into words
-constexpr double kClock = 1e-5;         // of a frequency: no camera's clock is better
-constexpr double kWorthAWord = 0.1;     // of the strongest's amplitude
+constexpr std::size_t kMaxWorded = 3;  // peaks of a target that are put into words
+constexpr double kClock = 1e-5;        // of a frequency: no camera's clock is better
+constexpr double kWorthAWord = 0.1;    // of the strongest's amplitude
 
 int digits_for(double u) { return std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(u, 1e-9)))), 0, 6); }
 
@@ -69,7 +69,7 @@ std::string sentence_of_target(const WordedRun& run, const TargetSummary& t) {
   return fmt::format("{} moved {}{} {}.", name, first, moved_second ? ", and" : ";", second);
 }
 
-std::string peak_in_words(const Peak& peak) {
+std::string peak_text(const Peak& peak) {
   const double expanded = std::max(kCover95 * peak.u_frequency_hz, kClock * peak.frequency_hz);
   std::string text =
       fmt::format("{:.{}f} Hz (± {:.{}f} Hz", peak.frequency_hz, digits_for(expanded), expanded, digits_for(expanded));
@@ -85,10 +85,10 @@ std::string vibration(const AxisSpectrum& s, const char* along) {
   std::vector<Peak> peaks = s.peaks;
   std::sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) { return a.amplitude_mm > b.amplitude_mm; });
   if (peaks.empty()) return "";
-  if (peaks.size() > kMostWorded) peaks.resize(kMostWorded);
+  if (peaks.size() > kMaxWorded) peaks.resize(kMaxWorded);
   while (peaks.back().amplitude_mm < kWorthAWord * peaks.front().amplitude_mm) peaks.pop_back();
   std::string list;
-  for (const Peak& peak : peaks) list += fmt::format("{}{}", list.empty() ? "" : ", ", peak_in_words(peak));
+  for (const Peak& peak : peaks) list += fmt::format("{}{}", list.empty() ? "" : ", ", peak_text(peak));
   return fmt::format("{} at {}", along, list);
 }
 

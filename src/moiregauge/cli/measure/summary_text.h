@@ -8,10 +8,10 @@
 namespace moiregauge::internal::cli {
 
 // The three lines at the end of a run: what was found, the result with its uncertainty, what to do next.
-[[nodiscard]] std::string report_lines(const Measurement& measurement, const MeasureOptions& options,
+[[nodiscard]] std::string summary_text(const Measurement& measurement, const MeasureOptions& options,
                                        const std::string& output);
 
-struct ReportWords {
+struct ReportArgs {
   std::string input;   // as typed
   std::string output;  // folder of the results
   bool quiet = false;
@@ -19,7 +19,7 @@ struct ReportWords {
 };
 
 // Says how a run ended on stdout and stderr; returns its exit code.
-int report(const Measurement& measurement, const MeasureOptions& options, const ReportWords& words);
+int report(const Measurement& measurement, const MeasureOptions& options, const ReportArgs& args);
 
 // Results that could not be written.
 int fail_output(const OutputError& error);

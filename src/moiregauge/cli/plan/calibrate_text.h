@@ -16,7 +16,7 @@ struct CalibrateReport {
   BoardCalibration solved;
 };
 
-[[nodiscard]] std::string calibrate_lines(const CalibrateReport& report);
+[[nodiscard]] std::string calibrate_text(const CalibrateReport& report);
 
 // Returns why the solved camera is no camera to measure with, as an error line without `error: `. `photos`: the input as
 // given. Empty: it is one.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/plan/plan_words.h"
+#include "moiregauge/cli/plan/plan_args.h"
 
 #include <charconv>
 #include <cmath>
@@ -67,45 +67,45 @@ std::optional<double> rad_of(const std::string& text) {
 using Done = tl::expected<void, UsageError>;
 
 // The camera's size and focal length in pixels, from a name, a file, or numbers.
-Done choose_camera(const PlanWords& words, PlanOrder& order) {
+Done choose_camera(const PlanArgs& args, PlanOrder& order) {
   Camera& camera = order.setup.camera;
-  double pixel_mm = 0.0, fov_deg = words.fov_deg.value_or(0.0);
-  if (!words.camera.empty()) {
-    order.camera_name = words.camera;
-    if (const auto known = camera_named(words.camera)) {
+  double pixel_mm = 0.0, fov_deg = args.fov_deg.value_or(0.0);
+  if (!args.camera.empty()) {
+    order.camera_name = args.camera;
+    if (const auto known = camera_named(args.camera)) {
       camera.width = known->width, camera.height = known->height;
       pixel_mm = 0.001 * known->pixel_um;
-      if (fov_deg == 0.0 && words.focal.empty()) fov_deg = known->hfov_deg;
+      if (fov_deg == 0.0 && args.focal.empty()) fov_deg = known->hfov_deg;
       order.camera_source = known->source;
       if (known->compresses) order.setup.codec = kUsualCodec;
-      order.rolls_untold = known->rolls && words.readout.empty();
-    } else if (std::filesystem::exists(words.camera)) {
-      const auto read = read_camera(words.camera);
-      if (!read) return usage(mistakes_in("camera file", words.camera, read.error()));
-      if (read->width <= 0) return usage(fmt::format("camera file: {}: no width and height: state them", words.camera));
-      if (!words.focal.empty() || words.fov_deg || !words.resolution.empty())
+      order.rolls_untold = known->rolls && args.readout.empty();
+    } else if (std::filesystem::exists(args.camera)) {
+      const auto read = read_camera(args.camera);
+      if (!read) return usage(mistakes_in("camera file", args.camera, read.error()));
+      if (read->width <= 0) return usage(fmt::format("camera file: {}: no width and height: state them", args.camera));
+      if (!args.focal.empty() || args.fov_deg || !args.resolution.empty())
         return usage("a camera file with --focal, --fov or --resolution: the file states them: leave those out");
       camera = *read;
       return {};
     } else {
       return usage(
-          fmt::format("unknown camera: --camera {}: a camera file, or one of {}", words.camera, camera_names()));
+          fmt::format("unknown camera: --camera {}: a camera file, or one of {}", args.camera, camera_names()));
     }
   }
-  if (!words.resolution.empty()) {
-    const auto size = pixels_of(words.resolution);
-    if (!size) return usage(fmt::format("resolution: --resolution {}: write pixels, e.g. 4096x2160", words.resolution));
+  if (!args.resolution.empty()) {
+    const auto size = pixels_of(args.resolution);
+    if (!size) return usage(fmt::format("resolution: --resolution {}: write pixels, e.g. 4096x2160", args.resolution));
     // A telephone's other video mode shows the same view; a sensor read in part has the same pixels.
     camera.width = size->first, camera.height = size->second;
   }
   if (camera.width == 0)
     return usage(
         "no camera: plan: give --camera NAME, or --resolution 4096x2160 with --fov 60 or --pixel 3.45um --focal 12mm");
-  const auto pixel = length_or("--pixel", words.pixel, pixel_mm);
+  const auto pixel = length_or("--pixel", args.pixel, pixel_mm);
   if (!pixel) return tl::unexpected(pixel.error());
-  const auto focal = length_or("--focal", words.focal, 0.0);
+  const auto focal = length_or("--focal", args.focal, 0.0);
   if (!focal) return tl::unexpected(focal.error());
-  if (*focal > 0.0 && words.fov_deg) return usage("--focal and --fov together: either tells the lens: leave one out");
+  if (*focal > 0.0 && args.fov_deg) return usage("--focal and --fov together: either tells the lens: leave one out");
   if (*focal > 0.0 && !(*pixel > 0.0))
     return usage("--focal without --pixel: how large are the sensor's pixels: give e.g. --pixel 3.45um, or --fov");
   if (*focal > 0.0) {
@@ -122,62 +122,62 @@ Done choose_camera(const PlanWords& words, PlanOrder& order) {
   return {};
 }
 
-Done choose_numbers(const PlanWords& words, RecordingSetup& setup) {
+Done choose_numbers(const PlanArgs& args, RecordingSetup& setup) {
   const struct {
     const char* option;
     double value, low, high;
-  } numbers[] = {{"--noise", words.noise, 0.0, 100.0},
-                 {"--contrast", words.contrast, 1.0, 255.0},
-                 {"--psf", words.psf_px, 0.0, 20.0},
-                 {"--fps", words.fps, 1e-6, 1e6}};
+  } numbers[] = {{"--noise", args.noise, 0.0, 100.0},
+                 {"--contrast", args.contrast, 1.0, 255.0},
+                 {"--psf", args.psf_px, 0.0, 20.0},
+                 {"--fps", args.fps, 1e-6, 1e6}};
   for (const auto& number : numbers) {
     if (!(number.value >= number.low && number.value <= number.high))
       return usage(fmt::format("number: {} {:g}: from {:g} to {:g}, choose one between", number.option, number.value,
                                number.low, number.high));
   }
-  setup.noise_sigma = words.noise;
-  setup.optics.contrast = words.contrast;
-  setup.optics.psf_sigma_px = words.psf_px;
-  setup.fps = words.fps;
+  setup.noise_sigma = args.noise;
+  setup.optics.contrast = args.contrast;
+  setup.optics.psf_sigma_px = args.psf_px;
+  setup.fps = args.fps;
   const struct {
     const char* option;
     const std::string& text;
     double& value;
-  } times[] = {{"--exposure", words.exposure, setup.exposure_s}, {"--readout", words.readout, setup.readout_s}};
+  } times[] = {{"--exposure", args.exposure, setup.exposure_s}, {"--readout", args.readout, setup.readout_s}};
   for (const auto& time : times) {
     if (time.text.empty()) continue;
     const auto seconds = duration_s(time.text);
     if (!seconds) return usage(fmt::format("time: {} {}: {}", time.option, time.text, seconds.error()));
     time.value = *seconds;
   }
-  if (words.exposure.empty()) setup.exposure_s = 0.25 / setup.fps;
+  if (args.exposure.empty()) setup.exposure_s = 0.25 / setup.fps;
   if (setup.exposure_s > 1.0 / setup.fps * (1.0 + 1e-9))
     return usage(fmt::format("exposure: --exposure {}: longer than a frame of {:g} frames/s lasts: give less",
-                             words.exposure, setup.fps));
+                             args.exposure, setup.fps));
   return {};
 }
 
-Done choose_swings(const PlanWords& words, RecordingSetup& setup) {
-  if (!words.vibration.empty()) {
-    setup.target_swing = swing_from(words.vibration, mm_of);
+Done choose_swings(const PlanArgs& args, RecordingSetup& setup) {
+  if (!args.vibration.empty()) {
+    setup.target_swing = swing_from(args.vibration, mm_of);
     if (!setup.target_swing)
       return usage(
-          fmt::format("vibration: --vibration {}: write amplitude and frequency, e.g. 0.5mm@5Hz", words.vibration));
+          fmt::format("vibration: --vibration {}: write amplitude and frequency, e.g. 0.5mm@5Hz", args.vibration));
   }
-  if (!words.camera_vibration.empty()) {
-    setup.camera_swing = swing_from(words.camera_vibration, rad_of);
+  if (!args.camera_vibration.empty()) {
+    setup.camera_swing = swing_from(args.camera_vibration, rad_of);
     if (!setup.camera_swing)
       return usage(
           fmt::format("camera's vibration: --camera-vibration {}: write amplitude and frequency, e.g. 0.01deg@10Hz",
-                      words.camera_vibration));
+                      args.camera_vibration));
   }
   return {};
 }
 
-Done choose_layout(const PlanWords& words, RecordingSetup& setup) {
+Done choose_layout(const PlanArgs& args, RecordingSetup& setup) {
   const double scale = px_per_mm(setup);
   auto site = site_of_layout(
-      words.layout,
+      args.layout,
       {"the picture", {kLayoutShare * setup.camera.width / scale, kLayoutShare * setup.camera.height / scale}});
   if (!site) return tl::unexpected(site.error());
   int references = 0, targets = 0;
@@ -203,19 +203,19 @@ Done choose_layout(const PlanWords& words, RecordingSetup& setup) {
 
 }  // namespace
 
-tl::expected<PlanOrder, UsageError> understood(const PlanWords& words) {
+tl::expected<PlanOrder, UsageError> parse_plan_options(const PlanArgs& args) {
   PlanOrder order;
-  if (words.distance.empty()) return usage("no distance: plan: give --distance from camera to prints, e.g. 5m");
-  const auto distance = length_or("--distance", words.distance, 0.0);
+  if (args.distance.empty()) return usage("no distance: plan: give --distance from camera to prints, e.g. 5m");
+  const auto distance = length_or("--distance", args.distance, 0.0);
   if (!distance) return tl::unexpected(distance.error());
   order.setup.distance_mm = *distance;
-  if (const auto done = choose_camera(words, order); !done) return tl::unexpected(done.error());
-  if (words.lossless && words.compressed)
+  if (const auto done = choose_camera(args, order); !done) return tl::unexpected(done.error());
+  if (args.lossless && args.compressed)
     return usage("--lossless and --compressed together: the recording is one of them: leave one out");
-  if (words.lossless) order.setup.codec = {};
-  if (words.compressed) order.setup.codec = kUsualCodec;
+  if (args.lossless) order.setup.codec = {};
+  if (args.compressed) order.setup.codec = kUsualCodec;
   for (const auto step : {choose_numbers, choose_swings, choose_layout}) {
-    if (const auto done = step(words, order.setup); !done) return tl::unexpected(done.error());
+    if (const auto done = step(args, order.setup); !done) return tl::unexpected(done.error());
   }
   return order;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/measure/inspect_lines.h"
+#include "moiregauge/cli/measure/inspect_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,24 +7,24 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/drawing/overlays/inspection_words.h"
+#include "moiregauge/drawing/overlays/inspection_text.h"
 #include "moiregauge/observation/reference/scale_check.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal::cli {
 namespace {
 
-constexpr std::size_t kMostLines = 12;  // of one kind; --json has them all
+constexpr std::size_t kMaxLines = 12;  // of one kind; --json has them all
 
 std::string counted(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
 }
 
 std::string and_more(std::size_t all) {
-  return all > kMostLines ? fmt::format("  and {} more: --json lists them\n", all - kMostLines) : "";
+  return all > kMaxLines ? fmt::format("  and {} more: --json lists them\n", all - kMaxLines) : "";
 }
 
-std::string circle_lines(const Inspection& seen) {
+std::string circle_text(const Inspection& seen) {
   std::vector<const InspectedCircle*> listed;
   for (const InspectedCircle& c : seen.circles) {
     if (c.lattice == kNobody || c.marker != kNobody) listed.push_back(&c);
@@ -36,7 +36,7 @@ std::string circle_lines(const Inspection& seen) {
   const std::size_t dots = seen.circles.size() - listed.size();
   std::string text = fmt::format("circles: {}{}\n", seen.circles.size(),
                                  dots > 0 ? fmt::format(", {} of them dots of a lattice", dots) : "");
-  for (std::size_t i = 0; i < std::min(listed.size(), kMostLines); ++i) {
+  for (std::size_t i = 0; i < std::min(listed.size(), kMaxLines); ++i) {
     const InspectedCircle& c = *listed[i];
     text += fmt::format(
         "  {:<6} at ({:.1f}, {:.1f}) px, {:.1f} px across, W = {:.3f}, {}, {:+.0f} grey levels, u = {:.3f} px\n",
@@ -47,13 +47,13 @@ std::string circle_lines(const Inspection& seen) {
   return text + and_more(listed.size());
 }
 
-std::string rejected_lines(const Inspection& seen) {
+std::string rejected_text(const Inspection& seen) {
   if (seen.rejected.empty()) return "";
   const auto elsewhere = rejected_elsewhere(seen);
   const std::size_t parts = seen.rejected.size() - elsewhere.size();
   std::string text = fmt::format("rejected as circles: {}{}\n", counted(seen.rejected.size(), "outline", "outlines"),
                                  parts > 0 ? fmt::format(", {} of them inside what was found", parts) : "");
-  for (std::size_t i = 0; i < std::min(elsewhere.size(), kMostLines); ++i) {
+  for (std::size_t i = 0; i < std::min(elsewhere.size(), kMaxLines); ++i) {
     const RejectedOutline& r = *elsewhere[i];
     text += fmt::format("  {:<6} at ({:.1f}, {:.1f}) px, {:.1f} px across, W = {:.3f}: {}\n", "-", r.centre.x,
                         r.centre.y, r.diameter_px, r.circularity, r.why);
@@ -61,30 +61,30 @@ std::string rejected_lines(const Inspection& seen) {
   return text + and_more(elsewhere.size());
 }
 
-std::string patch_lines(const Inspection& seen) {
+std::string patch_text(const Inspection& seen) {
   std::string text = fmt::format("gratings: {}\n", seen.patches.size());
-  for (std::size_t i = 0; i < std::min(seen.patches.size(), kMostLines); ++i) {
+  for (std::size_t i = 0; i < std::min(seen.patches.size(), kMaxLines); ++i) {
     const InspectedPatch& p = seen.patches[i];
     const PatchBound u = displacement_bound(p);
     text += fmt::format(
         "  {:<6} at ({:.1f}, {:.1f}) px: {}, {}; {:.1f} x {:.1f} pitches, modulation {:.1f}, noise {:.2f} grey "
         "levels; by itself u = {}\n",
-        name_of(seen, p.marker), p.seen.centre.x, p.seen.centre.y, pattern_words(p.seen), pitch_words(p.seen),
+        name_of(seen, p.marker), p.seen.centre.x, p.seen.centre.y, pattern_text(p.seen), pitch_text(p.seen),
         p.seen.periods_x, p.seen.periods_y, p.seen.modulation, p.noise.sigma,
         both_axes(u.along_x_px, u.along_y_px, "px"));
   }
   return text + and_more(seen.patches.size());
 }
 
-std::string lattice_lines(const Inspection& seen) {
+std::string lattice_list_text(const Inspection& seen) {
   if (seen.lattices.empty()) return "lattices: none\n";
   std::string text = fmt::format("lattices: {}\n", seen.lattices.size());
   for (const IndexedLattice& lattice : seen.lattices)
-    text += fmt::format("  {}, pitch {:.1f} px\n", lattice_words(lattice), lattice.pitch_px);
+    text += fmt::format("  {}, pitch {:.1f} px\n", lattice_text(lattice), lattice.pitch_px);
   return text;
 }
 
-std::string who_lines(const InspectReport& report) {
+std::string identification_text(const InspectReport& report) {
   const Inspection& seen = report.seen;
   std::string notes;
   for (const std::string& note : seen.notes) notes += fmt::format("note: {}\n", note);
@@ -97,7 +97,7 @@ std::string who_lines(const InspectReport& report) {
   std::string text =
       fmt::format("taken for: references {} (they must stand still), targets {}\n", references, targets) + notes;
   for (const ExpectedUncertainty& e : report.expected)
-    text += fmt::format("expected: {}: {}\n", seen.reference->site.markers[e.marker].name, expected_words(seen, e));
+    text += fmt::format("expected: {}: {}\n", seen.reference->site.markers[e.marker].name, expected_text(seen, e));
   return text;
 }
 
@@ -106,7 +106,7 @@ std::string scale_line(const Inspection& seen) {
   const ScaleCheck check = scale_check(*seen.reference);
   const char* unit = word_for(seen.unit);
   return fmt::format("scale: {:.3g} {}/px, {} (check with a tape)\n", check.mm_per_px / seen.pitch_of_unit, unit,
-                     tape_words(check, seen.reference->site, seen.pitch_of_unit, unit));
+                     tape_text(check, seen.reference->site, seen.pitch_of_unit, unit));
 }
 
 std::string next_after_inspect(const InspectReport& report) {
@@ -129,15 +129,16 @@ std::string next_after_inspect(const InspectReport& report) {
 std::string found_in_short(const Inspection& seen) {
   std::string text =
       counted(seen.circles.size(), "circle", "circles") + ", " + counted(seen.patches.size(), "grating", "gratings");
-  for (const IndexedLattice& lattice : seen.lattices) text += ", " + lattice_words(lattice);
+  for (const IndexedLattice& lattice : seen.lattices) text += ", " + lattice_text(lattice);
   return text;
 }
 
-std::string inspect_lines(const InspectReport& report) {
+std::string inspect_text(const InspectReport& report) {
   return fmt::format("picture: {}, frame {}: {} x {} px, {} bits\n", report.input.path, report.frame, report.seen.width,
                      report.seen.height, report.input.bits) +
-         circle_lines(report.seen) + rejected_lines(report.seen) + patch_lines(report.seen) +
-         lattice_lines(report.seen) + who_lines(report) + scale_line(report.seen) + next_after_inspect(report);
+         circle_text(report.seen) + rejected_text(report.seen) + patch_text(report.seen) +
+         lattice_list_text(report.seen) + identification_text(report) + scale_line(report.seen) +
+         next_after_inspect(report);
 }
 
 }  // namespace moiregauge::internal::cli

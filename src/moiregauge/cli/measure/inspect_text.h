@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal::cli {
 
-[[nodiscard]] std::string inspect_lines(const InspectReport& report);
+[[nodiscard]] std::string inspect_text(const InspectReport& report);
 
 // "4 circles, 5 gratings, dots 10 x 10 (100 of 100)": the short form, for an error's one line.
 [[nodiscard]] std::string found_in_short(const Inspection& seen);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/report/report_words.h"
+#include "moiregauge/report/report_text.h"
 
 #include <algorithm>
 
@@ -56,7 +56,7 @@ bool says(const std::vector<std::string>& sentences, const std::string& what) {
   return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& s) { return s.find(what) != s.npos; });
 }
 
-TEST(ReportWords, WhatMovedIsToldWithItsInterval) {
+TEST(ReportArgs, WhatMovedIsToldWithItsInterval) {
   const Words words = BridgeRun().words();
   EXPECT_EQ(words.outcome, "Measured");
   EXPECT_TRUE(says(words.summary, "mid moved 2.0000 mm up (± 0.0020 mm) at 0.30 s")) << words.summary.front();
@@ -67,7 +67,7 @@ TEST(ReportWords, WhatMovedIsToldWithItsInterval) {
 }
 
 // Not within the interval of the row that happens to be furthest from zero: here the reference frame's, whose u is zero.
-TEST(ReportWords, WhatStoodStillDidSoWithinTheWidestInterval) {
+TEST(ReportArgs, WhatStoodStillDidSoWithinTheWidestInterval) {
   BridgeRun run;
   run.measurement.samples[3].u = {0.02, 0.01};  // end in the second frame
   const Words words = run.words();
@@ -77,12 +77,12 @@ TEST(ReportWords, WhatStoodStillDidSoWithinTheWidestInterval) {
       << words.summary.at(1);
 }
 
-TEST(ReportWords, DownAndLeftHaveTheirWords) {
+TEST(ReportArgs, DownAndLeftHaveTheirWords) {
   EXPECT_EQ(with_interval(-0.5, 0.01, "up", "down"), "0.500 mm down (± 0.020 mm)");
   EXPECT_EQ(with_interval(12.0, 0.5, "up", "down"), "12.00 mm up (± 0.98 mm)");
 }
 
-TEST(ReportWords, WhatIsNotOkIsCountedAndHelped) {
+TEST(ReportArgs, WhatIsNotOkIsCountedAndHelped) {
   BridgeRun run;
   run.measurement.samples.back().status = Status::kBlurred;
   run.measurement.exit = Exit::kIncomplete;
@@ -92,13 +92,13 @@ TEST(ReportWords, WhatIsNotOkIsCountedAndHelped) {
   EXPECT_TRUE(says(words.advice, "Expose for a shorter time"));
 }
 
-TEST(ReportWords, ARowThatIsNotOkIsNotWhatMovedMost) {
+TEST(ReportArgs, ARowThatIsNotOkIsNotWhatMovedMost) {
   BridgeRun run;
   run.measurement.samples[6].status = Status::kUntrusted;  // mid in the last frame
   EXPECT_TRUE(says(run.words().summary, "mid moved 1.3333 mm up"));
 }
 
-TEST(ReportWords, VibrationIsToldByFrequencyAndDamping) {
+TEST(ReportArgs, VibrationIsToldByFrequencyAndDamping) {
   BridgeRun run;
   Peak peak;
   peak.kind = PeakKind::kDecay;

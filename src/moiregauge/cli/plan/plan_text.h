@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "moiregauge/cli/plan/plan_words.h"
+#include "moiregauge/cli/plan/plan_args.h"
 
 namespace moiregauge::internal::cli {
 

@@ -14,12 +14,12 @@
 namespace moiregauge::internal::cli {
 
 // As typed.
-struct LayoutWords {
+struct LayoutArgs {
   std::string site, pitch, pattern, span, reference_size, target_size, circle;
   std::optional<int> references, targets;
 };
 
-void add_layout_options(CLI::App& command, LayoutWords& words);
+void add_layout_options(CLI::App& command, LayoutArgs& args);
 
 // Width and height from "760x56mm", "0.76 x 0.056 m" or "76cm x 56mm".
 [[nodiscard]] tl::expected<Extent<frame::Board>, std::string> size_mm(const std::string& text);
@@ -34,6 +34,6 @@ struct Room {
 };
 
 // The site file's markers, or those of the layout asked for.
-[[nodiscard]] tl::expected<Site, UsageError> site_of_layout(const LayoutWords& words, const Room& room);
+[[nodiscard]] tl::expected<Site, UsageError> site_of_layout(const LayoutArgs& args, const Room& room);
 
 }  // namespace moiregauge::internal::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/plan/plan_lines.h"
+#include "moiregauge/cli/plan/plan_text.h"
 
 #include <algorithm>
 #include <array>
@@ -38,7 +38,7 @@ struct Range {
   }
 };
 
-std::string camera_words(const PlanOrder& order) {
+std::string camera_text(const PlanOrder& order) {
   const Camera& c = order.setup.camera;
   const double fov = 2.0 * degrees_from_radians(std::atan(0.5 * c.width / c.fx));
   return fmt::format("{}{} x {} px, f = {:.0f} px ({:.3g} deg across){}",
@@ -46,13 +46,13 @@ std::string camera_words(const PlanOrder& order) {
                      order.camera_source.empty() ? "" : "; source: " + order.camera_source);
 }
 
-std::string scale_words(const RecordingSetup& s) {
+std::string scale_text(const RecordingSetup& s) {
   const double scale = px_per_mm(s);
   return fmt::format("{:.3g} mm/px at {:.3g} m; the picture shows {:.3g} x {:.3g} m", 1.0 / scale,
                      0.001 * s.distance_mm, 0.001 * s.camera.width / scale, 0.001 * s.camera.height / scale);
 }
 
-std::string print_words(const RecordingSetup& s) {
+std::string print_text(const RecordingSetup& s) {
   Range mm, px;
   int references = 0, targets = 0;
   for (const Marker& m : s.site.markers) {
@@ -65,16 +65,16 @@ std::string print_words(const RecordingSetup& s) {
                      targets == 1 ? "" : "s", mm.words("mm"), px.words("px"));
 }
 
-std::string codec_words(const RecordingSetup& s) {
+std::string codec_text(const RecordingSetup& s) {
   double worst = 0.0;
   for (const PlannedTarget& t : planned_targets(s)) worst = std::fmax(worst, std::fmax(t.codec.x, t.codec.y));
   return fmt::format(
       "compressed video, a typical quantiser of {:.3g} grey levels: {} of u are the codec's. Record raw or lossless "
       "(--lossless) to avoid it",
-      s.codec.step, length_words(worst));
+      s.codec.step, length_text(worst));
 }
 
-std::string blur_words(const RecordingSetup& s) {
+std::string blur_text(const RecordingSetup& s) {
   const PlannedBlur blur = planned_blur(s);
   if (!s.target_swing && !s.camera_swing)
     return fmt::format("exposure {:.3g} ms; give --vibration 0.5mm@5Hz or --camera-vibration 0.01deg@10Hz to see it",
@@ -85,7 +85,7 @@ std::string blur_words(const RecordingSetup& s) {
   return words + ", at its fastest";
 }
 
-std::string motion_words(const RecordingSetup& s) {
+std::string motion_text(const RecordingSetup& s) {
   double pitch = 1e300;
   for (const Marker& m : s.site.markers) {
     if (m.grating && m.role == Role::kTarget) pitch = std::min(pitch, m.grating->pitch_mm);
@@ -96,18 +96,18 @@ std::string motion_words(const RecordingSetup& s) {
       0.5 * pitch, 0.5 * pitch * s.fps, s.fps);
 }
 
-std::string shutter_words(const PlanOrder& order) {
+std::string shutter_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
   if (order.rolls_untold) return "rolling, readout not told: give --readout";
   if (!(s.readout_s > 0.0)) return "all rows at once";
   const ShutterError e = shutter_error(s);
   std::string words = fmt::format("rolling: {:.3g} ms between a target's row and a reference's", 1000.0 * e.lag_s);
-  if (s.camera_swing) words += fmt::format("; the camera's vibration is worth {}", length_words(e.camera_mm));
-  if (s.target_swing) words += fmt::format("; the target moves {} meanwhile", length_words(e.target_mm));
+  if (s.camera_swing) words += fmt::format("; the camera's vibration is worth {}", length_text(e.camera_mm));
+  if (s.target_swing) words += fmt::format("; the target moves {} meanwhile", length_text(e.target_mm));
   return words;
 }
 
-std::string turn_words(const RecordingSetup& s) {
+std::string rotation_text(const RecordingSetup& s) {
   const TurningRoom room = turning_room(s);
   if (room.pan < 0.0) return "a marker is outside the picture as it is";
   return fmt::format("before a marker leaves the picture: pan {:.2g}, tilt {:.2g}, roll {:.2g} deg to either side",
@@ -122,8 +122,8 @@ std::string uncertainty_table(const RecordingSetup& s) {
   std::string text = row("u (k = 1)", "of", {"dx", "dy", "bound dx", "dy", "phase dx", "dy"});
   for (const PlannedTarget& t : planned_targets(s))
     text += row("", s.site.markers[t.marker].name,
-                {length_words(t.u.x), length_words(t.u.y), length_words(t.full_bound.x), length_words(t.full_bound.y),
-                 length_words(t.phase_bound.x), length_words(t.phase_bound.y)});
+                {length_text(t.u.x), length_text(t.u.y), length_text(t.full_bound.x), length_text(t.full_bound.y),
+                 length_text(t.phase_bound.x), length_text(t.phase_bound.y)});
   return text +
          line("", fmt::format("dx, dy: {}, one frame against another, as measure will state it; bound: of one frame, "
                               "every edge counted; phase: of one frame, fundamentals alone",
@@ -139,17 +139,16 @@ Json pair(Extent<frame::Board> e) { return {{"x", number(e.x)}, {"y", number(e.y
 
 std::string plan_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
-  std::string text =
-      line("camera", camera_words(order)) + line("scale", scale_words(s)) + line("prints", print_words(s));
+  std::string text = line("camera", camera_text(order)) + line("scale", scale_text(s)) + line("prints", print_text(s));
   text += uncertainty_table(s);
   text +=
       line("on top",
            fmt::format("{:.2g} % of the displacement, until the prints' rulers are told (--print-scale of measure); "
                        "what lens and places add shows when the camera moves",
                        100.0 * s.site.known_to.print_scale));
-  if (!s.codec.is_lossless()) text += line("codec", codec_words(s));
-  text += line("blur", blur_words(s)) + line("motion", motion_words(s)) + line("shutter", shutter_words(order)) +
-          line("turns", turn_words(s));
+  if (!s.codec.is_lossless()) text += line("codec", codec_text(s));
+  text += line("blur", blur_text(s)) + line("motion", motion_text(s)) + line("shutter", shutter_text(order)) +
+          line("turns", rotation_text(s));
   const auto advice = advice_for(s, order.rolls_untold);
   for (const std::string& words : advice) text += line("advice", words);
   if (advice.empty()) text += line("advice", "none: go and film");
