@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::array kCameras{
@@ -43,4 +43,4 @@ std::string camera_names() {
   return names;
 }
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

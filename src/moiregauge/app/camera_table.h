@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 
 struct NamedCamera {
   std::string_view name;
@@ -22,4 +22,4 @@ struct NamedCamera {
 [[nodiscard]] std::optional<NamedCamera> camera_named(const std::string& name);
 [[nodiscard]] std::string camera_names();  // "imx250, ..."
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

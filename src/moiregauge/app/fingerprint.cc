@@ -7,7 +7,7 @@
 #include "moiregauge/base/file_hash.h"
 #include "moiregauge/io/pictures/picture_source.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 
 Fingerprint::Fingerprint(std::string path, const InputOptions& options) : path_(std::move(path)), options_(options) {
   if (options.threads == 1) return;
@@ -32,4 +32,4 @@ const std::string& Fingerprint::hex() {
   return hex_;
 }
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

@@ -8,7 +8,7 @@
 
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 
 class Fingerprint {
  public:
@@ -29,4 +29,4 @@ class Fingerprint {
   std::jthread thread_;
 };
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

@@ -5,7 +5,7 @@
 
 #include "moiregauge/base/folder_for_tests.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kBytes = 4 << 20;  // a pass over them is still going on when the first question comes
@@ -32,4 +32,4 @@ TEST(Fingerprint, WhoGivesUpDoesNotWaitForIt) {
 }
 
 }  // namespace
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 namespace {
 
 class TimedSource final : public FrameSource {
@@ -36,4 +36,4 @@ std::unique_ptr<FrameSource> timed(std::unique_ptr<FrameSource> source, FrameTim
   return std::make_unique<TimedSource>(std::move(source), times);
 }
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

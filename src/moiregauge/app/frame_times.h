@@ -8,7 +8,7 @@
 
 #include "moiregauge/run/frame_source.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 
 class FrameTimes {
  public:
@@ -30,4 +30,4 @@ class FrameTimes {
 // The same frames; `times` outlives it and is kept up to date.
 [[nodiscard]] std::unique_ptr<FrameSource> timed(std::unique_ptr<FrameSource> source, FrameTimes& times);
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
-
 #include "moiregauge/decoder/video_source.h"
 #include "moiregauge/io/pictures/picture_file.h"
 #include "moiregauge/io/pictures/picture_source.h"
@@ -18,12 +16,6 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::str
   const bool is_file = std::filesystem::is_regular_file(path, ignored);
   const bool is_video = !options.sequence && is_file && picture_kind(path) == PictureKind::kNone;
   return is_video ? open_video(path, options) : open_pictures(path, options);
-}
-
-void add_max_pixels(CLI::App& command, std::int64_t& max_pixels) {
-  command.add_option("--max-pixels", max_pixels, "refuse pictures of more pixels before they are decoded [64000000]")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 28).description(""))
-      ->type_name("N");
 }
 
 }  // namespace moiregauge::internal

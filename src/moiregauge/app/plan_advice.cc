@@ -10,7 +10,7 @@
 
 #include "moiregauge/units/units.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 namespace {
 
 using Advice = std::optional<std::string>;
@@ -192,4 +192,4 @@ std::vector<std::string> advice_for(const RecordingSetup& setup, bool rolls_unto
   return lines;
 }
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

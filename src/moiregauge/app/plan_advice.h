@@ -7,7 +7,7 @@
 
 #include "moiregauge/planning/recording_plan.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 
 // "0.46 um", "12 um", "1.2 mm": two digits, in the unit that suits.
 [[nodiscard]] std::string length_text(double mm);
@@ -15,4 +15,4 @@ namespace moiregauge::internal::cli {
 // Sentences, the most pressing first; none: nothing to better.
 [[nodiscard]] std::vector<std::string> advice_for(const RecordingSetup& setup, bool rolls_untold);
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

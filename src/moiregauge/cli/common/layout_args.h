@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
-#include "moiregauge/cli/common/measure_options.h"
+#include "moiregauge/app/measure_options.h"
 #include "moiregauge/sheet/set_layout.h"
 
 namespace moiregauge::internal::cli {

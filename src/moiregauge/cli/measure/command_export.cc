@@ -12,7 +12,7 @@
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/cli/common/exit_line.h"
-#include "moiregauge/cli/common/measure_options.h"
+#include "moiregauge/app/measure_options.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/io/tables/displacement_h5.h"
 #include "moiregauge/io/tables/table_csv.h"

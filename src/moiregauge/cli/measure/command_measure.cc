@@ -1,208 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/measure/command_measure.h"
 
-#include <algorithm>
-#include <cstdio>
-#include <future>
 #include <memory>
-#include <optional>
 #include <string>
-#include <system_error>
 
 #include <fmt/format.h>
 
-#include "moiregauge/app/fingerprint.h"
-#include "moiregauge/app/frame_times.h"
-#include "moiregauge/app/open_input.h"
-#include "moiregauge/base/file_hash.h"
+#include "moiregauge/app/measure_options.h"
+#include "moiregauge/app/measurement_run.h"
+#include "moiregauge/app/run_figures.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/interrupt.h"
-#include "moiregauge/cli/common/measure_options.h"
-#include "moiregauge/cli/common/progress.h"
-#include "moiregauge/cli/measure/run_figures.h"
-#include "moiregauge/cli/measure/stabilised_video.h"
+#include "moiregauge/cli/common/shared_options.h"
+#include "moiregauge/cli/common/stage_display.h"
 #include "moiregauge/cli/measure/summary_text.h"
-#include "moiregauge/drawing/overlays/overlay.h"
-#include "moiregauge/drawing/overlays/overlay_inspection.h"
-#include "moiregauge/io/pictures/picture_source.h"
-#include "moiregauge/io/run_dir/run_directory.h"
-#include "moiregauge/io/run_dir/stabilised_folder.h"
-#include "moiregauge/io/run_dir/unfinished_run.h"
-#include "moiregauge/report/report_page.h"
-#include "moiregauge/version.h"
 
 namespace moiregauge::internal::cli {
 namespace {
 
-std::vector<std::uint8_t> overlay_of(const ImageView<std::uint8_t>& picture, const Reference& reference) {
-  return draw_overlay({picture, &reference,
-                       fmt::format("reference frame {}; blue: references, must stand still; orange: targets, may move; "
-                                   "inner frames: where the phase is averaged",
-                                   reference.seen.frame)});
+tl::expected<RunRequest, UsageError> request_of(const MeasureArgs& args) {
+  RunRequest request;
+  auto options = parse_measure_options(args);
+  if (!options) return tl::unexpected(options.error());
+  request.options = *std::move(options);
+  auto figures = figure_formats(args.figures);
+  if (!figures) return tl::unexpected(figures.error());
+  request.figures = *std::move(figures);
+  request.input = args.input;
+  request.input_options = {args.fps, args.sequence, args.threads, args.max_pixels};
+  request.output = args.output.empty() ? default_output(args.input) : args.output;
+  request.earlier = args.resume ? Earlier::kResume : args.restart ? Earlier::kRestart : Earlier::kAsk;
+  request.stabilised = args.stabilised;
+  request.video = args.video;
+  request.video_exaggeration = args.exaggeration;
+  return request;
 }
 
-// Of a refused run the picture shows all that was seen instead, as `inspect` does: what is missing is in the eye then.
-std::vector<std::uint8_t> overlay_of_refusal(const Measurement& m, const MeasureOptions& options) {
-  const ImageView<std::uint8_t> picture = m.picture.grey.view();
-  if (picture.width == 0) return {};
-  InspectOptions looked_at;
-  if (options.pitch_mm)
-    looked_at.pitch_mm = options.pitch_mm;
-  else
-    looked_at.site = options.site;
-  looked_at.axes = options.axes;
-  looked_at.lens = options.camera.value_or(Camera{});
-  looked_at.observe = options.observe;
-  Inspection seen = inspect_picture({picture, 8}, looked_at);
-  seen.missing = m.refusal;
-  return draw_inspection({picture, seen, {}, "not measured: " + m.input.path});
-}
-
-using Overlay = std::future<std::vector<std::uint8_t>>;
-
-// overlay.png, drawn and packed while the run is concluded: neither needs the other. Not with --threads 1; and what a
-// refusal shows is known at the end only.
-Overlay overlay_beside(const Measurement& seen, const MeasureOptions& options, int threads) {
-  const auto draw = [&] {
-    return seen.reference ? overlay_of(seen.picture.grey.view(), *seen.reference) : overlay_of_refusal(seen, options);
-  };
-  if (seen.reference && threads != 1) {
-    try {
-      return std::async(std::launch::async, draw);
-    } catch (const std::system_error&) {  // no thread can start: it is drawn when it is asked for
-    }
-  }
-  return std::async(std::launch::deferred, draw);
-}
-
-// The two folders are each put in place as a whole: neither may hold the other.
-std::optional<std::string> stabilised_problem(const MeasureArgs& args, const std::string& output) {
-  if (args.stabilised.empty() || !overlaps(args.stabilised, output)) return std::nullopt;
-  return fmt::format("folders overlap: --stabilised {}: the results go to {}: choose a folder beside it",
-                     args.stabilised, output);
-}
-
-// A method that needs circles cannot use a site without any: known before the input is read.
-std::optional<std::string> reference_problem(const MeasureArgs& args, const MeasureOptions& options) {
-  const auto& markers = options.site.markers;
-  const bool has_any = std::any_of(markers.begin(), markers.end(), [](const Marker& marker) {
-    return marker.role == Role::kReference && marker.circle.has_value();
-  });
-  if (args.site.empty() || has_any || !options.method->needs_circles) return std::nullopt;
-  return fmt::format(
-      "no references: --site {}: method {} needs 4 reference circles: add [[reference]] markers, or give --method "
-      "conventional",
-      args.site, options.method->name);
-}
-
-// The rows of one picture are read before those of the next.
-std::optional<std::string> readout_problem(const MeasureArgs& args, const MeasureOptions& options,
-                                           const InputInfo& input) {
-  constexpr double kRounding = 1.01;
-  if (!options.solve.readout_s || !(input.fps > 0.0) || *options.solve.readout_s * input.fps <= kRounding)
-    return std::nullopt;
-  return fmt::format("readout time: --readout {}: a frame lasts {:.4g} s only: give a shorter time, or the right --fps",
-                     args.readout, 1.0 / input.fps);
-}
-
-RunStart start_of(const MeasureArgs& args, const InputOptions& input_options, const InputInfo& input) {
-  const auto files = files_of_input(args.input, input_options);
-  return {kVersion, files ? quick_fingerprint(*files) : std::string{}, args.fps, args.sequence, input};
-}
-
-Earlier earlier_of(const MeasureArgs& args) {
-  return args.resume ? Earlier::kResume : args.restart ? Earlier::kRestart : Earlier::kAsk;
-}
-
-// The run is in its place, or in DIR.unfinished: says how it ended.
-int ended(const Measurement& measured, const MeasureOptions& options, const ReportArgs& args) {
-  const int exit = report(measured, options, args);
-  if (!measured.interrupted) return exit;
-  return fail(Exit::kInterrupted, fmt::format("stopped at frame {}: the results so far are in {}: go on with --resume",
-                                              measured.observations.back().frame, args.output));
-}
-
-// A statement that the frames contradict gives no results, and costs no frames: `solve` and --resume use them again.
-int kept_without_results(const Measurement& measured, MeasureOptions options, UnfinishedRun& journal,
-                         const RunPlace& place) {
-  if (measured.observations.empty()) return fail(Exit::kUsage, measured.contradiction);
-  options.solve.rest.reset();
-  if (const auto ended = journal.end(measured, options); !ended) return fail_output(ended.error());
-  return fail(Exit::kUsage,
-              fmt::format("{}: give other frames or leave it out: all {} frames are kept, `moiregauge solve "
-                          "{}.unfinished -o {}` needs no video",
-                          measured.contradiction, measured.observations.size(), place.shown, place.shown));
+tl::expected<FinishedRun, RunFailure> run_shown(const RunRequest& request, bool quiet) {
+  const InterruptGuard guard;
+  StageDisplay display(quiet);
+  return run_measurement(request, display.callbacks());
 }
 
 int run(const MeasureArgs& args) {
-  const auto options = parse_measure_options(args);
-  if (!options) return fail(Exit::kUsage, options.error().message);
-  const auto figures = figure_formats(args.figures);
-  if (!figures) return fail(Exit::kUsage, figures.error().message);
-  if (const auto problem = reference_problem(args, *options)) return fail(Exit::kUsage, *problem);
-  const std::string output = args.output.empty() ? default_output(args.input) : args.output;
-  if (const auto problem = stabilised_problem(args, output)) return fail(Exit::kUsage, *problem);
-  const InputOptions input_options{args.fps, args.sequence, args.threads, args.max_pixels};
-  auto opened = open_input(args.input, input_options);
-  if (!opened) return fail(Exit::kInputUnreadable, opened.error().message);
-  if (const auto problem = camera_problem(options->camera.value_or(Camera{}), (*opened)->info()))
-    return fail(Exit::kUsage, *problem);
-  if (const auto problem = readout_problem(args, *options, (*opened)->info())) return fail(Exit::kUsage, *problem);
-  Fingerprint fingerprint(args.input, input_options);
-  tl::expected<Measurement, InputError> measured;
-  Overlay overlay;  // of `measured`, so it must not outlive it
-  const RunPlace place = place_of_run(output);
-  RunDirectory directory(
-      place, [&](const Measurement&) { return overlay.get(); }, report_page);
-  directory.also(put_figures(*figures, args.quiet));
-  // A taken folder is found before, not after, hours of measuring.
-  if (const auto free = directory.check([&] { return fingerprint.hex(); }); !free)
-    return fail(Exit::kUsage, free.error().message);
-  std::optional<StabilisedFolder> stabilised;
-  if (!args.stabilised.empty()) {
-    stabilised.emplace(args.stabilised);
-    if (const auto begun = stabilised->open(); !begun) return fail_output(begun.error());
-  }
-  UnfinishedRun journal(place);
-  auto so_far = journal.begin(start_of(args, input_options, (*opened)->info()), *options, earlier_of(args));
-  if (!so_far) return fail_output(so_far.error());
-  FrameTimes times;
-  // What was opened to look at is measured; --reference-frame asks for the input a second time.
-  const auto open = [&]() -> tl::expected<std::unique_ptr<FrameSource>, InputError> {
-    auto source = *opened ? std::move(opened) : open_input(args.input, input_options);
-    if (!source) return source;
-    return timed(std::move(*source), times);
-  };
-  const OpenInput again = [&] { return open_input(args.input, input_options); };
-  if (args.video) directory.also(put_video({args.exaggeration, args.quiet}, again, *options));
-  {
-    const InterruptGuard guard;
-    std::optional<Progress> progress(std::in_place, "measuring", args.quiet);
-    measured = observe_all(open, *options,
-                           [&](long done, long expected) {
-                             progress->show(done, expected, times.waiting_share());
-                             return !interrupted();
-                           },
-                           {stabilised ? &*stabilised : nullptr, &journal, *std::move(so_far)});
-    if (const auto closed = journal.close(); !closed) return fail_output(closed.error());
-    progress.reset();
-    if (measured) {
-      const ElapsedLine line(fmt::format("solving {} frames", measured->observations.size()), args.quiet);
-      overlay = overlay_beside(*measured, *options, args.threads);
-      evaluate(*options, *measured);
-    }
-  }
-  if (!measured) return fail(Exit::kInputUnreadable, measured.error().message);
-  measured->input.sha256 = fingerprint.hex();
-  if (!measured->contradiction.empty()) return kept_without_results(*measured, *options, journal, place);
-  // Of a run that is stopped they are made when it goes on: then they are all there.
-  const tl::expected<void, OutputError> pictures =
-      stabilised && !measured->interrupted ? stabilised->finish() : tl::expected<void, OutputError>{};
-  if (!pictures) measured->exit = Exit::kOutputUnwritable;  // the results are kept all the same
-  const auto written = journal.end(*measured, *options).and_then([&] { return directory.write(*measured, *options); });
-  if (!written) return fail_output(written.error());
-  const int exit = ended(*measured, *options, {args.input, directory.results(), args.quiet, args.json});
-  return pictures ? exit : fail_output(pictures.error());
+  const auto request = request_of(args);
+  if (!request) return fail(Exit::kUsage, request.error().message);
+  const auto finished = run_shown(*request, args.quiet);
+  if (!finished) return fail(finished.error().exit, finished.error().message);
+  const Measurement& measured = finished->measurement;
+  const int exit = report(measured, request->options, {args.input, finished->folder, args.quiet, args.json});
+  if (finished->trouble) return fail(finished->trouble->exit, finished->trouble->message);
+  if (!measured.interrupted) return exit;
+  return fail(Exit::kInterrupted, fmt::format("stopped at frame {}: the results so far are in {}: continue with --resume",
+                                              measured.observations.back().frame, finished->folder));
 }
 
 }  // namespace

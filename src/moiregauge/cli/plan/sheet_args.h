@@ -8,7 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/cli/common/layout_args.h"
-#include "moiregauge/cli/common/measure_options.h"
+#include "moiregauge/app/measure_options.h"
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
 

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of `moiregauge measure`, and what they mean.
+// The options of `moiregauge measure` as typed, and what they mean. Command line, library and Python share them.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
 #include "moiregauge/run/measure.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 
 struct PrintScaleArgs {
   std::string factor;       // "1.0012", or "1.0012,0.9990" along x and y
@@ -67,7 +66,10 @@ struct UsageError {
 
 // Nothing when none is given.
 [[nodiscard]] tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleArgs& args);
-void add_print_scale(CLI::App& command, PrintScaleArgs& args);
+
+// Returns the message about a text file, one line that names the file followed by `lines`, each with one mistake and its
+// position. kind: "site file".
+[[nodiscard]] std::string mistakes_in(const std::string& kind, const std::string& path, const std::string& lines);
 
 // <input name without extension, or before %> + suffix, in the current directory.
 [[nodiscard]] std::string default_output(const std::string& input, const std::string& suffix = "-moiregauge");
@@ -75,4 +77,4 @@ void add_print_scale(CLI::App& command, PrintScaleArgs& args);
 // A camera file for pictures of another size is no use: says so.
 [[nodiscard]] std::optional<std::string> camera_problem(const Camera& camera, const InputInfo& input);
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

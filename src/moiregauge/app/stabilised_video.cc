@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/measure/stabilised_video.h"
+#include "moiregauge/app/stabilised_video.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,11 @@
 #include <fmt/format.h>
 
 #include "moiregauge/base/atomic_file.h"
-#include "moiregauge/cli/common/interrupt.h"
-#include "moiregauge/cli/common/progress.h"
-#include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/drawing/surface/side_by_side.h"
 #include "moiregauge/encoder/video_writer.h"
 #include "moiregauge/image/upper_bits.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,8 +97,8 @@ class Film {
   [[nodiscard]] DrawnMotion move_of(long frame, std::size_t target) const {
     const auto measured = measured_.find({frame, target}), apparent = apparent_.find({frame, target});
     if (measured == measured_.end() || apparent == apparent_.end()) return {};
-    const Extent<moiregauge::internal::frame::Board>& d = measured->second->displacement;
-    const Extent<moiregauge::internal::frame::Board>& a = apparent->second->displacement;
+    const Extent<internal::frame::Board>& d = measured->second->displacement;
+    const Extent<internal::frame::Board>& a = apparent->second->displacement;
     if (!std::isfinite(d.x) && !std::isfinite(d.y)) return {};
     // Where only the one is known the other is the best guess of it.
     return {
@@ -127,55 +124,61 @@ double stamp_of(const Frame& shot, long count, const InputInfo& info, double las
   return std::max(wanted, last + 0.1 / fps);
 }
 
-Written write_film(FrameSource& source, const Film& film, const FrameRange& frames, VideoWriter& writer,
-                   Progress& progress) {
+// Returns whether all frames were drawn: not, if the callback stopped it.
+tl::expected<bool, std::string> write_film(FrameSource& source, const Film& film, const FrameRange& frames,
+                                           VideoWriter& writer, const RunCallbacks& callbacks) {
   const InputInfo info = source.info();
   long count = 0;
   double last = -1e9;
-  while (!interrupted()) {
+  while (true) {
     const auto shot = source.next();
-    if (!shot || !*shot) break;  // an input that breaks off: `measure` has said so
+    if (!shot || !*shot) break;  // `measure` has reported an input that ends early
     if (!frames.holds((*shot)->number)) continue;
     last = stamp_of(**shot, count, info, last);
     const auto page = film.frame(**shot, info.bits);
-    if (auto added = writer.add(page.view(), last); !added) return added;
-    progress.show(++count, info.frames);
+    if (auto added = writer.add(page.view(), last); !added) return tl::unexpected(added.error());
+    if (!callbacks.may_continue({Stage::kDrawingVideo, ++count, info.frames, std::nullopt})) return false;
   }
-  return writer.finish();
+  if (auto finished = writer.finish(); !finished) return tl::unexpected(finished.error());
+  return true;
+}
+
+VideoFormat format_of(const Film& film, double fps) {
+  VideoFormat format{VideoCodec::kX264, kRateFactor};
+  format.width = film.picture().width();
+  format.height = film.picture().height();
+  format.fps = fps > 0.0 ? fps : kUsualFps;
+  format.faststart = true;
+  return format;
 }
 
 }  // namespace
 
-PutMore put_video(const VideoOptions& video, const OpenInput& open, const MeasureOptions& options) {
-  return [video, &open, &options](const fs::path& folder, const Measurement& m) -> Written {
+PutMore put_video(std::optional<double> exaggeration, const OpenInput& open, const MeasureOptions& options,
+                  const RunCallbacks& callbacks) {
+  return [exaggeration, &open, &options, &callbacks](const fs::path& folder, const Measurement& m) -> Written {
     if (!m.reference || m.interrupted || targets_of(*m.reference).empty()) return {};
     const Travel travel = travel_of(m);
     const Film film(m, options,
-                    video.exaggeration.value_or(best_exaggeration(travel.longest_mm, travel.u_mm, travel.size_mm)));
+                    exaggeration.value_or(best_exaggeration(travel.longest_mm, travel.u_mm, travel.size_mm)));
     const auto source = open();
     if (!source) {  // the results are kept all the same
-      print_note(fmt::format("note: no stabilised.mp4: {}\n", source.error().message));
+      callbacks.note("note: no stabilised.mp4: " + source.error().message);
       return {};
     }
     const std::string path = (folder / "stabilised.mp4").string();
-    VideoFormat format{VideoCodec::kX264, kRateFactor};
-    format.width = film.picture().width();
-    format.height = film.picture().height();
-    format.fps = (*source)->info().fps > 0.0 ? (*source)->info().fps : kUsualFps;
-    format.faststart = true;
-    auto writer = VideoWriter::create(path, format);
+    auto writer = VideoWriter::create(path, format_of(film, (*source)->info().fps));
     if (!writer) return tl::unexpected(writer.error());
-    const InterruptGuard guard;
-    Progress progress("drawing stabilised.mp4:", video.quiet);
-    if (auto written = write_film(**source, film, options.frames, **writer, progress); !written) return written;
-    if (interrupted()) {
+    const auto is_whole = write_film(**source, film, options.frames, *writer, callbacks);
+    if (!is_whole) return tl::unexpected(is_whole.error());
+    if (!*is_whole) {
       std::error_code ignored;
       fs::remove(path, ignored);
-      print_note(fmt::format("note: stopped while drawing stabilised.mp4: measure again with --video to have it\n"));
+      callbacks.note("note: no stabilised.mp4: drawing was stopped. Measure again with --video");
       return {};
     }
-    return sync_file(path) ? Written{} : tl::unexpected(path + ": cannot be brought to the disk");
+    return sync_file(path) ? Written{} : tl::unexpected(path + ": cannot be written to the disk");
   };
 }
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

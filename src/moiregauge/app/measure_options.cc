@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/common/measure_options.h"
+#include "moiregauge/app/measure_options.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,11 +12,10 @@
 #include "moiregauge/base/duration_text.h"
 #include "moiregauge/base/length_text.h"
 #include "moiregauge/base/plain_file.h"
-#include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/io/config/camera_file.h"
 #include "moiregauge/io/config/site_file.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 namespace {
 
 bool parse_long(const std::string& text, long& value) {
@@ -134,16 +133,6 @@ tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintSc
   return scale;
 }
 
-void add_print_scale(CLI::App& command, PrintScaleArgs& args) {
-  command
-      .add_option(
-          "--print-scale", args.factor,
-          "what the sheet's rulers showed: measured over nominal length, e.g. 1.0012; or along x and y: 1.0012,0.9990")
-      ->type_name("FACTOR");
-  command.add_option("--u-print-scale", args.u, "its relative standard uncertainty, e.g. 0.0002 [the site's word]")
-      ->type_name("U");
-}
-
 tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
   FrameRange range;
   if (text.empty()) return range;
@@ -163,6 +152,12 @@ tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
   if (parts.size() == 3 && !parts[2].empty() && !parse_long(parts[2], range.step)) return wrong();
   if (range.first < 0 || range.step < 1 || (!parts[1].empty() && range.end <= range.first)) return wrong();
   return range;
+}
+
+std::string mistakes_in(const std::string& kind, const std::string& path, const std::string& lines) {
+  const auto count = 1 + std::count(lines.begin(), lines.end(), '\n');
+  return fmt::format("{}: {}: correct {}\n{}", kind, path,
+                     count == 1 ? "this mistake:" : fmt::format("these {} mistakes:", count), lines);
 }
 
 std::string default_output(const std::string& input, const std::string& suffix) {
@@ -186,27 +181,48 @@ std::optional<std::string> camera_problem(const Camera& camera, const InputInfo&
                      camera.width, camera.height, input.width, input.height, input.path);
 }
 
-tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs& args) {
-  MeasureOptions options;
-  const auto method = method_of(args.method);
-  if (!method) return tl::unexpected(method.error());
-  options.method = *method;
+namespace {
+
+using Parsed = tl::expected<void, UsageError>;
+
+// --resume, --restart, --pitch, --site and --axes exclude each other in part.
+Parsed check_combinations(const MeasureArgs& args) {
   if (args.resume && args.restart)
-    return usage(
-        "--resume and --restart together: one goes on with an unfinished run, the other throws it away: leave one out");
+    return usage("--resume and --restart exclude each other: one continues an unfinished run, the other deletes it: "
+                 "give one of them");
   if (!args.pitch.empty() && !args.site.empty())
-    return usage("--pitch and --site together: the site file states the pitch: leave one of them out");
+    return usage("--pitch and --site exclude each other: the site file states the pitch: give one of them");
   if (!args.axes.empty() && args.pitch.empty())
-    return usage("--axes without --pitch: the site file states the axes: leave --axes out");
+    return usage("--axes needs --pitch: the site file states the axes: remove --axes");
   if (!args.axes.empty() && args.axes != "print" && args.axes != "image")
     return usage(fmt::format("unknown axes: --axes {}: choose one of print, image", args.axes));
+  if (args.site.empty() && args.pitch.empty()) return tl::unexpected(no_scale(args.input));
+  if (args.exaggeration && !args.video)
+    return usage("--exaggerate needs --video: it applies to the video: add --video, or remove --exaggerate");
+  return {};
+}
+
+// A method that needs circles cannot use a site without any.
+Parsed check_references(const MeasureArgs& args, MeasureOptions& options) {
+  const auto& markers = options.site.markers;
+  const bool has_any = std::any_of(markers.begin(), markers.end(), [](const Marker& marker) {
+    return marker.role == Role::kReference && marker.circle.has_value();
+  });
+  if (args.site.empty() || has_any || !options.method->needs_circles) return {};
+  return usage(fmt::format(
+      "no references: --site {}: method {} needs 4 reference circles: add [[reference]] markers, or give --method "
+      "conventional",
+      args.site, options.method->name));
+}
+
+// What is printed where, and at which scale.
+Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
   if (args.axes == "image") options.axes = BoardAxes::kImage;
   if (!args.pitch.empty()) {
     const auto pitch = length_mm(args.pitch);
     if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", args.pitch, pitch.error()));
     options.pitch_mm = *pitch;
   }
-  if (args.site.empty() && args.pitch.empty()) return tl::unexpected(no_scale(args.input));
   if (!args.site.empty()) {
     auto site = site_of_file(args.site);
     if (!site) return tl::unexpected(site.error());
@@ -214,18 +230,18 @@ tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs
   }
   const auto print_scale = print_scale_of(args.print_scale);
   if (!print_scale) return tl::unexpected(print_scale.error());
-  if (*print_scale) {
-    options.print_scale = **print_scale;
-    options.site = with_prints_scaled(std::move(options.site), **print_scale);
-    if (options.pitch_mm) *options.pitch_mm *= options.print_scale.factor;
-  }
-  if (!args.camera.empty()) {
-    if (const auto taken = take_camera(args.camera, options); !taken) return tl::unexpected(taken.error());
-  }
-  // From a picture in eleven days to a million a second: beyond, times are lost in rounding.
+  if (!*print_scale) return {};
+  options.print_scale = **print_scale;
+  options.site = with_prints_scaled(std::move(options.site), **print_scale);
+  if (options.pitch_mm) *options.pitch_mm *= options.print_scale.factor;
+  return {};
+}
+
+Parsed parse_frames(const MeasureArgs& args, MeasureOptions& options) {
+  // One image in eleven days to a million per second: beyond these, times are lost in rounding.
   if (args.fps && !(*args.fps >= 1e-6 && *args.fps <= 1e6))
     return usage(fmt::format("frame rate: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *args.fps));
-  auto range = frame_range(args.frames);
+  const auto range = frame_range(args.frames);
   if (!range) return tl::unexpected(range.error());
   options.frames = *range;
   if (!args.rest.empty()) {
@@ -233,32 +249,54 @@ tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs
     if (!rest) return tl::unexpected(rest.error());
     options.solve.rest = *rest;
   }
+  if (args.reference_frame && *args.reference_frame < 0)
+    return usage(fmt::format("reference frame: --reference-frame {}: give a frame of the input; the first is 0",
+                             *args.reference_frame));
+  options.reference_frame = args.reference_frame;
+  return {};
+}
+
+Parsed parse_camera(const MeasureArgs& args, MeasureOptions& options) {
+  if (!args.camera.empty()) {
+    if (const auto taken = take_camera(args.camera, options); !taken) return taken;
+  }
   if (!args.readout.empty()) {
     const auto readout = readout_time(args.readout);
     if (!readout) return tl::unexpected(readout.error());
     options.solve.readout_s = *readout;
   }
+  if (args.tone.empty() || args.tone == "auto") return {};
+  options.tone = tone_curve_named(args.tone);
+  if (!options.tone)
+    return usage(fmt::format(
+        "unknown tone curve: --tone {}: choose one of auto, linear, srgb, bt709, hlg, pq, gamma:2.2 (0.2 to 5)",
+        args.tone));
+  return {};
+}
+
+Parsed parse_details(const MeasureArgs& args, MeasureOptions& options) {
   if (!args.template_use.empty()) {
     const auto use = template_use_named(args.template_use);
     if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", args.template_use));
     options.observe.template_use = *use;
   }
-  if (!args.tone.empty() && args.tone != "auto") {
-    options.tone = tone_curve_named(args.tone);
-    if (!options.tone)
-      return usage(fmt::format(
-          "unknown tone curve: --tone {}: choose one of auto, linear, srgb, bt709, hlg, pq, gamma:2.2 (0.2 to 5)",
-          args.tone));
-  }
-  if (args.exaggeration && !args.video)
-    return usage("--exaggerate without --video: it belongs to the video: add --video, or leave it out");
   if (args.exaggeration && !(*args.exaggeration >= 1.0 && *args.exaggeration <= 1e5))
     return usage(fmt::format("factor: --exaggerate {}: give a number from 1 to 100000", *args.exaggeration));
-  if (args.reference_frame && *args.reference_frame < 0)
-    return usage(fmt::format("reference frame: --reference-frame {}: give a frame of the input; the first is 0",
-                             *args.reference_frame));
-  options.reference_frame = args.reference_frame;
+  return {};
+}
+
+}  // namespace
+
+tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs& args) {
+  MeasureOptions options;
+  const auto method = method_of(args.method);
+  if (!method) return tl::unexpected(method.error());
+  options.method = *method;
+  if (const auto checked = check_combinations(args); !checked) return tl::unexpected(checked.error());
+  for (const auto parse : {parse_prints, check_references, parse_camera, parse_frames, parse_details}) {
+    if (const auto parsed = parse(args, options); !parsed) return tl::unexpected(parsed.error());
+  }
   return options;
 }
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/cli/measure/run_figures.h"
+#include "moiregauge/app/run_figures.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,9 @@
 #include <fmt/format.h>
 
 #include "moiregauge/base/atomic_file.h"
-#include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/drawing/figures/figure_run.h"
 
-namespace moiregauge::internal::cli {
+namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,11 +36,6 @@ Written put_all(const fs::path& folder, const figure::RunFigures& drawn, const s
 
 }  // namespace
 
-void add_figures(CLI::App& command, std::string& word) {
-  command.add_option("--figures", word, "also draw figures for a paper, into DIR/figures; more formats: pdf,svg")
-      ->type_name("pdf|svg|png");
-}
-
 tl::expected<std::vector<std::string>, UsageError> figure_formats(const std::string& word) {
   std::vector<std::string> formats;
   for (std::size_t at = 0; !word.empty() && at <= word.size();) {
@@ -55,15 +49,14 @@ tl::expected<std::vector<std::string>, UsageError> figure_formats(const std::str
   return formats;
 }
 
-PutMore put_figures(std::vector<std::string> formats, bool quiet) {
-  return [formats = std::move(formats), quiet](const fs::path& folder, const Measurement& m) -> Written {
+PutMore put_figures(std::vector<std::string> formats, const RunCallbacks& callbacks) {
+  return [formats = std::move(formats), &callbacks](const fs::path& folder, const Measurement& m) -> Written {
     if (formats.empty() || !m.reference) return {};
     const auto drawn =
         figure::run_figures({*m.reference, m.observations, m.samples, stated_scene(m), m.picture.grey.view()});
-    for (const std::string& why : drawn.left_out)
-      if (!quiet) print_note(fmt::format("note: no figure of the {}\n", why));
+    for (const std::string& why : drawn.left_out) callbacks.note("note: no figure of the " + why);
     return put_all(folder / "figures", drawn, formats);
   };
 }
 
-}  // namespace moiregauge::internal::cli
+}  // namespace moiregauge::internal

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/app/solve_run.h"
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "moiregauge/app/run_figures.h"
+#include "moiregauge/base/plain_file.h"
+#include "moiregauge/io/journal/run_file.h"
+#include "moiregauge/io/run_dir/run_directory.h"
+#include "moiregauge/observation/views/reprojection.h"
+#include "moiregauge/report/report_page.h"
+
+namespace moiregauge::internal {
+namespace {
+
+using Done = tl::expected<void, UsageError>;
+
+// `precise` looks at everything that `two-stage` does, and at more; `conventional` looks elsewhere.
+bool has_seen_enough_for(const Method& measured, const Method& wanted) {
+  return measured.name == wanted.name || (measured.name == "precise" && wanted.name == "two-stage");
+}
+
+Done choose_method(const SolveArgs& args, MeasureOptions& options) {
+  if (args.method.empty()) return {};
+  const auto wanted = method_of(args.method);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (!has_seen_enough_for(*options.method, **wanted))
+    return usage(
+        fmt::format("other method: --method {}: this run was measured by `{}`, which did not look at what `{}` "
+                    "needs: measure the input again with --method {}",
+                    args.method, options.method->name, args.method, args.method));
+  options.method = *wanted;
+  return {};
+}
+
+// What the rulers showed counts from the nominal prints: of the run's own site they are no longer nominal.
+Done rescale(const PrintScaleArgs& args, bool has_new_site, MeasureOptions& options, Site& site) {
+  const auto scale = print_scale_of(args);
+  if (!scale) return tl::unexpected(scale.error());
+  if (!*scale) {
+    if (has_new_site) options.print_scale = {};
+    return {};
+  }
+  PrintScale more = **scale;
+  if (!has_new_site) more.factor /= options.print_scale.factor;
+  site = with_prints_scaled(std::move(site), more);
+  if (options.pitch_mm) {  // no site file: places were counted in pitches
+    site = with_places_scaled(std::move(site), more.factor);
+    *options.pitch_mm *= more.factor;
+  }
+  options.print_scale = **scale;
+  return {};
+}
+
+// Another site, print scale or lens: the observations are carried over to it.
+Done restate(const SolveArgs& args, StoredRun& run) {
+  if (!args.site.empty()) {
+    auto site = site_of_file(args.site);
+    if (!site) return tl::unexpected(site.error());
+    run.options.site = *std::move(site);
+    run.options.pitch_mm.reset();
+  }
+  if (!args.camera.empty()) {
+    if (const auto taken = take_camera(args.camera, run.options); !taken) return taken;
+    if (const auto problem = camera_problem(*run.options.camera, run.seen.input)) return usage(*problem);
+  }
+  const bool is_other_site = !args.site.empty() || !args.print_scale.factor.empty();
+  Site site = args.site.empty() && run.seen.reference ? run.seen.reference->site : run.options.site;
+  if (const auto scaled = rescale(args.print_scale, !args.site.empty(), run.options, site); !scaled) return scaled;
+  if (is_other_site) run.options.site = site;
+  if (!run.seen.reference || (!is_other_site && args.camera.empty())) return {};
+  Reference& reference = *run.seen.reference;
+  auto again = reproject_observations(reference, run.seen.observations, site, run.options.camera.value_or(Camera{}));
+  if (!again)
+    return usage(fmt::format("{}: {}: {}: measure the input again with it",
+                             args.site.empty() ? "camera file" : "site file",
+                             args.site.empty() ? args.camera : args.site, again.error()));
+  reference = std::move(again->reference);
+  run.seen.observations = std::move(again->observations);
+  if (is_other_site) run.options.site = reference.site;
+  return {};
+}
+
+Done choose_rest(const SolveArgs& args, MeasureOptions& options) {
+  if (args.rest.empty()) return {};
+  if (args.rest == "none") {
+    options.solve.rest.reset();
+    return {};
+  }
+  const auto rest = rest_frames(args.rest);
+  if (!rest) return tl::unexpected(rest.error());
+  options.solve.rest = *rest;
+  return {};
+}
+
+// A run that was killed has no end and no results yet: what was kept of it will do. Where there are results a file that
+// breaks off is damaged.
+tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
+  namespace fs = std::filesystem;
+  const std::string path = (fs::path(folder) / kRunFileName).string();
+  std::error_code error;
+  if (const std::string kind = kind_unless_plain(path); fs::exists(path, error) && !kind.empty())
+    return tl::unexpected(fmt::format("no observations: {}: it is {}: give a folder that `measure` wrote", path, kind));
+  if (!fs::exists(path, error) || fs::exists(fs::path(folder) / "run.json", error)) return read_run(path);
+  auto kept = recover_run(path);
+  if (!kept) return tl::unexpected(kept.error());
+  if (kept->run.options.method == nullptr)
+    return tl::unexpected(
+        fmt::format("no observations: {}: the run was stopped before its first frame: measure again", path));
+  if (!kept->has_end)
+    kept->run.seen.notes.push_back(
+        fmt::format("the run was not finished: these are its first {} frames", kept->run.seen.observations.size()));
+  return std::move(kept->run);
+}
+
+Done choose_readout(const SolveArgs& args, MeasureOptions& options) {
+  if (args.readout.empty()) return {};
+  const auto readout = readout_time(args.readout);
+  if (!readout) return tl::unexpected(readout.error());
+  options.solve.readout_s = *readout;
+  return {};
+}
+
+tl::unexpected<RunFailure> failed(Exit exit, std::string message) {
+  return tl::unexpected(RunFailure{exit, std::move(message)});
+}
+
+}  // namespace
+
+tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const RunCallbacks& callbacks) {
+  auto figures = figure_formats(args.figures);
+  if (!figures) return failed(Exit::kUsage, figures.error().message);
+  auto stored = run_in(args.run);
+  if (!stored) return failed(Exit::kInputUnreadable, stored.error());
+  complete_markers(stored->seen);
+  for (const Done& done : {choose_method(args, stored->options), choose_rest(args, stored->options),
+                           choose_readout(args, stored->options), restate(args, *stored)}) {
+    if (!done) return failed(Exit::kUsage, done.error().message);
+  }
+  const std::string output = args.output.empty() ? args.run : args.output;
+  RunDirectory directory = RunDirectory::solved_from(place_of_run(output), args.run, report_page);
+  directory.also(put_figures(*std::move(figures), callbacks));
+  if (const auto free = directory.check([&] { return stored->seen.input.sha256; }); !free)
+    return tl::unexpected(failure_of(free.error()));
+  SolvedResults solved{{}, std::move(stored->options), output};
+  static_cast<ObservationLog&>(solved.measurement) = std::move(stored->seen);
+  const long frames = static_cast<long>(solved.measurement.observations.size());
+  (void)callbacks.may_continue({Stage::kSolving, frames, frames, std::nullopt});
+  evaluate(solved.options, solved.measurement);
+  if (!solved.measurement.contradiction.empty())
+    return failed(Exit::kUsage,
+                  solved.measurement.contradiction + ": give other frames, or --rest none: nothing was written");
+  if (const auto written = directory.write(solved.measurement, solved.options); !written)
+    return tl::unexpected(failure_of(written.error()));
+  return solved;
+}
+
+}  // namespace moiregauge::internal

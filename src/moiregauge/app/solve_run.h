@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// New results from a finished or interrupted run, without its video: `moiregauge solve` as an application runs it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "moiregauge/app/measure_options.h"
+#include "moiregauge/app/measurement_run.h"
+
+namespace moiregauge::internal {
+
+// As typed; an empty text keeps what the run was measured with.
+struct SolveArgs {
+  std::string run;  // folder that `measure` wrote
+  std::string site;
+  std::string camera;
+  std::string method;
+  std::string rest;  // A:B, or "none"
+  std::string readout;
+  PrintScaleArgs print_scale;
+  std::string output;  // empty: the run's own folder, whose results are replaced
+  std::string figures;
+  bool quiet = false;
+  bool json = false;
+};
+
+struct SolvedResults {
+  Measurement measurement;
+  MeasureOptions options;
+  std::string folder;
+};
+
+// Solves a run again and writes the results. Fails without writing where the run cannot be read, or where the frames
+// contradict a statement.
+[[nodiscard]] tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const RunCallbacks& callbacks);
+
+}  // namespace moiregauge::internal
