@@ -20,7 +20,7 @@ class Dice {
     return low + (high - low) * static_cast<double>(engine_() >> 11U) * 0x1p-53;
   }
   bool one_in_two() { return (engine_() & 1U) != 0; }
-  // Near enough to a standard normal number: the sum of four even ones, each of 16 bits of one draw.
+  // Returns a nearly standard normal number: the sum of four uniform ones, each from 16 bits of one draw.
   double normal() {
     const std::uint64_t bits = engine_();
     double sum = 0.0;
@@ -32,7 +32,7 @@ class Dice {
   std::mt19937_64 engine_;
 };
 
-// The sheet of paper, upright on the board.
+// Bounding box of a sheet of paper, along the board's axes.
 struct Sheet {
   double x0, y0, x1, y1;
 };
@@ -90,7 +90,7 @@ void point_the_camera(Scenario& s, Dice& dice, double& roll_deg) {
   } while (!std::all_of(s.markers.begin(), s.markers.end(), [&](const auto& m) { return in_picture(s, sheet_of(m)); }));
 }
 
-// At a random place of the picture where there is none yet; false after many tries.
+// Adds a marker at a random free position in the image. Returns false after 400 tries.
 bool strew(Scenario& s, Dice& dice, SceneMarker marker) {
   marker.listed = false;
   for (int tries = 0; tries < 400; ++tries) {
@@ -132,7 +132,7 @@ std::vector<PaintedEllipse> painted(const Scenario& s, Dice& dice) {
   return out;
 }
 
-// Share of a pixel inside, the edge as soft as the picture's own.
+// Returns the share of a pixel inside the ellipse. The edge is as blurred as those of the image.
 double inside(const PaintedEllipse& e, double x, double y) {
   const double c = std::cos(e.angle_rad), s = std::sin(e.angle_rad), dx = x - e.centre.x, dy = y - e.centre.y;
   const double u = (c * dx + s * dy) / e.half_length, v = (-s * dx + c * dy) / e.half_width;

@@ -14,9 +14,9 @@ namespace {
 
 using simulator::SceneMarker;
 
-constexpr double kSamePlace = 0.25;  // of a diameter, or of a print's side
+constexpr double kSamePlace = 0.25;  // limit of a position's error, relative to a diameter or a grating's side; chosen
 
-// What stands at a place of the picture: the scene's marker whose circle, or grating, is there. Null: nothing.
+// Returns the scene's marker whose circle (or grating, below) is at an image position, otherwise null.
 const SceneMarker* circle_at(const CrowdedScene& scene, ImagePoint p, double diameter_px) {
   for (const SceneMarker& m : scene.scenario.markers) {
     if (m.print.circle && length(project(scene.scenario, 0, m.print.circle->centre) - p) < kSamePlace * diameter_px)
@@ -36,7 +36,7 @@ const SceneMarker* grating_at(const CrowdedScene& scene, ImagePoint p, double px
 
 struct Roles {
   int references = 0;             // of the four true ones, each with its own grating
-  int look_alikes = 0;            // circles of others among the references
+  int look_alikes = 0;            // false candidates among the references
   std::size_t target = SIZE_MAX;  // index of the true target in the site
   std::string wrong;
 };
@@ -74,8 +74,8 @@ Roles roles_in(const CrowdedScene& scene, const Reference& reference) {
   return roles;
 }
 
-// The angle from the rig's x to the site's, a whole number of quarter turns: a roll beyond 45 deg makes another axis
-// the one nearest to the picture's horizontal.
+// Returns the angle from the rig's x to the site's x, rad, a whole number of quarter turns. A roll beyond 45 deg
+// changes the axis that is nearest to the horizontal of the image.
 double quarter_turn(const CrowdedScene& scene, const Reference& reference, std::size_t target) {
   const BoardPoint middle = reference.site.markers[target].grating->centre;
   const auto x = reference.view({middle.x + 10.0, middle.y}) - reference.view(middle);
@@ -88,7 +88,7 @@ double quarter_turn(const CrowdedScene& scene, const Reference& reference, std::
   return 0.5 * kPi * std::round(std::atan2(along_up / det, along_right / det) / (0.5 * kPi));
 }
 
-// The target's displacement in the moved frame against the truth, in whatever quarter turn the board's axes came out.
+// Compares the target's displacement in the moved frame with the truth, for any quarter turn of the board's axes.
 void compare_identity(const CrowdedScene& scene, const Image<std::uint8_t>& moved, const Reference& reference,
                       std::size_t target, IdentityVerdict& out) {
   const Method* method = method_named("two-stage");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who was taken for what in a crowded scene, against the simulator's truth.
+// Comparison of an identification in a crowded scene with the simulator's truth.
 #pragma once
 
 #include <string>
@@ -10,17 +10,19 @@
 namespace moiregauge::internal::test {
 
 enum class Verdict {
-  kRight,    // the four references are references, each with its own grating; the target is a target; nothing else but
-             // the spare
-  kRefused,  // no reference frame, and words why
-  kExtra,    // as right, but a look-alike that stands still counts as a fifth reference; the displacement is right
-  kWrong     // anything else: silently wrong
+  // The four references are references, each with its own grating. The target is a target. No other marker counts but
+  // the spare one.
+  kRight,
+  kRefused,  // no reference frame, with the reason
+  // As kRight, but a fixed false candidate counts as a fifth reference. The displacement is right.
+  kExtra,
+  kWrong  // anything else, without an error
 };
 [[nodiscard]] const char* word_for(Verdict verdict);
 
 struct IdentityVerdict {
   Verdict verdict = Verdict::kRefused;
-  std::string words;      // the refusal, or what is wrong
+  std::string words;      // text of the refusal or of the errors
   double error_mm = 0.0;  // of the target's displacement in the moved frame; NaN: not measured
   double u_mm = 0.0;
 };

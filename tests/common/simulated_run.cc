@@ -12,7 +12,7 @@ namespace {
 
 using simulator::Scenario;
 
-// 1/256 of a grey level: rounding of 0.001 grey levels rms, a thousandth of the sensor's noise.
+// Rounds to 1/256 of a grey level: 0.001 grey levels rms, a thousandth of the sensor's noise.
 Image<std::uint16_t> finely_quantised(const Image<double>& light) {
   Image<std::uint16_t> out(light.width(), light.height());
   for (int y = 0; y < light.height(); ++y) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulated recording measured in memory, and its errors against the simulator's truth.
+// Measurement of a simulated recording in memory, with its errors against the truth.
 #pragma once
 
 #include <optional>
@@ -19,34 +19,34 @@ struct RunPlan {
   Grain grain = Grain::kSensor;
   long first = 0;
   long step = 1;     // every step-th frame of the scenario
-  long frames = -1;  // at most so many; -1: to the end
+  long frames = -1;  // largest number of frames; -1: all
   long reference_frame = 0;
-  bool all_targets = false;  // else the first one's samples are kept
-  int render_threads = 0;    // 0: as many as there are
+  bool all_targets = false;  // otherwise only the samples of the first target
+  int render_threads = 0;    // 0: one per processor
   ObserveOptions observe{};
   SolveOptions solve{};
-  std::optional<Site> site{};  // not given: the scenario's
-  Camera lens{};               // as --camera gives it; without distortion and of focal length 1: not given
+  std::optional<Site> site{};  // empty: that of the scenario
+  Camera lens{};               // as with --camera; the default is no given camera
 };
 
 struct MeasuredRun {
   Reference reference;
   Observations observations;
-  Samples samples;                 // of the first target, reference frame left out
-  std::vector<double> error_x_um;  // measured minus true, since the reference frame; of samples with numbers
+  Samples samples;                 // of the first target, without the reference frame
+  std::vector<double> error_x_um;  // measured minus true, since the reference frame, of samples with values
   std::vector<double> error_y_um;
   std::vector<double> u_x_um, u_y_um;
-  Solution solution;    // what else the method said; its samples moved to `samples`
-  std::string problem;  // empty, or why there is no reference frame
+  Solution solution;    // the method's solution; its samples are moved to `samples`
+  std::string problem;  // reason if there is no reference frame, otherwise empty
 };
 
 [[nodiscard]] MeasuredRun measured(const simulator::Scenario& scenario, const RunPlan& plan);
 
-// Whether the solution says `what`.
+// Returns true if a note or finding of the solution contains `what`.
 [[nodiscard]] bool notes(const MeasuredRun& run, const std::string& what);
 
 [[nodiscard]] double rms(const std::vector<double>& values);
 [[nodiscard]] double scatter(const std::vector<double>& values);  // rms about the mean
-[[nodiscard]] double largest(const std::vector<double>& values);  // of the magnitudes
+[[nodiscard]] double largest(const std::vector<double>& values);  // largest magnitude
 
 }  // namespace moiregauge::internal::test

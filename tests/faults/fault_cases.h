@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fault corpus: short recordings in which one thing goes wrong, in several strengths, each drawn anew by a seed.
+// Fault corpus: short recordings with one fault each, in several strengths. A seed draws each recording.
 #pragma once
 
 #include <functional>
@@ -12,35 +12,36 @@
 
 namespace moiregauge::internal::faults {
 
-// One recording to make and measure.
+// A recording to simulate and measure.
 struct Sequence {
   std::string mode;
-  std::string strength;  // in words: "0.3 mm"
+  std::string strength;  // text: "0.3 mm"
   simulator::Scenario scenario;
-  std::optional<VideoFormat> video;  // written and read back through a file
+  std::optional<VideoFormat> video;  // written to a file and read back
 };
 
 struct Mode {
   std::string name;
   std::string what;    // one line for the table
-  bool clean = false;  // nothing is wrong: every row that is not `ok` is a false alarm
+  bool clean = false;  // no fault: every row that is not `ok` is a false alarm
   struct Strength {
     std::string words;
     std::function<void(Sequence&, int seed)> apply;
   };
   std::vector<Strength> strengths;
-  // site.toml states with certainty what is wrong here, and no picture need contradict it: in the table, not in its
-  // sum.
+  // The fault is a wrong statement in site.toml that the images need not contradict. The mode is in the table, but not
+  // in its sum.
   bool vouched_for = false;
 };
 
 [[nodiscard]] const std::vector<Mode>& modes();
 
-// The scene of a seed, with nothing wrong: four references or six, a lens or none, a camera that stands, turns slowly,
-// sways or is posed anew for each of its ten frames; the markers stand as exactly as site.toml says, drawn anew. The
-// target moves by up to 2 mm.
+// Returns the scene of a seed, without a fault. It has four or six references, and a lens or none. The camera is fixed,
+// rotates slowly, sways, or has a random pose in each of its ten frames. The markers deviate from site.toml as much as
+// it states. The target moves by up to 2 mm.
 [[nodiscard]] simulator::Scenario scene_of(int seed);
 
+// Returns the recording of a mode and strength for a seed.
 [[nodiscard]] Sequence sequence_of(const Mode& mode, std::size_t strength, int seed);
 
 }  // namespace moiregauge::internal::faults

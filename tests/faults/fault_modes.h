@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the files of the corpus's modes share. A pitch is 10 mm and 29 px, a grating 30 or 40 mm wide.
+// Shared parts of the corpus's modes. A pitch is 10 mm and 29 px, a grating is 30 or 40 mm wide.
 #pragma once
 
 #include <functional>
@@ -27,7 +27,7 @@ inline SceneMarker& marker(Sequence& q, const char* name) {
 inline SceneMarker& target(Sequence& q) { return marker(q, "mid"); }
 inline SceneMarker& reference(Sequence& q, int seed) { return q.scenario.markers[static_cast<std::size_t>(seed) % 4]; }
 
-// Mostly a fault begins behind frame 3; in every fourth recording it is there from the first frame on.
+// A fault starts after frame 3. In every fourth recording it is there from the first frame on.
 inline double onset_s(int seed) { return seed % 4 == 3 ? -1.0 : 3.5; }
 inline std::vector<simulator::FrameSpan> from_onset(int seed) { return {{seed % 4 == 3 ? 0 : 4, 100}}; }
 inline std::vector<Knot> step(int seed, double value, double rest = 0.0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong in the camera: lens, shutter, light, sensor, clock, codec.
+// Faults of the camera: lens, shutter, light, sensor, clock, codec.
 #include <cmath>
 
 #include "faults/fault_modes.h"
@@ -34,7 +34,7 @@ void add_optics(std::vector<Mode>& all) {
 
 namespace {
 
-// Shifts by `length` during the exposure of every third frame.
+// Shifts by `length` during the exposure of frames 4 and 7.
 std::vector<Knot> jerks(double length, double exposure_s) {
   std::vector<Knot> knots{{-1.0, 0.0}};
   for (const double at : {4.0, 7.0}) {
@@ -119,7 +119,7 @@ void add_timing(std::vector<Mode>& all) {
 
 namespace {
 
-// --- compressed: ten frames a second, motions of 0.02, 0.2 and 2 px
+// --- compressed: ten frames/s, motions of 0.02, 0.2 and 2 px
 
 void compress(Sequence& q, int seed, VideoCodec codec, int quality, int gop) {
   auto& s = q.scenario;

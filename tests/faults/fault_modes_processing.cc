@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processing inside cameras before a picture is stored: tone curves, sharpening, smoothing, earlier frames.
+// Faults by processing inside the camera: tone curves, sharpening, smoothing, earlier frames.
 #include <string>
 
 #include "faults/fault_modes.h"
@@ -13,8 +13,8 @@ Processing& processing(Sequence& q) { return q.scenario.processing; }
 
 void set_tone(Sequence& q, const std::string& name) { processing(q).tone = simulator::tone_named(name).value(); }
 
-// The camera comes nearer and goes away by 5 % of its distance, as a drone does, and the target is 30 mm behind the
-// plane: prints change their size in the picture, and edges their blur relative to it.
+// The camera approaches and recedes by 5 % of its distance, like a drone. In half of the recordings the target is 30 mm
+// behind the plane. Gratings change their size in the image, and edges their blur relative to it.
 void approach(Sequence& q, int seed) {
   auto& mount = q.scenario.mount;
   mount.shift_z = {.amplitude = 60.0, .frequency_hz = 0.13, .phase_deg = 50.0 * seed};
@@ -23,7 +23,7 @@ void approach(Sequence& q, int seed) {
   target(q).place.z_mm = seed % 2 == 0 ? -30.0 : 0.0;
 }
 
-// Ten frames a second, the target moving by 0.02, 0.2 or 2 px.
+// Ten frames/s, with a target that moves by 0.02, 0.2 or 2 px.
 void film(Sequence& q, int seed) {
   auto& s = q.scenario;
   s.sensor.fps = 10.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong before the camera: on the sheets, with them, and in the site file.
+// Faults in front of the camera: on the sheets, with them, and in the site file.
 #include <cmath>
 
 #include "faults/fault_modes.h"
@@ -7,9 +7,9 @@
 namespace moiregauge::internal::faults {
 
 namespace {
-// --- before the sheets
+// --- in front of the sheets
 
-// A strip as wide as `share` of the sheet walks across it.
+// A strip with `share` of the sheet's width moves across it.
 void sweep(SceneMarker& m, int seed, double share, double grey, double opacity) {
   cover(m, seed, share, 1.0);
   m.cover.grey = grey;
@@ -46,7 +46,7 @@ void add_glare(std::vector<Mode>& all) {
       [spot](Sequence& q, int seed, double s) { spot(seed % 4 < 2 ? target(q) : reference(q, seed), seed, 12.0, s); });
 }
 
-// --- prints and places
+// --- gratings and positions
 
 void add_prints(std::vector<Mode>& all) {
   add(all, "print scale, as stated", "every print drawn as wrong as known_to says", "{}", {0.002, 0.005, 0.01},
@@ -98,7 +98,7 @@ void add_moves(std::vector<Mode>& all) {
   const auto creep = [](Sequence& q, int seed, double s) {
     (seed % 4 < 2 ? reference(q, seed).dy : reference(q, seed).dx).knots = {{0.0, 0.0}, {9.0, s}};
   };
-  // Layouts change with every seed: even ones have four references.
+  // The layout depends on the seed: even seeds have four references.
   const auto of = [](int references, const Change& change) -> Change {
     return [references, change](Sequence& q, int seed, double s) {
       q.scenario = scene_of(references == 4 ? 2 * seed : 2 * seed + 1);
@@ -121,7 +121,7 @@ void add_moves(std::vector<Mode>& all) {
       });
 }
 
-// --- who is who
+// --- identification
 
 void add_identity(std::vector<Mode>& all) {
   add(all, "look-alikes", "circles strewn over the background", "{:.0f} of them", {10, 40, 100},
@@ -159,7 +159,7 @@ void add_identity(std::vector<Mode>& all) {
         {"the target 25 mm beside its place", [](Sequence& q, int) { target(q).place.y_mm = -25.0; }}}});
 }
 
-// --- first frames that are no good
+// --- unusable first frames
 
 void add_first_frames(std::vector<Mode>& all) {
   const auto at_first = [](double value) { return std::vector<Knot>{{0.4, value}, {0.6, 0.0}}; };

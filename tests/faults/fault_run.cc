@@ -21,7 +21,7 @@ using simulator::Scenario;
 
 constexpr simulator::RenderOptions kMarkers{.threads = 1, .area = simulator::Area::kMarkersOnly};
 
-// The frames as the sensor stores them, without a file.
+// Frames as the sensor stores them, without a file.
 class SimulatedSource : public FrameSource {
  public:
   explicit SimulatedSource(const Scenario& scenario) : scenario_(scenario), recorder_(scenario, kMarkers) {
@@ -33,7 +33,7 @@ class SimulatedSource : public FrameSource {
     info_.fps = scenario.sensor.fps;
     info_.codec = "simulated";
     info_.time_source = "stream";
-    // As of a picture of 8 bits that says what it holds, or does not.
+    // As an 8-bit image: with a tag if it stores light, otherwise without one.
     info_.tone = simulator::stores_light(scenario) ? Tone{{}, ToneSource::kTag}
                                                    : Tone{{.kind = ToneCurve::Kind::kSrgb}, ToneSource::kAssumed};
   }
@@ -53,7 +53,7 @@ class SimulatedSource : public FrameSource {
   simulator::Picture picture_;
 };
 
-// A file that is there as long as this is.
+// A recording in a file, which is deleted with the object.
 class Recording {
  public:
   Recording(const Sequence& sequence, const std::string& folder) {
@@ -108,7 +108,7 @@ void judge(const Scenario& scenario, const Measurement& seen, Verdict& verdict) 
     bool is_lie = false;
     for (const Axis& axis : {Axis{1000.0 * (sample.displacement.x - (now.dx_mm - then.dx_mm)), 1000.0 * sample.u.x},
                              Axis{1000.0 * (sample.displacement.y - (now.dy_mm - then.dy_mm)), 1000.0 * sample.u.y}}) {
-      if (std::isnan(axis.error_um)) continue;  // an axis the print cannot show
+      if (std::isnan(axis.error_um)) continue;  // an axis that the grating does not show
       is_lie |= axis.is_lie();
       verdict.worst_u = std::max(verdict.worst_u, axis.in_u());
       verdict.worst_um = std::max(verdict.worst_um, std::abs(axis.error_um));

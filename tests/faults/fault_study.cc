@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// fault_study [--modes WORD[+WORD]...] [--runs N] [--seed S] [--threads N] [--strengths] [--verbose]: the fault corpus
-// measured, one row of a Markdown table per mode (whose name begins with a WORD), or per strength. Progress goes to
-// stderr.
+// Measures the fault corpus and prints a Markdown table.
+//
+//     fault_study [--modes WORD[+WORD]...] [--runs N] [--seed S] [--threads N] [--strengths] [--verbose]
+//
+// One row per mode (whose name starts with a WORD), or per strength. Progress is printed to stderr.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -21,27 +23,28 @@
 namespace moiregauge::internal::faults {
 namespace {
 
-constexpr int kMinRuns = 7;
-// Of every mode: with nine rows each, one row in a hundred is four rows, not a single sequence's bad luck.
+constexpr int kMinRuns = 7;  // least runs of each strength; chosen
+// Least sequences of each mode. With nine rows each, 1 % of the rows is four rows, more than a single sequence's bad
+// luck.
 constexpr int kMinSequences = 42;
 
 struct Words {
   std::string modes;
-  int runs = 0;  // of every strength; 0: the least
+  int runs = 0;  // of every strength; 0: the default
   int seed = 0;
   int threads = 2;
   bool strengths = false;
   bool verbose = false;
 };
 
-// One sequence to be made: by number, so that any thread may take the next.
+// One sequence to measure. Threads take them by number.
 struct Task {
   const Mode* mode;
   std::size_t strength;
   int seed;
 };
 
-// "fold+glare": names that begin with one of these.
+// Returns true if the name starts with one of the beginnings, e.g. "fold+glare".
 bool is_wanted(const std::string& name, const std::string& beginnings) {
   std::size_t from = 0;
   while (true) {

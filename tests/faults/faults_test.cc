@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fixed part of the fault corpus, a sequence or two of every mode: nothing that is wrong passes for right, and
-// nothing right for wrong. tools/fault-study measures the whole corpus (docs/accuracy.md).
+// A fixed part of the fault corpus, with one or two recordings of every mode. A fault must not lead to a wrong row that
+// is `ok`. A clean recording must have only rows that are `ok`. The whole corpus is measured by tools/fault-study
+// (docs/accuracy.md).
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
@@ -14,7 +15,7 @@
 namespace moiregauge::internal::faults {
 namespace {
 
-// All modes but those of which the site itself says what the pictures need not show.
+// Returns all modes but those with a wrong statement that images need not contradict.
 std::vector<std::size_t> to_be_told() {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < modes().size(); ++i) {
@@ -25,9 +26,9 @@ std::vector<std::size_t> to_be_told() {
 
 class EveryMode : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(EveryMode, TellsNoSilentLie) {
+TEST_P(EveryMode, HasNoSilentLie) {
   const Mode& mode = modes()[GetParam()];
-  // The strength in the middle, with a seed of its own: layouts, lenses and cameras differ from mode to mode.
+  // Use the middle strength, and a seed for each mode: layouts, lenses and cameras then differ from mode to mode.
   const std::size_t strength = mode.strengths.size() / 2;
   const int seed = static_cast<int>(GetParam()) + 40;
   const Verdict verdict = verdict_on(sequence_of(mode, strength, seed), testing::TempDir());
@@ -39,8 +40,8 @@ TEST_P(EveryMode, TellsNoSilentLie) {
   }
 }
 
-// A reference 15 or 30 mm before or behind the plane looks 1 or 2 % larger or smaller. In this scene all three were once
-// solved with prints of another size: f up to 35 % off, rows called ok up to 10 u off.
+// A reference 15 or 30 mm in front of or behind the plane looks 1 or 2 % larger or smaller. A solution with gratings of
+// another size would have f up to 35 % wrong, and rows `ok` with errors up to 10 u.
 TEST(FaultsFound, AReferenceOffThePlaneIsNotAPrintOfAnotherSize) {
   const auto mode =
       std::find_if(modes().begin(), modes().end(), [](const Mode& m) { return m.name == "reference off the plane"; });

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """package_test.py example|deb BUILD EXAMPLES
 
-example  installs BUILD into a folder of its own, configures and builds EXAMPLES against it, and runs what comes out
-deb      makes the Debian package, unpacks it, and looks at what it holds and needs; the example is built from that too
+example  installs BUILD into a separate folder, configures and builds EXAMPLES against it, and runs the results
+deb      makes the Debian package, unpacks it, and checks its files and dependencies; builds the example against it, too
 """
 import os
 import pathlib
@@ -36,7 +36,7 @@ def build_example(examples, prefix, work):
     run("cmake", "-S", examples, "-B", work / "example", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
         "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF")
     run("cmake", "--build", work / "example")
-    # The headers that were read are the installed ones, not those of a source tree.
+    # The build must read the installed headers, not those of a source tree.
     read = run("ninja", "-C", work / "example", "-t", "deps")
     ours = [line.strip() for line in read.splitlines() if "/moiregauge/" in line and line.strip().endswith(".h")]
     strangers = [line for line in ours if str(prefix) not in os.path.realpath(work / "example" / line)]
@@ -71,7 +71,7 @@ def main():
     part, build, examples = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     with tempfile.TemporaryDirectory(prefix="moiregauge-package-") as folder:
         work = pathlib.Path(os.path.realpath(folder))
-        shutil.copytree(examples, work / "examples")  # outside our tree
+        shutil.copytree(examples, work / "examples")  # outside the source tree
         if part == "deb":
             test_deb(build, work / "examples", work)
         else:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the published method must leave, in closed form (docs/methods/two-stage.md): the errors of its own, not of
-// pixels.
+// Tests the errors that the published method must leave, in closed form (docs/methods/two-stage.md). They are errors of
+// the method and not of pixels.
 #include <cmath>
 #include <numbers>
 
@@ -13,7 +13,8 @@ namespace {
 
 using simulator::Scenario;
 
-// The rig under 0.1 degree about x, of one instant, its target at rest, the optical axis through the board's middle.
+// Returns the rig rotated by 0.1 degree about x, with instant exposure and a fixed target. The optical axis is through
+// the board's middle.
 Scenario small_turn(double pivot_behind_mm) {
   auto scenario = *simulator::built_in("rig-0.1x");
   scenario.sensor.exposure_s = 1e-6;
@@ -23,7 +24,7 @@ Scenario small_turn(double pivot_behind_mm) {
   return scenario;
 }
 
-// References at (+-x, +-y), circle and grating each in its own ring.
+// Places the references at (+-x, +-y), with one distance for circles and another for gratings.
 void place_references(Scenario& scenario, double circle_x, double grating_x, double y) {
   for (auto& marker : scenario.markers) {
     if (marker.print.role != Role::kReference) continue;
@@ -38,7 +39,7 @@ double error_mm(const Scenario& scenario, test::Stages stages) {
   return std::abs(test::exact_error(scenario, scenario.frames - 1, 0, stages).y);
 }
 
-// Shift of the board's middle in the picture, as millimetres of board.
+// Returns the shift of the board's middle in the image, in mm on the board.
 double shift_mm(const Scenario& scenario) {
   const double px =
       project(scenario, scenario.frames - 1, BoardPoint{0, 0}).y - project(scenario, 0, BoardPoint{0, 0}).y;
@@ -49,7 +50,7 @@ double radial_error_mm(double k1, double shift_mm, double x_mm, double y_mm, dou
   return std::abs(k1 * shift_mm * (x_mm * x_mm + y_mm * y_mm) / (distance_mm * distance_mm));
 }
 
-// e = k s R^2 in four layouts, R that of the circles; the target on the axis, the turn small.
+// e = k s R^2 in four layouts, with the R of the circles, the target on the axis and a small rotation.
 TEST(ClosedForms, CirclesAloneLeaveKSRSquaredOfTheCircles) {
   for (const auto& [x, y] : {std::pair{380.0, 28.0}, {150.0, 45.0}, {200.0, 100.0}, {100.0, 100.0}}) {
     auto scenario = small_turn(0.0);
@@ -61,9 +62,9 @@ TEST(ClosedForms, CirclesAloneLeaveKSRSquaredOfTheCircles) {
   }
 }
 
-// The second stage makes the gratings the points that do not move: R becomes theirs. Neglected: that what a grating has
-// moved is added at its circle, not at itself, of relative size (distance of the two) / R in one direction per side,
-// which cancels over the four.
+// The second stage makes the gratings the fixed points, so R is theirs. One effect is neglected: a grating's
+// displacement is added at its circle. Its relative size is (distance of the two) / R, in one direction per side, and
+// cancels over the four.
 TEST(ClosedForms, TheSecondStageLeavesKSRSquaredOfTheGratings) {
   for (const auto& [circle, grating] : {std::pair{380.0, 340.0}, {300.0, 340.0}, {200.0, 180.0}}) {
     auto scenario = small_turn(0.0);
@@ -75,8 +76,8 @@ TEST(ClosedForms, TheSecondStageLeavesKSRSquaredOfTheGratings) {
   }
 }
 
-// A target dz behind the plane, a camera centre that travels by t: dz t / Z in the millimetres of its own print,
-// whatever the turn.
+// A target dz behind the plane, and a camera centre that travels by t. The error is dz t / Z in mm of its own grating,
+// for any rotation.
 TEST(ClosedForms, ATargetOffThePlaneShiftsByTheCamerasTravel) {
   for (const double behind : {1.0, 10.0, 30.0, 100.0}) {
     for (const double pivot : {0.0, 100.0, 170.0}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick from below (paper Figs. 12-15 (b)): right when the camera stands still, wrong and saying so when it moves.
+// Tests the method without camera correction (paper Figs. 12-15 (b)): right with a fixed camera, wrong and reported so
+// with a moving one.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ test::MeasuredRun conventional(simulator::Scenario scenario, long step, long ref
   return test::measured(scenario, plan);
 }
 
-TEST(Conventional, ACameraThatStandsStillGivesTheTargetsMotion) {
+TEST(Conventional, AFixedCameraGivesTheTargetsMotion) {
   auto scenario = *simulator::built_in("small-0.1x");
   scenario.mount.rotation_x = {};
   const auto run = conventional(scenario, 4);
@@ -27,8 +28,8 @@ TEST(Conventional, ACameraThatStandsStillGivesTheTargetsMotion) {
   EXPECT_LE(test::largest(run.error_y_um), 4.0 * test::rms(run.u_y_um));
 }
 
-TEST(Conventional, UnderRotationItIsWrongByTheImageShiftAndSaysSo) {
-  // 0.1 deg turns the picture by f tan(0.1 deg) = 6.07 px, and the pivot adds its lever: 2.1 + 0.17 mm.
+TEST(Conventional, RotationCausesAnErrorOfTheImageShiftAndIsReported) {
+  // 0.1 deg shifts the image by f tan(0.1 deg) = 6.07 px, and the pivot adds its lever: 2.1 + 0.17 mm.
   const auto small = conventional(*simulator::built_in("rig-0.1x"), 8);
   ASSERT_TRUE(small.problem.empty()) << small.problem;
   EXPECT_NEAR(test::largest(small.error_y_um), 2270.0, 25.0);
@@ -54,12 +55,12 @@ simulator::Scenario still_camera(std::vector<simulator::Knot> dy) {
   auto scenario = *simulator::built_in("small-still");
   scenario.markers.back().dy = simulator::Track{};
   scenario.markers.back().dy.knots = std::move(dy);
-  // So large that the window, which stays where it is, stays on the print.
+  // Large enough for the fixed window to remain on the grating.
   scenario.markers.back().print.grating->width_mm = scenario.markers.back().print.grating->height_mm = 70.0;
   return scenario;
 }
 
-// 12 mm up at 0.5 mm a frame: continuity gives the fringe order of every frame.
+// 12 mm up at 0.5 mm per frame: continuity gives the fringe order of every frame.
 TEST(Conventional, TravelBeyondHalfAPitchIsFollowedFromFrameToFrame) {
   const auto scenario = still_camera({{0.0, 0.0}, {2.4, 12.0}, {4.0, 12.0}});
   for (const long reference : {0L, 30L}) {
@@ -71,7 +72,7 @@ TEST(Conventional, TravelBeyondHalfAPitchIsFollowedFromFrameToFrame) {
     for (const Sample& s : run.samples) {
       EXPECT_NE(s.status, Status::kOrderUnproven) << "frame " << s.frame;
       if (!has_numbers(s.status)) continue;
-      // Within the harmonics' error of a fixed window; a wrong order would be 10 000 um.
+      // The error is that of the harmonics in a fixed window. A wrong order would be 10 000 um.
       EXPECT_LT(std::abs(run.error_y_um[k++]), 200.0) << "frame " << s.frame;
       ok += s.status == Status::kOk && std::abs(s.displacement.y) > 5.0;
     }
@@ -79,8 +80,8 @@ TEST(Conventional, TravelBeyondHalfAPitchIsFollowedFromFrameToFrame) {
   }
 }
 
-// Half a pitch and a bit between two frames looks like a bit less in the other direction.
-TEST(Conventional, AfterALeapOfHalfAPitchTheOrderIsUnproven) {
+// A little more than half a pitch between two frames looks like a little less in the other direction.
+TEST(Conventional, AfterAJumpOfHalfAPitchTheOrderIsUnproven) {
   for (const double leap_mm : {3.0, 5.6}) {
     const auto scenario = still_camera({{0.0, 0.0}, {0.45, 0.0}, {0.46, leap_mm}, {4.0, leap_mm}});
     test::RunPlan plan{.method = "conventional", .frames = 10};

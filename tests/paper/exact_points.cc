@@ -9,7 +9,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
-// The map that carries four points exactly (h33 = 1): eight linear equations.
+// Returns the map through four points (h33 = 1): eight linear equations.
 Matrix3d four_point_map(const std::vector<Vector2d>& from, const std::vector<Vector2d>& to) {
   Eigen::Matrix<double, 8, 8> a;
   Eigen::Matrix<double, 8, 1> b;
@@ -28,8 +28,9 @@ Matrix3d four_point_map(const std::vector<Vector2d>& from, const std::vector<Vec
 Vector2d mapped(const Matrix3d& h, Vector2d p) { return (h * p.homogeneous()).hnormalized(); }
 Vector2d vec(BoardPoint p) { return {p.x, p.y}; }
 
-// What a phase measures: which point of the marker's print lies at the raster's fixed board point, in print millimetres.
-// `board_from_image` is the stabilisation; Newton by fixed point, the map being near the identity.
+// Returns the point of the marker's grating at the raster's fixed board point, in mm on the grating. That is what a
+// phase measures. `board_from_image` is the stabilisation. A fixed-point iteration converges, because the map is near
+// the identity.
 Vector2d print_point_at(const simulator::Scenario& scenario, long frame, const Marker& marker,
                         const Matrix3d& board_from_image) {
   const Vector2d fixed = vec(marker.grating->centre);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two-stage method on exact points: what it must give when nothing is lost in pixels. The homographies here are the
-// test's own; the projections are the simulator's.
+// Computes the two-stage method on exact points: its result if pixels lose nothing. The homographies are the test's
+// own, the projections are the simulator's.
 #pragma once
 
 #include "moiregauge/simulator/simulator.h"
@@ -12,8 +12,9 @@ inline constexpr double kMinusOnePercent = -0.0225;
 
 enum class Stages { kCirclesOnly, kBoth };
 
-// Error of the target's displacement (mm) of the published method at `frame`, the reference frame being `reference_frame`:
-// circles -> homography; the patches' displacement added AT THE CIRCLES -> second homography -> target.
+// Returns the error of the target's displacement (mm) by the published method, at `frame` relative to
+// `reference_frame`. Steps: the circles give a homography; the gratings' displacements, added AT THE CIRCLES, give the
+// second one, which gives the target.
 [[nodiscard]] Extent<frame::Board> exact_error(const simulator::Scenario& scenario, long frame, long reference_frame,
                                                Stages stages);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's cases by `precise`, the lens unknown: the error is the pixels' noise again.
+// Tests the paper's cases with `precise` and an unknown lens: only the noise of the pixels remains.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -15,11 +15,12 @@ namespace {
 struct PreciseCase {
   const char* scenario;
   long reference_frame;
-  double k1;  // of the rig's lens: -0.0225 is -1 % at the sensor's corner
+  double k1;  // -0.0225 is -1 % at the sensor's corner
 };
 
-// The phase bound of a displacement in one frame (um): the fundamental of every grating over every pixel of its print,
-// the homography from all references. Binary lines 210 on 40 through the rig's PSF; noise and rounding.
+// Returns the phase bound of a displacement in one frame, um. It uses the fundamental of every grating over all of its
+// pixels, and the homography through all references. The lines are binary, 210 on 40, with the rig's PSF, noise and
+// rounding.
 Extent<frame::Board> phase_bound_um(const simulator::Scenario& scenario) {
   const Site site = simulator::site_of(scenario);
   const double mm_per_px = scenario.mount.distance_mm / scenario.camera.fx;
@@ -46,7 +47,7 @@ Extent<frame::Board> phase_bound_um(const simulator::Scenario& scenario) {
   return {std::hypot(own, references.x), std::hypot(own, references.y)};
 }
 
-TEST(Precise, WithTheLensUnknownWhatIsLeftIsTheNoise) {
+TEST(Precise, WithAnUnknownLensOnlyNoiseRemains) {
   for (const PreciseCase& c :
        {PreciseCase{"rig-0.1x", 0, -0.0225}, {"rig-1xyz", 0, -0.0451}, {"rig-8xyz", 80, -0.0225}}) {
     auto scenario = *simulator::built_in(c.scenario);
@@ -59,7 +60,7 @@ TEST(Precise, WithTheLensUnknownWhatIsLeftIsTheNoise) {
     ASSERT_TRUE(run.problem.empty()) << run.problem;
     const auto bound = phase_bound_um(scenario);
     ASSERT_EQ(run.error_y_um.size(), run.samples.size()) << c.scenario;
-    // The template holds all harmonics, so less than the bound of the fundamental alone is reached.
+    // The template contains all harmonics, so the scatter is below the bound of the fundamental.
     EXPECT_LE(test::scatter(run.error_y_um), 1.0 * bound.y) << c.scenario;
     EXPECT_LE(test::scatter(run.error_x_um), 1.0 * bound.x) << c.scenario;
     for (std::size_t k = 0; k < run.samples.size(); ++k) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's cases through a real lens: the residuals are those of the exact points, so they are the method's, not ours.
+// Tests the paper's cases through a real lens. The errors equal those of exact points, so they belong to the method and
+// not to this program.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -35,7 +36,7 @@ TEST(TwoStageThroughALens, TheResidualIsThatOfTheExactPoints) {
     }
     EXPECT_LE(test::rms(difference), 0.05 * test::rms(exact))
         << name << ": measured " << test::rms(run.error_y_um) << " um, exact " << test::rms(exact);
-    // Leaving the second stage out is seen.
+    // The test would notice a missing second stage.
     const double factor = test::rms(circles_only) / test::rms(exact);
     EXPECT_GT(factor, 1.1) << name;
     EXPECT_LT(factor, 1.35) << name;
@@ -43,14 +44,14 @@ TEST(TwoStageThroughALens, TheResidualIsThatOfTheExactPoints) {
   }
 }
 
-TEST(TwoStageThroughALens, WhatItCannotAbsorbIsInItsUncertainty) {
+TEST(TwoStageThroughALens, UncertaintyCoversWhatItCannotAbsorb) {
   for (const auto& [name, reference] : {std::pair{"rig-1x", 0L}, {"rig-1xyz", 0L}, {"rig-8xyz", 80L}}) {
     test::RunPlan plan;
     plan.step = 8;
     plan.reference_frame = reference;
     const auto run = test::measured(with_lens(name, test::kMinusOnePercent), plan);
     ASSERT_TRUE(run.problem.empty()) << run.problem;
-    long lies = 0;  // DESIGN 5: `ok`, and off by more than 5 u and 0.5 um
+    long lies = 0;  // `ok`, and wrong by more than 5 u and 0.5 um
     std::size_t k = 0;
     for (const Sample& s : run.samples) {
       const double e = std::abs(run.error_y_um[k]), u = run.u_y_um[k];
@@ -58,7 +59,7 @@ TEST(TwoStageThroughALens, WhatItCannotAbsorbIsInItsUncertainty) {
       ++k;
     }
     EXPECT_EQ(lies, 0) << name;
-    // The stated uncertainty is of the size of the error: neither blind to the lens nor shouting.
+    // The stated uncertainty is of the size of the error, neither far smaller nor far larger.
     EXPECT_GT(test::rms(run.u_y_um), 0.6 * test::rms(run.error_y_um)) << name;
     EXPECT_LT(test::rms(run.u_y_um), 2.0 * test::rms(run.error_y_um)) << name;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's cases with an ideal lens: what the published method can do when the model is right.
+// Tests the paper's cases with an ideal lens: the accuracy of the published method when its model is right.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ struct Case {
   const char* scenario;
   long reference_frame;
 };
-// The 8 deg case is measured against the frame in which the camera faces the board, as the paper did.
+// The reference frame of the 8 deg case is the one in which the camera faces the board, as in the paper.
 constexpr Case kRig[] = {{"rig-0.1x", 0}, {"rig-1x", 0}, {"rig-1xyz", 0}, {"rig-8xyz", 80}};
 
 TEST(TwoStageIdealLens, NoiseFreeTheErrorStaysBelowTheSamplingLimit) {
@@ -32,7 +32,7 @@ TEST(TwoStageIdealLens, NoiseFreeTheErrorStaysBelowTheSamplingLimit) {
   }
 }
 
-// DESIGN 5: rms about each run's mean, over the single-frame bound of the method's own averaged regions.
+// Returns the rms about each run's mean, relative to the single-frame bound of the method's own averaged regions.
 double ratio_to_bound(const char* name, long reference_frame, int seeds, long step, double& largest_um) {
   std::vector<double> scatters, bounds;
   largest_um = 0.0;
@@ -67,15 +67,15 @@ TEST(TwoStageIdealLens, AStrongTargetMotionIsFollowedThroughManyPitches) {
   auto scenario = *simulator::built_in("small-1x");
   for (auto& marker : scenario.markers) {
     if (marker.print.role != Role::kTarget) continue;
-    marker.dy = simulator::Track({{-1.0, 0.0}, {8.0, 26.0}});  // 0.29 mm a frame, 2.6 pitches
+    marker.dy = simulator::Track({{-1.0, 0.0}, {8.0, 26.0}});  // 0.29 mm per frame, 2.6 pitches
   }
   test::RunPlan plan;
   plan.frames = 81;
   const auto run = test::measured(scenario, plan);
   ASSERT_TRUE(run.problem.empty()) << run.problem;
   ASSERT_EQ(run.error_y_um.size(), run.samples.size());
-  EXPECT_LE(test::largest(run.error_y_um),
-            12.0);  // a wrong turn would be 10 000 um; 6 um at rest, the far edge is noisier
+  // um. A wrong fringe order would be 10 000. It is 6 at rest, and the far edge is noisier.
+  EXPECT_LE(test::largest(run.error_y_um), 12.0);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A codec that predicts every block from the frame before and drops coefficients of the change below its step, as all
-// of them do, against the u that is told from the step alone.
+// Tests u of a compressed video, which follows from the quantisation step alone. The codec of this test predicts each
+// block from the previous frame. Like all codecs, it drops coefficients of the change below its step.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kBlock = 8;
 using Block = std::array<std::array<double, kBlock>, kBlock>;
 
-// Orthonormal cosine transform, and back.
+// Returns the orthonormal cosine transform of a block, or its inverse.
 Block transformed(const Block& in, bool back) {
   static const Block basis = [] {
     Block b{};
@@ -43,7 +43,7 @@ double rounded(double coefficient, double step, bool predicted) {
   return predicted && std::abs(coefficient) < step ? 0.0 : step * std::round(coefficient / step);
 }
 
-// What a decoder would show of `now`; `before`: its last picture, which the first one does without.
+// Returns `now` as a decoder would show it. `before` is its last image; the first one has none.
 Image<std::uint8_t> coded(const Image<std::uint8_t>& now, const Image<std::uint8_t>* before, double step) {
   Image<std::uint8_t> out(now.width(), now.height());
   for (int y0 = 0; y0 < now.height(); y0 += kBlock) {
@@ -77,7 +77,7 @@ struct Errors {
   std::vector<double> error_mm, u_mm;
 };
 
-// The target of a still camera, creeping upwards by `speed` px a frame.
+// Returns errors and u of a target that creeps upwards by `speed_px` per frame before a fixed camera.
 Errors creeping(double speed_px, double step, bool told) {
   constexpr long kFrames = 12;
   constexpr double kMmPerPx = 0.345;
@@ -117,8 +117,8 @@ Errors creeping(double speed_px, double step, bool told) {
   return out;
 }
 
-// At least 95 % of the errors of all paces and steps within 1.96 u, and u not wider than four times their rms.
-TEST(Codec, TheLagOfATargetThatCreepsIsWithinU) {
+// At least 95 % of the errors over all speeds and steps are within 1.96 u. The mean u is below four times their rms.
+TEST(Codec, LagOfACreepingTargetIsWithinU) {
   long count = 0, within = 0;
   double squares = 0.0, u_sum = 0.0;
   for (const double step : {5.0, 10.0, 20.0}) {

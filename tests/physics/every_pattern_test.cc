@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every pattern the instrument knows, dark on light and light on dark, at short and long pitches, face on and at 40
-// deg, upright and oblique: the phase of a print and its displacement against the simulator's own geometry, without
-// noise.
+// Tests the phase and the displacement of every pattern against the simulator's own geometry, without noise. Gratings
+// are dark on light and light on dark, at short and long pitches, face on and at 40 deg, upright and oblique.
 #include <array>
 #include <cmath>
 #include <ostream>
@@ -19,14 +18,15 @@ namespace {
 
 using simulator::Scenario;
 
-// A seventh of what is asked for (0.002 px). The simulator's pictures are good to 5e-5 of the contrast in the worst
-// pixel; what the spline leaves of a fringe of 5 px between the pixels is 2e-4 rad of phase, 0.00016 px.
+// A seventh of the required 0.002 px. The simulator's images are right to 5e-5 of the contrast in the worst pixel. The
+// spline leaves 2e-4 rad of phase between the pixels of a fringe of 5 px, which is 0.00016 px.
 constexpr double kPatternGate_px = 0.0003;
 
-constexpr double kMillimetresPerPixel = 1200.0 / 3478.26;  // of a face-on board
-constexpr double kPrint_px = 87.0;  // three pitches of 29: the least a window of 2 T leaves a region of
+constexpr double kMillimetresPerPixel = 1200.0 / 3478.26;  // of a board seen face on
+// Three pitches of 29 px: the smallest grating in which a window of 2 T leaves a region.
+constexpr double kPrint_px = 87.0;
 
-// The lattice against the pixels: the camera's roll and the print's own turn on the board.
+// Angle of the lattice to the pixels: roll of the camera and rotation of the grating on the board.
 struct Lie {
   double roll_deg, angle_deg;
 };
@@ -45,11 +45,11 @@ std::ostream& operator<<(std::ostream& out, const Sight& v) {
              << v.lie.angle_deg;
 }
 
-// One print, moved on the board by (dx, dy).
+// Returns a scene with one grating, displaced on the board by `moved`.
 Scenario scene(const Sight& v, Extent<frame::Board> moved) {
   Scenario s;
   s.camera.width = s.camera.height = static_cast<int>(1.45 * kPrint_px) + 24;
-  s.camera.cx = 0.5 * s.camera.width - 0.19;  // nothing falls on whole pixels
+  s.camera.cx = 0.5 * s.camera.width - 0.19;  // nothing is at whole pixels
   s.camera.cy = 0.5 * s.camera.height - 0.67;
   s.mount.board_x_deg = v.about_y ? 0.0 : v.tilt_deg;
   s.mount.board_y_deg = v.about_y ? v.tilt_deg : 0.0;
@@ -96,8 +96,8 @@ struct Worst {
   double phase_px = 0.0, displacement_px = 0.0;
 };
 
-// The print at rest, then at places spread over a pitch both ways; the window goes along to where a print was last
-// seen, which is some tenths of a pixel off.
+// Returns the largest errors of a grating in its reference position, and in positions distributed over a pitch along
+// both axes. The window moves to the grating's last position, some tenths of a pixel away.
 Worst worst_of(const Sight& v) {
   Worst worst;
   const Scenario at_rest = scene(v, {});
@@ -110,17 +110,17 @@ Worst worst_of(const Sight& v) {
   PatchWorkspace work;
   const PatchReading rest = read_patch(picture_of(at_rest).view(), 16, view, *plan, {}, work);
   EXPECT_TRUE(rest.valid) << v;
-  // A print's centre is the middle of something dark, but of a cosine its crest.
+  // The centre of a grating is the middle of a dark part. That of a cosine is a crest.
   const double there = (v.pattern == Pattern::kCosine) == v.inverted ? kPi : 0.0;
   const auto in_px = [&](double rad) { return std::abs(wrapped(rad)) / kTwoPi * plan->pitch_mm / px; };
   for (const double phase : rest.phase_rad)
-    worst.phase_px = std::max(worst.phase_px, in_px(phase - there));  // NaN: skipped
+    worst.phase_px = std::max(worst.phase_px, in_px(phase - there));  // NaN is ignored
   for (const auto& [along, across] : {std::array{-0.36, 0.11}, std::array{0.07, -0.43}, std::array{0.29, 0.34}}) {
     const Extent<frame::Board> moved{along * grating.pitch_mm, across * grating.pitch_mm};
     const Extent<frame::Board> window = moved + Extent<frame::Board>{0.3 * px, -0.2 * px};
     const PatchReading now = read_patch(picture_of(scene(v, moved)).view(), 16, view, *plan, window, work);
     EXPECT_TRUE(now.valid) << v;
-    // By raster axis, so that oblique lines are judged as well: where the print is, against where the window is.
+    // By raster axis, which also tests oblique lines: position of the grating relative to the window.
     const auto expected = raster_from_board(*plan, moved + (-1.0) * window);
     for (std::size_t a = 0; a < 2; ++a) {
       const double seen = -plan->pitch_mm / kTwoPi * wrapped(now.phase_rad[a] - rest.phase_rad[a]);
@@ -150,7 +150,7 @@ TEST_P(EveryPattern, IsReadWhereItIs) {
       worst.phase_px = std::max(worst.phase_px, here.phase_px);
       worst.displacement_px = std::max(worst.displacement_px, here.displacement_px);
     }
-    inverted = !inverted;  // at 20 and 40 deg both polarities come by about each axis
+    inverted = !inverted;  // at 20 and 40 deg each axis has both polarities
   }
   RecordProperty("phase_px", std::to_string(worst.phase_px));
   RecordProperty("displacement_px", std::to_string(worst.displacement_px));
@@ -170,9 +170,8 @@ INSTANTIATE_TEST_SUITE_P(Physics, EveryPattern,
                                           testing::Values(7.0, 12.0, 29.0), testing::Values(0.0, 20.0, 40.0)),
                          name_of);
 
-// Of lines turned by 5 deg a target that moves along y alone shows 0.087 of it: that must not be told as a movement
-// along x.
-TEST(EveryPatternOfLines, TurnedAgainstTheAxesKnowsNeither) {
+// Lines rotated by 5 deg show 0.087 of a movement along y. That must not become a movement along x.
+TEST(EveryPatternOfLines, ObliqueToBothAxesMeasureNeither) {
   const auto told = [](double turned_deg) {
     const Sight v{Pattern::kLinesX, 12.0, 0.0, false, false, {0.0, turned_deg}};
     const Scenario at_rest = scene(v, {}), moved = scene(v, {0.0, 1.0});
@@ -190,8 +189,8 @@ TEST(EveryPatternOfLines, TurnedAgainstTheAxesKnowsNeither) {
   EXPECT_TRUE(std::isnan(oblique.x) && std::isnan(oblique.y));
 }
 
-// Nothing shows how far lines have moved along themselves: the window stays, and an end of the print comes into it.
-TEST(EveryPatternOfLines, AreReadWhileAPartOfThemIsInTheWindow) {
+// Lines do not show movement along themselves. The window is fixed, and an end of the grating enters it.
+TEST(EveryPatternOfLines, AreReadWhileAPartIsInTheWindow) {
   for (const double along_px : {-40.0, -20.0, 30.0}) {
     const Sight v{Pattern::kLinesX, 7.0, 0.0, false, false, {}};
     const double across_px = 1.3;

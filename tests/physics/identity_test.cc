@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is who among look-alikes: a part of tools/identity-study's scenes, seeds of their own.
+// Tests identification among false candidates, on a part of tools/identity-study's scenes with other seeds.
 #include <gtest/gtest.h>
 
 #include "common/identity_verdict.h"
@@ -10,12 +10,12 @@ namespace {
 constexpr std::uint64_t kFirstSeed = 700'001;
 constexpr int kScenesPerTest = 6;
 
-// Of a displacement whose references and target are the right ones: five times its uncertainty.
+// Returns true if the error is below five times u, with the right references and target.
 bool is_sound(const IdentityVerdict& v) { return v.error_mm < 5.0 * v.u_mm; }
 
 class CrowdedScenes : public testing::TestWithParam<int> {};
 
-TEST_P(CrowdedScenes, TheReferencesAndTheTargetAreWhoTheyAre) {
+TEST_P(CrowdedScenes, ReferencesAndTargetAreIdentified) {
   for (int i = 0; i < kScenesPerTest; ++i) {
     const CrowdedScene scene = crowded_scene(kFirstSeed + static_cast<std::uint64_t>(kScenesPerTest * GetParam() + i));
     const Shots shots = shots_of(scene);
@@ -30,7 +30,7 @@ TEST_P(CrowdedScenes, TheReferencesAndTheTargetAreWhoTheyAre) {
 
 INSTANTIATE_TEST_SUITE_P(Physics, CrowdedScenes, testing::Range(0, 9));
 
-TEST(Crowded, AMissingCircleIsNotReplacedByALookAlike) {
+TEST(Crowded, AMissingCircleIsNotReplacedByAFalseCandidate) {
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 6; ++seed) {
     const CrowdedScene scene = crowded_scene(seed, Fault::kCircleMissing);
     const Shots shots = shots_of(scene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `inspect` says of a simulated frame, against the simulator.
+// Tests the results of `inspect` on a simulated frame against the simulator.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// The small rig in the middle of its turn, 1/2 degree about three axes.
+// Small rig in the middle of its rotation, 1/2 degree about three axes.
 constexpr long kFrame = 80;
 const simulator::Scenario& scenario() {
   static const auto made = simulator::built_in("small-1xyz").value();
@@ -43,13 +43,13 @@ TEST(Inspection, EveryMarkerHasItsCircleAndItsGrating) {
 TEST(Inspection, PitchAndDirectionAreThoseOfThePrint) {
   for (const InspectedPatch& p : with_pitch().patches) {
     const Grating& print = *with_pitch().reference->site.markers[static_cast<std::size_t>(p.marker)].grating;
-    // One pitch from the print's centre to the right and upwards, as the simulator projects it.
+    // One pitch from the grating's centre to the right and upwards, as the simulator projects it.
     const auto at = [&](double x, double y) {
       return project(scenario(), kFrame, BoardPoint{print.centre.x + x, print.centre.y + y});
     };
     const ImageExtent x = 0.5 * (at(10.0, 0.0) - at(-10.0, 0.0)), y = 0.5 * (at(0.0, 10.0) - at(0.0, -10.0));
     const PatchAxes axes = axes_of(p.seen);
-    // A fit over three pitches of 29 px to noise of 3 % of the amplitude: 1e-3 of a pitch, 3e-4 of its length.
+    // A fit over three pitches of 29 px with a noise of 3 % of the amplitude: 1e-3 of a pitch, 3e-4 of its length.
     EXPECT_LT(length(axes.x - x), 1e-3 * length(x));
     EXPECT_LT(length(axes.y - y), 1e-3 * length(y));
   }
@@ -64,7 +64,7 @@ TEST(Inspection, WithoutAPitchTheSameMarkersAreFound) {
     EXPECT_EQ(seen.patches[i].marker, with_pitch().patches[i].marker);
 }
 
-TEST(Inspection, WhatIsSeenIsKeptWhereNobodyCanBeToldApart) {
+TEST(Inspection, DetectionsAreKeptWhenIdentificationFails) {
   auto cut = scenario();
   cut.markers.erase(cut.markers.begin());
   const auto three = render8(cut, 0, {0, simulator::Area::kMarkersOnly});
@@ -76,7 +76,7 @@ TEST(Inspection, WhatIsSeenIsKeptWhereNobodyCanBeToldApart) {
 }
 
 // The scatter of one frame's displacement about its run's mean is u without the reference frame's half.
-TEST(Inspection, TheExpectedUncertaintyIsTheScatterThatIsMeasured) {
+TEST(Inspection, TheExpectedUncertaintyEqualsTheScatter) {
   const auto still = simulator::built_in("small-0.1x").value();
   const auto first = render8(still, 0, {0, simulator::Area::kMarkersOnly});
   const Inspection seen = inspect_picture({first.view(), 8}, {.site = simulator::site_of(still)});
@@ -88,8 +88,8 @@ TEST(Inspection, TheExpectedUncertaintyIsTheScatterThatIsMeasured) {
   plan.frames = 72;
   const test::MeasuredRun run = test::measured(still, plan);
   ASSERT_EQ(run.error_y_um.size(), 72U) << run.problem;
-  // A scatter of n = 72 is itself known to 1 / sqrt(2 n) = 8 %; three of them, and 5 % for the frames that differ from
-  // the first in light and place.
+  // A scatter of n = 72 has u = 1 / sqrt(2 n) = 8 %. Three of them are allowed, and 5 % for frames that differ from the
+  // first in light and position.
   for (const auto& [u_mm, errors] : {std::pair{expected[0].u.x, run.error_x_um}, {expected[0].u.y, run.error_y_um}})
     EXPECT_NEAR(test::scatter(errors) / (1000.0 * u_mm / std::sqrt(2.0)), 1.0, 0.3);
   EXPECT_LT(expected[0].bound.x, expected[0].u.x);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bound that a run states of itself, from what it saw, against the closed form of the simulated scene that it saw.
+// Tests the bound that a run states from its images, against the closed form of the simulated scene.
 #include "moiregauge/planning/layout_bound.h"
 
 #include <cmath>
@@ -36,14 +36,15 @@ void expect_agreement(const Bounds& b, double within) {
   EXPECT_NEAR(b.stated.y / b.true_um.y, 1.0, within) << b.stated.y;
 }
 
-// Noise and amplitudes are read to 1 % each from 7000 pixels and more; the view, to 0.1 %.
-TEST(LayoutBound, OfTheFundamentalsIsThatOfTheScene) {
+// Noise and amplitudes are known to 1 % each from 7000 pixels and more, the view to 0.1 %.
+TEST(LayoutBound, FundamentalBoundEqualsThatOfTheScene) {
   expect_agreement(bounds_of(Pattern::kGrid, Bound::kPhase), 0.03);
   expect_agreement(bounds_of(Pattern::kCosine, Bound::kPhase), 0.03);
 }
 
-// Crossed lines of contrast C, edges blurred by sigma: an edge has the squared slopes C^2 / (2 sqrt(pi) sigma), there
-// are two to a pitch P, and the other lines leave 1/2 - 2 sigma / (sqrt(pi) P) of each to be seen.
+// Returns the variance of a shift for crossed lines of contrast C, with edges blurred by sigma. An edge has the squared
+// slopes C^2 / (2 sqrt(pi) sigma). A pitch P has two edges. The other lines leave 1/2 - 2 sigma / (sqrt(pi) P) of each
+// edge visible.
 double shift_variance_px2(const simulator::Scenario& s, double side_px, double pitch_px) {
   const double blur = std::sqrt(s.sensor.psf_sigma_px * s.sensor.psf_sigma_px + 1.0 / 12.0), root = std::sqrt(kPi);
   const double noise2 = s.sensor.noise_sigma * s.sensor.noise_sigma + 1.0 / 12.0;
@@ -52,9 +53,9 @@ double shift_variance_px2(const simulator::Scenario& s, double side_px, double p
   return noise2 / (slopes * side_px * side_px);
 }
 
-TEST(LayoutBound, OfEveryEdgeFollowsTheClosedFormOfCrossedLines) {
+TEST(LayoutBound, FullBoundFollowsTheClosedFormOfCrossedLines) {
   const simulator::Scenario s = *simulator::built_in("small-1xyz");
-  const double mm_per_px = 1200.0 / 3478.26;  // the small rig: references of 30 mm at (+-100, +-40), target of 40 mm
+  const double mm_per_px = 1200.0 / 3478.26;  // small rig: references of 30 mm at (+-100, +-40), target of 40 mm
   const double own = shift_variance_px2(s, 40.0 / mm_per_px, 10.0 / mm_per_px);
   const double reference = shift_variance_px2(s, 30.0 / mm_per_px, 10.0 / mm_per_px);
   const auto u_um = [&](double ratio) {
@@ -62,7 +63,7 @@ TEST(LayoutBound, OfEveryEdgeFollowsTheClosedFormOfCrossedLines) {
   };
   const Bounds b = bounds_of(Pattern::kGrid, Bound::kFull);
   expect_agreement({b.stated, {u_um(100.0 / 40.0), u_um(40.0 / 100.0)}}, 0.03);
-  // The scene's own figure counts the border of the print and of its paper too.
+  // The scene's value also counts the border of the grating and of its paper.
   EXPECT_GT(b.stated.x, b.true_um.x);
   EXPECT_GT(b.stated.y, b.true_um.y);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole pitch a target stands in is told from its outline in every frame, wherever it went meanwhile.
+// Tests that the outline gives the fringe order of a target in every frame, for slow and fast movement.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ void expect_every_order_right(const test::MeasuredRun& run, const char* what) {
     EXPECT_EQ(s.status, Status::kOk) << what << " frame " << s.frame << ' ' << word_for(s.status);
   ASSERT_EQ(run.error_y_um.size(), run.samples.size()) << what;
   for (std::size_t k = 0; k < run.samples.size(); ++k) {
-    // A wrong order is 10 mm; what is right is within noise and lens.
+    // A wrong order is an error of 10 mm. Noise and lens cause much less.
     EXPECT_LT(std::abs(run.error_x_um[k]), 50.0) << what << " frame " << run.samples[k].frame;
     EXPECT_LT(std::abs(run.error_y_um[k]), 50.0) << what << " frame " << run.samples[k].frame;
   }
@@ -46,21 +46,21 @@ simulator::SceneMarker& target_of(simulator::Scenario& scenario) {
   std::abort();
 }
 
-TEST(Order, IsRightForATargetThatWalksSixPitchesSixTenthsOfAPitchPerFrame) {
+TEST(FringeOrder, IsRightForATargetThatMovesSixTenthsOfAPitchPerFrame) {
   for (const Pattern pattern : {Pattern::kGrid, Pattern::kDots, Pattern::kCheckerboard, Pattern::kCosine}) {
     auto scenario = *simulator::built_in("small-1xyz");
     for (auto& m : scenario.markers) m.print.grating->pattern = pattern;
     scenario.camera.k1 = -0.37;
-    // 30 mm x 2 pi x 0.33 Hz / 10 fps = 6.3 mm at most in a frame.
+    // 30 mm x 2 pi x 0.33 Hz / 10 fps = 6.3 mm at most per frame.
     target_of(scenario).dy = sway(30.0, 0.33, 0.0);
     target_of(scenario).dx = sway(12.0, 0.5, 0.0);
     expect_every_order_right(precisely_by_steps(scenario), word_for(pattern));
   }
 }
 
-TEST(Order, IsRightForATargetThatJumpsSeveralPitchesBetweenFrames) {
+TEST(FringeOrder, IsRightForATargetThatJumpsSeveralPitchesBetweenFrames) {
   auto scenario = *simulator::built_in("small-1xyz");
-  // Every 7th frame at 10 fps of a sway of 0.33 Hz: up to 40 mm apart.
+  // Every 7th frame at 10 fps of a sine of 0.33 Hz: up to 40 mm apart.
   target_of(scenario).dy = sway(30.0, 0.33, 0.0);
   target_of(scenario).dx = sway(15.0, 0.47, 0.0);
   expect_every_order_right(precisely_by_steps(scenario, 7, 23), "jumps");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `precise` says and does when something is not as it should be: a reference that slips or is covered, rows that
-// are not read at once, a camera that shows nothing of its lens, a layout that shows little of one axis.
+// Tests `precise` under faults: a slipped or covered reference, a rolling shutter, footage that does not determine the
+// lens, a weak layout.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 simulator::Scenario scene_named(const char* name) {
   auto scenario = *simulator::built_in(name);
-  scenario.camera.k1 = -0.37;  // -1 % at the picture's corner
+  scenario.camera.k1 = -0.37;  // -1 % at the image corner
   return scenario;
 }
 
@@ -34,7 +34,7 @@ Camera known(const simulator::Scenario& s) {
   return lens;
 }
 
-TEST(PreciseFaults, OfSixReferencesTheOneThatSlipsIsNamedAndLeftOut) {
+TEST(PreciseFaults, ASlippedReferenceOfSixIsNamedAndExcluded) {
   const auto slipping = scene_named("small-six-slip");
   auto without_it = slipping;
   std::erase_if(without_it.markers, [](const auto& marker) { return marker.print.name == "NE"; });
@@ -42,14 +42,14 @@ TEST(PreciseFaults, OfSixReferencesTheOneThatSlipsIsNamedAndLeftOut) {
   const auto with = precisely(slipping, plan), without = precisely(without_it, plan);
   EXPECT_TRUE(notes(with, "reference 'NE' moves by up to 1.0")) << ::testing::PrintToString(with.solution.notes);
   EXPECT_TRUE(with.solution.references_verified);
-  // The same five references, the same noise model, another draw of it: two rms of 23 samples, each within 15 % at
-  // k = 1, differ by less than 60 % at k = 3.
+  // The same five references and noise model, but other noise: two rms of 23 samples, each within 15 % at k = 1. They
+  // differ by less than 60 % at k = 3.
   EXPECT_LT(test::rms(with.error_y_um), 1.6 * test::rms(without.error_y_um));
   EXPECT_LT(test::rms(with.error_x_um), 1.6 * test::rms(without.error_x_um));
 }
 
-// A slip that drags the homography of all circles along: of the pitch of 10 mm nearly nothing to nearly one.
-TEST(PreciseFaults, AReferenceThatSlipsFarCostsNoRow) {
+// Slips that displace the homography of all circles, from almost zero to almost the pitch of 10 mm.
+TEST(PreciseFaults, AReferenceThatSlipsFarLosesNoRow) {
   struct Slip {
     const char* name;
     double dx_mm, dy_mm, k1;
@@ -77,8 +77,8 @@ TEST(PreciseFaults, AReferenceThatSlipsFarCostsNoRow) {
   }
 }
 
-// Twelve frames before and twelve after: the step is known to about u sqrt(2 / 12), u = 0.8 um of a frame. With noise alone chi2
-// falls by 40 once in 10^8; 4 um makes it fall by about 150.
+// Twelve frames before and twelve after: the step is known to about u sqrt(2 / 12), with u = 0.8 um for a frame. Noise
+// alone lowers chi2 by 40 once in 10^8. A step of 4 um lowers it by about 150.
 TEST(PreciseFaults, AStepOfTwelveTimesItsUncertaintyIsNamed) {
   auto scenario = scene_named("small-six-slip");
   for (auto& marker : scenario.markers) {
@@ -88,7 +88,8 @@ TEST(PreciseFaults, AStepOfTwelveTimesItsUncertaintyIsNamed) {
   EXPECT_TRUE(notes(run, "reference 'NE' moves")) << ::testing::PrintToString(run.solution.notes);
 }
 
-// A knock: for one frame a reference is 0.15 mm away, and then back. That is no step, and too short to be a movement of the run.
+// A knock: for one frame a reference is displaced by 0.15 mm. That is no step, and too short to be a movement of the
+// run.
 TEST(PreciseFaults, AReferenceThatIsKnockedForOneFrameIsNamed) {
   auto scenario = scene_named("small-six-slip");
   for (auto& marker : scenario.markers) {
@@ -106,10 +107,10 @@ TEST(PreciseFaults, FourReferencesCannotVerifyEachOther) {
   EXPECT_FALSE(precisely(scene_named("small-1xyz"), {.frames = 12}).solution.references_verified);
 }
 
-// Four leave two coordinates of eight after a frame's pose. A step of half a millimetre is twenty times what pose, lens
-// and rows read one after the other can imitate of it here; before it was looked for, rows called ok were 4 u off.
+// Four references leave two of eight coordinates after a frame's pose. Half a millimetre is twenty times the share of a
+// step that pose, lens and rolling shutter can imitate here. Without the test for a step, `ok` rows were wrong by 4 u.
 // Frame 5 is exposed while the reference begins to slip.
-TEST(PreciseFaults, OfFourReferencesOneThatSlipsLeavesNothingTrusted) {
+TEST(PreciseFaults, ASlippedReferenceOfFourLeavesNoRowOk) {
   auto scenario = scene_named("small-1xyz");
   for (auto& marker : scenario.markers) {
     if (marker.print.name == "NE") marker.dy.knots = {{0.0, 0.0}, {0.5, 0.0}, {0.51, 0.5}};
@@ -122,7 +123,7 @@ TEST(PreciseFaults, OfFourReferencesOneThatSlipsLeavesNothingTrusted) {
     EXPECT_NE(s.status, s.frame > 0 ? Status::kOk : Status::kLost) << "frame " << s.frame;
 }
 
-// NE is covered in frames 40 to 59, the target in 90 to 99.
+// Returns a run in which NE is covered in frames 40 to 59, and the target in 90 to 99.
 test::MeasuredRun covered(bool camera_known) {
   auto scenario = scene_named("small-covered");
   test::RunPlan plan{.first = 30, .step = 2, .frames = 40, .reference_frame = 30};
@@ -142,18 +143,19 @@ void expect_only_lost(const test::MeasuredRun& run, bool camera_known) {
   }
   ASSERT_EQ(run.error_y_um.size(), measured);
   for (std::size_t k = 0; k < measured; ++k) {
-    // 5 u: less than one in a million of 40 samples; u is under 5 um, a wrong order 10 mm.
+    // 5 u: less than once in a million for 40 samples. u is below 5 um, and a wrong order is 10 mm.
     EXPECT_LT(std::abs(run.error_x_um[k]), 5.0 * run.u_x_um[k]);
     EXPECT_LT(std::abs(run.error_y_um[k]), 5.0 * run.u_y_um[k]);
   }
 }
 
-TEST(PreciseFaults, WhatIsCoveredIsNotMeasuredAndItsOrderIsRightAfterwards) { expect_only_lost(covered(false), false); }
+TEST(PreciseFaults, CoveredMarkersAreLostAndReturnInTheRightOrder) { expect_only_lost(covered(false), false); }
 
-TEST(PreciseFaults, WithAKnownCameraThreeReferencesCarryOn) { expect_only_lost(covered(true), true); }
+TEST(PreciseFaults, WithAKnownCameraThreeReferencesSuffice) { expect_only_lost(covered(true), true); }
 
-// A sheet's paper is 10 mm wide to each side of the print: of the target's 60 mm a share of 0.17 hides no print.
-TEST(PreciseFaults, ATargetOfWhichALittleIsCoveredIsMeasuredByTheRestAndSaysSo) {
+// The paper extends 10 mm beyond the grating on each side. A share of 0.17 of the target's 60 mm therefore covers no
+// grating.
+TEST(PreciseFaults, APartlyCoveredTargetIsMeasuredByTheRestAndReported) {
   for (const double share : {0.19, 0.22, 0.3}) {
     auto scenario = scene_named("small-1xyz");
     auto& target = *std::ranges::find(scenario.markers, "mid", [](const auto& m) { return m.print.name; });
@@ -173,8 +175,8 @@ TEST(PreciseFaults, ATargetOfWhichALittleIsCoveredIsMeasuredByTheRestAndSaysSo) 
   }
 }
 
-// It learns the template of the part that it shows then, or is not measured.
-TEST(PreciseFaults, AMarkerThatWasCoveredInTheReferenceFrameNeverLies) {
+// The template contains the part that is visible in the reference frame, or the marker is not measured.
+TEST(PreciseFaults, AMarkerCoveredInTheReferenceFrameIsWithinItsU) {
   for (const char* name : {"mid", "NE"}) {
     for (const double share : {0.22, 0.3, 0.4}) {
       auto scenario = scene_named("small-1xyz");
@@ -193,7 +195,7 @@ TEST(PreciseFaults, AMarkerThatWasCoveredInTheReferenceFrameNeverLies) {
 TEST(PreciseFaults, ARollingShutterIsNamedAndSolved) {
   auto scenario = scene_named("small-1xyz");
   scenario.sensor.readout_s = 0.02;
-  // 0.3 deg at 5 Hz: 9 deg/s, in a readout 0.19 deg.
+  // 0.3 deg at 4.7 Hz: 9 deg/s, 0.18 deg per readout.
   scenario.mount.rotation_z.amplitude = 0.3, scenario.mount.rotation_z.frequency_hz = 4.7;
   const auto run = precisely(scenario, {.frames = 30});
   ASSERT_TRUE(run.solution.scene);
@@ -205,13 +207,13 @@ TEST(PreciseFaults, ARollingShutterIsNamedAndSolved) {
   }
 }
 
-TEST(PreciseFaults, FootageThatShowsNothingOfTheLensSaysSo) {
+TEST(PreciseFaults, FootageThatDoesNotDetermineTheLensIsReported) {
   constexpr const char* kNote = "is not to be used for other footage";
   EXPECT_TRUE(notes(precisely(scene_named("small-still"), {.frames = 12}), kNote));
   EXPECT_FALSE(notes(precisely(scene_named("small-spread-1"), {.frames = 12}), kNote));
 }
 
-TEST(PreciseFaults, AFlatLayoutIsToldWhatItCannotShow) {
+TEST(PreciseFaults, AFlatLayoutIsReported) {
   constexpr const char* kNote = "the references span 0.";
   auto flat = scene_named("small-1xyz");
   EXPECT_FALSE(notes(precisely(flat, {.frames = 4}), kNote));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The centre that is found for a tilted circle is the imaged ellipse's centre, which is not the image of the circle's
-// centre: the difference is the textbook's, computed here from the outline's exact projections.
+// Tests that the centre detected for a tilted circle is that of the imaged ellipse. It is not the image of the circle's
+// centre. The difference is the textbook's, computed here from the outline's exact projections.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ simulator::Scenario tilted_by(double x_deg, double y_deg) {
   return s;
 }
 
-// The centre of the ellipse through exact projections of the rim: a conic a x^2 + b xy + c y^2 + d x + e y = 1.
+// Returns the centre of the ellipse through exact projections of the rim: a conic a x^2 + b xy + c y^2 + d x + e y = 1.
 ImagePoint exact_ellipse_centre(const simulator::Scenario& scenario, const Circle& circle, ImagePoint near) {
   constexpr int kRim = 24;
   Eigen::Matrix<double, kRim, 5> a;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phase of a rendered grating against an exact computation that shares no code with the instrument: the simulator's own
-// projection says where the print's centre is, and the raster laid there must read the phase of the print's centre.
+// Tests the phase of a rendered grating against an exact computation that shares no code with the instrument. The
+// simulator's projection gives the grating's centre. A raster there must read the phase of the centre.
 #include <array>
 #include <cmath>
 
@@ -31,7 +31,7 @@ Scenario tilted(double x_deg, double y_deg, double k1, double p1, Pattern patter
   return s;
 }
 
-// How the frame sees the board, from the simulator's projection alone: points without the lens fix the homography.
+// Returns the view of a frame from the simulator's projection alone. Points without the lens determine the homography.
 View exact_view(const Scenario& scenario) {
   Scenario pinhole = scenario;
   pinhole.camera.k1 = pinhole.camera.k2 = pinhole.camera.k3 = pinhole.camera.p1 = pinhole.camera.p2 = 0.0;
@@ -49,7 +49,7 @@ View exact_view(const Scenario& scenario) {
           Camera{c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3}};
 }
 
-// Apparent displacement (px of the picture) of every grating, which stands still where the site says.
+// Returns the largest apparent displacement (image px) of the gratings, which are fixed at their site positions.
 double worst_phase_px(const Scenario& scenario) {
   const Image<double> light = render_ideal(scenario, 0, {0, simulator::Area::kMarkersOnly});
   Image<std::uint16_t> fine(light.width(), light.height());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows read one after the other by a camera held in a hand: what they cost where they are taken for rows read at once,
-// and what is left when the readout and the camera's path are solved (docs/methods/precise.md).
+// Tests the rolling shutter of a hand-held camera (docs/methods/precise/rolling-shutter.md): the errors that remain
+// after readout time and camera path are solved.
 #include <algorithm>
 #include <cmath>
 
@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kReadout = 0.018;  // s
 
-// A telephone at 30 frames/s: a hand that sways by 0.3 deg and trembles by 0.06 deg at 8 Hz about all three axes, and by
-// a quarter of a millimetre.
+// Returns a telephone at 30 frames/s, in a hand that sways by 0.3 deg about all three axes. It trembles by 0.06 deg at
+// 8 Hz and by a quarter of a millimetre.
 simulator::Scenario hand_held() {
   auto s = *simulator::built_in("small-still");
-  s.camera.k1 = -0.37;  // -1 % at the picture's corner
+  s.camera.k1 = -0.37;  // -1 % at the image corner
   s.sensor.fps = 30.0;
   s.sensor.readout_s = kReadout;
   s.sensor.exposure_s = 1.0 / 500.0;
@@ -41,7 +41,7 @@ test::MeasuredRun precisely_by_rows(const simulator::Scenario& scenario, std::op
   return run;
 }
 
-// Rows that are `ok` and wrong by over 5 u and 0.5 um.
+// Returns the number of rows that are `ok` and wrong by over 5 u and 0.5 um.
 int silent_lies(const test::MeasuredRun& run) {
   int lies = 0;
   std::size_t k = 0;
@@ -59,10 +59,10 @@ long ok_rows(const test::MeasuredRun& run) {
   return std::ranges::count_if(run.samples, [](const Sample& s) { return s.status == Status::kOk; });
 }
 
-// The same hand before a global shutter: what frames of this noise are worth. With the readout free and the path known
-// to the frames only, u is wider; twice that scatter in dy (the strong axis) and three times in dx is what METHOD's
-// study found for a spline (26 / 13 um for 322 / 71 um, of its own noise of 3.1 / 0.7 um, is far above).
-TEST(RollingShutter, OfAHandHeldTelephoneIsSolvedFromItsFootage) {
+// The same hand with a global shutter gives the scatter of noise alone. With the readout free and the path known only
+// at the frames, u is larger. Limits: twice that scatter in dy (the strong axis) and three times in dx, from the study
+// in decision 0026.
+TEST(RollingShutter, OfAHandHeldTelephoneIsSolved) {
   auto at_once = hand_held();
   at_once.sensor.readout_s = 0.0;
   const auto yardstick = precisely_by_rows(at_once), run = precisely_by_rows(hand_held());
@@ -82,14 +82,14 @@ TEST(RollingShutter, OfAHandHeldTelephoneIsSolvedFromItsFootage) {
 TEST(RollingShutter, GivenIsAsGoodAsSolved) {
   const auto run = precisely_by_rows(hand_held(), kReadout);
   ASSERT_TRUE(run.solution.scene && run.solution.scene->solved);
-  // 3 % is what a given readout is taken to be known to.
+  // A given readout has u = 3 %.
   EXPECT_NEAR(run.solution.scene->readout_s, kReadout, 0.06 * kReadout);
   EXPECT_EQ(ok_rows(run), 23);
   EXPECT_EQ(silent_lies(run), 0);
 }
 
-// Sensor rows that the picture shows as rising: the same footage upside down in time.
-TEST(RollingShutter, OfASensorThatReadsFromBelowHasItsSign) {
+// Rotation tags change the direction of readout in the image.
+TEST(RollingShutter, RotationTagsGiveTheReadoutDirection) {
   EXPECT_EQ(rows_run(180), ReadoutDirection::kUp);
   EXPECT_EQ(rows_run(90), ReadoutDirection::kLeft);
   EXPECT_EQ(rows_run(270), ReadoutDirection::kRight);
@@ -101,18 +101,18 @@ TEST(RollingShutter, OfASensorThatReadsFromBelowHasItsSign) {
   EXPECT_DOUBLE_EQ(share_of_row({24.5, 10.0}, picture, ReadoutDirection::kRight), -0.25);
 }
 
-// 0.02 deg at 40 Hz is beyond what 30 frames a second show of it: u says so, or the rows are not ok.
-TEST(RollingShutter, AVibrationAboveTheFrameRateIsNoSilentLie) {
+// 0.02 deg at 40 Hz is invisible at 30 frames a second. Either u covers it, or the rows are not ok.
+TEST(RollingShutter, AVibrationAboveTheFrameRateIsCoveredOrNotOk) {
   auto shaken = hand_held();
   for (auto* track : {&shaken.mount.rotation_x, &shaken.mount.rotation_y, &shaken.mount.rotation_z})
     track->amplitude = 0.02, track->frequency_hz = 40.0;
   EXPECT_EQ(silent_lies(precisely_by_rows(shaken)), 0);
 }
 
-// The target's own movement between its row's time and the frame's: 2 pi 3 Hz 1 mm = 19 mm/s over the delay of its
-// row. 55 mm above the middle it is read 55 mm / (0.345 mm/px * 512 px) * 18 ms = 5.6 ms early: 106 um, 75 rms. A sine
-// of a tenth of the frame rate is known to its spline far better than to a twentieth of its rate.
-TEST(RollingShutter, ATargetThatMovesIsSetBackToItsFramesTime) {
+// Movement of the target between its row's time and the frame's: 2 pi 3 Hz 1 mm = 19 mm/s over the delay of its row. At
+// 55 mm above the middle this is 55 mm / (0.345 mm/px * 512 px) * 18 ms = 5.6 ms, or 106 um (75 rms). The spline of a
+// sine at a tenth of the frame rate is far better than a twentieth of its rate.
+TEST(RollingShutter, AMovingTargetIsCorrectedToFrameTime) {
   auto moving = hand_held();
   auto& target = moving.markers.back();
   target.print.grating->centre = {0.0, 55.0};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where `precise` says that the prints hang, they hang, within the standard uncertainties that run.json and the written
-// site.toml state.
+// Tests that solved grating positions are true within the standard uncertainties that run.json and site.toml state.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -14,13 +13,13 @@ namespace {
 
 constexpr std::uint64_t kFirstSeed = 41, kLastSeed = 46;
 
-// As MarkerShape has it.
+// Returns the true shape of a marker, in the order of MarkerShape.
 MarkerShape true_shape(const simulator::Scenario& scenario, std::size_t marker) {
   const auto place = simulator::true_place(scenario, scenario.markers[marker]);
   return {{place.x_mm, place.y_mm, radians_from_degrees(place.rotation_deg), place.print_scale, place.z_mm}};
 }
 
-TEST(SolvedMarkers, HangWithinTheirStatedUncertaintyOfWhereTheyAre) {
+TEST(SolvedMarkers, AreTrueWithinTheirStatedUncertainty) {
   for (std::uint64_t seed = kFirstSeed; seed <= kLastSeed; ++seed) {
     simulator::Scenario scenario = *simulator::built_in("small-1xyz");
     scenario.seed = seed;
@@ -39,7 +38,7 @@ TEST(SolvedMarkers, HangWithinTheirStatedUncertaintyOfWhereTheyAre) {
             << "seed " << seed << ", marker " << site.markers[i].name << ", parameter " << k;
       }
       if (site.markers[i].role != Role::kReference) continue;
-      // Footage takes no knowledge away.
+      // Footage must not increase the uncertainty that the site states.
       const KnownTo& known = site.known_to;
       const double most[]{known.position_mm, known.position_mm, known.rotation_rad};
       for (std::size_t k = 0; k < std::size(most); ++k) {
@@ -50,9 +49,10 @@ TEST(SolvedMarkers, HangWithinTheirStatedUncertaintyOfWhereTheyAre) {
   }
 }
 
-// A flat board before a camera that turns by a degree shows f, distance and lens nearly as one. From a guess of twice the
-// picture's width f came out 3.2 (seeds 1, 2, 5, 6 of six) and 4.9 times too large, dy 5 to 28 um off, u 8 to 11 um.
-TEST(SolvedLens, OfACameraThatHardlyTurnsIsNotThreeTimesTooLong) {
+// A flat board before a camera that rotates by a degree hardly separates f, distance and lens. When the start was twice
+// the image's width, f ended 3.2 times too large (seeds 1, 2, 5, 6 of six) and 4.9 times. Then dy was wrong by 5 to 28
+// um, with u = 8 to 11 um.
+TEST(SolvedLens, IsNotThreeTimesTooLongForASmallRotation) {
   struct Draw {
     std::uint64_t seed;
     double k1;

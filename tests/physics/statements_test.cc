@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statements of the user beyond the footage: believed where the footage agrees, contradicted where it does not.
+// Tests statements of the user: accepted if the footage agrees, contradicted if it does not.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,7 +13,7 @@ namespace {
 
 simulator::Scenario scenario_of(const char* name, double k1 = -0.37) {
   auto scenario = *simulator::built_in(name);
-  scenario.camera.k1 = k1;  // -0.37: -1 % at the picture's corner
+  scenario.camera.k1 = k1;  // -0.37: -1 % at the image corner
   return scenario;
 }
 
@@ -28,8 +28,9 @@ test::MeasuredRun measured_with_rest(const simulator::Scenario& scenario, FrameR
   return test::measured(scenario, plan);
 }
 
-// 0.95 mm in 20 frames. Before a camera that travels by 5 mm a part of it could be another depth.
-TEST(StatedRest, OverFramesInWhichATargetMovesIsContradicted) {
+// The target moves by 0.95 mm in 20 frames. With a camera that travels by 5 mm, another depth could explain a part of
+// it.
+TEST(StatedRest, IsContradictedIfATargetMoves) {
   const auto run = measured_with_rest(scenario_of("small-travel-5"), {.first = 0, .end = 20});
   ASSERT_TRUE(run.solution.moved_at_rest);
   const MovedAtRest& moved = *run.solution.moved_at_rest;
@@ -43,7 +44,7 @@ TEST(StatedRest, OverFramesInWhichATargetMovesIsContradicted) {
   EXPECT_LE(test::largest(run.error_y_um), 5.0 * test::rms(run.u_y_um));
 }
 
-TEST(StatedRest, OfATargetThatSwingsByTwentyMicrometresIsContradicted) {
+TEST(StatedRest, IsContradictedIfATargetSwingsByTwentyMicrometres) {
   auto scenario = at_rest(scenario_of("small-1xyz"));
   scenario.markers.back().dy.amplitude = 0.02, scenario.markers.back().dy.frequency_hz = 1.3;
   const auto run = measured_with_rest(scenario, {.first = 0, .end = 20});
@@ -51,16 +52,17 @@ TEST(StatedRest, OfATargetThatSwingsByTwentyMicrometresIsContradicted) {
   EXPECT_NEAR(run.solution.moved_at_rest->mm, 0.04, 0.005);
 }
 
-// 30 mm behind the plane, unknown to the site; a camera that travels by 50 mm shows it moving by 1.2 mm.
-TEST(StatedRest, IsBelievedWhereOnlyTheCameraMoves) {
+// The target is 30 mm behind the plane, unknown to the site. A camera that travels by 50 mm makes it appear to move by
+// 1.2 mm.
+TEST(StatedRest, IsAcceptedIfOnlyTheCameraMoves) {
   for (const char* name : {"small-still", "small-travel-5", "small-travel-50"}) {
     const auto run = measured_with_rest(at_rest(scenario_of(name)), {.first = 0, .end = 10});
     EXPECT_FALSE(run.solution.moved_at_rest) << name;
   }
 }
 
-// A print half a per cent too large passes for one that is 6 mm nearer, until the rest shows where it is.
-TEST(StatedRest, IsBelievedWhereTheDepthWasInferredFromAWrongPrint) {
+// A grating half a per cent too large looks 6 mm nearer, until the rest frames show its position.
+TEST(StatedRest, IsAcceptedIfAWrongPrintScaleChangedTheDepth) {
   auto scenario = at_rest(scenario_of("small-travel-50"));
   scenario.known_to.print_scale = 0.005;
   scenario.markers.back().place.print_scale = 0.005;
@@ -81,7 +83,7 @@ test::MeasuredRun measured_with_camera(const simulator::Scenario& scenario, doub
   return test::measured(scenario, plan);
 }
 
-TEST(GivenCamera, OfAnotherLensIsContradictedAndNoRowIsTrusted) {
+TEST(GivenCamera, IsContradictedIfWrongAndNoRowIsOk) {
   for (const double k1 : {0.3, -0.37}) {
     const auto run = measured_with_camera(scenario_of("small-1xyz", 0.0), k1);
     EXPECT_TRUE(notes(run, "the references contradict --camera")) << k1;
@@ -90,7 +92,7 @@ TEST(GivenCamera, OfAnotherLensIsContradictedAndNoRowIsTrusted) {
   }
 }
 
-TEST(GivenCamera, ThatIsRightIsBelieved) {
+TEST(GivenCamera, IsAcceptedIfRight) {
   for (const char* name : {"small-1xyz", "small-travel-50"}) {
     const auto run = measured_with_camera(scenario_of(name), -0.37);
     EXPECT_FALSE(notes(run, "contradict")) << name;
@@ -105,7 +107,7 @@ bool finds(const test::MeasuredRun& run, const std::string& what) {
   return false;
 }
 
-// 11 mm stated, 10 mm printed: it looks like a print of 11 mm that is 120 mm further away (1200 mm 1.1 - 1200 mm).
+// 11 mm stated, 10 mm printed: a grating of 11 mm would look like that 120 mm further away (1200 mm x 1.1 - 1200 mm).
 TEST(ApparentSize, ContradictsAPitchStatedATenthTooLarge) {
   const auto scenario = scenario_of("small-1xyz", 0.0);
   Site site = simulator::site_of(scenario);
@@ -118,7 +120,7 @@ TEST(ApparentSize, ContradictsAPitchStatedATenthTooLarge) {
   EXPECT_TRUE(finds(run, "further away")) << ::testing::PrintToString(run.solution.findings);
 }
 
-TEST(ApparentSize, AgreesWithPrintsAtTheirStatedDepth) {
+TEST(ApparentSize, AgreesWithGratingsAtTheirStatedDepth) {
   EXPECT_FALSE(
       finds(test::measured(scenario_of("small-1xyz"), {.method = "precise", .step = 8, .frames = 16}), "looks"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grids of thin ink-jet lines, searched without a site file, against the simulator.
+// Tests the detection of grids of thin ink-jet lines without a site file, against the simulator.
 #include <algorithm>
 #include <string>
 
@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// One pitch on the print about its centre, as the simulator projects it, px.
+// Returns one pitch on the grating about its centre, as the simulator projects it, px.
 ImageExtent projected_pitch(const simulator::Scenario& scenario, const simulator::SceneMarker& marker, double x,
                             double y) {
   const Grating& print = *marker.print.grating;
@@ -24,11 +24,11 @@ ImageExtent projected_pitch(const simulator::Scenario& scenario, const simulator
   return at(1.0) - at(-1.0);
 }
 
-// Cycles per pitch of a wave along a pitch: 1 along its own axis, 0 along the other.
+// Returns the cycles of a wave along a pitch: 1 along its own axis, 0 along the other.
 double cycles(ImageExtent wave, ImageExtent pitch) { return wave.x * pitch.x + wave.y * pitch.y; }
 
-// The outline of the print may be short by the last line and the smoothing on either side, half a pitch each, and may
-// reach into the paper by the width of the smoothing, a sixth of a pitch each.
+// The outline may lack the last line and the smoothing on either side, half a pitch each. It may extend into the paper
+// by the width of the smoothing, a sixth of a pitch each.
 void expect_extent_of_print(double periods, double size_mm, double pitch_mm) {
   EXPECT_GT(periods, size_mm / pitch_mm - 1.0);
   EXPECT_LT(periods, size_mm / pitch_mm + 1.0 / 3.0);
@@ -52,7 +52,7 @@ TEST(ThinLines, EveryInkJetGridIsOneGrating) {
       EXPECT_TRUE(patch->dark_on_light);
       expect_extent_of_print(patch->periods_x, print.width_mm, print.pitch_mm);
       expect_extent_of_print(patch->periods_y, print.height_mm, print.pitch_mm);
-      // The outline's centre is up to half a pitch from the print's, where perspective differs by 1e-3.
+      // The outline's centre is up to half a pitch from the grating's, where perspective differs by 1e-3.
       const ImageExtent x = projected_pitch(scenario, marker, 1.0, 0.0),
                         y = projected_pitch(scenario, marker, 0.0, 1.0);
       EXPECT_NEAR(cycles(patch->k_x, x), 1.0, 3e-3);

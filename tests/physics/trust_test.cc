@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tools/trust-study counts over thousands of runs, in one or two each.
+// Tests one or two runs of each case that tools/trust-study counts over thousands of runs.
 #include <algorithm>
 #include <cmath>
 
@@ -28,7 +28,7 @@ TEST(Trust, AReferenceThatSlipsByAFifthOfAPixelIsNamed) {
   }
 }
 
-TEST(Trust, SixReferencesThatStandStillAreNotSuspected) {
+TEST(Trust, SixFixedReferencesAreNotSuspected) {
   const auto solution = measured(drawn_slip({.references = 6, .slip_px = 0.0}, 3), Footage::kPoints);
   ASSERT_TRUE(solution);
   EXPECT_TRUE(solution->references_verified);
@@ -41,7 +41,7 @@ TEST(Trust, FourReferencesAreNeverCalledVerified) {
   EXPECT_FALSE(solution->references_verified);
 }
 
-// The share of samples that are ok; expects each of them to be its own print's.
+// Returns the share of samples that are ok, and expects each of them to belong to its own grating.
 double ok_and_its_own(const JumpKind& kind, int number, long frames) {
   test::RunPlan plan{.method = "precise", .first = 1, .frames = frames};
   plan.all_targets = true;
@@ -60,15 +60,15 @@ double ok_and_its_own(const JumpKind& kind, int number, long frames) {
   return static_cast<double>(ok) / static_cast<double>(run.samples.size());
 }
 
-// Twelve like prints, of which each may stand where its neighbour was a frame ago.
-TEST(Trust, ATargetIsNotMistakenForItsLikeNeighbour) {
+// Twelve similar gratings. Each may be at the position that its neighbour had in the previous frame.
+TEST(Trust, ATargetIsNotMistakenForASimilarNeighbour) {
   EXPECT_GT(ok_and_its_own({.pattern = Pattern::kGrid, .pitch_mm = 5.0}, 0, 6), 0.5)
       << "jumps of a pitch or two are followed";
 }
 
-// Where a print cannot be told for some frames, its place must not walk off by the phase of what else is there: its
-// neighbour of 24 would pass for it. In draw 29 one did, in frame 18.
-TEST(Trust, ATargetThatCouldNotBeToldDoesNotGiveUpItsPlace) {
+// A target may be ambiguous for some frames. Its position must not drift by the phase of other gratings, or another of
+// the 24 would be identified as it. That happened in draw 29, frame 18.
+TEST(Trust, AnAmbiguousTargetKeepsItsPosition) {
   EXPECT_GT(ok_and_its_own({.pattern = Pattern::kDots, .pitch_mm = 3.5}, 29, 18), 0.5)
       << "jumps of a pitch or two are followed";
 }
@@ -90,8 +90,8 @@ TEST(Trust, ATargetOffThePlaneIsWithinItsUWhenTheCameraTravels) {
   }
 }
 
-// Far from where it began too, where u is that of the scale: lines do not show how far they go along themselves.
-TEST(Trust, LinesTellOneAxisHoweverFarTheyGo) {
+// Lines do not show movement along themselves. This holds far from the start, too, where u is mostly that of the scale.
+TEST(Trust, LinesMeasureOneAxisAtAnyDistance) {
   simulator::Scenario scenario = *simulator::built_in("small-1xyz");
   scenario.frames = 6;
   for (auto& marker : scenario.markers) {

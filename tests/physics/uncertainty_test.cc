@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stated noise is the scatter that repeated recordings show, and layouts respond as their closed forms say.
+// Tests that the stated noise equals the scatter of repeated recordings, and that layouts follow their closed forms.
 #include <array>
 #include <cmath>
 
@@ -31,7 +31,7 @@ TEST(Layout, ACommonShiftOfTheReferencesShiftsTheTargetByTheSame) {
 }
 
 TEST(Uncertainty, TheStatedNoiseIsTheScatterOfRepeatedRecordings) {
-  // A camera that stands still, 10 runs of 30 frames: scatter about each run's mean against noise and references in u.
+  // A fixed camera, 10 runs of 30 frames: scatter about each run's mean against the noise and references parts of u.
   std::vector<double> scatter_y, stated_y;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     auto scenario = *simulator::built_in("small-0.1x");
@@ -45,7 +45,7 @@ TEST(Uncertainty, TheStatedNoiseIsTheScatterOfRepeatedRecordings) {
     for (const Sample& s : run.samples)
       stated_y.push_back(1000.0 * std::hypot(s.budget.noise.y, s.budget.references.y));
   }
-  // 290 degrees of freedom: relative standard error 1 / sqrt(580) = 4.2 %; four of them.
+  // 290 degrees of freedom: the relative standard error is 1 / sqrt(580) = 4.2 %. Four of them are allowed.
   EXPECT_NEAR(test::rms(scatter_y) / test::rms(stated_y), 1.0, 0.17);
 }
 

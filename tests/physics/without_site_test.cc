@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measuring with nothing but the pitch: as good as with the site file.
+// Tests measuring with the pitch alone, which must be as good as with the site file.
 #include <gtest/gtest.h>
 
 #include "common/simulated_run.h"
@@ -57,12 +57,12 @@ TEST(WithoutSite, TheMarkersAreWhereTheRigHasThem) {
       const auto site = found(scenario, frame);
       ASSERT_TRUE(site) << name << " " << frame << ": " << site.error().message;
       ASSERT_EQ(site->markers.size(), truth.markers.size()) << name << " " << frame;
-      for (std::size_t i = 0; i < truth.markers.size(); ++i) {  // NW NE SW SE mid: reading order as well
+      for (std::size_t i = 0; i < truth.markers.size(); ++i) {  // NW NE SW SE mid, which is also the reading order
         const Marker &a = site->markers[i], &b = truth.markers[i];
         EXPECT_EQ(a.name, i < 4 ? "R" + std::to_string(i + 1) : "T1");
         ASSERT_TRUE(a.grating);
         EXPECT_EQ(a.grating->pattern, Pattern::kAuto);
-        // The target has moved by up to 2 mm; an outline may be a strip off on one side.
+        // The target has moved by up to 2 mm. An outline may be a strip off on one side.
         EXPECT_LE(length(a.grating->centre - b.grating->centre), 2.5) << name << " " << frame << " " << a.name;
         EXPECT_LE(a.grating->width_mm, b.grating->width_mm) << name << " " << frame << " " << a.name;
         EXPECT_LE(a.grating->height_mm, b.grating->height_mm) << name << " " << frame << " " << a.name;
@@ -72,7 +72,7 @@ TEST(WithoutSite, TheMarkersAreWhereTheRigHasThem) {
   }
 }
 
-// The same frames read in windows that a search chose instead of the site file: the same noise in nearly the same
+// The same frames, read in windows from a search and in those of the site file: the same noise in almost the same
 // pixels.
 TEST(WithoutSite, EveryPatternReadsAsWellAsWithTheSiteFile) {
   for (const Pattern pattern :
@@ -86,7 +86,7 @@ TEST(WithoutSite, EveryPatternReadsAsWellAsWithTheSiteFile) {
       auto site = looked(scenario, 0, upright());
       ASSERT_TRUE(site) << word_for(pattern) << " " << angle_deg << ": " << site.error().message;
       ASSERT_EQ(site->site.markers.size(), 5U) << word_for(pattern);
-      site->site.markers.back().name = "mid";  // by which the truth knows it
+      site->site.markers.back().name = "mid";  // its name in the truth
       plan.site = site->site;
       const auto own = test::measured(scenario, plan);
       ASSERT_EQ(own.problem, "") << word_for(pattern);
@@ -103,7 +103,7 @@ TEST(WithoutSite, FineCoarseAndSlantedPrintsAreFound) {
   for (const double pitch_px : {7.0, 12.0, 29.0}) {
     for (const double tilt_deg : {-40.0, 0.0, 40.0}) {
       Scenario scenario = *simulator::built_in("small-1x");
-      const double scale = 29.0 / pitch_px;  // the same picture, with finer lattices
+      const double scale = 29.0 / pitch_px;  // the same image with finer lattices
       scenario.mount.distance_mm *= scale;
       scenario.mount.board_y_deg = tilt_deg;
       for (auto& marker : scenario.markers) {
@@ -118,7 +118,8 @@ TEST(WithoutSite, FineCoarseAndSlantedPrintsAreFound) {
       const auto site = found(scenario, 0);
       ASSERT_TRUE(site) << pitch_px << " " << tilt_deg << ": " << site.error().message;
       ASSERT_EQ(site->markers.size(), 5U) << pitch_px << " " << tilt_deg;
-      // A local pitch is known to about 1e-4; perspective from four of them is that over their share of the field.
+      // A local pitch is known to about 1e-4. Perspective from four of them is known to that over their share of the
+      // image.
       EXPECT_NEAR(length(site->markers[3].circle->centre - site->markers[0].circle->centre),
                   scale * std::hypot(256.0, 80.0), 0.005 * scale * 256.0)
           << pitch_px << " " << tilt_deg;
@@ -153,7 +154,7 @@ TEST(WithoutSite, CirclesWithoutGratingsAreNoReferences) {
       << site.error().message;
 }
 
-TEST(WithoutSite, AStillCameraNeedsNoCircles) {
+TEST(WithoutSite, AFixedCameraNeedsNoCircles) {
   auto scenario = *simulator::built_in("small-1x");
   scenario.markers.erase(scenario.markers.begin(), scenario.markers.begin() + 4);
   auto options = upright();
@@ -171,7 +172,7 @@ TEST(WithoutSite, ASecondGratingAtACircleIsATargetAndIsNamed) {
   ASSERT_TRUE(site) << site.error().message;
   EXPECT_EQ(count(site->site, Role::kReference), 4U);
   ASSERT_EQ(count(site->site, Role::kTarget), 2U);
-  // That circle's own is the nearer one.
+  // The nearer grating belongs to the circle.
   EXPECT_NEAR(site->site.markers[0].grating->centre.x, -100.0, 1.0);
   EXPECT_NEAR(site->site.markers[4].grating->centre.x, -62.0, 1.0);
   scenario.markers.back().print.grating->centre.x = -75.0 + 1.5;
@@ -182,7 +183,7 @@ TEST(WithoutSite, ASecondGratingAtACircleIsATargetAndIsNamed) {
   EXPECT_NE(site->notes[0].find("taken for a target"), std::string::npos) << site->notes[0];
 }
 
-TEST(WithoutSite, AGratingOfAnotherPitchIsLeftOutAndNamed) {
+TEST(WithoutSite, AGratingOfAnotherPitchIsExcludedAndNamed) {
   auto scenario = *simulator::built_in("small-1x");
   scenario.markers.push_back(extra({45.0, 0.0}, 30.0, 7.0));
   const auto site = looked(scenario, 0, upright());

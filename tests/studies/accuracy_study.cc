@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes docs/accuracy.md to stdout: every figure is measured here and now.
+// Measures all figures of docs/accuracy.md and writes the page to stdout.
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -17,7 +17,7 @@ namespace moiregauge::internal {
 namespace {
 
 using Case = test::PaperCase;
-// The 8 deg case is measured against the frame in which the camera faces the board, as the paper did.
+// The reference frame of the 8 deg case is the one in which the camera faces the board, as in the paper.
 constexpr Case kCases[] = {
     {"rig-0.1x", "~0.02 mm", 0}, {"rig-1x", "0.248 mm", 0}, {"rig-1xyz", "0.311 mm", 0}, {"rig-8xyz", "1.861 mm", 80}};
 
@@ -105,7 +105,7 @@ void through_lenses() {
       plan.method = "conventional";
       const auto still = test::measured(scenario, plan);
       std::vector<double> exact, circles;
-      scenario.sensor.exposure_s = 1e-6;  // the exact points are those of one instant
+      scenario.sensor.exposure_s = 1e-6;  // s; exact points are computed for one instant
       for (const Sample& s : run.samples) {
         exact.push_back(1000.0 * test::exact_error(scenario, s.frame, c.reference_frame, test::Stages::kBoth).y);
         circles.push_back(1000.0 *

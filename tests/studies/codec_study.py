@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Coverage of u in compressed footage: random short scenes of the small rig, compressed by ffmpeg, measured, held against the truth.
+"""Measures the coverage of u in compressed footage: random short scenes of the small rig, compressed by ffmpeg.
 
     codec_study.py --program MOIREGAUGE [--scenes 200] [--first-seed 1] [--settings crf18,crf23,crf28,mjpeg] [--jobs N]
 
-A scene is 13 frames: camera still or turning, print, pitch, contrast, noise, background and the target's movement drawn
-anew, and compressed once per setting. Prints a table; ends 1 when a promise is broken.
+A scene has 13 frames and is compressed once per setting. Camera motion, pattern, pitch, contrast, noise, background and
+the target's movement are random. Prints a table. Ends 1 if a requirement is not met.
 """
 import argparse
 import concurrent.futures
@@ -29,14 +29,14 @@ SETTINGS = {
 }
 NAMES = {"crf18": "x264 crf 18", "crf23": "x264 crf 23", "crf28": "x264 crf 28", "mjpeg": "Motion JPEG, q 2 to 10",
          "hevc": "x265 crf 26", "raw": "not compressed"}
-COVERED = 1.96     # u: the 95 % interval
-LIE_U, LIE_MM = 5.0, 0.0005
-WIDEST = 4.0       # times the interval that the errors' rms would need
-FEWEST_LIES = 0.001
+COVERED = 1.96               # coverage factor k of the 95 % interval
+LIE_U, LIE_MM = 5.0, 0.0005  # a lie has an error above 5 u and 0.5 um
+WIDEST = 4.0                 # largest ratio of mean u to the rms error
+FEWEST_LIES = 0.001          # largest share of lies
 
 
 def scene(seed):
-    """Built-in name, --set values, and what the encoder is told beside the rate."""
+    """Returns the built-in name, the --set values, a flag for a rough background, and the encoder's other options."""
     draw = random.Random(seed)
     fps = draw.choice([10, 25, 50])
     duration = FRAMES / fps
@@ -49,10 +49,10 @@ def scene(seed):
     if textured:
         sets["light.texture"] = draw.choice([5, 12, 20])
     if not still:
-        turn = 10 ** draw.uniform(-1.5, 0)  # deg in all
+        turn = 10 ** draw.uniform(-1.5, 0)  # deg over the whole scene
         for axis in "xyz":
             sets[f"rotation.{axis}.knots"] = f"[[0,0],[{duration},{turn * draw.uniform(-1, 1):.5f}]]"
-        if draw.random() < 0.5:  # a hand, not a tripod's head
+        if draw.random() < 0.5:  # handheld
             for axis in "xy":
                 sets[f"rotation.{axis}.amplitude"] = 0.02
                 sets[f"rotation.{axis}.frequency_hz"] = draw.uniform(0.5, 3) / duration
@@ -94,7 +94,7 @@ def compressed(frames, fps, setting, words, out):
 
 
 def measured(program, settings, seed):
-    """Per setting: status and (error, u) of both axes of every row but the reference frame's."""
+    """Returns, per setting, the status and the (error, u) of both axes of all rows except the reference frame's."""
     name, sets, textured, words = scene(seed)
     out = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -123,7 +123,7 @@ def measured(program, settings, seed):
 
 
 def table_row(setting, scenes):
-    """One line of the table, and what it breaks."""
+    """Returns one line of the table, and the requirements that are not met."""
     broken = []
     all_rows = sum(FRAMES - 1 for _ in scenes)
     ok = [[axes for status, axes in one if status == "ok"] for one in scenes]

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of damaged videos: truncation at every 1 % and seeded mutations of five inputs, measured one by one.
+"""Measures damaged videos: truncation at every 1 % and seeded mutations of five inputs, one by one.
 
     damage_study.py --program MOIREGAUGE [--mutations 500] [--step 1] [--jobs N] [--only avi,mp4] [--keep DIR]
 
-What is called damaged, wrong and a lie: damage_study_intro.md. Prints tables in Markdown; ends 1 when anything crashed or hung.
+damage_study_intro.md defines "damaged", "wrong" and "lie". Prints tables in Markdown. Ends 1 if a run crashed or hung.
 """
 import argparse
 import collections
@@ -36,7 +36,7 @@ def ffmpeg(*words):
 
 
 def pictures_of(path):
-    """What is shown when, by ffmpeg: time in seconds (of PNG files: the number) -> sum of the grey levels."""
+    """Returns the frames that ffmpeg shows: time in s (for PNG files: the number) -> MD5 of the grey levels."""
     if path.is_dir():
         files = sorted(path.glob("*.png"))
         return {i: ffmpeg("-i", file, "-f", "md5", "-") if file.stat().st_size else b"" for i, file in enumerate(files)}
@@ -48,7 +48,7 @@ def pictures_of(path):
         if line.startswith("#"):
             continue
         _, _, pts, _, _, sum_ = [word.strip() for word in line.split(",")]
-        while pts in shown:  # twice the same time is another picture
+        while pts in shown:  # a repeated time stamp is another frame
             pts += "+"
         shown[pts] = sum_
     times = [(float(pts.rstrip("+")) * tick, len(pts) - len(pts.rstrip("+")), sum_) for pts, sum_ in shown.items()]
@@ -57,7 +57,7 @@ def pictures_of(path):
 
 
 def flips(data, rng):
-    for _ in range(1 << rng.randint(0, 5)):  # one flipped bit is the hardest to see
+    for _ in range(1 << rng.randint(0, 5)):  # 1 to 32 bits; a single one is the hardest to detect
         data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
     return data
 
@@ -96,9 +96,9 @@ class Study:
     def __init__(self, options, work):
         self.program, self.work, self.options = options.program, work, options
         self.site = work / "run/site.toml"
-        self.whole = {}   # input -> its path
-        self.shown = {}   # input -> pictures_of it
-        self.values = {}  # input -> rows of its run
+        self.whole = {}   # input -> path
+        self.shown = {}   # input -> result of pictures_of
+        self.values = {}  # input -> rows of the undamaged run
         self.seconds = {}
         self.run(["simulate", "small-1xyz", "--frames", FRAMES, "--markers-only", "--quiet", "-o", work / "run"])
         for name in options.only.split(","):
@@ -115,7 +115,7 @@ class Study:
         return subprocess.run([self.program, *map(str, words)], capture_output=True, check=False, timeout=timeout).returncode
 
     def measure(self, path, out, timeout=None):
-        """Exit code (None: a hang) and the rows of the run."""
+        """Returns the exit code (None: timeout) and the rows of the run."""
         words = ["measure", path, "--site", self.site, "--quiet", "-o", out, *(["--fps", 25] if path.is_dir() else [])]
         try:
             code = self.run(words, timeout)
@@ -125,7 +125,7 @@ class Study:
         return code, list(csv.DictReader(table.open())) if table.exists() else []
 
     def mutant(self, name, kind, number):
-        """A copy of the input with the damage; its name is the seed."""
+        """Writes a damaged copy of the input and returns its path. Its name is the seed."""
         label = f"{name}-{kind if isinstance(kind, str) else kind.__name__}-{number}"
         rng = random.Random(label)
         place = self.work / label
@@ -154,7 +154,7 @@ class Study:
         out = place.with_name(place.name + "-out")
         code, rows = self.measure(path, out, 3 * self.seconds[name] + 10)
         now, before = pictures_of(path), self.shown[name]
-        if name == "png" and kind == "cut":  # a folder with fewer pictures is a folder
+        if name == "png" and kind == "cut":  # a folder with fewer images is not damaged
             before = {i: before[i] for i in now}
         wrong, lies, good = 0, 0, 0
         known = {row["time_s"][:5]: row for row in self.values[name]}
@@ -175,7 +175,7 @@ class Study:
 
     @staticmethod
     def shift_of(rows, known):
-        """What the undamaged run has for the frame that this one refers to: the reference frame may be another."""
+        """Returns the undamaged run's row of this run's reference frame, which may differ from its own."""
         for row in rows:
             if row["status"] == "ok" and float(row["u_dx_mm"]) == 0.0 == float(row["dx_mm"]):
                 return known.get(row["time_s"][:5])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run's errors against the simulator's truth.csv, for studies."""
+"""Computes the errors of a run from the simulator's truth.csv, for studies."""
 import csv
 import json
 import math
@@ -16,14 +16,17 @@ def run(command):
 
 
 def with_heights(site, heights_mm):
-    """The site file with the targets' heights stated."""
+    """Returns the site file with the heights of the targets added."""
     for name, z_mm in heights_mm.items():
         site = site.replace(f'name = "{name}"\n', f'name = "{name}"\nz_mm = {z_mm}\n')
     return site
 
 
 class Tally:
-    """Rows of runs: how many are ok, their errors with u (mm), and lies: ok, but off by more than 5 u and 0.5 um."""
+    """Statistics of the rows of runs: number of ok rows, their errors and u (mm), and lies.
+
+    A lie is an ok row with an error above 5 u and 0.5 um.
+    """
 
     def __init__(self):
         self.rows = self.ok = self.lies = 0
@@ -52,7 +55,7 @@ class Tally:
             self.lies += lie
 
     def columns(self):
-        """Rows ok, rms errors, rms u, coverage and lies, as cells of a table."""
+        """Returns the ok rows, rms errors, rms u, coverage and lies as cells of a table."""
         both = self.pairs["dx"] + self.pairs["dy"]
         inside = sum(abs(e) <= 1.96 * u for e, u in both) / max(1, len(both))
         errors = [rms_um(e for e, _ in self.pairs[axis]) for axis in ("dx", "dy")]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// identity_study [SCENES [FIRST_SEED]]: who is taken for what in random crowded scenes, with the site file and without;
-// and in a fifth as many of which one reference circle is missing, where right is to refuse.
+// identity_study [SCENES [FIRST_SEED]]: counts the identification results in random crowded scenes, with and without
+// the site file. Every fifth scene is repeated with a missing reference circle, which must be refused.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace {
 
 struct Counts {
   std::array<int, 4> of_verdict{};
-  double worst_error_mm = 0.0;  // of scenes that are right
+  double worst_error_mm = 0.0;  // mm, over correctly identified scenes
   int not_measured = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Independent runs of a study on two threads; what they say does not depend on how many there are.
+// Runs independent parts of a study on two threads. The results do not depend on the number of threads.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 
 namespace moiregauge::internal::study {
 
-// run(0) .. run(count - 1), in order. Tells on stderr how far it is, every tenth.
+// Returns the results of run(0) to run(count - 1) in order. Reports the progress on stderr in steps of 10 %.
 template <typename Run>
 auto in_parallel(const char* what, int count, Run run) {
   std::vector<decltype(run(0))> results(static_cast<std::size_t>(count));

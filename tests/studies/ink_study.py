@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Thin-line grids from an ink-jet printer in a telephone's pictures of 12 Mpx: found, and measured, against the truth.
+"""Tests detection and measurement of thin-line grids from an ink-jet printer in 12 Mpx images of a phone.
 
     ink_study.py --program MOIREGAUGE [--frames 12] [--seeds 20]
 
-Prints a table, one row for each draw of paper, ink and camera motion.
+Prints a table with one row per draw of paper, ink and camera motion.
 """
 import argparse
 import json
@@ -14,12 +14,12 @@ import tempfile
 
 from errors_of_run import Tally, rms_um, run
 
-PIXEL_MM = 5.0 / 22.0  # 22 px a pitch of 5 mm
-PRINTS = 5             # four references' and the target's
+PIXEL_MM = 5.0 / 22.0  # mm per px: a pitch of 5 mm is 22 px
+PRINTS = 5             # gratings: four references and the target
 
 
 def one_draw(program, seed, frames, tally):
-    """The numbers of crossed gratings and of all gratings found in the first picture, and the draw's errors in um."""
+    """Returns the numbers of crossed and of all gratings found in the first frame, and the errors of the draw."""
     with tempfile.TemporaryDirectory() as folder:
         clip, out = pathlib.Path(folder) / "clip", pathlib.Path(folder) / "out"
         run([program, "simulate", "ink", "--frames", frames, "--seed", seed, "--quiet", "-o", clip])

@@ -14,9 +14,9 @@ namespace {
 using simulator::Scenario;
 using simulator::SceneMarker;
 
-constexpr double kMargin_mm = 2.0;                     // of white paper round a print
-constexpr double kReach = 2.2;                         // pitches to every side
-constexpr double kRoomX_mm = 105.0, kRoomY_mm = 72.0;  // to either side of the middle
+constexpr double kMargin_mm = 2.0;                     // mm, white paper around a grating
+constexpr double kReach = 2.2;                         // pitches, largest displacement along each axis
+constexpr double kRoomX_mm = 105.0, kRoomY_mm = 72.0;  // mm, half width and half height of the area of the targets
 
 SceneMarker corner_reference(double x, double y) {
   SceneMarker m;
@@ -27,7 +27,7 @@ SceneMarker corner_reference(double x, double y) {
   return m;
 }
 
-// Whole pitches, halves, or anything.
+// Returns a random displacement in mm: 30 % whole pitches, 20 % half pitches, otherwise uniform.
 double jump(Dice& dice, double pitch_mm) {
   const double pitches = uniform(dice, -kReach, kReach), kind = uniform(dice, 0.0, 1.0);
   if (kind < 0.3) return pitch_mm * std::round(pitches);
@@ -68,7 +68,7 @@ SceneMarker target_at(BoardPoint centre, const JumpKind& kind, std::size_t numbe
 
 Scenario jumping_targets(const JumpKind& kind, int number) {
   Scenario s = *simulator::built_in("small-still");
-  s.camera.k1 = -0.37;  // -1 % at the picture's corner
+  s.camera.k1 = -0.37;  // -1 % at the corner of the image
   s.seed = static_cast<std::uint64_t>(number) + 1;
   s.sensor.noise_sigma = kind.noise;
   s.sensor.psf_sigma_px = kind.psf_px;

@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal::study {
 
-// Radial distortion `percent` at the picture's own corner.
+// Sets a radial distortion of `percent` at the corner of the image.
 inline void bend(simulator::Scenario& s, double percent) {
   const double corner = 0.5 * std::hypot(s.camera.width, s.camera.height) / s.camera.fx;
   s.camera.k1 = 0.01 * percent / (corner * corner);

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Grey levels that are not light: a drone before a wall through tone curves and sharpening, against the truth.
+"""Tests non-linear grey levels: a drone in front of a wall, with tone curves and sharpening, compared with the truth.
 
     light_study.py --program MOIREGAUGE [--frames 40] [--tones linear,gamma:1.5,...] [--sharpen 0,0.6] [--seeds 1,2,3] [--noise 1.5]
 
-Prints a table, one row for each tone curve, sharpening and site.
+Prints a table with one row per tone curve, sharpening and site.
 """
 import argparse
 import pathlib
@@ -13,12 +13,12 @@ import tempfile
 
 from errors_of_run import SURVEYED, Tally, run, with_heights
 
-HEIGHTS_MM = {"T1": 0, "T2": -150, "T3": 0}  # of the targets, in front of the references' plane
+HEIGHTS_MM = {"T1": 0, "T2": -150, "T3": 0}  # mm, z of the targets; positive in front of the references' plane
 TONES = ["linear", "gamma:1.5", "gamma:2.2", "gamma:2.6", "srgb", "s-curve"]
 
 
 def without_tags(folder):
-    """Takes the gamma chunk out of every picture: a camera's own files often have none."""
+    """Removes the gamma chunk from all images, because files of cameras often have none."""
     for path in folder.glob("*.png"):
         data = path.read_bytes()
         at = data.find(b"gAMA")
@@ -48,7 +48,7 @@ def main():
 
 
 def sites(plain):
-    """The site as stated, surveyed, and surveyed with the heights of the targets."""
+    """Returns the site as stated, surveyed, and surveyed with the heights of the targets."""
     return {"usual": plain, "surveyed": plain + SURVEYED, "surveyed, targets' heights too": with_heights(plain, HEIGHTS_MM) + SURVEYED}
 
 

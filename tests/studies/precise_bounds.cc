@@ -17,12 +17,12 @@ using Eigen::Matrix2d;
 using simulator::Scenario;
 using simulator::SceneMarker;
 
-// Noise and rounding, grey levels of 8 bits.
+// Returns the standard deviation of noise and rounding in grey levels of 8 bits.
 double noise_of(const Scenario& s) {
   return std::hypot(s.sensor.noise_sigma, std::ldexp(1.0, 8 - s.sensor.bits) / std::sqrt(12.0));
 }
 
-// Pixels per millimetre of a marker's print, at its centre.
+// Returns the map from mm on a marker's sheet to px, at the centre of its grating.
 Matrix2d px_per_mm(const Scenario& s, long frame, const SceneMarker& marker) {
   const BoardPoint c = marker.print.grating->centre;
   const auto at = [&](double x, double y) { return project(s, frame, marker, {c.x + x, c.y + y}); };
@@ -32,7 +32,8 @@ Matrix2d px_per_mm(const Scenario& s, long frame, const SceneMarker& marker) {
   return j;
 }
 
-// Amplitude of the fundamental along one axis of a crossed print: lines of half a pitch, or a cosine of each axis.
+// Returns the amplitude, in grey levels, of the fundamental along one axis of a crossed grating. The pattern is a
+// cosine of each axis, or lines of half a pitch.
 double amplitude_of(const Scenario& s, const Grating& g, double blur_mm) {
   const double contrast = s.light.white - s.light.black;
   const double sharp = g.pattern == Pattern::kCosine ? 0.25 * contrast : contrast / kPi;

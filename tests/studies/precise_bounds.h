@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The least scatter that a frame allows a displacement to have, whatever the estimator.
+// Cramér-Rao bounds of a displacement in one frame.
 #pragma once
 
 #include "moiregauge/simulator/simulator.h"
@@ -7,13 +7,14 @@
 
 namespace moiregauge::internal::study {
 
-// Standard deviations along the board's x and y of a target's displacement in one frame, the camera's lens and the
-// markers' places known, the homography from the references' mean shifts (um).
-//
-// Phase bound: the fundamental of each grating over every pixel of its print (Rife and Boorstyn 1974).
+// Both functions return the standard deviations of a target's displacement along the board's x and y, in um. Lens and
+// marker positions are known, and the homography is fitted to the mean shifts of the references.
+
+// Returns the bound by the fundamental of each grating over all its pixels (Rife and Boorstyn 1974).
 [[nodiscard]] Extent<frame::Board> phase_bound_um(const simulator::Scenario& scenario, long frame);
-// Full bound: every printed edge. Information of a shift = sum over pixels of (d grey / d shift)^2 / variance, the
-// derivative taken from two noise-free pictures of the print moved by a hundredth of its pitch.
+// Returns the bound by all edges of each grating. The Fisher information of a shift is the sum over pixels of
+// (d grey / d shift)^2 / variance. The derivative is the difference of two images without noise, with the grating moved
+// by +-0.01 pitch.
 [[nodiscard]] Extent<frame::Board> full_bound_um(const simulator::Scenario& scenario, long frame);
 
 }  // namespace moiregauge::internal::study

@@ -33,7 +33,7 @@ Scenario small(double percent, double within_deg) {
   return s;
 }
 
-// Room for 4 deg to every side.
+// Returns the small rig in a larger image, with room for rotations of 4 degrees.
 Scenario small_in_large_picture(double percent) {
   Scenario s = scene("small-still");
   constexpr int kMore = 320;
@@ -46,13 +46,13 @@ Scenario small_in_large_picture(double percent) {
   return s;
 }
 
-// On an orbit a target's unknown height is all that u consists of: here it is stated.
+// States the heights, because on an orbit an unknown height of the target would dominate u.
 void state_heights(Scenario& s) {
   for (auto& marker : s.markers) marker.print.z_mm = 0.0;
   s.known_to.height_mm = 0.05;
 }
 
-// Anywhere within so many degrees to the side and half as many up and down.
+// Returns random camera positions around the board, within +-within_deg in azimuth and half of it in elevation.
 Scenario orbit(double percent, double within_deg) {
   Scenario s = scene("small-still");
   s.mount.pivot_z_mm = s.mount.distance_mm;
@@ -62,7 +62,7 @@ Scenario orbit(double percent, double within_deg) {
   return s;
 }
 
-// The target rests for the first ten frames; then the paper's movement.
+// The target rests for the first ten frames (1 s) and then moves by up to 2 mm.
 Scenario travel(const char* name) {
   Scenario s = scene(name);
   bend(s, -1.0);
@@ -171,7 +171,7 @@ void add_events(std::vector<PreciseCase>& all) {
                  .coverage_runs = 0});
 }
 
-// Rows read one after the other over 18 ms, 30 frames/s.
+// Returns a camera with a rolling shutter (readout time 18 ms, 30 frames/s) that sways and trembles.
 Scenario rolling(double sway_deg, double tremor_deg, double tremor_hz) {
   Scenario s = scene("small-still");
   bend(s, -1.0);
@@ -179,9 +179,9 @@ Scenario rolling(double sway_deg, double tremor_deg, double tremor_hz) {
   s.sensor.readout_s = 0.018;
   s.sensor.exposure_s = 1.0 / 500.0;
   auto& m = s.mount;
-  double turn = 40.0;  // deg, so that the six are never in step
+  double turn = 40.0;  // phase: in rad for the sway, in degrees for the tremor; differs between the six tracks
   for (Track* track : {&m.rotation_x, &m.rotation_y, &m.rotation_z}) {
-    // Straight lines between knots a quarter of a second apart: a hand that sways.
+    // A swaying hand: straight lines between knots at intervals of 0.25 s.
     for (int k = 0; k <= 80; ++k) {
       const double t = 0.25 * k;
       track->knots.push_back({t, sway_deg * std::sin(2.0 * t + turn)});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cases by which `precise` is judged: what is recorded, what the instrument is told, what it may cost.
+// Test cases of the method `precise`: scenario, values known to the instrument, requirement, number of runs.
 #pragma once
 
 #include <optional>
@@ -15,23 +15,23 @@ enum class Bound { kPhase, kFull };
 
 struct PreciseCase {
   std::string name;
-  std::string gate;  // in words, for the table
+  std::string gate;  // requirement as text for the table
   simulator::Scenario scenario;
   Bound bound = Bound::kPhase;
   bool lens_known = false;
   std::optional<FrameRange> rest{};
-  std::optional<double> readout_s{};  // as --readout gives it
-  long frames = 60;                   // of a run, the reference frame among them
-  long step = 1;                      // every step-th frame of the scenario
-  long coverage_frames = 8;           // of a short run, likewise
-  long coverage_step = 6;
-  int runs = 10;  // unless --runs says otherwise
-  int coverage_runs = 200;
+  std::optional<double> readout_s{};  // s, value of --readout
+  long frames = 60;                   // per long run, including the reference frame
+  long step = 1;                      // uses every step-th frame of the scenario
+  long coverage_frames = 8;           // per short run, including the reference frame
+  long coverage_step = 6;             // as step, for short runs
+  int runs = 10;                      // long runs, default of --runs
+  int coverage_runs = 200;            // short runs, default of --coverage
 };
 
 [[nodiscard]] const std::vector<PreciseCase>& precise_cases();
 
-// The scenario with another noise, other poses and other true places.
+// Returns the scenario with another seed of the noise, the camera poses and the true positions.
 [[nodiscard]] simulator::Scenario drawn_anew(const simulator::Scenario& scenario, int seed);
 
 }  // namespace moiregauge::internal::study

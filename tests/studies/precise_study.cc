@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// precise_study [--set KEY=VALUE]... [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--no-draw]
-// [--noise-free] [--template auto|on|off]
-// [--verbose]: one row of a Markdown table per case whose name begins with WORD.
+// Prints one row of a Markdown table per case whose name begins with WORD.
+//
+//     precise_study [--set KEY=VALUE]... [--cases WORD] [--runs N] [--coverage N] [--seed S] [--method M] [--no-draw]
+//                   [--noise-free] [--template auto|on|off] [--verbose]
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -29,9 +30,9 @@ struct Words {
   int coverage = -1;
   int seed = 1;
   bool noise_free = false;
-  bool no_draw = false;  // the site is exact, whatever known_to says
+  bool no_draw = false;  // no errors are drawn: the site is exact
   bool verbose = false;
-  std::vector<std::string> settings;  // of every scenario, "KEY=VALUE" as for moiregauge simulate --set
+  std::vector<std::string> settings;  // applied to all scenarios, "KEY=VALUE" as for moiregauge simulate --set
 };
 
 bool apply(const std::string& assignment, simulator::Scenario& scenario) {
@@ -50,7 +51,7 @@ struct AxisErrors {
   int inside = 0;
 };
 
-// What was seen over many runs of one case.
+// Sums over many runs of one case.
 struct CaseTally {
   AxisErrors x, y;
   int rows = 0, ok = 0, wrong_orders = 0, lies = 0, covered_ok = 0, problems = 0, runs = 0;
@@ -140,8 +141,9 @@ void tell_case(const simulator::Scenario& s, const test::MeasuredRun& run) {
   for (const std::string& note : run.solution.notes) std::fprintf(stderr, "    %s\n", note.c_str());
 }
 
-// Long runs: positions drawn, prints exact, so that what is left is the method's own. The bound is that of the frames
-// measured; the full bound costs four pictures per marker, so it is taken of every tenth.
+// Makes the long runs. Only positions are drawn and gratings are exact, so that the remaining errors are those of the
+// method. The bound is that of the measured frames. The full bound requires four images per marker, so it is computed
+// for every tenth frame only.
 CaseTally long_runs(const PreciseCase& c, const Words& words) {
   CaseTally tally;
   const int runs = words.runs >= 0 ? words.runs : c.runs;
@@ -161,7 +163,7 @@ CaseTally long_runs(const PreciseCase& c, const Words& words) {
   return tally;
 }
 
-// Short runs: all that [known_to] speaks of is drawn.
+// Makes the short runs. All values of [known_to] are drawn.
 CaseTally short_runs(const PreciseCase& c, const Words& words) {
   CaseTally tally;
   const int runs = words.coverage >= 0 ? words.coverage : c.coverage_runs;

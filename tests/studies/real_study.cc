@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the section "Real photographs" of docs/accuracy.md: every figure is measured here and now, by the library's
-// public functions, on the photographs of a folder (tests/real/data unless one is named).
+// Measures all figures of the section "Real photographs" of docs/accuracy.md and prints it. Uses the photographs of the
+// folder in the first argument, by default tests/real/data.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -49,7 +49,7 @@ struct SetViews {
   std::vector<LatticeView> views;
 };
 
-// The lattice touches neither the frame nor the picture's rim, where a lens bends most.
+// Returns true if all points are at least one pitch from the edge of the image, where the distortion is largest.
 bool clear_of_frame(const LatticeView& view) {
   if (view.lattices.empty()) return false;
   const IndexedLattice& lattice = view.lattices.front();
@@ -70,7 +70,7 @@ void print_nulls(const SetViews& s) {
   print_null(s.set.name, by, "outermost points", all);
   if (s.set.landmarks == Landmarks::kLargeDot)
     print_null(s.set.name, by + ", a pitch clear of the frame", "outermost points", clear);
-  if (s.set.landmarks != Landmarks::kDiscs) return;  // the other lattices hold too few periods for their phase
+  if (s.set.landmarks != Landmarks::kDiscs) return;  // other lattices have too few periods for a phase
   const LatticeView& second = s.views[1];
   const auto phases = test::phase_places(first, second, s.set.kind);
   print_null(s.set.name, "lattice phase", "outermost patches", {test::null_between(phases.first, phases.second)});
@@ -79,7 +79,7 @@ void print_nulls(const SetViews& s) {
              {test::null_by_discs(phases.first, phases.second, first.discs, second.discs)});
 }
 
-// Each set's lens from its own views, and the set's nulls with and without it.
+// Prints the lens solved from the set's views, and the set's nulls with and without it.
 void print_lens(const SetViews& s) {
   const BoardCalibration solved = test::calibrated(s.views);
   const auto row = [&](const std::string& targets, double raw, double raw_worst, double null, double worst) {

@@ -27,7 +27,7 @@ Cause lens(const char* name, double k1) {
   return {fmt::format("lens {}", name), [k1](Scenario& s) { s.camera.k1 = k1; }};
 }
 
-// The target alone stands off the references' plane; the pivot is that far behind the lens.
+// Returns the cause of a target behind the references' plane, with the camera's pivot behind the lens.
 Cause off_plane_cause(double behind_mm, double pivot_mm) {
   return {fmt::format("target {:.0f} mm behind the plane, pivot {:.0f} mm behind the lens", behind_mm, pivot_mm),
           [=](Scenario& s) {
@@ -38,8 +38,8 @@ Cause off_plane_cause(double behind_mm, double pivot_mm) {
           }};
 }
 
-// One diagonal of the references so far before the plane (or beside where the site has them), the other as far behind:
-// the pattern that no tilt of the plane explains.
+// Returns the cause of references that are displaced from their stated positions, with opposite signs on the two
+// diagonals. A tilt of the plane cannot explain this pattern.
 Cause references_moved(const char* what, double x_mm, double y_mm, double z_mm) {
   return {what, [=](Scenario& s) {
             for (SceneMarker& m : s.markers) {
@@ -97,7 +97,7 @@ void print_residual_causes(std::span<const PaperCase> cases) {
     std::string row = fmt::format("| {} |", cause.name);
     for (const PaperCase& c : cases) {
       auto scenario = *simulator::built_in(c.scenario);
-      scenario.sensor.exposure_s = 1e-6;  // the exact points are those of one instant
+      scenario.sensor.exposure_s = 1e-6;  // s; exact points are computed for one instant
       cause.apply(scenario);
       row += fmt::format(" {:.2f} |", largest_dy_um(scenario, c.reference_frame));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the published method's residuals are made of: one cause at a time, on exact points.
+// Causes of the published method's residuals: one cause at a time, on exact points.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@ struct PaperCase {
   long reference_frame;
 };
 
-// Prints a Markdown section: the largest error of dy over each case's run for every cause.
+// Prints a Markdown section with the largest error of dy per cause and case, over the run.
 void print_residual_causes(std::span<const PaperCase> cases);
 
 }  // namespace moiregauge::internal::test

@@ -18,10 +18,10 @@ namespace {
 using simulator::Scenario;
 using simulator::SceneMarker;
 
-constexpr long kFrames = 17;  // the reference frame among them
+constexpr long kFrames = 17;  // including the reference frame
 constexpr double kMmPerPx = 1200.0 / 3478.26;
 constexpr double kReference = 30.0, kTarget = 40.0, kCircle = 16.0;  // mm
-constexpr double kCircleBeside = 26.0;                               // to the right of a reference's grating, mm
+constexpr double kCircleBeside = 26.0;  // mm, from a reference's grating to its circle on the right
 constexpr simulator::RenderOptions kOneThread{1, simulator::Area::kMarkersOnly};
 
 SceneMarker reference_at(std::size_t k, BoardPoint centre) {
@@ -34,7 +34,8 @@ SceneMarker reference_at(std::size_t k, BoardPoint centre) {
   return m;
 }
 
-// Columns from left to right, above and below in turn: four are the corners, six two rows of three.
+// Returns positions in two rows from left to right, the upper row first: four are the corners, six are two rows of
+// three.
 std::vector<BoardPoint> rows(int references) {
   std::vector<BoardPoint> places;
   const int columns = (references + 1) / 2;
@@ -48,8 +49,8 @@ std::vector<BoardPoint> rows(int references) {
   return places;
 }
 
-// Nobody over anybody: a reference with its circle is 60 x 36 mm with its paper, the target 60 x 60 in the middle. On
-// both sides of the target, for references on a line are refused.
+// Returns random positions without overlap. A reference with circle and paper has 60 x 36 mm, the target in the middle
+// 60 x 60 mm. Positions alternate between above and below, because references on one line are refused.
 std::vector<BoardPoint> stratified_points(int references, Dice& dice) {
   std::vector<BoardPoint> places;
   for (int tries = 0; static_cast<int>(places.size()) < references; ++tries) {
@@ -71,7 +72,7 @@ void place(Scenario& s, const std::vector<BoardPoint>& places) {
   s.markers.push_back(target);
 }
 
-// A hand's sway, slow or quick, or poses drawn anew; a tenth of a degree or most of one.
+// Moves the camera by 0.1 or 0.8 degrees: as slow sines of 0.1 to 1 Hz, or by random poses in every frame.
 void move_camera(simulator::Mount& mount, Dice& dice) {
   const double within = uniform(dice, 0.0, 1.0) < 0.5 ? 0.1 : 0.8;
   const bool sways = uniform(dice, 0.0, 1.0) < 0.5;
@@ -94,15 +95,15 @@ void slip(SceneMarker& marker, long when, double mm, double direction, double fp
   marker.dy.knots = {{before, 0.0}, {after, mm * std::sin(direction)}};
 }
 
-// What would be read of a marker in this frame: the places of the reference frame's nine points, with noise as wide as
-// that frame's information says.
+// Simulates the fit of a marker in this frame: the nine points of the reference frame at their new positions. The noise
+// follows the Fisher information of the reference frame.
 PatchFit read_again(const Scenario& s, long frame, const Marker& marker, const PatchFit& then, Dice& dice) {
   const SceneMarker& truth = *simulator::find_marker(s, marker.name);
   const auto board = print_from_board(*marker.grating, {}).inverse();
   std::normal_distribution<double> normal;
   Eigen::Matrix<double, 2 * kPatchPoints, 1> noise;
   for (double& n : noise) n = normal(dice);
-  // information = L L^T: L^-T gives unit noise this covariance.
+  // With information = L L^T, L^-T times unit noise has the inverse of the information as covariance.
   noise = then.information.llt().matrixU().solve(noise);
   PatchFit now = then;
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
@@ -143,7 +144,7 @@ Observation observed_again(const Scenario& s, long frame, const Reference& refer
 
 Slip drawn_slip(const SlipKind& kind, int number) {
   TrustScenario drawn{"slip", "", *simulator::built_in("small-still"), kind.lens_known};
-  drawn.scenario.camera.k1 = -0.37;  // -1 % at the picture's corner
+  drawn.scenario.camera.k1 = -0.37;  // -1 % at the corner of the image
   Dice dice(static_cast<std::uint64_t>(number) * 7919 + 17);
   place(drawn.scenario,
         kind.layout == Layout::kRows ? rows(kind.references) : stratified_points(kind.references, dice));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// statement_study [--runs N] [--only WORD] [--seed S] [--verbose]: statements of the user, true and false, against
-// simulated footage; Markdown, one row per case: how often the program contradicts them.
+// Tests true and false statements of the user on simulated footage. Prints a Markdown table with the number of runs in
+// which the program contradicts the statement, one row per case.
+//
+//     statement_study [--runs N] [--only WORD] [--seed S] [--verbose]
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -82,7 +84,7 @@ bool is_lie(double error_um, double u_um) { return std::abs(error_um) > std::fma
 
 struct StatementTally {
   int runs = 0, contradicted = 0, refused = 0;
-  long rows = 0, lies = 0;  // of runs that were not contradicted, ok
+  long rows = 0, lies = 0;  // ok rows of runs without a contradiction
 };
 
 void count_rows(const test::MeasuredRun& run, StatementTally& tally) {
@@ -136,9 +138,9 @@ struct CameraCase {
   std::string name;
   Scenario scenario;
   void (*misstate)(Camera&);
-  std::optional<std::array<double, kCameraParameters>> u{};  // stated with it; none: those of any calibration
+  std::optional<std::array<double, kCameraParameters>> u{};  // stated u of the camera; none: the default values
   bool is_true = true;
-  bool is_drawn = false;  // from what is stated with it
+  bool is_drawn = false;  // the stated camera is drawn from the true one with u
 };
 
 Camera camera_of(const Scenario& s) {

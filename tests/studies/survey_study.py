@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Surveyed sites (0.01 mm, 0.001 deg) against the usual one, on rigs with lenses of -1 and -2 % and tangential distortion.
+"""Compares surveyed sites (0.01 mm, 0.001 deg) with the usual one, on rigs with radial and tangential distortion.
 
     survey_study.py --program MOIREGAUGE [--frames 20] [--seeds 1,2,3,4,5,6]
 
-Every place is drawn within what the site states of it. Prints a table, one row for each rig, lens and site.
+Positions are drawn from the uncertainties of the site. Prints a table with one row per rig, lens and site.
 """
 import argparse
 import pathlib
@@ -14,11 +14,14 @@ from errors_of_run import Tally, run, with_heights
 
 LENSES = {"-1 %": -0.0225, "-2 %": -0.0451}
 RIGS = ["rig-0.1x", "rig-1x", "rig-1xyz", "rig-8xyz"]
-TRAVEL = {"small-travel-50": -30.0}  # mm, the target before the references' plane
+TRAVEL = {"small-travel-50": -30.0}  # mm, z of the target; positive in front of the references' plane
 
 
 def one_row(program, name, lens, settings, seeds, frames, height_mm):
-    """The usual and the surveyed site, each with its own draw of places. Surveyed targets have stated heights."""
+    """Prints the rows of the usual and the surveyed site, each with its own draw of positions.
+
+    Surveyed targets have stated heights.
+    """
     for site_name in ("usual", "surveyed"):
         tally = Tally()
         for seed in seeds:

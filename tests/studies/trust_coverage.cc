@@ -13,15 +13,16 @@
 namespace moiregauge::internal::study {
 namespace {
 
-constexpr double kInterval = 1.96;  // u: 95 % of a normal distribution
+constexpr double kInterval = 1.96;  // coverage factor k for 95 % of a normal distribution
 
 struct Axis {
   std::vector<double> error, u;  // um
-  int inside = 0;                // of kInterval
-  std::vector<double> share;     // inside, run by run
+  int inside = 0;                // number of errors below kInterval u
+  std::vector<double> share;     // coverage per run
 };
 
-// By how much coverage may be off by chance: runs scatter, frames of one run share what they were told.
+// Returns the standard error of the coverage from the scatter between runs. Frames of one run are not independent,
+// because they share the drawn values.
 double standard_error(const Axis& axis) { return test::scatter(axis.share) / std::sqrt(double(axis.share.size())); }
 
 struct Tally {

@@ -5,7 +5,7 @@
 
 namespace moiregauge::internal::study {
 
-// How often the truth lies within 1.96 u: one row for each scenario whose name begins with `only`.
+// Prints the coverage of 1.96 u: one row per scenario whose name begins with `only`.
 void print_coverage(int runs, const std::string& only, bool verbose);
 
 }  // namespace moiregauge::internal::study

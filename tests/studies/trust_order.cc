@@ -15,7 +15,7 @@
 namespace moiregauge::internal::study {
 namespace {
 
-constexpr double kWrong = 0.25;  // of a pitch
+constexpr double kWrong = 0.25;  // pitches; a larger error is a wrong fringe order
 
 struct OrderRow {
   const char* name;

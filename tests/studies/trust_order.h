@@ -5,8 +5,8 @@
 
 namespace moiregauge::internal::study {
 
-// Many targets on a board jump by fractions and multiples of their pitch from frame to frame: how many samples called
-// `ok` are off by more than a quarter of a pitch. `samples`: of targets in frames, over all rows together.
+// Prints the number of `ok` samples with an error above a quarter of a pitch. Many targets on a board jump by fractions
+// and multiples of their pitch from frame to frame. `samples` is the number of samples over all rows of the table.
 void print_orders(int samples, const std::string& only, bool verbose);
 
 }  // namespace moiregauge::internal::study

@@ -35,7 +35,7 @@ Outcome outcome_of(const Slip& slip, const std::optional<Solution>& solution) {
 struct ReferenceRow {
   std::string name;
   SlipKind kind;
-  double draws = 1.0;  // of those asked for
+  double draws = 1.0;  // share of the requested number of draws
 };
 
 std::vector<ReferenceRow> table() {

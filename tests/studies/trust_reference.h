@@ -5,8 +5,8 @@
 
 namespace moiregauge::internal::study {
 
-// One reference of several slips by 0.2 px at a random moment: how often that is noticed, and the right one named; and
-// how often references that stand still are suspected.
+// Prints the share of runs in which a step of one reference is reported, with the right or a wrong name. The step is
+// 0.2 px at a random frame. Also prints the share of false alarms without a step.
 void print_reference_faults(int draws, const std::string& only, bool verbose);
 
 }  // namespace moiregauge::internal::study

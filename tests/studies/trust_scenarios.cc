@@ -14,13 +14,12 @@ namespace {
 using simulator::Scenario;
 using simulator::SceneMarker;
 
-constexpr long kMeasuredFrames = 5;  // besides the reference frame
-// Of an unknown lens: where it has its centre, of the picture's larger side; and by how much it bends the picture's
-// corner to one side, of half the diagonal. Both are as wide as the instrument takes them to be.
-constexpr double kCentreWithin = 0.02;
-constexpr double kTangentialWithin = 0.005;
+constexpr long kMeasuredFrames = 5;  // without the reference frame
+// Standard deviations for an unknown lens, equal to the priors of the instrument.
+constexpr double kCentreWithin = 0.02;       // of the image width: principal point
+constexpr double kTangentialWithin = 0.005;  // of half the diagonal: tangential distortion at the corner
 
-// The same rig seen by a sensor of larger pixels: pitches of 29 px become 29 / times.
+// Returns the same rig with larger pixels: a pitch of 29 px becomes 29 / times px.
 Scenario coarser(Scenario s, double times) {
   auto& c = s.camera;
   c.width = static_cast<int>(c.width / times), c.height = static_cast<int>(c.height / times);
@@ -116,7 +115,7 @@ TrustScenario walk() {
   return t;
 }
 
-// The camera as it truly is, where the instrument is told `s.camera` to within `u` (the Scene's order).
+// Draws the true camera around the one known to the instrument. `u` has the order of the Scene's parameters.
 void draw_camera(simulator::Camera& c, const std::array<double, kCameraParameters>& u, std::mt19937_64& dice) {
   std::normal_distribution<double> normal;
   const double f = u[0] * normal(dice);

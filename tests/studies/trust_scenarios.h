@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Twelve kinds of footage on which the stated uncertainty is held against the truth. In every run the truth is drawn
-// anew from what the instrument is told: places, turns, heights and print scales as wide as [known_to], a given camera
-// as wide as its stated u, an unknown one's centre and tangential distortion as wide as the instrument's prior. A site
-// said to be exact is told so by a small [known_to].
+// Twelve kinds of footage for the comparison of the stated uncertainty with the truth. Each run draws its truth from
+// the uncertainties known to the instrument:
+//
+// - positions, rotations, heights and print scales: [known_to] (small for an exact site),
+// - a known camera: its stated u,
+// - an unknown camera: the instrument's prior of the image centre and the tangential distortion.
 #pragma once
 
 #include <optional>
@@ -15,10 +17,10 @@ namespace moiregauge::internal::study {
 
 struct TrustScenario {
   std::string name;
-  std::string what;  // in words, for the table
+  std::string what;  // description for the table
   simulator::Scenario scenario;
   bool lens_known = false;
-  double depth_mm = 0.0;  // standard deviation of a target's height that the site does not state
+  double depth_mm = 0.0;  // mm, standard deviation of the target's height, which the site does not state
 };
 
 [[nodiscard]] const std::vector<TrustScenario>& trust_scenarios();
@@ -27,7 +29,7 @@ struct DrawnRun {
   simulator::Scenario scenario;
   test::RunPlan plan;
 };
-// Run `number` of it: another truth, other poses, another noise.
+// Returns run `number` with its own truth, poses and noise.
 [[nodiscard]] DrawnRun drawn_run(const TrustScenario& kind, int number);
 
 }  // namespace moiregauge::internal::study

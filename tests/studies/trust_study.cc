@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// trust_study [--coverage] [--order] [--reference] [--runs N] [--only WORD] [--verbose]: Markdown, a table for each
-// section asked for (all of them if none is).
+// Prints a Markdown table per selected section, by default all of them.
+//
+//     trust_study [--coverage] [--order] [--reference] [--runs N] [--only WORD] [--verbose]
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -169,7 +169,7 @@ PutMore put_video(std::optional<double> exaggeration, const OpenInput& open, con
     const std::string path = (folder / "stabilised.mp4").string();
     auto writer = VideoWriter::create(path, format_of(film, (*source)->info().fps));
     if (!writer) return tl::unexpected(writer.error());
-    const auto is_whole = write_film(**source, film, options.frames, *writer, callbacks);
+    const auto is_whole = write_film(**source, film, options.frames, **writer, callbacks);
     if (!is_whole) return tl::unexpected(is_whole.error());
     if (!*is_whole) {
       std::error_code ignored;

@@ -25,7 +25,7 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
-// mkostemp makes files private; ours are as open as any other new file.
+// mkostemp creates private files (mode 0600). Results get the mode of any other new file.
 bool open_up(int file) {
   const mode_t mask = ::umask(0);
   ::umask(mask);
@@ -46,7 +46,7 @@ bool sync_file(const std::string& path) {
 
 bool sync_folder(const std::string& folder) {
   const int file = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) return errno == EACCES;  // a folder one may write to but not list
+  if (file < 0) return errno == EACCES;  // write access without read access cannot be synced
   const bool synced = ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP;
   const int why = errno;
   ::close(file);
@@ -57,7 +57,7 @@ bool sync_folder(const std::string& folder) {
 tl::expected<void, std::string> write_file_atomically(const std::string& path, std::string_view bytes) {
   std::string unfinished = path + ".XXXXXX";
   const auto failed = [&](int why) {
-    return tl::unexpected(fmt::format("{}: cannot be written: {}", path, std::strerror(why)));
+    return tl::unexpected(fmt::format("{} ({})", path, std::strerror(why)));
   };
   const int file = ::mkostemp(unfinished.data(), O_CLOEXEC);
   if (file < 0) return failed(errno);

@@ -8,15 +8,15 @@
 
 namespace moiregauge::internal {
 
-// Writes the whole file or leaves what was there: a temporary name beside it, fsync, rename, fsync of the folder.
-// An error reads "path: cannot be written: why"; the temporary file is gone then. (Where the folder's sync fails the
-// new file is there, but might be gone after a power cut.)
+// Writes a file completely or not at all: temporary name next to it, fsync, rename, fsync of the folder.
+// Fails with the path and the reason, and removes the temporary file.
+// If only the fsync of the folder fails, the new file exists, but a power cut can still lose it.
 [[nodiscard]] tl::expected<void, std::string> write_file_atomically(const std::string& path, std::string_view bytes);
 
 [[nodiscard]] bool sync_file(const std::string& path);
 
-// Brings the names in a folder to the disk. False, with errno, where that failed; a file system that cannot do it is no
-// failure.
+// Writes the names in a folder to the disk. Returns false and sets errno on failure. A file system that cannot sync a
+// folder is no failure.
 [[nodiscard]] bool sync_folder(const std::string& folder);
 
 }  // namespace moiregauge::internal

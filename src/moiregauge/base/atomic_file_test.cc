@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-TEST(AtomicFile, TheNewFileReplacesTheOldOneWhole) {
+TEST(AtomicFile, TheNewFileReplacesTheOldOneCompletely) {
   const TestFolder folder;
   ASSERT_TRUE(write_file_atomically(folder / "a.csv", "old and long"));
   ASSERT_TRUE(write_file_atomically(folder / "a.csv", std::string_view("n\0w", 3)));
@@ -16,7 +16,7 @@ TEST(AtomicFile, TheNewFileReplacesTheOldOneWhole) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file is left";
 }
 
-TEST(AtomicFile, AFileThatCannotBeWrittenSaysWhyAndLeavesNothing) {
+TEST(AtomicFile, AFailedWriteReportsTheReasonAndLeavesNoFile) {
   const TestFolder folder;
   const auto nowhere = write_file_atomically(folder / "absent/a.csv", "text");
   ASSERT_FALSE(nowhere);

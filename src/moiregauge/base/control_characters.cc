@@ -10,7 +10,7 @@ namespace {
 
 struct Character {
   std::uint32_t code = 0;
-  std::size_t bytes = 0;  // 0: the first byte begins no character of UTF-8
+  std::size_t bytes = 0;  // 0: no valid UTF-8 character starts here
 };
 
 std::size_t sequence_bytes(unsigned char lead) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters that steer a terminal, or the direction of text, instead of being shown: a file's name may hold them.
+// Control characters of terminals and of text direction. A file name may contain them.
 #pragma once
 
 #include <string>
@@ -7,11 +7,12 @@
 
 namespace moiregauge::internal {
 
-// Has the text a C0 or C1 control, DEL, or a mark that changes the direction of text (U+202A to U+202E, U+2066 to U+2069,
-// U+200E, U+200F, U+061C)? Bytes that are no UTF-8 count as well: 0x9B alone is a control of 8-bit terminals.
+// Returns true if the text contains a C0 or C1 control, DEL, or a mark of text direction.
+// Such marks are U+202A to U+202E, U+2066 to U+2069, U+200E, U+200F and U+061C.
+// Invalid UTF-8 counts as well, because 0x9B alone is a control of 8-bit terminals.
 [[nodiscard]] bool has_control_character(std::string_view text);
 
-// Returns the text with each of them as "\u001b", or "\x9b" for a byte that is no UTF-8. Line feeds and tabs stay.
+// Returns the text with controls as "\u001b" and bytes of invalid UTF-8 as "\x9b". Line feeds and tabs stay.
 [[nodiscard]] std::string with_controls_escaped(std::string_view text);
 
 }  // namespace moiregauge::internal

@@ -13,7 +13,7 @@ TEST(ControlCharacters, PlainTextOfAnyLanguageStaysAsItIs) {
   EXPECT_FALSE(has_control_character("Brücke 橋脚 \xf0\x9f\x8c\x89"));
 }
 
-TEST(ControlCharacters, NothingThatSteersATerminalIsLeft) {
+TEST(ControlCharacters, NoTerminalControlRemains) {
   EXPECT_EQ(with_controls_escaped("a\x1b[31mb\r\x7f"), "a\\u001b[31mb\\u000d\\u007f");
   EXPECT_EQ(with_controls_escaped("\xc2\x9b\xc2\x85"), "\\u009b\\u0085") << "C1 in UTF-8";
   EXPECT_EQ(with_controls_escaped("\xe2\x80\xae"

@@ -7,8 +7,8 @@
 
 namespace moiregauge::internal {
 
-// The check sum of PNG, gzip and Ethernet (polynomial 0x04C11DB7, reflected): finds every error of up to 32 bits in a
-// row. `so_far` continues the sum of what came before.
+// Returns the check sum of PNG, gzip and Ethernet (polynomial 0x04C11DB7, reflected). It detects every burst error of
+// up to 32 bits. `so_far` is the check sum of the bytes before these.
 [[nodiscard]] inline std::uint32_t crc32(std::string_view bytes, std::uint32_t so_far = 0) {
   static constexpr auto kTable = [] {
     std::array<std::uint32_t, 256> table{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One field of a CSV file.
+// Formats one field of a CSV file.
 #pragma once
 
 #include <cmath>
@@ -9,14 +9,14 @@
 
 namespace moiregauge::internal {
 
-// Six decimals, no minus before zero, NaN for what is not known.
+// Returns the number with six decimals. Minus zero becomes zero, an unknown value "NaN".
 [[nodiscard]] inline std::string csv_number(double value) {
   if (std::isnan(value)) return "NaN";
   std::string text = fmt::format("{:.6f}", value);
   return text == "-0.000000" ? "0.000000" : text;
 }
 
-// RFC 4180: a text with a comma or a quote is quoted.
+// Returns the text, quoted by RFC 4180 if it contains a comma, a quote or a line feed.
 [[nodiscard]] inline std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";

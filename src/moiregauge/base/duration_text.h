@@ -7,8 +7,8 @@
 
 namespace moiregauge::internal {
 
-// Seconds from "18ms", "0.018 s" or "18000us"; finite, zero or above.
-// fails      says what to write; a bare number has no unit and is refused
+// Reads a duration such as "18ms", "0.018 s" or "18000us". Unit of the result: s, finite, zero or above.
+// Fails with what to write instead. A number without a unit is refused.
 [[nodiscard]] tl::expected<double, std::string> duration_s(const std::string& text);
 
 }  // namespace moiregauge::internal

@@ -13,7 +13,7 @@ TEST(DurationText, ReadsMillisecondsSecondsAndMicroseconds) {
   EXPECT_EQ(duration_s("0ms").value(), 0.0);
 }
 
-TEST(DurationText, RefusesWhatHasNoUnitAndWhatIsNoTime) {
+TEST(DurationText, RefusesTextsWithoutUnitAndInvalidDurations) {
   EXPECT_NE(duration_s("18").error().find("write 18ms"), std::string::npos);
   for (const char* text : {"", "ms", "-1ms", "nan ms", "inf s", "18 min", "1,8ms", "18ms18"})
     EXPECT_FALSE(duration_s(text)) << text;

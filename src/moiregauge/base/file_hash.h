@@ -7,13 +7,14 @@
 
 namespace moiregauge::internal {
 
-// SHA-256 over the bytes of all files in order, as hexadecimal digits; a file that cannot be read adds nothing.
-// `go_on` is asked after every megabyte; once it says no the answer is empty.
+// Returns the SHA-256 over the bytes of all files in order, as hexadecimal digits. A file that cannot be read adds no
+// bytes.
+// Calls `may_continue` after every megabyte. Returns an empty text once it returns false.
 [[nodiscard]] std::string sha256_of_files(
     const std::vector<std::string>& paths, const std::function<bool()>& may_continue = [] { return true; });
 
-// What tells one recording from another at a glance, without reading it all: how many files, how many bytes, and the
-// SHA-256 of the first megabyte of the first file and the last megabyte of the last one.
+// Returns a fast fingerprint that distinguishes recordings: number of files, number of bytes, and a SHA-256. The
+// SHA-256 covers the first megabyte of the first file and the last megabyte of the last file.
 [[nodiscard]] std::string quick_fingerprint(const std::vector<std::string>& paths);
 
 }  // namespace moiregauge::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder for the files of one test; it goes away with the test.
+// A temporary folder for the files of one test. The destructor removes it.
 #pragma once
 
 #include <unistd.h>

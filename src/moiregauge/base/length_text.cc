@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Divisors where they are exact in binary and factors are not: 10000um is 10 mm to the last bit.
+// Factors below 1 are divisors, because 1000 is exact in binary and 0.001 is not: 10000um is 10 mm to the last bit.
 struct LengthUnit {
   std::string_view word;
   double times;
@@ -38,19 +38,19 @@ tl::expected<double, std::string> length_mm(const std::string& text) {
   const std::string_view whole = trimmed(text);
   double number = 0.0;
   const auto [end, problem] = std::from_chars(whole.data(), whole.data() + whole.size(), number);
-  if (problem != std::errc()) return tl::unexpected(fmt::format("\"{}\" is no length: write it like 10mm", text));
+  if (problem != std::errc()) return tl::unexpected(fmt::format("\"{}\" is not a length, write it like 10mm", text));
   const std::string_view word = trimmed(whole.substr(static_cast<std::size_t>(end - whole.data())));
   if (word.empty()) {
-    return tl::unexpected(fmt::format("\"{}\" has no unit: write {}mm (or cm, m, um, in)", text, whole));
+    return tl::unexpected(fmt::format("\"{}\" has no unit, write {}mm (or cm, m, um, in)", text, whole));
   }
-  if (word.front() == ',') return tl::unexpected(fmt::format("\"{}\" has a comma: write a decimal point", text));
+  if (word.front() == ',') return tl::unexpected(fmt::format("\"{}\" has a comma, write a decimal point", text));
   for (const LengthUnit& unit : kUnits) {
     if (unit.word != word) continue;
     const double length = number * unit.times / unit.over;
     if (std::isfinite(length) && length > 0.0) return length;
-    return tl::unexpected(fmt::format("\"{}\" must be greater than 0", text));
+    return tl::unexpected(fmt::format("\"{}\" must be greater than 0, give a positive length", text));
   }
-  return tl::unexpected(fmt::format("\"{}\" has an unknown unit \"{}\": use mm, cm, m, um or in", text, word));
+  return tl::unexpected(fmt::format("\"{}\" has the unknown unit \"{}\", use mm, cm, m, um or in", text, word));
 }
 
 }  // namespace moiregauge::internal

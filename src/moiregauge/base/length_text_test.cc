@@ -15,12 +15,12 @@ TEST(LengthText, TheSameLengthInAnyUnitIsTheSameNumber) {
   EXPECT_DOUBLE_EQ(*length_mm("0.4in"), 10.16);
 }
 
-TEST(LengthText, ABareNumberIsRefusedAndToldWhatToWrite) {
+TEST(LengthText, ANumberWithoutUnitIsRefusedWithAdvice) {
   ASSERT_FALSE(length_mm("10"));
   EXPECT_EQ(length_mm("10").error(), "\"10\" has no unit: write 10mm (or cm, m, um, in)");
 }
 
-TEST(LengthText, WhatIsNoLengthIsRefused) {
+TEST(LengthText, TextThatIsNoLengthIsRefused) {
   for (const char* text : {"", "mm", "-1mm", "0mm", "10 furlong", "10,0mm", "nanmm", "infmm", "1e999mm", "10mmm"}) {
     EXPECT_FALSE(length_mm(text)) << text;
   }

@@ -16,7 +16,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// What the handler may look at: a signal waits for no lock.
+// One row of the signal handler's table. Atomics, because a signal handler must not wait for a lock.
 struct Mapping {
   std::atomic<bool> taken{false};
   std::atomic<std::uintptr_t> begin{0};
@@ -36,7 +36,7 @@ void on_bus_error(int signal, siginfo_t* what, void* context) {
     if (::mmap(page, page_bytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) == page) return;
   }
   if ((before_ours.sa_flags & SA_SIGINFO) != 0) return before_ours.sa_sigaction(signal, what, context);
-  ::sigaction(signal, &before_ours, nullptr);  // the access happens again, and ends as it would have without us
+  ::sigaction(signal, &before_ours, nullptr);  // the access repeats and ends as it would without this handler
 }
 
 void watch_bus_errors() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file's bytes as memory: only the pages that are looked at are ever read.
+// Maps a file into memory. The system reads only the pages that the program accesses.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,13 @@
 
 namespace moiregauge::internal {
 
-// The length is that of the moment of opening. Of a file that is cut short afterwards the pages behind its end cannot
-// be read: they turn to zeros under whoever reads them (a handler of SIGBUS, which passes on what is not ours), and
-// is_whole() says no from then on. Ask it before each frame; a result made of zeros is followed by the answer no.
+// The length is that at opening. If the file is truncated later, its lost pages read as zeros (by a SIGBUS handler,
+// which forwards other faults). From then on is_whole() returns false. Check it after each use of the bytes, because a
+// result may come from such zeros.
 class MappedFile {
  public:
-  // Null when there is no such file, it is empty, or too many are open (then read it in another way).
+  // Returns null if the file is missing, empty or no plain file, or if 16 files are mapped already. Then read it in
+  // another way.
   [[nodiscard]] static std::shared_ptr<const MappedFile> open(const std::string& path);
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -22,7 +23,7 @@ class MappedFile {
 
   [[nodiscard]] std::span<const std::byte> bytes() const { return {data_, size_}; }
   [[nodiscard]] bool is_whole() const;
-  // This part is not needed for now: its pages no longer count as ours. What is looked at again comes back.
+  // Releases the pages of `part` from memory. A later access reads them again.
   void let_go(std::span<const std::byte> part) const;
 
  private:
@@ -30,7 +31,7 @@ class MappedFile {
   int file_ = -1;
   const std::byte* data_ = nullptr;
   std::size_t size_ = 0;
-  std::size_t place_ = 0;  // among the mappings that the handler knows
+  std::size_t place_ = 0;  // index in the handler's table of mappings
 };
 
 }  // namespace moiregauge::internal

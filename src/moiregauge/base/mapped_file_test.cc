@@ -11,7 +11,7 @@
 namespace moiregauge::internal {
 namespace {
 
-TEST(MappedFile, TheBytesOfTheFileAreThere) {
+TEST(MappedFile, MapsTheBytesOfTheFile) {
   const TestFolder folder;
   put_text(folder / "a", "abc");
   const auto mapped = MappedFile::open(folder / "a");
@@ -21,7 +21,7 @@ TEST(MappedFile, TheBytesOfTheFileAreThere) {
   EXPECT_TRUE(mapped->is_whole());
 }
 
-TEST(MappedFile, WhatWasLetGoComesBackWhenItIsLookedAt) {
+TEST(MappedFile, ReleasedPagesAreReadAgainOnAccess) {
   const TestFolder folder;
   put_text(folder / "a", std::string(100'000, 'x'));
   const auto mapped = MappedFile::open(folder / "a");
@@ -32,7 +32,7 @@ TEST(MappedFile, WhatWasLetGoComesBackWhenItIsLookedAt) {
   EXPECT_EQ(mapped->bytes()[99'999], std::byte{'x'});
 }
 
-TEST(MappedFile, AFileCutShortWhileItIsReadTurnsToZerosAndSaysSo) {
+TEST(MappedFile, ATruncatedFileReadsAsZerosAndIsReported) {
   const TestFolder folder;
   put_text(folder / "a", std::string(100'000, 'x'));
   const auto mapped = MappedFile::open(folder / "a");
@@ -45,7 +45,7 @@ TEST(MappedFile, AFileCutShortWhileItIsReadTurnsToZerosAndSaysSo) {
   EXPECT_FALSE(mapped->is_whole()) << "what was read as zeros stays doubtful";
 }
 
-TEST(MappedFile, WhatCannotBeMappedIsNull) {
+TEST(MappedFile, AFileThatCannotBeMappedGivesNull) {
   const TestFolder folder;
   put_text(folder / "empty", "");
   EXPECT_EQ(MappedFile::open(folder / "empty"), nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// "Did you mean": the known word nearest to a mistyped one.
+// Finds the known word nearest to a mistyped one ("did you mean").
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace moiregauge::internal {
 
-// Letters to insert, delete or replace (Levenshtein).
+// Returns the number of letters to insert, delete or replace (Levenshtein).
 [[nodiscard]] inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -28,14 +28,15 @@ namespace moiregauge::internal {
   return row[b.size()];
 }
 
-// Nothing when no word is near: more than a third of the letters wrong is another word (two are always forgiven).
+// Returns the nearest known word. Returns nothing if more than two letters and more than a third of the letters differ,
+// or if the word has more than 64 letters.
 [[nodiscard]] inline std::optional<std::string> nearest_word(const std::string& word,
                                                              const std::vector<std::string_view>& known) {
   if (word.size() > 64 || known.empty()) return std::nullopt;
   const auto nearest = *std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
     return edit_distance(word, a) < edit_distance(word, b);
   });
-  // "pitch" for "pitch_mm": the unit left out or a longer word begun.
+  // A prefix of a known word, e.g. "pitch" for "pitch_mm".
   for (const std::string_view candidate : known) {
     if (candidate.size() > word.size() && word.size() >= 4 && candidate.substr(0, word.size()) == word) {
       return std::string(candidate);

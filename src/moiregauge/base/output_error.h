@@ -6,8 +6,8 @@
 namespace moiregauge::internal {
 
 struct OutputError {
-  bool usage = false;   // the place is somebody else's: exit 2, not 6
-  std::string message;  // "what: where: what to do"
+  bool usage = false;   // the path is not free for a run: exit 2 instead of 6
+  std::string message;  // "what happened: where: what to do"
 };
 
 }  // namespace moiregauge::internal

@@ -29,12 +29,12 @@ std::string kind_unless_plain(const std::string& path) {
   if (::stat(path.c_str(), &about) == 0) return kind_of_mode(about.st_mode);
   if (errno == ELOOP) return "a link to itself";
   std::error_code ignored;
-  return std::filesystem::is_symlink(path, ignored) ? "a link that leads nowhere" : std::strerror(errno);
+  return std::filesystem::is_symlink(path, ignored) ? "a broken link" : std::strerror(errno);
 }
 
 tl::expected<OpenedFile, std::string> open_plain_file(const std::string& path) {
   struct stat about {};
-  // A device may act when it is opened, so the kind is known before.
+  // Check the kind first, because opening a device may have side effects.
   if (::stat(path.c_str(), &about) != 0) return tl::unexpected(std::string(std::strerror(errno)));
   if (const std::string kind = kind_of_mode(about.st_mode); !kind.empty()) return tl::unexpected("it is " + kind);
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
@@ -42,7 +42,7 @@ tl::expected<OpenedFile, std::string> open_plain_file(const std::string& path) {
   const bool is_plain = ::fstat(file, &about) == 0 && S_ISREG(about.st_mode);
   OpenedFile opened(is_plain ? ::fdopen(file, "rb") : nullptr, &std::fclose);
   if (!opened) ::close(file);
-  if (!opened) return tl::unexpected(std::string("it is no plain file"));
+  if (!opened) return tl::unexpected(std::string("it is not a plain file"));
   return opened;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256 of bytes that arrive in pieces: the fingerprint of an input (run.json).
+// Computes SHA-256 of bytes that arrive in pieces. run.json holds it as the fingerprint of the input.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ class Sha256 {
   Sha256(Sha256&&) noexcept;
   Sha256& operator=(Sha256&&) noexcept;
   void add(std::span<const std::byte> bytes);
-  // 64 lower-case hexadecimal digits. Ends the sum; call once.
+  // Returns 64 lower-case hexadecimal digits and ends the sum. Call it once.
   [[nodiscard]] std::string hex();
 
  private:

@@ -17,13 +17,14 @@
 namespace moiregauge::internal {
 namespace {
 
-// A point this many standard uncertainties off counts by its distance, not its square.
+// Huber's limit, in standard uncertainties of a point. Beyond it a point counts by its distance instead of its square.
+// Chosen.
 constexpr double kRobustFrom = 4.0;
 
-// Of any lens: distortion at the picture's corner, relative. Six times what a measurement takes for granted
-// (scene_prior.cc): photographs of a board say it themselves.
+// Prior u of the distortion at the corner of the image, relative to the half diagonal. It is four to ten times that of
+// a measurement (scene_prior.cc), because photographs of a board determine the lens themselves. Chosen.
 constexpr double kBoardRadial = 0.3, kBoardRadial2 = 0.2, kBoardRadial3 = 0.2, kBoardTangential = 0.02;
-constexpr double kBoardPrincipal = 0.05;  // of the picture's larger side
+constexpr double kBoardPrincipal = 0.05;  // prior u of cx and cy, relative to the image's larger side; chosen
 
 class PointResidual {
  public:
@@ -111,7 +112,7 @@ BoardState solve_board(const BoardData& data, const BoardPrior& prior, const Boa
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = 200;
-  options.num_threads = 1;  // the same bits everywhere
+  options.num_threads = 1;  // results must not depend on the number of cores
   options.function_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The least squares of board_calibration.h: camera and poses from points of a plane.
+// Bundle adjustment of a board calibration: camera and poses from points of a plane.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace moiregauge::internal {
 
-// Lens terms that are free; f, cx and cy always are.
+// Free lens terms. f, cx and cy are always free.
 struct BoardModel {
   bool radial = false;
   bool tangential = false;
@@ -26,49 +26,53 @@ struct BoardPrior {
   CameraBlock mean{};
   CameraBlock u{};
 };
-// Hardly anything: a lens of any kind that a plane can be seen through. f: where the search for it begins, px.
+// Returns a wide prior that suits any lens but a fisheye. `f`: start value of the focal length, px.
 [[nodiscard]] BoardPrior board_prior(int width, int height, double f);
 
-inline constexpr int kNoPlace = -1;
+inline constexpr int kNoPlace = -1;  // a point whose position only one view shows
 
-// What is solved from: points of the views that count, the ellipses' offset taken out, one standard uncertainty each.
+// Points of the views in use, corrected from ellipse centre to circle centre, with their standard uncertainties.
 struct BoardData {
   std::vector<std::vector<BoardPointSeen>> views;
   std::vector<std::vector<double>> u_px;
-  std::vector<std::vector<int>> place;  // of each point among those that several views show, or kNoPlace
+  std::vector<std::vector<int>> place;  // position of each point among those in several views, or kNoPlace
   int places = 0;
-  double print_mm = 0.0;  // prior of how far a place is from where it should be
+  double print_mm = 0.0;  // prior u of a position's offset on the board, mm
 };
 
 struct BoardState {
   CameraBlock camera{};
   std::vector<Pose> poses;
-  std::vector<std::array<double, 2>> offset;  // of each place, mm
-  double penalised_cost = 0.0;                // data and prior
+  std::vector<std::array<double, 2>> offset;  // of each position on the board, mm
+  double penalised_cost = 0.0;                // chi2 of data (Huber's loss) and priors
   bool solved = false;
 };
+// Solves camera, poses and offsets from `start` (Ceres, Huber's loss beyond 4 u).
+// Fails (solved = false): Ceres finds no usable solution, or f is not positive.
 [[nodiscard]] BoardState solve_board(const BoardData& data, const BoardPrior& prior, const BoardModel& model,
                                      const BoardState& start);
 
-// Seen less projected; the place's own offset is not taken out.
+// Returns the detected minus the projected point, px. The offset of its position on the board is not subtracted.
 [[nodiscard]] Extent<frame::Image> residual_of(const BoardState& state, std::size_t view, const BoardPointSeen& point);
 
-// Standard uncertainties of the camera's parameters. `patch_px`: what the points of one patch share (patch_of), in the
-// same patch of every view, since it is one print that they show.
+// Returns the standard uncertainties of the camera's parameters; 0 for fixed ones.
+// `patch_px`: error common to the points of one ninth of the board (patch_of). It is the same in that ninth of every
+// view, because all views show one print.
 [[nodiscard]] CameraBlock uncertainty_of(const BoardData& data, const BoardPrior& prior, const BoardModel& model,
                                          const BoardState& state, double patch_px);
 
-// Returns the delete-one-view jackknife (Quenouille 1956; Efron and Stein 1981): u^2 = (n-1)/n sum (p_v - mean p)^2, p_v
-// solved without view v. Zeros: fewer than three views, or one of the solutions failed.
+// Returns the delete-one-view jackknife (Quenouille 1956; Efron and Stein 1981): u^2 = (n - 1) / n sum (p_v - mean
+// p)^2. Here p_v is solved without view v.
+// Fails (zeros): there are fewer than three views, or one of the solutions failed.
 [[nodiscard]] CameraBlock jackknife_uncertainty(const BoardData& data, const BoardPrior& prior, const BoardModel& model,
                                                 const BoardState& state);
 
-// Returns by view the scatter under the common camera divided by that under a camera solved from the view alone.
-// Near 1 for views of one camera, whatever the print has wrong.
+// Returns for each view the scatter about the common camera divided by that about a camera solved from this view alone.
+// It is near 1 for views of one camera, whatever errors the print has.
 [[nodiscard]] std::vector<double> misfit_ratios(const BoardData& data, const BoardPrior& prior, const BoardModel& model,
                                                 const BoardState& state);
 
-// Which ninth of the view's board a point lies in: 0 to 8.
+// Returns for each point the ninth of the view's board that contains it: 0 to 8.
 inline constexpr std::size_t kBoardPatches = 9;
 [[nodiscard]] std::vector<std::size_t> patch_of(std::span<const BoardPointSeen> points);
 

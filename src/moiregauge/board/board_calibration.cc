@@ -12,9 +12,10 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMinPoints = 9;
-constexpr int kWeightRounds = 4;  // of weights, ellipses and outliers; from the second on little changes
-// A view that much worse than the others' median was indexed wrongly or shows another board.
+constexpr std::size_t kMinPoints = 9;  // least points of a usable view; chosen
+constexpr int kWeightRounds = 4;       // of weights, ellipses and outliers; from the second on little changes
+// A view with a median residual this much larger than that of all views was indexed wrongly or shows another board.
+// Chosen.
 constexpr double kOddView = 5.0, kOddView_px = 0.5;
 
 double median(std::vector<double> values) {
@@ -30,7 +31,7 @@ double rms_of(const BoardWork& work, std::size_t v) {
   return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, work.data.views[v].size())));
 }
 
-// Solves with everything free, the weights of the points found on the way.
+// Solves with all parameters free, and the weights of the points in turn with them.
 bool settle(BoardWork& work, const BoardModel& everything) {
   work.state = solve_board(work.data = data_of(work), work.prior, {}, work.state);
   for (int round = 0; round < kWeightRounds && work.state.solved; ++round) {
@@ -61,7 +62,7 @@ void begin(BoardWork& work, std::span<const BoardView> views, const std::vector<
     work.state.poses.push_back(pose_of(plane, camera_of(work.prior.mean, width, height)));
 }
 
-// Pictures of one size belong to one camera: that of most views.
+// Images of one size are assumed to come from one camera. The most frequent size counts.
 void leave_out_unlike(std::span<const BoardView> views, std::vector<CalibratedView>& verdicts) {
   std::map<std::pair<int, int>, int> sizes;
   for (const BoardView& view : views) ++sizes[{view.width, view.height}];
@@ -75,7 +76,7 @@ void leave_out_unlike(std::span<const BoardView> views, std::vector<CalibratedVi
       verdicts[v].left_out = "it is " + std::to_string(views[v].width) + " x " + std::to_string(views[v].height) +
                              " px, the others " + std::to_string(common.first) + " x " + std::to_string(common.second);
     else if (!plane_view(views[v]))
-      verdicts[v].left_out = "its points lie on a line";
+      verdicts[v].left_out = "its points are on one line";
   }
 }
 
@@ -94,14 +95,14 @@ bool leave_out_odd(const BoardWork& work, std::span<const BoardView> views, std:
   for (std::size_t v = 0; v < work.views.size(); ++v) {
     if (all[v] <= limit) continue;
     verdicts[static_cast<std::size_t>(work.views[v] - views.data())].left_out =
-        "its lattice is not the others' board (another board, or indexed wrongly)";
+        "it shows another board than the others, or was indexed wrongly";
     any = true;
   }
   return any;
 }
 
-// The smallest model that explains the points: a larger one must gain ln(rows) in cost per parameter (Schwarz 1978),
-// as in calibrate.h.
+// Selects the lens model by BIC (Schwarz 1978): a larger one must lower the cost by ln(n) per parameter, for n
+// residuals.
 BoardModel choose(BoardWork& work, const BoardOptions& options) {
   long rows = 0;
   for (const auto& view : work.data.views) rows += 2 * static_cast<long>(view.size());
@@ -147,10 +148,10 @@ tl::expected<BoardCalibration, std::string> calibrate_board(std::span<const Boar
   BoardWork work;
   for (bool again = true; again;) {
     if (std::all_of(out.views.begin(), out.views.end(), [](const auto& v) { return !v.left_out.empty(); }))
-      return tl::unexpected(std::string("no view shows a board"));
+      return tl::unexpected(std::string("no photograph shows a board"));
     work = BoardWork{};
     begin(work, views, out.views);
-    if (!settle(work, everything)) return tl::unexpected(std::string("no camera explains the points"));
+    if (!settle(work, everything)) return tl::unexpected(std::string("no camera fits the points of the photographs"));
     again = leave_out_odd(work, views, out.views);
   }
   const BoardScatter noise_alone = scatter_of(work, everything, 0.0);

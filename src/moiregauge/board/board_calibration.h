@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera from photographs of one flat regular board (docs/methods/calibrate.md): the bundle of the measurement, with
-// points of a lattice in place of prints.
+// Calibration of a camera from photographs of one flat regular board (docs/methods/calibrate.md). It is the bundle
+// adjustment of the measurement, with lattice points instead of gratings.
 #pragma once
 
 #include <array>
@@ -19,64 +19,66 @@ namespace moiregauge::internal {
 struct BoardPointSeen {
   BoardPoint board;          // mm
   ImagePoint at;             // px
-  double u_px = 0.0;         // of each coordinate, as far as its own pixels tell
-  double diameter_mm = 0.0;  // of a dot, whose `at` is the centre of its ellipse; 0: a point
-  int column = 0;            // of the lattice, as the view counts them
+  double u_px = 0.0;         // u of each coordinate from the point's own pixels
+  double diameter_mm = 0.0;  // of a dot, whose `at` is its ellipse's centre; 0: a point
+  int column = 0;            // of the lattice in this view's numbering
   int row = 0;
 };
 
-// One photograph. Where the board's origin is, and by which quarter turn its axes lie, may differ from view to view.
+// One photograph. Origin and axes of the board may differ between views, the axes by quarter rotations.
 struct BoardView {
   int width = 0;  // px
   int height = 0;
   std::vector<BoardPointSeen> points;
 };
 
-// The board's middle is its origin, y up.
+// Returns the board's points in mm. The origin is the board's middle, y is up.
 [[nodiscard]] BoardView board_view(const SeenBoard& board, double pitch_mm, int width, int height);
 
 struct BoardOptions {
-  bool k3 = false;  // solve it too
+  bool k3 = false;  // also solve k3
 };
 
-// Rms length, px, of what is left when a homography maps the board onto a view: of the four outermost points, judged by
-// all the others; and the best one for all points. As seen, and with the lens taken out.
+// Rms residual, px, after a homography maps the board onto a view. `corners`: through the four outermost points, tested
+// at all others. `lattice`: best fit to all points. `_seen`: image as photographed; otherwise the lens is removed.
 struct BoardNull {
   double corners_seen = 0.0, corners = 0.0;
   double lattice_seen = 0.0, lattice = 0.0;
 };
 
 struct CalibratedView {
-  std::string left_out;       // why, in words; empty: it was used, and the rest holds
-  double tilt_rad = 0.0;      // between the board's normal and the line of sight to its middle
-  double rms_px = 0.0;        // reprojection error, rms length
-  double misfit_ratio = 1.0;  // scatter under the common camera by that under the view's own, both by their freedom
-  int outliers = 0;           // points that fit no picture of a flat lattice, excluded
+  std::string left_out;   // reason; empty: the view was used, and the other fields are valid
+  double tilt_rad = 0.0;  // between the board's normal and the line of sight to its middle
+  double rms_px = 0.0;    // reprojection error, rms length
+  // Scatter about the common camera divided by that about the view's own camera, both per degree of freedom.
+  double misfit_ratio = 1.0;
+  int outliers = 0;  // excluded points that fit no image of a flat lattice
   BoardNull null;
 };
 
 struct BoardCalibration {
   Camera camera;  // fx = fy
-  // Standard uncertainties, everything free; 0: held at 0. From three views on never less than what leaving out each
-  // view in turn shows, for residuals have much in common within a view (a bent board, a bias of its corners).
+  // Standard uncertainties with all parameters free; 0: fixed at 0. From three views on they are at least the jackknife
+  // over views. Residuals are correlated within a view (a bent board, a bias of its corners).
   std::array<double, kCameraParameters> u{};
-  SceneModel model;  // radial, tangential: taken or found needless
+  SceneModel model;  // radial and tangential: accepted by BIC
   bool k3 = false;
-  double chi2_dof = 0.0;  // by the points' own noise
-  double point_px = 0.0;  // standard uncertainty of a point beyond that noise, from the residuals
-  double print_mm = 0.0;  // of a point's place on the board, as far as it is the same in several views
-  double patch_px = 0.0;  // of what the points of one ninth of the board share
-  double rms_px = 0.0;    // reprojection error over all views, rms length; errors of the print are in it
+  double chi2_dof = 0.0;  // relative to the points' own noise
+  double point_px = 0.0;  // scatter of a point beyond that noise, from the residuals
+  double print_mm = 0.0;  // scatter of positions on the board, common to several views
+  double patch_px = 0.0;  // scatter common to the points of one ninth of the board
+  double rms_px = 0.0;    // reprojection error over all views, rms length; includes print errors
   int points = 0;
-  int matched = 0;                    // views whose points were recognised by the print's own errors
+  int matched = 0;                    // views whose positions were identified by the print's errors
   std::vector<CalibratedView> views;  // one per view given
 };
 
-// fails      in words: no view is usable, or no camera explains them
+// Solves the camera from views of one board.
+// Fails (error text): no view is usable, or no camera fits them.
 [[nodiscard]] tl::expected<BoardCalibration, std::string> calibrate_board(std::span<const BoardView> views,
                                                                           const BoardOptions& options);
 
-// The nulls of one view under a camera.
+// Returns the nulls of one view with this camera. Zeros: the view has fewer than five points.
 [[nodiscard]] BoardNull board_null(const BoardView& view, const Camera& camera);
 
 }  // namespace moiregauge::internal

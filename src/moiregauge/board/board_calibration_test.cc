@@ -24,7 +24,7 @@ const Camera kCamera{1600, 1200, 1800.0, 1800.0, 815.0, 590.0, -0.2, 0.05, 0.000
 struct Look {
   double tilt_x, tilt_y, turn;  // deg
 };
-// Towards four sides, and one that faces the board.
+// Five tilts to different sides, and one view that faces the board.
 const std::vector<Look> kLooks{{30, 0, 3}, {-28, 10, -5}, {4, 35, 2}, {-6, -32, 8}, {25, 25, -3}, {1, -2, 1}};
 
 IdealFromBoard seen_by(const Look& look) {
@@ -40,9 +40,9 @@ IdealFromBoard seen_by(const Look& look) {
   return IdealFromBoard(k * h);
 }
 
-using Errors = std::vector<Extent<frame::Board>>;  // of the print, row by row; empty: none
+using Errors = std::vector<Extent<frame::Board>>;  // print errors, row by row; empty: none
 
-// A view counts its columns and rows from where its own left and top are: `quarters` of a turn away from the board's.
+// Each view numbers columns and rows from its own left and top, `quarters` of a turn away from the board's.
 BoardView view_of(const Look& look, const Errors& print, int quarters, std::mt19937_64& rng) {
   std::normal_distribution<double> noise(0.0, kNoise_px);
   const View view{seen_by(look), kCamera};
@@ -73,7 +73,8 @@ std::vector<BoardView> views_of(const std::vector<Look>& looks, const Errors& pr
   return views;
 }
 
-// Centre of the ellipse nearest to the image of a circle: conic through many points of the outline, least squares.
+// Returns the centre of the ellipse nearest to the image of a circle (least-squares conic through points of the
+// outline).
 ImagePoint outline_centre(const View& view, BoardPoint centre, double radius) {
   constexpr int kPoints = 360;
   const ImagePoint middle = view(centre);
@@ -109,23 +110,23 @@ void expect_the_camera(const BoardCalibration& s) {
     EXPECT_LE(std::abs(off[k]), 3.0 * s.u[k]) << "parameter " << k << ", seed " << kBoardSeed;
 }
 
-TEST(CalibrateBoard, FindsTheCameraWithinWhatItStates) {
+TEST(CalibrateBoard, FindsTheCameraWithinItsUncertainty) {
   const auto solved = calibrate_board(views_of(kLooks, {}), {});
   ASSERT_TRUE(solved) << solved.error();
   expect_the_camera(*solved);
   EXPECT_LT(solved->u[0], 2.0) << "of 1800 px";
-  // 6 views of 48 points less 6 poses and 7 parameters: 533 degrees of freedom.
+  // 6 views of 48 points, minus 6 poses and 7 parameters: 533 degrees of freedom.
   EXPECT_NEAR(solved->chi2_dof, 1.0, 4.0 * std::sqrt(2.0 / 533.0)) << "seed " << kBoardSeed;
   EXPECT_LE(solved->print_mm, 1e-3);
-  // Without the lens a homography is all that is left: of one point of noise, sqrt 2 in length, eight of 96 numbers.
+  // With the lens removed a homography leaves only noise: sqrt 2 of it in length, less eight of 96 numbers.
   for (const CalibratedView& v : solved->views) {
     EXPECT_GT(v.null.lattice_seen, 5.0 * v.null.lattice);
     EXPECT_NEAR(v.null.lattice, std::sqrt(2.0 * (1.0 - 8.0 / 96.0)) * kNoise_px, 0.02);
   }
 }
 
-// 20 um of print are 0.2 px, four times the noise, and the same in every view however it counts its rows.
-TEST(CalibrateBoard, TellsThePrintsErrorsFromTheLens) {
+// 20 um of print error are 0.2 px, four times the noise. They are the same in every view, whatever its numbering.
+TEST(CalibrateBoard, SeparatesPrintErrorsFromTheLens) {
   const auto solved = calibrate_board(views_of(kLooks, bad_print(0.02)), {});
   ASSERT_TRUE(solved) << solved.error();
   EXPECT_EQ(solved->matched, 6);
@@ -134,7 +135,7 @@ TEST(CalibrateBoard, TellsThePrintsErrorsFromTheLens) {
   expect_the_camera(*solved);
 }
 
-TEST(CalibrateBoard, SaysThatNearlyParallelViewsLeaveTheFocalLengthOpen) {
+TEST(CalibrateBoard, NearlyParallelViewsLeaveTheFocalLengthUncertain) {
   const auto open = calibrate_board(views_of({{1, 0, 0}, {0, 2, 5}}, {}), {});
   const auto told = calibrate_board(views_of({{30, 0, 0}, {0, 30, 5}}, {}), {});
   ASSERT_TRUE(open) << open.error();
@@ -143,10 +144,10 @@ TEST(CalibrateBoard, SaysThatNearlyParallelViewsLeaveTheFocalLengthOpen) {
   EXPECT_LE(std::abs(open->camera.fx - kCamera.fx), 3.0 * open->u[0]) << "seed " << kBoardSeed;
 }
 
-TEST(CalibrateBoard, LeavesOutWhatIsNotTheSameCameraOrBoard) {
+TEST(CalibrateBoard, ExcludesViewsOfAnotherCameraOrBoard) {
   auto views = views_of(kLooks, {});
   views[1].width = 1280;
-  for (std::size_t i = 0; i < 3 * kColumns; ++i) views[3].points[i].board.x += kStep;  // a slip of the index
+  for (std::size_t i = 0; i < 3 * kColumns; ++i) views[3].points[i].board.x += kStep;  // an error of the indexing
   const auto solved = calibrate_board(views, {});
   ASSERT_TRUE(solved) << solved.error();
   for (std::size_t v = 0; v < views.size(); ++v) EXPECT_EQ(solved->views[v].left_out.empty(), v != 1 && v != 3) << v;
@@ -154,12 +155,12 @@ TEST(CalibrateBoard, LeavesOutWhatIsNotTheSameCameraOrBoard) {
   expect_the_camera(*solved);
 }
 
-// A camera zoomed about its centre is another camera.
+// A camera with another zoom is another camera.
 TEST(CalibrateBoard, ViewsOfAnotherZoomAreNamed) {
   auto views = views_of(kLooks, {});
   const auto one = calibrate_board(views, {});
   ASSERT_TRUE(one) << one.error();
-  // 96 coordinates less 13 or 6 parameters: the ratio of two such scatters is within 0.2 of 1.
+  // 96 coordinates, minus 13 or 6 parameters: the ratio of two such scatters is within 0.2 of 1.
   for (const CalibratedView& view : one->views) EXPECT_NEAR(view.misfit_ratio, 1.0, 0.2);
   for (std::size_t v = 0; v < 3; ++v) {
     for (BoardPointSeen& p : views[v].points)
@@ -167,7 +168,7 @@ TEST(CalibrateBoard, ViewsOfAnotherZoomAreNamed) {
   }
   const auto mixed = calibrate_board(views, {});
   ASSERT_TRUE(mixed) << mixed.error();
-  int named = 0;  // as another board, or by its misfit
+  int named = 0;  // excluded as another board, or named by its misfit
   for (const CalibratedView& view : mixed->views) named += !view.left_out.empty() || view.misfit_ratio > 3.0 ? 1 : 0;
   EXPECT_GE(named, 3);
 }
@@ -177,9 +178,9 @@ TEST(CalibrateBoard, RefusesWhenNothingShowsABoard) {
   EXPECT_FALSE(calibrate_board(std::vector<BoardView>{{1600, 1200, {}}}, {}));
 }
 
-// Dots of 7 mm are 72 px wide: seen at 30 deg the middles of their outlines lie up to 0.2 px from their centres'
-// images.
-TEST(CalibrateBoard, TakesDotsForCirclesNotForPoints) {
+// Dots of 7 mm are 72 px wide. Seen at 30 deg, the centres of their outlines are up to 0.2 px from the images of their
+// centres.
+TEST(CalibrateBoard, CorrectsTheCentresOfDots) {
   std::mt19937_64 rng(kBoardSeed);
   std::vector<BoardView> views;
   for (const Look& look : {kLooks[0], kLooks[1], kLooks[2], kLooks[3]}) {
@@ -202,7 +203,7 @@ TEST(CalibrateBoard, TakesDotsForCirclesNotForPoints) {
   EXPECT_GE(std::abs(as_points->camera.fx - kCamera.fx), 0.2);
 }
 
-TEST(MatchPlaces, KnowsAPrintAgainThatWasTurnedAndCutOff) {
+TEST(MatchPlaces, IdentifiesARotatedPartOfAPrint) {
   std::mt19937_64 rng(kBoardSeed);
   std::normal_distribution<double> normal;
   std::vector<PlacedPoint> whole, part;
@@ -210,7 +211,7 @@ TEST(MatchPlaces, KnowsAPrintAgainThatWasTurnedAndCutOff) {
     for (int x = 0; x < 14; ++x) {
       const PlacedPoint p{x, y, {normal(rng), normal(rng)}};
       whole.push_back(p);
-      // Turned by a quarter and three columns short.
+      // Rotated by a quarter turn, without three columns.
       if (x >= 3) part.push_back({-y + 40, x - 3, {-p.off.y() + 0.3 * normal(rng), p.off.x() + 0.3 * normal(rng)}});
     }
   }
@@ -223,7 +224,7 @@ TEST(MatchPlaces, KnowsAPrintAgainThatWasTurnedAndCutOff) {
   }
 }
 
-TEST(MatchPlaces, TakesNoNoiseForAPrint) {
+TEST(MatchPlaces, NoiseDoesNotMatch) {
   std::mt19937_64 rng(kBoardSeed);
   std::normal_distribution<double> normal;
   std::vector<std::vector<PlacedPoint>> views(5);

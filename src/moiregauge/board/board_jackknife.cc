@@ -7,8 +7,8 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMinJackknifeViews = 3;
-constexpr double kPoseFreedom = 6.0;
+constexpr std::size_t kMinJackknifeViews = 3;  // two views give no useful scatter; chosen
+constexpr double kPoseFreedom = 6.0;           // parameters of a pose
 
 template <typename T>
 void drop(std::vector<T>& values, std::size_t at) {

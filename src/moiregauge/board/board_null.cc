@@ -11,7 +11,7 @@ namespace {
 
 using Corners = std::array<std::size_t, 4>;
 
-// The points furthest along four directions, in turn.
+// Returns the points furthest along four directions, in that order.
 Corners furthest(const std::vector<BoardPointSeen>& points, const std::array<BoardPoint, 4>& directions) {
   Corners corners{};
   for (std::size_t k = 0; k < 4; ++k) {
@@ -34,14 +34,14 @@ double area_of(const std::vector<BoardPointSeen>& points, const Corners& corners
   return 0.5 * std::abs(twice);
 }
 
-// The corners of a rectangle, or of a lattice that lies askew: whichever four span more.
+// Returns the four outermost points: the corners of a rectangle or of a diamond, whichever is larger.
 Corners select_references(const std::vector<BoardPointSeen>& points) {
   const Corners square = furthest(points, {{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}});
   const Corners diamond = furthest(points, {{{0, 1}, {1, 0}, {0, -1}, {-1, 0}}});
   return area_of(points, square) >= area_of(points, diamond) ? square : diamond;
 }
 
-// Rms of what a homography through the references leaves at the targets.
+// Returns the rms residual of a homography through the references, at all other points or at all points.
 double null_of(const std::vector<BoardPointSeen>& points, const std::vector<ImagePoint>& seen,
                const std::vector<std::size_t>& references, bool references_too) {
   std::vector<BoardPoint> from;

@@ -9,11 +9,11 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kAlike = 0.3;      // least correlation of what two views say of the same places
-constexpr double kAhead = 0.1;      // of the next best way to lay them upon one another
-constexpr double kCertain = 6.0;    // standard deviations that chance gives a correlation
-constexpr int kFarthest = 12;       // steps: how much more of the board one view may show on one side than another
-constexpr double kMinShared = 0.5;  // of the smaller view's points
+constexpr double kAlike = 0.3;      // least correlation of the residuals of two views; chosen
+constexpr double kAhead = 0.1;      // least lead over the next best alignment; chosen
+constexpr double kCertain = 6.0;    // least excess over chance, standard deviations; chosen
+constexpr int kFarthest = 12;       // steps that one view may extend beyond another on one side; chosen
+constexpr double kMinShared = 0.5;  // least share of common points, relative to the smaller view; chosen
 
 struct Laid {
   int turns = 0;
@@ -27,7 +27,7 @@ PlacedPoint laid(PlacedPoint p, const Laid& how) {
   return {p.x + how.x, p.y + how.y, p.off};
 }
 
-// Sums over the views laid upon one another so far, in a grid that holds them all.
+// Sums of the residuals over the views aligned so far, in a grid that holds them all.
 class Board {
  public:
   explicit Board(int reach) : reach_(reach), side_(2 * reach + 1), cells_(static_cast<std::size_t>(side_ * side_)) {}
@@ -92,7 +92,7 @@ bool is_whole(const std::vector<PlacedPoint>& points) {
   return static_cast<long>(points.size()) == static_cast<long>(e.x1 - e.x0 + 1) * (e.y1 - e.y0 + 1);
 }
 
-// Two full rectangles of one size lie one way, or turned; anything else may also be shifted.
+// Finds the alignment of a view. Two full rectangles of one size differ by a rotation only. Others may also be shifted.
 std::optional<Laid> lay(Board& board, const std::vector<PlacedPoint>& first, const std::vector<PlacedPoint>& view) {
   const Extents there = extents_of(first, {});
   const bool whole = is_whole(first) && is_whole(view) && first.size() == view.size();
@@ -146,7 +146,7 @@ std::vector<MatchedView> match_places(const std::vector<std::vector<PlacedPoint>
   };
   const auto first = static_cast<std::size_t>(largest - views.begin());
   take(first, {});
-  // Until nobody joins: the more views, the better the print is known.
+  // Repeat until no view is added: each view improves the mean residuals, so others may then match.
   for (bool joined = true; joined;) {
     joined = false;
     for (std::size_t v = 0; v < views.size(); ++v) {

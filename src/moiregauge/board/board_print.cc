@@ -10,9 +10,9 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kPrintRounds = 3;  // scatter and print from the residuals of the last solution
+constexpr int kPrintRounds = 3;  // rounds of scatter and print error, each from the previous residuals; chosen
 
-// How far every point of a view was seen from its place, mm on the board.
+// Returns the residual of every point of a view, mm on the board.
 std::vector<PlacedPoint> placed(const BoardWork& work, std::size_t v) {
   const IdealFromBoard view = view_of_pose(work.state.poses[v], work.state.camera);
   std::vector<PlacedPoint> out;
@@ -23,7 +23,7 @@ std::vector<PlacedPoint> placed(const BoardWork& work, std::size_t v) {
   return out;
 }
 
-// Board coordinates of one view turned by quarters, its pose with them.
+// Rotates a view's board coordinates by quarter rotations, and its pose with them.
 void turn_view(BoardWork& work, std::size_t v, int turns) {
   Matrix3 back = Matrix3::Identity();
   for (int k = 0; k < turns; ++k) back = back * (Matrix3() << 0, 1, 0, -1, 0, 0, 0, 0, 1).finished();
@@ -33,7 +33,7 @@ void turn_view(BoardWork& work, std::size_t v, int turns) {
   work.turns[v] = turns;
 }
 
-// Numbers the cells that two views or more show.
+// Numbers the positions that two or more views show.
 void number_places(BoardWork& work, const std::vector<MatchedView>& matches) {
   std::map<std::pair<int, int>, int> seen, number;
   for (const MatchedView& view : matches) {
@@ -57,13 +57,14 @@ void number_places(BoardWork& work, const std::vector<MatchedView>& matches) {
   }
 }
 
-// One place: what its views say in the board's own measure, and in theirs.
+// Sum of the residuals at one position, over its views.
 struct PlaceScatter {
   Eigen::Vector2d sum{0, 0};  // mm
   double count = 0.0;
 };
 
-// What a place has in common in all views is the print's; what is left, the points'.
+// Separates print errors from scatter: a part common to all views of a position is the print's, the rest that of the
+// points.
 void tell_print_from_points(BoardWork& work) {
   std::vector<PlaceScatter> places(static_cast<std::size_t>(work.places));
   const auto each = [&](const auto& take) {

@@ -34,7 +34,7 @@ std::optional<IdealFromBoard> plane_view(const BoardView& view) {
 
 double focal_length_of(std::span<const IdealFromBoard> views, int width, int height) {
   const double side = std::max(width, height);
-  // a / f^2 + b = 0, twice a view; lengths in units of the picture's side, so that views weigh alike.
+  // Solve a / f^2 + b = 0, two equations a view. Lengths are relative to the image's side, so that views weigh alike.
   double ab = 0.0, aa = 0.0;
   for (const IdealFromBoard& view : views) {
     Matrix3 to_middle = Matrix3::Identity();
@@ -50,7 +50,7 @@ double focal_length_of(std::span<const IdealFromBoard> views, int width, int hei
       aa += b * b;
     }
   }
-  // f^2 = -sum(a b) / sum(b b): errors sit in a, the picture's side of the equations.
+  // f^2 = -sum(a b) / sum(b b): the errors are in a, the image side of the equations.
   const double f2 = aa > 0.0 ? -ab / aa : 0.0;
   const double f = f2 > 0.0 ? std::sqrt(f2) : 0.0;
   return f > 0.2 && f < 50.0 ? f * side : 1.2 * side;

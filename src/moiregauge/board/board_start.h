@@ -10,11 +10,11 @@
 
 namespace moiregauge::internal {
 
-// The homography nearest to a view, the lens left in; empty when its points lie on a line.
+// Fits a homography to a view without a lens. Nothing if its points are on a line.
 [[nodiscard]] std::optional<IdealFromBoard> plane_view(const BoardView& view);
 
-// The focal length for which the views are pictures of a plane, the principal point in the middle of the picture
-// (Zhang 2000, two equations a view). Views that face the board say nothing: then 1.2 times the picture's larger side.
+// Returns the focal length from the homographies, px (Zhang 2000, two equations a view). The principal point is the
+// middle of the image. Views that face the board do not show f. The result is then 1.2 times the image's larger side.
 [[nodiscard]] double focal_length_of(std::span<const IdealFromBoard> views, int width, int height);
 
 }  // namespace moiregauge::internal

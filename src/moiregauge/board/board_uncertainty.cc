@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kPatchColumns = 2 * static_cast<int>(kBoardPatches);
 
-// Derivatives of one image point by camera, pose and place on the board, px: central differences of the projection,
-// whose steps leave nine digits.
+// Derivatives of one image point by camera, pose and board position, px per unit. Central differences, whose steps
+// leave nine digits.
 struct Slopes {
   Eigen::Matrix<double, 2, kCameraParameters> camera;
   Eigen::Matrix<double, 2, 6> pose;
@@ -42,7 +42,7 @@ Slopes slopes_of(const CameraBlock& camera, const Pose& at, const std::array<dou
   return out;
 }
 
-// What the views that show one place say, before the place's own offset is taken out of it.
+// Sums over the views of one position, before its offset is eliminated.
 struct PlaceSum {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::MatrixXd by_offset;
@@ -50,7 +50,8 @@ struct PlaceSum {
 
 constexpr int kFirstPose = kCameraParameters + kPatchColumns;
 
-// Normal equations of camera, shifts of the patches and poses, in this order; the offsets of the places eliminated.
+// Returns the normal equations of camera, shifts of the ninths and poses, in this order. The offsets of positions are
+// eliminated.
 Eigen::MatrixXd normal_of(const BoardData& data, const BoardState& state) {
   const auto size = static_cast<Eigen::Index>(kFirstPose + 6 * static_cast<int>(data.views.size()));
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);

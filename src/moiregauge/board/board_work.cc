@@ -10,16 +10,16 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kOutlier = 5.0;  // standard uncertainties of a point
-constexpr double kMinOutlier_px = 0.1;
-// Of two normal coordinates the median length is this many standard deviations of one.
+constexpr double kOutlier = 5.0;        // standard deviations of a point; chosen
+constexpr double kMinOutlier_px = 0.1;  // least limit of an outlier; chosen
+// Median length of a vector of two normal coordinates, in standard deviations of one (Rayleigh distribution).
 constexpr double kMedianLength = 1.1774;
 
-// From the image of a dot's centre to the centre of its outline in the picture: the ellipse's own by perspective, and
-// what the lens adds by bending the outline. An ellipse fitted to it follows what moves the outline along its normal n,
-// in the measure in which the ellipse is a unit circle: by 2 mean(n (n . w)).
+// Returns the offset from the image of a dot's centre to the centre of its outline, px. Perspective displaces the
+// ellipse, and the lens bends the outline. Let the outline move by w, with normals n of the unit circle. The fitted
+// ellipse then moves by 2 mean(n (n . w)).
 Extent<frame::Image> ellipse_offset(const IdealFromBoard& view, const Camera& lens, const BoardPointSeen& dot) {
-  constexpr int kOutline = 12;  // points on it
+  constexpr int kOutline = 12;  // points on the outline
   const IdealPoint centre = ellipse_centre(view, dot.board, dot.diameter_mm);
   const ImagePoint middle = lens.distort(centre);
   const Matrix2 ideal_axes = 0.5 * dot.diameter_mm * view.jacobian(dot.board);
@@ -121,7 +121,7 @@ void find_outliers(BoardWork& work) {
 
 double patch_scatter(const BoardWork& work) {
   double sum = 0.0, count = 0.0;
-  // A view's pose and its part of the camera have taken theirs of its eighteen means.
+  // The pose of a view (6 parameters) and its share of the camera absorb a part of the view's 18 means.
   const double left = 1.0 - (6.0 + kCameraParameters / static_cast<double>(work.views.size())) / 18.0;
   for (std::size_t v = 0; v < work.data.views.size(); ++v) {
     const auto patch = patch_of(work.data.views[v]);

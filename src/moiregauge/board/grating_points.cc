@@ -13,13 +13,13 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kLatticeReach = 1.25;  // pitches to either side of a point: what its lattice is fitted to
-constexpr double kExplained = 0.7;      // of the grey levels round a point
-constexpr double kAsMuch = 0.95;        // of what is explained in the middle: less where the print ends within reach
-constexpr double kNodeFarOff = 0.15;    // pitches from where the neighbour expects it
-constexpr double kNoise =
-    1e-3;  // pitches, roughly: how far a point's own pixels tell it. The scatter of many says more
-// All of a print's pixels: strewn ones would alias with its sharp edges.
+constexpr double kLatticeReach = 1.25;  // pitches to either side of a point: window of its lattice fit; chosen
+constexpr double kExplained = 0.7;      // least explained share of the grey levels around a point; chosen
+constexpr double kAsMuch = 0.95;        // relative to the first point: less at the edge of the grating; chosen
+constexpr double kNodeFarOff = 0.15;    // limit of the distance from the neighbour's prediction, pitches; chosen
+// Rough u of a point from its own pixels, pitches. The calibration adds the scatter of all points.
+constexpr double kNoise = 1e-3;
+// Use all pixels: sparse ones would alias with sharp edges.
 constexpr LatticeFitOptions kFit{.order = kHighestOrder, .perspective = true, .most_pixels = 10000};
 using Cell = std::pair<int, int>;
 
@@ -41,7 +41,7 @@ Image<float> grey_of(const LumaView& luma) {
   return out;
 }
 
-// Where a harmonic's cosine is greatest, in periods of its own.
+// Returns the position of the harmonic's maximum, in periods of the harmonic.
 double phase_of(const LatticeModel& model, int m, int n) {
   for (std::size_t k = 0; k < model.harmonics.size(); ++k) {
     if (model.harmonics[k] != Eigen::Vector2i(m, n)) continue;
@@ -63,7 +63,7 @@ struct NodeLook {
   double explained = kExplained;
 };
 
-// The point nearest to the expected lattice's origin at which both fundamentals are at their greatest.
+// Finds the point nearest to the expected lattice's origin at which both fundamentals have a maximum.
 std::optional<Node> look_for_node(const Image<float>& grey, const Lattice& expected, const NodeLook& how) {
   if (!is_inside(grey, expected)) return std::nullopt;
   LatticeModel model;
@@ -104,7 +104,7 @@ SeenBoard grating_points(const LumaView& luma, const DetectedPatch& patch) {
       const Node& from = nodes.at(cell);
       Lattice expected = from.lattice;
       expected.origin = from.lattice.at({dx, dy});
-      // Two in a row say how the step changes.
+      // Two neighbours in line also give the change of the step.
       if (const auto before = nodes.find({cell.first - dx, cell.second - dy}); before != nodes.end())
         expected.origin = from.at + (from.at - before->second.at);
       if (auto node = look_for_node(grey, expected, {kNodeFarOff, kAsMuch * nodes.at({0, 0}).explained})) {

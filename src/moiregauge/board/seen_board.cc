@@ -6,7 +6,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// A lattice of fewer points than this may stand beside a larger grating: it is looked for.
+// Points of a lattice. With fewer, a larger grating may be next to it and is searched. Chosen.
 constexpr std::size_t kPlenty = 25;
 
 SeenBoard board_of(const IndexedLattice& lattice) {
@@ -29,7 +29,7 @@ SeenBoard board_of(const IndexedLattice& lattice) {
 
 bool is_crossed(const DetectedPatch& patch) {
   return patch.pattern != Pattern::kLinesX && patch.pattern != Pattern::kLinesY &&
-         patch.pattern != Pattern::kCheckerboard;  // whose corners are its lattice
+         patch.pattern != Pattern::kCheckerboard;  // a checkerboard's corners are its lattice
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The board of a photograph as indexed points, whatever is printed on it (docs/methods/calibrate.md).
+// Detection of the board in a photograph, as indexed points (docs/methods/calibrate.md).
 #pragma once
 
 #include <optional>
@@ -19,16 +19,17 @@ struct SeenBoard {
   BoardPattern pattern = BoardPattern::kDots;
   int columns = 0;
   int rows = 0;
-  double step_pitches = 1.0;      // from one column to the next: of a checkerboard half its pitch, which is two squares
-  double diameter_pitches = 0.0;  // of dots
+  double step_pitches = 1.0;      // distance of columns; 0.5 for a checkerboard, whose pitch is two squares
+  double diameter_pitches = 0.0;  // of dots; 0: no dots
   std::vector<LatticePoint> points;
 };
 
-// The largest board in the picture: a lattice of dots, the corners of a checkerboard, else the points at which a
-// crossed grating (squares, grid, cosine) repeats. Nothing where none has kMinLatticeSide points along both its axes.
+// Detects the largest board in the image: a lattice of dots, the corners of a checkerboard, or a crossed grating.
+// Fails (nothing): no lattice has kMinLatticeSide points along both axes.
 [[nodiscard]] std::optional<SeenBoard> find_board(const GreyPicture& picture);
 
-// The points at which a crossed grating repeats, found from one to the next so that a lens may bend its rows.
+// Finds the points at which a crossed grating (squares, grid, cosine) repeats, each from its neighbour. A lens may bend
+// the rows.
 [[nodiscard]] SeenBoard grating_points(const LumaView& luma, const DetectedPatch& patch);
 
 }  // namespace moiregauge::internal

@@ -33,14 +33,14 @@ void refuse_empty_values(CLI::App& command) {
 
 std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   auto tree = std::make_unique<CLI::App>(
-      "moiregauge: displacement in millimetres from a video of printed gratings, whatever the camera did");
+      "moiregauge: displacement in millimetres from a video of printed gratings; the camera may move");
   CLI::App& app = *tree;
   app.name("moiregauge");
-  app.set_help_flag("-h", "the options at a glance");
-  app.set_help_all_flag("--help", "the whole page");
-  app.set_version_flag("--version", kVersion, "the version of the program");
+  app.set_help_flag("-h", "list the options");
+  app.set_help_all_flag("--help", "show the whole page");
+  app.set_version_flag("--version", kVersion, "print the version of the program");
   app.require_subcommand(1);
-  app.footer("One command in full: moiregauge help COMMAND");
+  app.footer("For the page of one command: moiregauge help COMMAND");
   add_measure(app, exit_code);
   add_solve(app, exit_code);
   add_export(app, exit_code);
@@ -53,7 +53,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   add_help(app, exit_code);
   add_completion(app, exit_code);
   for (CLI::App* command : app.get_subcommands({})) {
-    command->footer(fmt::format("More about each: moiregauge help {}", command->get_name()));
+    command->footer(fmt::format("For the whole page: moiregauge help {}", command->get_name()));
     refuse_empty_values(*command);
   }
   return tree;

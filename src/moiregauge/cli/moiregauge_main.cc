@@ -29,7 +29,7 @@ constexpr const char* kSimd = "MOIREGAUGE_SIMD";
 int run(int argc, char** argv) {
   if (const char* simd = std::getenv(kSimd); simd != nullptr && !moiregauge::internal::use_simd_target(simd))
     return moiregauge::internal::cli::fail(Exit::kUsage,
-                                           fmt::format("unknown processor: {}={}: choose one of {}", kSimd, simd,
+                                           fmt::format("the processor is unknown: {}={}: choose one of {}", kSimd, simd,
                                                        fmt::join(moiregauge::internal::simd_targets(), ", ")));
   int exit_code = 0;
   const auto tree = moiregauge::internal::cli::command_tree(exit_code);
@@ -66,14 +66,16 @@ int main(int argc, char** argv) {
     const bool lacks_threads = error.code() == std::errc::resource_unavailable_try_again;
     exit_code = moiregauge::internal::cli::fail(
         lacks_threads ? Exit::kOutputUnwritable : Exit::kInternalError,
-        lacks_threads ? fmt::format("no thread can start: {}: raise the limit on processes (ulimit -u)", error.what())
-                      : fmt::format("internal error: {}: please report it with the input", error.what()));
+        lacks_threads
+            ? fmt::format("no thread could be started: {}: raise the limit on processes (ulimit -u)", error.what())
+            : fmt::format("the program failed: {}: report this with the input", error.what()));
   } catch (const std::exception& error) {
     exit_code = moiregauge::internal::cli::fail(
-        Exit::kInternalError, fmt::format("internal error: {}: please report it with the input", error.what()));
+        Exit::kInternalError, fmt::format("the program failed: {}: report this with the input", error.what()));
   }
   if (moiregauge::internal::cli::finish_output()) return exit_code;
   return moiregauge::internal::cli::fail(
       Exit::kOutputUnwritable,
-      fmt::format("text was lost: standard output: {}: make room, or write it to another file", std::strerror(errno)));
+      fmt::format("the output was lost: standard output ({}): free space, or write to another file",
+                  std::strerror(errno)));
 }

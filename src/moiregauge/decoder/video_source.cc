@@ -23,7 +23,7 @@ namespace {
 using wire::Kind;
 using wire::Record;
 
-constexpr const char* kDecoderAdvice = "what came before it counts; convert the video with ffmpeg and try again";
+constexpr const char* kDecoderAdvice = "convert the video with ffmpeg and measure again (earlier frames are valid)";
 
 class OpenFile {
  public:
@@ -43,7 +43,7 @@ InputError error_of(InputErrorKind kind, const std::string& what, const std::str
   return {kind, fmt::format("{}: {}: {}", what, where, advice)};
 }
 
-// The child's words as an error; an error kind it has no right to becomes kDamaged.
+// Converts a record to an error. An unknown error kind becomes kDamaged.
 InputError error_in(const Record& record, const std::string& path) {
   const bool known = record.error >= 0 && record.error <= static_cast<int>(InputErrorKind::kDamaged);
   const auto kind = known ? static_cast<InputErrorKind>(record.error) : InputErrorKind::kDamaged;
@@ -57,7 +57,7 @@ class VideoSource final : public FrameSource {
 
   [[nodiscard]] const InputInfo& info() const override { return info_; }
 
-  // Waits for the child's opening words; the rest of info() is known after it.
+  // Waits for the child's first record, which completes info().
   [[nodiscard]] tl::expected<void, InputError> open() {
     const auto record = child_.receive(watchdog_);
     if (!record) return tl::unexpected(error_of(InputErrorKind::kDamaged, record.error(), info_.path, kDecoderAdvice));
@@ -102,8 +102,8 @@ class VideoSource final : public FrameSource {
       if (!fps_ && runs_backwards(*record)) {
         return break_off(error_of(
             InputErrorKind::kDamaged,
-            fmt::format("time runs backwards at frame {} ({:.2f} -> {:.2f} s)", number_, last_s_, record->time_s),
-            info_.path, "what came before counts; measure the parts one by one, or give --fps"));
+            fmt::format("the times run backwards at frame {} ({:.2f} to {:.2f} s)", number_, last_s_, record->time_s),
+            info_.path, "split the video, or give --fps (earlier frames are valid)"));
       }
       return frame_in(*record);
     }
@@ -119,18 +119,21 @@ class VideoSource final : public FrameSource {
 
   [[nodiscard]] std::string place() const { return fmt::format("{} at frame {}", info_.path, number_); }
   [[nodiscard]] InputError nonsense() const {
-    return error_of(InputErrorKind::kDamaged, "the decoder lost its senses", place(), kDecoderAdvice);
+    return error_of(InputErrorKind::kDamaged, "the video decoder failed", place(), kDecoderAdvice);
   }
   [[nodiscard]] std::string lost_decoder(const std::string& how) const {
-    return fmt::format("{} at frame {}; {} frames kept", how, number_, number_);
+    return fmt::format("{} at frame {} ({} frames kept)", how, number_, number_);
   }
 
-  // A damaged frame may have lost its time; one beside it has not.
+  // Returns true if time runs backwards. A damaged frame may have lost its time, its neighbours have not.
   [[nodiscard]] bool runs_backwards(const Record& record) {
     if (record.damaged == wire::kDamaged || std::isnan(record.time_s)) return false;
     if (record.time_s < last_s_) return true;
     if (record.time_s == last_s_ && !std::exchange(time_stood_still_, true))
-      info_.warnings.push_back(fmt::format("time stands still at frame {} ({:.3f} s)", number_, last_s_));
+      info_.warnings.push_back(
+          fmt::format("spectra may be wrong: frame {} has the time of the one before ({:.3f} s). Give --fps if the "
+                      "frame rate is constant",
+                      number_, last_s_));
     last_s_ = record.time_s;
     return false;
   }
@@ -171,7 +174,7 @@ class VideoSource final : public FrameSource {
   int slots_ = 0;
   int held_slot_ = -1;
   long number_ = 0;
-  double last_s_ = -std::numeric_limits<double>::infinity();  // of the last sound frame
+  double last_s_ = -std::numeric_limits<double>::infinity();  // time of the last sound frame
   bool time_stood_still_ = false;
   bool ended_ = false;
   std::optional<InputError> broken_off_;
@@ -186,14 +189,15 @@ Opened decoded(const std::string& path, const InputOptions& options, const Decod
   const OpenFile file(path);
   struct stat about {};
   if (file.number() < 0 || ::fstat(file.number(), &about) != 0) {
-    return unreadable(fmt::format("cannot open the video ({})", std::strerror(errno)),
-                      "check the name and your rights");
+    return unreadable(fmt::format("the video cannot be opened ({})", std::strerror(errno)),
+                      "check its name and permissions");
   }
-  if (!S_ISREG(about.st_mode)) return unreadable("not a file", "give a video file");
-  if (about.st_size == 0) return unreadable("the file is empty", "record or copy it again");
+  if (!S_ISREG(about.st_mode)) return unreadable("the input is not a file", "give a video file");
+  if (about.st_size == 0) return unreadable("the video file is empty", "copy it again from the camera");
   auto child = ChildProcess::start(decoder.child_program, file.number(), options.max_pixels);
   if (!child)
-    return unreadable(fmt::format("no decoder could be started ({})", child.error()), "free memory or processes");
+    return unreadable(fmt::format("the video decoder could not be started ({})", child.error()),
+                      "free memory or processes");
   InputInfo info;
   info.path = path;
   auto source = std::make_unique<VideoSource>(std::move(*child), std::move(info), options, decoder.watchdog);
@@ -215,7 +219,7 @@ bool same_pixels(const LumaView& a, const LumaView& b) {
       a);
 }
 
-// Do the file's own bytes mean to us what they mean to the decoder? Takes its first frame.
+// Returns true if the decoder's first frame equals the one read in place. Reads that frame from the decoder.
 bool agree(const MappedVideo& mapped, FrameSource& decoder) {
   const InputInfo& info = decoder.info();
   const auto counted = static_cast<long>(mapped.video.frames.size());
@@ -234,7 +238,7 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::str
   auto mapped = map_video(path);
   if (!mapped) return source;
   if (agree(*mapped, **source)) return stored_source(std::move(*mapped), (*source)->info(), options);
-  return decoded(path, options, decoder);  // anew: its first frame is gone
+  return decoded(path, options, decoder);  // a second decoder, because the first one's first frame was read
 }
 
 }  // namespace moiregauge::internal

@@ -25,12 +25,12 @@ constexpr int kWidth = 48;
 constexpr int kHeight = 32;
 constexpr int kFrames = 12;
 
-// Every grey level of the test pictures, known without any codec.
+// Grey levels of the test images, independent of any codec.
 unsigned grey_at(int frame, int x, int y, int bits) {
   return static_cast<unsigned>(frame * 7 + x * 5 + y * 3 + x * y % 11) % (1U << bits);
 }
 
-// Raw pictures as ffmpeg takes them: bytes, or little-endian words.
+// Writes raw images for ffmpeg: bytes, or little-endian words.
 void write_raw(const std::string& path, int bits) {
   std::ofstream out(path, std::ios::binary);
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -44,7 +44,7 @@ void write_raw(const std::string& path, int bits) {
   }
 }
 
-// A video of the raw pictures: bits 8 to 16, `how` the codec's words.
+// Makes a video of the raw images. `bits`: 8 to 16, `how`: the codec's options.
 std::string make_video(const TestFolder& folder, const std::string& name, int bits, const std::string& how) {
   write_raw(folder / "raw", bits);
   const std::string kind = bits == 8 ? "gray" : fmt::format("gray{}le", bits);
@@ -103,7 +103,7 @@ TEST(VideoSource, EveryGreyLevelArrivesAtItsNativeDepth) {
   }
 }
 
-TEST(VideoSource, LumaOfAnyLayoutIsTakenAsStored) {
+TEST(VideoSource, LumaOfAnyLayoutIsReadAsStored) {
   for (const char* how :
        {"-pix_fmt yuv420p -c:v libx264 -qp 0", "-pix_fmt yuv444p -c:v ffv1", "-pix_fmt yuyv422 -c:v rawvideo",
         "-pix_fmt nv12 -c:v rawvideo", "-pix_fmt yuvj420p -c:v mjpeg -q:v 1", "-pix_fmt yuv422p10le -c:v ffv1"}) {
@@ -128,7 +128,7 @@ TEST(VideoSource, LumaOfAnyLayoutIsTakenAsStored) {
   }
 }
 
-TEST(VideoSource, ColourPicturesBecomeLumaByTheOneFormula) {
+TEST(VideoSource, ColourImagesBecomeLumaByOneFormula) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i color=c=0xC86432:s=16x16:d=0.2,format=gbrp -pix_fmt gbrp -c:v ffv1 {}",
                      folder / "a.mkv"));
@@ -138,17 +138,17 @@ TEST(VideoSource, ColourPicturesBecomeLumaByTheOneFormula) {
             static_cast<unsigned>((77 * 200 + 150 * 100 + 29 * 50 + 128) >> 8));
 }
 
-TEST(VideoSource, APictureIsShownUprightWithoutTouchingAGreyLevel) {
+TEST(VideoSource, RotationChangesNoGreyLevel) {
   for (const int degrees : {0, 90, 180, 270}) {
     const TestFolder folder;
     make_video(folder, "plain.mp4", 8, "-pix_fmt yuv420p -c:v libx264 -qp 0");
     ffmpeg(fmt::format("-i {} -c copy -metadata:s:v rotate={} {}", folder / "plain.mp4", degrees, folder / "a.mp4"));
     ffmpeg(fmt::format("-i {} -vf extractplanes=y -f rawvideo {}", folder / "a.mp4",
-                       folder / "shown"));  // ffmpeg turns it
+                       folder / "shown"));  // ffmpeg rotates it
     const std::string shown = text_of(folder / "shown");
     auto source = opened(folder / "a.mp4");
     ASSERT_NE(source, nullptr);
-    EXPECT_EQ(source->info().rotation_deg % 180, degrees % 180);  // which way round, the pixels tell
+    EXPECT_EQ(source->info().rotation_deg % 180, degrees % 180);  // the pixels show the direction
     EXPECT_EQ(source->info().width, degrees % 180 == 0 ? kWidth : kHeight);
     const LumaView luma = source->next().value()->luma;
     for (int y = 0; y < height_of(luma); ++y) {
@@ -160,7 +160,7 @@ TEST(VideoSource, APictureIsShownUprightWithoutTouchingAGreyLevel) {
   }
 }
 
-TEST(VideoSource, TimeIsTheStreamsOwnEvenWhereFramesAreMissing) {
+TEST(VideoSource, TimesAreTheStreamsEvenIfFramesAreMissing) {
   const TestFolder folder;
   make_video(folder, "a.mp4", 8, "-vf select='not(between(n\\,3\\,6))' -vsync vfr -pix_fmt yuv420p -c:v libx264");
   auto source = opened(folder / "a.mp4");
@@ -174,7 +174,7 @@ TEST(VideoSource, TimeIsTheStreamsOwnEvenWhereFramesAreMissing) {
   EXPECT_EQ(source->info().time_source, "stream");
 }
 
-TEST(VideoSource, FramesPerSecondOfTheUserReplaceTheStreamsTime) {
+TEST(VideoSource, TheFpsOptionReplacesTheStreamsTimes) {
   const TestFolder folder;
   auto source = open_video(make_video(folder, "a.avi", 8, "-c:v ffv1"), {.fps = 500.0, .sequence = false}).value();
   const ObservationLog seen = all_of(*source);
@@ -182,7 +182,7 @@ TEST(VideoSource, FramesPerSecondOfTheUserReplaceTheStreamsTime) {
   EXPECT_EQ(source->info().time_source, "fps-option");
 }
 
-TEST(VideoSource, AWholeFileWithReorderedFramesHasNoDamage) {
+TEST(VideoSource, ACompleteFileWithReorderedFramesHasNoDamage) {
   const TestFolder folder;
   for (const char* name : {"a.mp4", "a.mkv", "a.ts", "a.mov"}) {
     ffmpeg(
@@ -196,7 +196,7 @@ TEST(VideoSource, AWholeFileWithReorderedFramesHasNoDamage) {
   }
 }
 
-TEST(VideoSource, AFileCutShortGivesItsGoodFramesAndThenSaysSo) {
+TEST(VideoSource, ATruncatedFileGivesItsIntactFramesAndAnError) {
   const TestFolder folder;
   for (const char* name : {"a.mp4", "a.mkv", "a.avi"}) {
     ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=2 -pix_fmt yuv420p -c:v libx264 -movflags faststart {}",
@@ -243,9 +243,9 @@ TEST(VideoSource, DamageIsMarkedUntilTheNextKeyFrame) {
   EXPECT_LT(marked, 51) << "two groups at most";
 }
 
-// What a bit spoils runs on to the end of its slice and mostly leaves macroblocks that nothing decoded. With several
-// threads libav does not look for them, and half of such flips pass unseen.
-TEST(VideoSource, OneFlippedBitInH264IsSeen) {
+// A wrong bit spoils the rest of its slice and usually leaves macroblocks that are not decoded. With several threads
+// libav does not check for them, and half of such flips remain undetected.
+TEST(VideoSource, AFlippedBitInH264IsDetected) {
   const TestFolder folder;
   ffmpeg(
       fmt::format("-f lavfi -i testsrc2=s=320x240:d=1,noise=alls=20:all_seed=1 -pix_fmt yuv420p -c:v libx264 -g 8 {}",
@@ -255,7 +255,7 @@ TEST(VideoSource, OneFlippedBitInH264IsSeen) {
   constexpr int kFlips = 20;
   for (std::size_t i = 0; i < kFlips; ++i) {
     std::string hit = whole;
-    hit[hit.size() / 10 + i * hit.size() / 30] ^= static_cast<char>(1U << i % 8);  // well within the pictures
+    hit[hit.size() / 10 + i * hit.size() / 30] ^= static_cast<char>(1U << i % 8);  // well within the image data
     put_text(folder / "hit.mp4", hit);
     auto source = opened(folder / "hit.mp4");
     ASSERT_NE(source, nullptr);
@@ -265,8 +265,8 @@ TEST(VideoSource, OneFlippedBitInH264IsSeen) {
   EXPECT_GE(seen, kFlips * 3 / 4);
 }
 
-// Nothing in a JPEG picture tells that a bit of it is wrong, but a Matroska file has check sums of its own.
-TEST(VideoSource, AWrongCheckSumOfTheContainerIsSaidAtTheEnd) {
+// A JPEG image has no check sum, but a Matroska file has.
+TEST(VideoSource, AWrongContainerCheckSumIsReportedAtTheEnd) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v mjpeg -q:v 2 {}", folder / "a.mkv"));
   const std::string whole = text_of(folder / "a.mkv");
@@ -282,14 +282,14 @@ TEST(VideoSource, AWrongCheckSumOfTheContainerIsSaidAtTheEnd) {
   }
 }
 
-// Frames behind lost ones keep their times: the index knows by place which they are. Where no place is right, the input
-// ends, because the number of lost frames is not known.
-TEST(VideoSource, AnAviKeepsTimeBehindAHoleOrEnds) {
+// Frames after a loss keep their times, because the index contains their positions. If no position matches, the input
+// ends, because the number of lost frames is unknown.
+TEST(VideoSource, AnAviKeepsTimesAfterALossOrEnds) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v mjpeg -q:v 2 {}", folder / "a.avi"));
   const std::string whole = text_of(folder / "a.avi");
   std::string hole = whole;
-  const std::size_t at = whole.find("00dc", whole.size() / 2);  // the head of a chunk, and of the next
+  const std::size_t at = whole.find("00dc", whole.size() / 2);  // the header of a chunk, and of the next
   hole.replace(at - 50, 100, std::string(100, '\0'));
   put_text(folder / "hole.avi", hole);
   auto source = opened(folder / "hole.avi");
@@ -310,8 +310,8 @@ TEST(VideoSource, AnAviKeepsTimeBehindAHoleOrEnds) {
       << seen.broken_off->message;
 }
 
-// It holds no times, only the number of frames; those that the decoder still holds at the end count on.
-TEST(VideoSource, AnAviWithReorderedFramesIsWholeAndKeepsTime) {
+// It contains no times, only the number of frames. Frames still in the decoder at the end continue the count.
+TEST(VideoSource, AnAviWithReorderedFramesIsCompleteAndKeepsTimes) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -pix_fmt yuv420p -c:v libx264 -bf 3 {}", folder / "a.avi"));
   auto source = opened(folder / "a.avi");
@@ -322,7 +322,7 @@ TEST(VideoSource, AnAviWithReorderedFramesIsWholeAndKeepsTime) {
   for (std::size_t i = 0; i < 25; ++i) EXPECT_NEAR(seen.times[i], static_cast<double>(i) / 25.0, 1e-9);
 }
 
-TEST(VideoSource, APictureThatChangesItsSizeEndsTheInputThere) {
+TEST(VideoSource, AChangeOfImageSizeEndsTheInput) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v libx264 -pix_fmt yuv420p {}", folder / "a.ts"));
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=160x120:d=1 -c:v libx264 -pix_fmt yuv420p {}", folder / "b.ts"));
@@ -335,7 +335,7 @@ TEST(VideoSource, APictureThatChangesItsSizeEndsTheInputThere) {
       << seen.broken_off->message;
 }
 
-TEST(VideoSource, WhatIsNoVideoIsRefusedInOneSentence) {
+TEST(VideoSource, AFileThatIsNoVideoIsRefusedInOneSentence) {
   const TestFolder folder;
   put_text(folder / "text.mp4", "This is a letter, not a film.\n");
   put_text(folder / "empty.mp4", "");
@@ -362,15 +362,15 @@ TEST(VideoSource, AVideoThatNamesOtherFilesOpensNoneOfThem) {
   EXPECT_EQ(all_of(*pattern).times.size(), 12U);
 }
 
-TEST(VideoSource, AVideoWithoutItsIndexIsCalledThat) {
+TEST(VideoSource, AMissingIndexIsReported) {
   const TestFolder folder;
   const std::string video = make_video(folder, "a.mp4", 8, "-pix_fmt yuv420p -c:v libx264");
   put_text(video, text_of(video).substr(0, text_of(video).size() / 2));
   EXPECT_NE(refusal(video).message.find("no index (the recording was cut off)"), std::string::npos);
 }
 
-// The same two seconds again behind them: as a recorder that was stopped and started.
-TEST(VideoSource, TimeThatRunsBackwardsEndsTheInputThere) {
+// The same second again, as if a recorder was stopped and started.
+TEST(VideoSource, TimesThatRunBackwardsEndTheInput) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=1 -c:v libx264 -bf 0 -pix_fmt yuv420p {}", folder / "a.ts"));
   put_text(folder / "b.ts", text_of(folder / "a.ts") + text_of(folder / "a.ts"));
@@ -386,7 +386,7 @@ TEST(VideoSource, TimeThatRunsBackwardsEndsTheInputThere) {
   EXPECT_EQ(all_of(**timed).times.size(), 50U) << "whoever gives the times is believed";
 }
 
-TEST(VideoSource, MorePixelsThanAllowedAreRefusedBeforeTheyAreDecoded) {
+TEST(VideoSource, TooManyPixelsAreRefusedBeforeDecoding) {
   const TestFolder folder;
   const std::string video = make_video(folder, "a.mkv", 8, "-c:v ffv1");
   const auto refused = open_video(video, {.fps = {}, .max_pixels = kWidth * kHeight - 1});
@@ -402,7 +402,7 @@ std::string status_of_the_child() {
   return text_of("/proc/" + mine.substr(0, mine.find(' ')) + "/status");
 }
 
-TEST(VideoSource, TheDecoderRunsBehindTheFilter) {
+TEST(VideoSource, TheDecoderRunsInsideTheFilter) {
   const TestFolder folder;
   auto source = opened(make_video(folder, "a.mkv", 8, "-c:v ffv1"));
   ASSERT_NE(source, nullptr);
@@ -411,7 +411,7 @@ TEST(VideoSource, TheDecoderRunsBehindTheFilter) {
   EXPECT_NE(status.find("NoNewPrivs:\t1"), std::string::npos) << status;
 }
 
-TEST(VideoSource, ADecoderThatDiesCostsFramesNotTheProgram) {
+TEST(VideoSource, ADeadDecoderLosesFramesButNotTheProgram) {
   const TestFolder folder;
   make_video(folder, "a.mkv", 8, "-c:v ffv1");
   auto dead = open_video(folder / "a.mkv", {}, {.child_program = "/bin/false"});
@@ -421,7 +421,7 @@ TEST(VideoSource, ADecoderThatDiesCostsFramesNotTheProgram) {
   EXPECT_FALSE(open_video(folder / "a.mkv", {}, {.child_program = "/no/such/program"}));
 }
 
-TEST(VideoSource, ADecoderThatDiesHalfwayLeavesTheFramesBeforeIt) {
+TEST(VideoSource, ADeadDecoderLeavesEarlierFrames) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=4 -c:v libx264 -pix_fmt yuv420p {}", folder / "a.mp4"));
   auto source = opened(folder / "a.mp4");
@@ -437,7 +437,7 @@ TEST(VideoSource, ADecoderThatDiesHalfwayLeavesTheFramesBeforeIt) {
   EXPECT_NE(seen.broken_off->message.find(words), std::string::npos) << seen.broken_off->message;
 }
 
-TEST(VideoSource, ADecoderThatHangsIsKilledByTheWatchdog) {
+TEST(VideoSource, ABlockedDecoderIsKilledByTheWatchdog) {
   const TestFolder folder;
   make_video(folder, "a.mkv", 8, "-c:v ffv1");
   put_text(folder / "hang", "#!/bin/sh\nexec sleep 100\n");
@@ -448,7 +448,7 @@ TEST(VideoSource, ADecoderThatHangsIsKilledByTheWatchdog) {
   EXPECT_NE(hung.error().message.find("silent for 0.2 s"), std::string::npos) << hung.error().message;
 }
 
-TEST(VideoSource, AnInputLeftHalfReadLeavesNoChildBehind) {
+TEST(VideoSource, APartlyReadInputLeavesNoChildProcess) {
   const TestFolder folder;
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=4 -c:v libx264 -pix_fmt yuv420p {}", folder / "a.mp4"));
   for (int i = 0; i < 3; ++i) {

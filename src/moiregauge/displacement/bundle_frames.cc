@@ -10,7 +10,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Is the marker read, and its lattice line beyond doubt?
+// Returns true for markers that were read and whose lattice line is certain.
 std::vector<bool> usable_points(const Reference& reference, const Observation& seen) {
   const std::vector<bool> doubtful = references_in_doubt(reference, seen);
   std::vector<bool> usable;
@@ -62,7 +62,7 @@ BundleFrames bundle_frames(const Reference& reference, const Observations& obser
   out.place.assign(observations.size(), 0);
   auto starts = std::make_shared<std::vector<FrameStart>>();
   starts->push_back(start_of(reference, reference.seen, camera, still));
-  std::vector<std::size_t> observation{0};  // of each frame; the reference frame has none
+  std::vector<std::size_t> observation{0};  // of each frame; the reference frame has none, so its entry is unused
   if (references_in(reference.site, starts->front()) >= least) {
     Follower follower(reference);
     for (std::size_t n = 0; n < observations.size(); ++n) {
@@ -84,6 +84,14 @@ BundleFrames bundle_frames(const Reference& reference, const Observations& obser
     return frame;
   });
   return out;
+}
+
+std::optional<BundleFrame> bundle_frame(const Reference& reference, const Observation& seen, const Camera& camera,
+                                        const std::vector<BoardExtent>& travel, std::size_t least) {
+  if (seen.decode_error || !seen.references_seen) return std::nullopt;
+  const FrameStart start = start_of(reference, seen, camera, travel);
+  if (references_in(reference.site, start) < least) return std::nullopt;
+  return frame_of(seen, start);
 }
 
 FrameSeries with_codec_error(const BundleFrames& all, std::shared_ptr<const CodecHistory> codec) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole pitch of a print that shows no outline and has no circle follows from continuity alone.
+// Fringe order by continuity, for gratings without an outline and without a circle.
 #pragma once
 
 #include <span>
@@ -10,15 +10,16 @@
 
 namespace moiregauge::internal {
 
-// Pitches from one reading to the next up to which continuity gives the whole pitch.
+// Largest step between two readings for which continuity gives the fringe order, pitches. Half a pitch is ambiguous;
+// the rest is margin. Chosen.
 inline constexpr double kSureOfOrder = 0.25;
 
-// One per site marker: does a target go more than a quarter of a pitch between any two frames that show it? Then it may
-// as well go more than half of one, which continuity takes for less in the other direction.
+// Returns true for targets that move more than kSureOfOrder between two of their frames, one per site marker. Such a
+// target may also have moved the other way.
 [[nodiscard]] std::vector<bool> outruns_continuity(const Site& site, std::span<const FrameStart> frames);
 
-// Of samples whose whole pitch follows from continuity alone (`two-stage`, frame by frame): those of a target from the
-// first one on that stands more than a quarter of a pitch from the one before.
+// Marks samples whose fringe order follows from continuity alone (`two-stage`) as kOrderUnproven, with NaN values. It
+// affects each target from its first step above kSureOfOrder.
 void doubt_after_leaps(const Site& site, std::span<Sample> samples);
 
 }  // namespace moiregauge::internal

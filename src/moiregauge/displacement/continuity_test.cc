@@ -10,7 +10,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// A target of 10 mm pitch seen at these heights, frame after frame; NaN: not seen.
+// Test result for a target of 10 mm pitch at these positions, frame by frame. NaN: not seen.
 std::vector<bool> verdict(const std::vector<double>& y_mm) {
   Site site;
   for (const Role role : {Role::kReference, Role::kTarget}) {
@@ -29,23 +29,23 @@ std::vector<bool> verdict(const std::vector<double>& y_mm) {
   return outruns_continuity(site, frames);
 }
 
-TEST(Continuity, HoldsForAQuarterOfAPitchFromFrameToFrameHoweverFarInAll) {
+TEST(Continuity, HoldsForStepsBelowAQuarterPitchOverAnyDistance) {
   EXPECT_EQ(verdict({0.0, 2.4, 4.8, 7.2, 9.6, 12.0}), std::vector<bool>({false, false}));
 }
 
-TEST(Continuity, IsOutrunByOneLongerStepInEitherDirection) {
+TEST(Continuity, EndsWithOneLongerStepInEitherDirection) {
   EXPECT_TRUE(verdict({0.0, 1.0, 3.6, 3.7})[1]);
   EXPECT_TRUE(verdict({0.0, 0.1, -2.5})[1]);
 }
 
-TEST(Continuity, IsJudgedAcrossFramesThatDoNotShowTheTarget) {
+TEST(Continuity, IsTestedAcrossFramesWithoutTheTarget) {
   const double unseen = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(verdict({0.0, unseen, unseen, 4.0})[1]);
   EXPECT_FALSE(verdict({0.0, unseen, unseen, 2.0})[1]);
 }
 
-// Two targets, the second of which leaps between the third row and the fourth.
-TEST(Continuity, OfAFrameByFrameReadingEndsWithTheFirstLeapOfThatTargetAlone) {
+// Two targets. The second one makes a large step between the third row and the fourth.
+TEST(Continuity, FrameByFrameReadingsEndWithTheFirstLongStepOfThatTarget) {
   Site site;
   for (int i = 0; i < 2; ++i) {
     Marker marker;
@@ -65,7 +65,7 @@ TEST(Continuity, OfAFrameByFrameReadingEndsWithTheFirstLeapOfThatTargetAlone) {
   }
   doubt_after_leaps(site, samples);
   for (std::size_t n = 0; n < samples.size(); ++n) {
-    const bool doubted = samples[n].marker == 1 && n >= 7;  // the fourth row on
+    const bool doubted = samples[n].marker == 1 && n >= 7;  // from the fourth row
     EXPECT_EQ(samples[n].status, doubted ? Status::kOrderUnproven : Status::kOk) << "sample " << n;
     EXPECT_EQ(std::isnan(samples[n].displacement.y), doubted) << "sample " << n;
   }

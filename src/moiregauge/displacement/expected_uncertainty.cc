@@ -11,7 +11,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// The reading with the phase noise no estimator can beat: its region grown to the whole print.
+// Returns the reading with the Cramer-Rao bound of the phase, for all pixels of the grating.
 PatchReading at_the_bound(const Reference& reference, std::size_t i) {
   PatchReading patch = reference.seen.markers[i].patch;
   const Grating& print = *reference.site.markers[i].grating;
@@ -22,13 +22,13 @@ PatchReading at_the_bound(const Reference& reference, std::size_t i) {
   return patch;
 }
 
-// An axis of the board along which the print shows nothing: lines that lie along it.
+// Returns u with NaN for a board axis that the grating does not show (lines along it).
 BoardExtent shown(const RasterPlan& plan, BoardExtent u) {
   const BoardExtent seen = displacement_between(plan, PatchReading{}, PatchReading{});
   return {std::isnan(seen.x) ? kNotMeasured : u.x, std::isnan(seen.y) ? kNotMeasured : u.y};
 }
 
-// As solve_two_stage.cc has it: the codec's error of target and references, in a later frame and in the reference frame.
+// Codec's error of target and references in a later frame and the reference frame, as in solve_two_stage.cc.
 class ExpectedCodec {
  public:
   ExpectedCodec(const Reference& reference, std::span<const Quantiser> later) : reference_(reference), later_(later) {}

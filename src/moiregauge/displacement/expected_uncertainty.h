@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a measurement will be good for, told from its reference frame alone.
+// Expected uncertainty of a measurement, from its reference frame alone.
 #pragma once
 
 #include <span>
@@ -10,18 +10,19 @@
 
 namespace moiregauge::internal {
 
-// Standard uncertainties (k = 1) of a target's displacement since the reference frame along the board's axes, mm, of
-// both frames' noise and of a lossy codec. Not included: a lens, depth or a bent board, which show only when the camera
-// moves. NaN where the target was not seen or its print cannot show that axis.
+// Standard uncertainties (k = 1) of a target's displacement since the reference frame along the board's axes, mm.
+// Included: noise of both frames, and a lossy codec. Not included: lens, depth and a bent board, which show only if the
+// camera moves.
+// NaN: the target was not seen, or its grating does not show this axis.
 struct ExpectedUncertainty {
   std::size_t marker = 0;      // index in the site
-  Extent<frame::Board> u;      // of the two-stage method in frames as good as this one, the codec's share included
-  Extent<frame::Board> codec;  // the codec's share; 0: nothing was lost
-  Extent<frame::Board> bound;  // phase bound: fundamentals over every pixel of the printed patches, all references
+  Extent<frame::Board> u;      // of the two-stage method in frames like this one, with the codec's part
+  Extent<frame::Board> codec;  // the codec's part; 0: lossless
+  Extent<frame::Board> bound;  // Cramer-Rao bound: fundamentals over all pixels of the gratings, all references
 };
 
-// One for every target with a grating, in the site's order. `later`: the quantiser at every marker in the frames to
-// come, which may be predicted where the reference frame is not; empty: as in the reference frame.
+// Returns one entry for every target with a grating, in the site's order.
+// `later`: the quantiser at every marker in later frames, which may be predicted. Empty: as in the reference frame.
 [[nodiscard]] std::vector<ExpectedUncertainty> expected_uncertainties(const Reference& reference,
                                                                       std::span<const Quantiser> later);
 

@@ -23,7 +23,7 @@ Marker marker_with(Role role, BoardPoint at, Pattern pattern) {
   return m;
 }
 
-// Four references at (+-a, +-b) and a target in their middle, every grating read to the same phase noise.
+// Four references at (+-a, +-b) and a target in their middle. All gratings are read with the same phase noise.
 Reference five_markers(Pattern of_target) {
   Reference reference;
   for (const BoardPoint at : {BoardPoint{-kA, kB}, {kA, kB}, {-kA, -kB}, {kA, -kB}})
@@ -48,8 +48,8 @@ TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
   const auto expected = expected_uncertainties(five_markers(Pattern::kGrid), {});
   ASSERT_EQ(expected.size(), 1U);
   EXPECT_EQ(expected[0].marker, 4U);
-  // Target and references read to s; u_x = (s/2) sqrt(1 + (a/b)^2) through the references (reference_weights.h); both frames
-  // count.
+  // Target and references have the noise s. Through the references u_x = (s/2) sqrt(1 + (a/b)^2) (reference_weights.h).
+  // Both frames count.
   const auto since_reference_frame = [](double s) {
     return Extent<frame::Board>{s * std::sqrt(2.0 * (1.0 + 0.25 * (1.0 + kA * kA / (kB * kB)))),
                                 s * std::sqrt(2.0 * (1.0 + 0.25 * (1.0 + kB * kB / (kA * kA))))};
@@ -57,14 +57,14 @@ TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
   const auto u = since_reference_frame(kPitch_mm / kTwoPi * kPhase_rad);
   EXPECT_NEAR(expected[0].u.x, u.x, 1e-9 * u.x);
   EXPECT_NEAR(expected[0].u.y, u.y, 1e-9 * u.y);
-  // The bound: amplitude 60, noise 1.5, over all 80 x 80 pixels of the print.
+  // Bound: amplitude 60, noise 1.5, all 80 x 80 pixels of the grating.
   const auto bound = since_reference_frame(kPitch_mm / kTwoPi * (1.5 / 60.0) * std::sqrt(2.0 / (80.0 * 80.0)));
   EXPECT_NEAR(expected[0].bound.x, bound.x, 1e-9 * bound.x);
   EXPECT_NEAR(expected[0].bound.y, bound.y, 1e-9 * bound.y);
 }
 
-// In a predicted frame the target lags by its own share of the dead zone, which no noise bound contains.
-TEST(ExpectedUncertainty, ACodecThatPredictsAddsTheLagThatMeasureStates) {
+// In a predicted frame the target lags by its own share of the dead zone. No noise bound contains that.
+TEST(ExpectedUncertainty, APredictiveCodecAddsTheLagThatMeasureStates) {
   const Reference reference = five_markers(Pattern::kGrid);
   const std::vector<Quantiser> later(5, {kUsualStep, true});
   const auto lossless = expected_uncertainties(reference, {}), lossy = expected_uncertainties(reference, later);
@@ -74,7 +74,7 @@ TEST(ExpectedUncertainty, ACodecThatPredictsAddsTheLagThatMeasureStates) {
   EXPECT_LE(lossy[0].codec.y, 1.2 * own);  // references lag together: 0.2 / 0.55 of it, halved by four of them
   EXPECT_NEAR(lossy[0].u.y, std::hypot(lossless[0].u.y, lossy[0].codec.y), 1e-12);
   EXPECT_EQ(lossless[0].codec.y, 0.0);
-  const std::vector<Quantiser> unknown(5, {kUnknownStep, true});  // the usual step is assumed
+  const std::vector<Quantiser> unknown(5, {kUnknownStep, true});  // then the usual step is assumed
   EXPECT_DOUBLE_EQ(expected_uncertainties(reference, unknown)[0].u.x, lossy[0].u.x);
 }
 
@@ -85,7 +85,7 @@ TEST(ExpectedUncertainty, LinesShowNothingAlongThemselves) {
   EXPECT_GT(expected[0].u.y, 0.0);
 }
 
-TEST(ExpectedUncertainty, ATargetThatIsNotSeenPromisesNothing) {
+TEST(ExpectedUncertainty, ATargetThatIsNotSeenHasNoValue) {
   Reference reference = five_markers(Pattern::kGrid);
   reference.seen.markers[4].loss = Loss::kNoModulation;
   const auto expected = expected_uncertainties(reference, {});

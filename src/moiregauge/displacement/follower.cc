@@ -4,8 +4,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// A print whose outline is not where its phase would have it may be another print, or none: from such readings its
-// place would walk off by up to half a pitch a frame. It is looked for where it was last sure.
+// Returns true if the outline contradicts the phase: the reading may be of another grating. Its position could drift by
+// up to half a pitch per frame. The target is then searched at its last certain position.
 bool has_left_its_outline(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
   const bool has_outline = i < reference.prints.size() && reference.prints[i] && reference.prints[i]->outline;
   return has_outline && seen.order == Order::kContradicted;
@@ -33,7 +33,7 @@ std::vector<Extent<frame::Board>> Follower::follow(const Reference& reference, c
   std::vector<Extent<frame::Board>> travel(reference.site.markers.size(), {kNotMeasured, kNotMeasured});
   const auto last_view = prediction_.view;
   const auto last_travel = prediction_.travel;
-  // A frame without its references is lost; the next one is looked for afresh.
+  // A frame without references is lost. The next one goes through detection.
   prediction_.view = observation.references_seen ? std::optional(observation.stage1) : std::nullopt;
   if (!observation.references_seen) {
     expect(last_travel, std::nullopt);
@@ -43,8 +43,8 @@ std::vector<Extent<frame::Board>> Follower::follow(const Reference& reference, c
     const MarkerObservation& seen = observation.markers[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
     const RasterPlan& plan = reference.plans[i];
-    // The window stands where the last frame left the target, or on this frame's first reading of it; the phase gives
-    // the rest within half a pitch.
+    // The window is at the target's last position, or at this frame's first reading. The phase gives the rest within
+    // half a pitch.
     travel[i] = displacement_at(plan, reference.seen.markers[i].patch, seen.patch, seen.window_shift);
     if (has_left_its_outline(reference, seen, i)) continue;
     prediction_.travel[i] = {or_zero(travel[i].x), or_zero(travel[i].y)};

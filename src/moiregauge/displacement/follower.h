@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one object with a memory: where everything was last, and in which whole turn.
+// State over frames: the last positions of view and targets, for tracking and phase unwrapping.
 #pragma once
 
 #include <cmath>
@@ -9,15 +9,14 @@
 
 namespace moiregauge::internal {
 
-// Travel of every target since the reference frame, continued from frame to frame into the turn nearest the last one:
-// right as long as a target moves less than half a pitch (of its raster: a quarter diagonal for a checkerboard) between
-// two frames in which it is seen.
+// Unwraps each target's phase over time and predicts positions in the next frame. The fringe order is right if a target
+// moves less than half a pitch between two of its frames (checkerboard: a quarter diagonal).
 class Follower {
  public:
   explicit Follower(const Reference& reference);
   [[nodiscard]] const Prediction& prediction() const { return prediction_; }
-  // Takes the frame's observation in; returns each marker's travel, mm (NaN: not read; on an axis the print cannot
-  // show).
+  // Adds a frame's observation. Returns each marker's displacement since the reference frame, mm; NaN if it was not
+  // read, or along an axis that the grating does not show.
   std::vector<Extent<frame::Board>> follow(const Reference& reference, const Observation& observation);
 
  private:
@@ -25,7 +24,7 @@ class Follower {
   Prediction prediction_;
 };
 
-// A number of such a travel, to start or to predict from.
+// Returns the displacement, or 0 if it is NaN, as a start value.
 [[nodiscard]] inline double or_zero(double travel_mm) { return std::isnan(travel_mm) ? 0.0 : travel_mm; }
 
 }  // namespace moiregauge::internal

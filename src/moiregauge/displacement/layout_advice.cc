@@ -14,12 +14,13 @@
 namespace moiregauge::internal {
 namespace {
 
-// One axis this many times worse than the other is worth a word: the layout does it, not the print.
+// Ratio of the bounds of both axes above which the user is warned. The cause is the layout, because a grating shows
+// both axes alike. Chosen.
 constexpr double kWeak = 2.5;
-// Below this a frame shows the prints where the reference frame showed them: the lens bends all frames alike.
+// Movement of the camera below which all frames show the gratings alike, so the lens bends them alike. Chosen.
 constexpr double kHardlyTurns_deg = 0.25;
-constexpr double kHardlyGoes = 0.005;  // of the distance
-constexpr Eigen::Index kK1 = 3;        // of the camera's eight
+constexpr double kHardlyGoes = 0.005;  // relative to the camera's distance
+constexpr Eigen::Index kK1 = 3;        // index of k1 among the camera's parameters
 
 struct Span {
   double x = 0.0, y = 0.0;  // mm
@@ -53,20 +54,21 @@ std::optional<std::string> weak_axis_note(const Reference& reference) {
   const Span span = references_span(reference.site);
   const bool is_flat = span.y < span.x;
   return fmt::format(
-      "the references span {:.2g} of their {} in {}: of target '{}' u_dx cannot be below {:.2g} um, u_dy not below "
-      "{:.2g} um (k = 1); move two of the references further {} for less",
-      is_flat ? span.y / span.x : span.x / span.y, is_flat ? "width" : "height", is_flat ? "height" : "width",
-      reference.site.markers[*target].name, 1000.0 * u.x, 1000.0 * u.y, is_flat ? "up or down" : "to the side");
+      "note: {} of target '{}' is at least {:.2g} um ({} {:.2g} um), because the references span only {:.2g} of their "
+      "{} in {}. Move two references further {}",
+      is_flat ? "u_dx" : "u_dy", reference.site.markers[*target].name, 1000.0 * (is_flat ? u.x : u.y),
+      is_flat ? "u_dy" : "u_dx", 1000.0 * (is_flat ? u.y : u.x), is_flat ? span.y / span.x : span.x / span.y,
+      is_flat ? "width" : "height", is_flat ? "height" : "width", is_flat ? "up or down" : "to the side");
 }
 
 std::optional<std::string> stretched_prints_note(const Site& site, const Calibration& calibration) {
   const double stretch = calibration.bundle.scene.stretch;
   if (!calibration.stretched) return std::nullopt;
   return fmt::format(
-      "the prints are {:.2f} % {} along x than along y, and the site knows them to {:.2g} %: which of the two has the "
-      "pitch stated cannot be seen, so u has {:.2g} % of the displacement; measure a print along both axes",
-      100.0 * std::abs(stretch), stretch > 0.0 ? "longer" : "shorter", 100.0 * site.known_to.print_scale,
-      50.0 * std::abs(stretch));
+      "u includes {:.2g} % of the displacement: the gratings are {:.2f} % {} along x than along y (print scale known "
+      "to {:.2g} %). Measure the rulers along both axes and give --print-scale",
+      50.0 * std::abs(stretch), 100.0 * std::abs(stretch), stretch > 0.0 ? "longer" : "shorter",
+      100.0 * site.known_to.print_scale);
 }
 
 std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames) {
@@ -85,9 +87,9 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
       scene.model.radial ? fmt::format(" (k1 {:.2g}, u {:.2g})", scene.camera.k1, std::sqrt(scene.covariance(kK1, kK1)))
                          : "";
   return fmt::format(
-      "the camera turns by {:.2g} deg only: what displacement it fakes is small whatever the lens, but a lens solved "
-      "from such footage{} is not to be used for other footage; for that, move the camera on purpose",
-      turn_deg, lens);
+      "note: displacements are reliable, but do not reuse this run's lens{}: the camera hardly moved ({:.2g} deg). To "
+      "calibrate a lens, move the camera on purpose",
+      lens, turn_deg);
 }
 
 }  // namespace moiregauge::internal

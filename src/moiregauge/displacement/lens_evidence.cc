@@ -13,15 +13,15 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Lenses of more than this at the corner are fisheyes, not for a homography: the prior that holds kappa when nothing
-// moves.
-constexpr double kLargestDistortion = 0.05;  // of the half diagonal, standard uncertainty
-// Floors under the noise of the evidence: ellipse fits and interpolation are not better than this.
+// Prior u of kappa, relative to the half diagonal. It fixes kappa if nothing moves. A lens with more distortion is a
+// fisheye, which no homography describes. Chosen.
+constexpr double kLargestDistortion = 0.05;  // relative to the half diagonal
+// Least noise of the evidence, from ellipse fits and interpolation. Chosen.
 constexpr double kFloorPx = 0.003;
 constexpr double kGradientFloor = 3e-5;
-constexpr double kProbe_mm = 4.0;  // half distance over which the field's gradient is taken
+constexpr double kProbe_mm = 4.0;  // half distance of the field's difference quotient
 
-// Apparent displacement on the board, per px of kappa, left by the homography through the circles.
+// Apparent displacement on the board per px of kappa that remains after the homography through the circles.
 class ResidualField {
  public:
   ResidualField(const Reference& reference, const IdealFromBoard& view) : view_(view) {
@@ -38,7 +38,7 @@ class ResidualField {
     for (std::size_t i = 0; i < weights.size(); ++i) left -= weights[i] * at_circles_[i];
     return left;
   }
-  // d(residual)/d(board point).
+  // Returns the derivative of the residual by the board point.
   [[nodiscard]] Matrix2 gradient(BoardPoint p) const {
     Matrix2 g;
     g.col(0) = ((*this)({p.x + kProbe_mm, p.y}) - (*this)({p.x - kProbe_mm, p.y})) / (2 * kProbe_mm);
@@ -59,7 +59,7 @@ class ResidualField {
   std::vector<Vector2d> at_circles_;
 };
 
-// The phase field's gradients are along the raster's axes; as a tensor on the board.
+// Returns the gradient of the phase field, which is along the raster's axes, as a tensor on the board.
 Matrix2 board_gradient(const RasterPlan& plan, const PatchReading& patch) {
   Matrix2 g;
   g << patch.gradient[0][0], patch.gradient[0][1], patch.gradient[1][0], patch.gradient[1][1];
@@ -72,7 +72,7 @@ double u_patch_mm(const RasterPlan& plan, const PatchReading& patch) {
   return plan.pitch_mm / kTwoPi * std::fmax(patch.u_phase_rad[0], patch.u_phase_rad[1]);
 }
 
-// One run's weighted sums for kappa. The reference frame's share of every difference is the same draw in all frames.
+// Weighted sums for kappa over one run. The reference frame's noise is the same in all differences.
 class KappaFit {
  public:
   KappaFit(double prior_u, std::size_t channels) : weight_(1.0 / (prior_u * prior_u)), shared_(channels, 0.0) {}

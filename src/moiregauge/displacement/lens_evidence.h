@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What four points cannot absorb. A homography through four references leaves no residual there, whatever the lens
-// does; but the references' gratings sit beside their circles, and inside every grating the lattice shows its own scale
-// and rotation. All of it responds to a lens in a known way, so one number for the run, kappa, the radial displacement
-// at the picture's corner, is fitted to all of it, and tells how large the error at the targets must be. It is not
-// corrected here (the two-stage method is the paper's); it goes into u.
+// Evidence of a lens in `two-stage` footage. A homography through four references has no residual, whatever the lens.
+// But their gratings are next to the circles, and every grating shows its own scale and rotation.
+// All of this depends on one number for the run: kappa, the radial displacement at the corner of the image. The fit of
+// kappa yields the error at the targets. It enters u and is not corrected, because the two-stage method is that of the
+// paper.
 #pragma once
 
 #include <vector>
@@ -13,14 +13,15 @@
 namespace moiregauge::internal {
 
 struct LensEvidence {
-  double kappa_px = 0.0;  // radial displacement at the picture's corner, px
+  double kappa_px = 0.0;  // radial displacement at the corner of the image
   double u_kappa_px = 0.0;
-  // Per observation: error at each site marker (mm on the board) for kappa = 1 px, after both stages.
+  // Per observation: error at each site marker for kappa = 1 px, after both stages, mm/px on the board.
   std::vector<std::vector<Extent<frame::Board>>> sensitivity;
-  // Per observation: rms of the patches' displacements that neither kappa nor noise explains, mm.
+  // Per observation: rms displacement of the references that neither kappa nor noise explains, mm.
   std::vector<double> unexplained_mm;
 };
 
+// Fits kappa to all observations (weighted least squares with a prior).
 [[nodiscard]] LensEvidence lens_evidence(const Reference& reference, const Observations& observations);
 
 }  // namespace moiregauge::internal

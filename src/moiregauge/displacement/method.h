@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The methods of measuring, as a table: a method is a row.
+// Table of the measuring methods: one row per method.
 #pragma once
 
 #include <array>
@@ -18,65 +18,68 @@ namespace moiregauge::internal {
 
 using Samples = std::vector<Sample>;  // by observation, then by target in the site's order
 
-// What the user says about the run beyond the site.
+// Statements of the user about the run, besides the site.
 struct SolveOptions {
   std::optional<FrameRange> rest;  // frames in which no target moves
-  // Standard uncertainties of the given camera in the Scene's order, NaN where unknown; none: those of a calibration.
+  // Standard uncertainties of the given camera in the Scene's order, NaN if unknown. Empty: those of a usual
+  // calibration.
   std::optional<std::array<double, kCameraParameters>> u_camera;
-  // Time from the first row's exposure to the last one's; 0: all rows at once; none: told by the footage.
+  // Readout time; 0: global shutter; empty: determined from the footage.
   std::optional<double> readout_s;
-  int rotation_deg = 0;  // by which the picture is shown turned: rows of the sensor may be columns
+  int rotation_deg = 0;  // rotation tag of the stream: image columns may be rows of the sensor
 };
 
-// A target that moves in frames in which the user says it is at rest.
+// A target that moves in frames in which the user states rest.
 struct MovedAtRest {
   std::size_t marker = 0;  // index in the site
-  long from = 0, to = 0;   // the two frames of the rest between which it moves furthest
+  long from = 0, to = 0;   // the two rest frames with the largest distance
   double mm = 0.0;
-  double u_mm = 0.0;  // of both frames' noise
+  double u_mm = 0.0;  // standard uncertainty from the noise of both frames
 };
 
 struct Solution {
   Samples samples;
-  // Of each observation against the scene, NaN where not fitted; empty: no scene was solved.
+  // chi2 per degree of freedom of each observation in the scene, NaN if not fitted. Empty: no scene was solved.
   std::vector<double> chi2_dof;
-  std::optional<Scene> scene;        // of a method that solves one
-  bool references_verified = false;  // they were enough to be tested against each other, and were
-  std::vector<std::string> notes;    // what the user should know
-  std::string remedy;  // what to do where no row is trusted, as an order; empty where nothing is known to help
-  std::vector<std::string> findings;         // results about camera and prints, withheld from a refused run
-  std::optional<MovedAtRest> moved_at_rest;  // contradicts SolveOptions::rest, without which the samples are then made
+  std::optional<Scene> scene;        // only from methods that solve a scene
+  bool references_verified = false;  // the layout can name a moving reference, and none is in doubt
+  std::vector<std::string> notes;    // warnings and notes for the user
+  // Instruction if no row is trusted; empty if no remedy is known.
+  std::string remedy;
+  std::vector<std::string> findings;  // results about camera and gratings, withheld from a refused run
+  // If set, it contradicts the stated rest, and the samples do not use that statement.
+  std::optional<MovedAtRest> moved_at_rest;
 };
 
-// Seed paper 2.1, with travel followed beyond half a pitch. Behind a camera that moved displacements stay wrapped within
-// half a pitch, as published.
+// Measures by section 2.1 of the seed paper, with phase unwrapping beyond half a pitch. If the camera moved,
+// displacements stay wrapped within half a pitch, as published.
 [[nodiscard]] Solution solve_conventional(const Reference& reference, const Observations& observations,
                                           const SolveOptions& options);
 
-// Seed paper 2.2, with travel followed beyond half a pitch, and u.
+// Measures by section 2.2 of the seed paper, with phase unwrapping beyond half a pitch, and with u.
 [[nodiscard]] Solution solve_two_stage(const Reference& reference, const Observations& observations,
                                        const SolveOptions& options);
 
-// Raw pixels against the print's own template, the lens and the markers' places solved from the footage
-// (docs/methods/precise.md); `two-stage` where they cannot be solved.
+// Measures by comparing raw pixels with the learned template. Lens and marker positions are solved from the footage
+// (docs/methods/precise.md). Falls back to `two-stage` if they cannot be solved.
 [[nodiscard]] Solution solve_precise(const Reference& reference, const Observations& observations,
                                      const SolveOptions& options);
 
 struct Method {
   std::string_view name;
   std::string_view summary;
-  void (*prepare)(const GreyPicture&, Reference&);  // with the reference frame's picture; may be nullptr
+  void (*prepare)(const GreyPicture&, Reference&);  // called once with the image of the reference frame; may be nullptr
   Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
   Solution (*solve)(const Reference&, const Observations&, const SolveOptions&);
-  bool needs_circles = true;  // false: gratings are enough, the camera stands still
+  bool needs_circles = true;  // false: gratings suffice, because the camera is assumed fixed
 };
 
 inline constexpr std::array kMethods{
-    Method{"conventional", "sampling moire, camera assumed still (seed paper 2.1)", nullptr, observe_conventional,
+    Method{"conventional", "sampling moire with a fixed camera (seed paper 2.1)", nullptr, observe_conventional,
            solve_conventional, false},
-    Method{"two-stage", "the seed paper: circle centres, then moire-refined centres (2.2)", nullptr, observe_two_stage,
+    Method{"two-stage", "the seed paper's method: circle centres, refined by sampling moire (2.2)", nullptr, observe_two_stage,
            solve_two_stage},
-    Method{"precise", "raw pixels against the learned print, lens and markers solved from the footage", learn_prints,
+    Method{"precise", "raw pixels compared with a learned template; lens and marker positions are solved from the footage", learn_prints,
            observe_precise, solve_precise},
 };
 inline constexpr std::string_view kDefaultMethod = "precise";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A displacement of one target in one frame, with its uncertainty: one row of displacement.csv.
+// Sample: displacement of one target in one frame with its uncertainty, one row of displacement.csv.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@ namespace moiregauge::internal {
 // The closed list of displacement.csv's `status` (docs/file-formats.md).
 enum class Status {
   kOk,
-  // numbers may be present
+  // These may have values.
   kUntrusted,
   kCameraMoved,
   kBlurred,
   kSaturated,
   kPartlyCovered,
-  // numbers are NaN
+  // These have NaN.
   kLost,
   kReferenceLost,
   kOrderUnproven,
@@ -28,24 +28,26 @@ enum class Status {
   kTooCoarse
 };
 
+// Returns the word of displacement.csv.
 [[nodiscard]] const char* word_for(Status status);
+// Returns true if rows with this status may have values.
 [[nodiscard]] bool has_numbers(Status status);
 
 // Standard uncertainties (k = 1) along the board's x and y by cause, mm.
 struct Budget {
-  Extent<frame::Board> noise;            // of the target's own window in this frame
-  Extent<frame::Board> references;       // of the references' windows, through the homography
-  Extent<frame::Board> reference_frame;  // both of the above in the reference frame
-  Extent<frame::Board> model;            // what four points cannot absorb: lens, depth, a bent board
+  Extent<frame::Board> noise;            // of the target's window in this frame
+  Extent<frame::Board> references;       // of the references' windows in this frame
+  Extent<frame::Board> reference_frame;  // both of these in the reference frame
+  Extent<frame::Board> model;            // error that four points do not show: lens, depth, a bent board
   Extent<frame::Board> lens;             // of the solved or given camera
-  Extent<frame::Board> geometry;         // places, turns and heights of the markers
-  Extent<frame::Board> axis;             // the direction of the board's axes, told by the references' places alone
-  Extent<frame::Board> print_scale;      // of every print
-  Extent<frame::Board> codec;            // what a lossy codec left out, in both frames
-  Extent<frame::Board> shutter;          // what moves while the rows of a frame are read
+  Extent<frame::Board> geometry;         // positions, rotations and heights of the markers
+  Extent<frame::Board> axis;             // direction of the board's axes, which follows from reference positions only
+  Extent<frame::Board> print_scale;      // scale and stretch of the gratings
+  Extent<frame::Board> codec;            // error of a lossy codec, in both frames
+  Extent<frame::Board> shutter;          // motion during the readout time
 };
 
-// The budget's parts by the names of run.json.
+// Parts of the budget with their names in run.json.
 struct BudgetPart {
   const char* name;
   Extent<frame::Board> Budget::*value;
@@ -61,14 +63,14 @@ inline constexpr std::array kBudgetParts{BudgetPart{"noise", &Budget::noise},
                                          BudgetPart{"codec", &Budget::codec},
                                          BudgetPart{"shutter", &Budget::shutter}};
 
-inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();  // never 0, never interpolated
 
 struct Sample {
   long frame = 0;
   double time_s = kNotMeasured;
   std::size_t marker = 0;                                         // index in the site
   Extent<frame::Board> displacement{kNotMeasured, kNotMeasured};  // mm since the reference frame, x right, y up
-  Extent<frame::Board> u{kNotMeasured, kNotMeasured};             // mm, standard uncertainty, k = 1
+  Extent<frame::Board> u{kNotMeasured, kNotMeasured};             // mm, standard uncertainty (k = 1)
   Budget budget;
   Status status = Status::kLost;
 };

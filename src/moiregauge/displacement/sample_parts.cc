@@ -9,14 +9,15 @@
 namespace moiregauge::internal {
 namespace {
 
-// Below this share of the reference frame's modulation the fringe is smeared, not merely dimmer.
+// Modulation relative to the reference frame below which the fringe is blurred and not only dimmer. Chosen.
 constexpr double kBlurredModulation = 0.5;
-// More clipped pixels than this in a window bend the fringe's shape.
+// Additional share of clipped pixels that distorts the fringe. Chosen.
 constexpr double kClippedShare = 0.05;
-// A circle alone, without a grating to refine it: how well a printed disc's outline is its centre's, on real prints.
+// u of a printed circle's centre from its outline, px, for references without a grating. Typical of real prints.
 constexpr double kPrintedCirclePx = 0.03;
 
-// A reference this far (of its pitch) from where the circles put it may sit in the next lattice line.
+// Distance from the position that the circles imply, in pitches, beyond which the next lattice line is possible. Half a
+// pitch is the limit; the rest is margin. Chosen.
 constexpr double kOrderLimit = 0.4;
 
 }  // namespace
@@ -58,7 +59,7 @@ std::vector<bool> references_in_doubt(const Reference& reference, const Observat
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
     if (!reference.site.markers[i].grating || seen.markers[i].loss != Loss::kNone) continue;
-    // One that slipped was found by its circle, and is in doubt only about there.
+    // A slipped reference was found by its circle. Test it about that position.
     const BoardExtent slip = seen.markers[i].window_shift;
     const auto moved =
         displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch, slip);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the methods' solvers share: the noise of a patch as millimetres, and the status of a reading.
+// Shared parts of the solvers: noise of a reading in mm, and its status.
 #pragma once
 
 #include <optional>
@@ -11,29 +11,31 @@
 
 namespace moiregauge::internal {
 
-// Noise of a patch along the board's axes, mm.
+// Returns the noise of a reading along the board's axes, mm.
 [[nodiscard]] BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch);
 
-// Noise of every reference circle (in the order of `reference.circles`) as a point of the second homography, mm: its
-// grating's, or without one the circle's own.
+// Returns the noise of every reference as a point of the second homography, mm, in the order of `reference.circles`. It
+// is that of the grating, or of the circle if there is none.
 [[nodiscard]] std::vector<BoardExtent> reference_noise(const Reference& reference, const Observation& seen);
 
+// Returns the status of a target that was not read.
 [[nodiscard]] Status status_of_loss(Loss loss);
 
-// Is the print sharp and within the sensor's range? kOk, or what is wrong with it. `clipped_before`: share of its pixels that were
-// clipped in the frame it is compared with, and are in its template so.
+// Returns kSaturated, kBlurred or kOk. `clipped_before`: clipped share of the pixels that the template already
+// contains.
 [[nodiscard]] Status sharpness(const PatchReading& then, const PatchReading& now, double clipped_before = 0.0);
-// Is the print whole, sharp and within the sensor's range? kOk, or what is wrong with it.
+// Returns kPartlyCovered for a bent phase field, otherwise the result of `sharpness`.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 
-// Reference gratings so far from where the circles put them that their lattice line is in doubt; one per site marker.
+// Returns true for reference gratings whose lattice line is uncertain, one per site marker. They are more than 0.4
+// pitch from the position that the circles imply.
 [[nodiscard]] std::vector<bool> references_in_doubt(const Reference& reference, const Observation& seen);
-// Any of them?
+// Returns true if this holds for any reference.
 [[nodiscard]] bool order_in_doubt(const Reference& reference, const Observation& seen);
 
 [[nodiscard]] bool is_target(const Reference& reference, std::size_t marker);
 
-// The row to begin with: zero in the reference frame (by definition, and finished), else nothing measured.
+// Returns the start of a row. It is final (zero by definition) in the reference frame, otherwise NaN.
 [[nodiscard]] Sample initial_sample(const Reference& reference, const Observation& seen, std::size_t marker);
 
 }  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// The camera has moved when the references have, by more than noise and a 1/2000 pitch.
+// Displacement of a reference that shows camera motion: 1/2000 pitch, and 5 u of noise. Chosen.
 constexpr double kCameraMovedPitches = 0.0005;
 constexpr double kCameraMovedNoise = 5.0;
 
@@ -21,7 +21,7 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     if (reference.site.markers[i].role != Role::kReference || !reference.site.markers[i].grating) continue;
     const MarkerObservation& now = seen.markers[i];
-    if (now.loss != Loss::kNone) return true;  // it left its window: something moved, and the references stand still
+    if (now.loss != Loss::kNone) return true;  // it left its window, and references do not move
     const PatchReading& then = reference.seen.markers[i].patch;
     const BoardExtent moved = displacement_between(reference.plans[i], then, now.patch);
     const BoardExtent u = noise_mm(reference.plans[i], now.patch);
@@ -32,14 +32,13 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
   return false;
 }
 
-// Temporal phase unwrapping of one target: every reading is brought into the fringe order nearest to the last one. A
-// reading further than a quarter of a pitch from the last one leaves the order open, for the target may as well have
-// moved the other way. It stays open from there on.
+// Unwraps the phase of one target over time: every reading gets the fringe order nearest to the last one. A step of
+// more than a quarter pitch leaves the order open from there on, because the target may also have moved the other way.
 class UnwrappedPhase {
  public:
   explicit UnwrappedPhase(const RasterPlan& plan) : plan_(plan) {}
   void follow(Sample& sample) {
-    // Behind a camera that moves the target's own movement is unknown: as published it is read within half a pitch.
+    // If the camera moves, the target's own motion is unknown. As published, it is read within half a pitch.
     if (!has_numbers(sample.status) || sample.status == Status::kCameraMoved) return;
     const auto wrapped = raster_from_board(plan_, {or_zero(sample.displacement.x), or_zero(sample.displacement.y)});
     const auto whole = whole_pitches(wrapped, last_);
@@ -49,7 +48,7 @@ class UnwrappedPhase {
       along[k] = wrapped[k] + whole[k] * plan_.pitch_mm;
       is_open = is_open || std::abs(along[k] - last_[k]) > kSureOfOrder * plan_.pitch_mm;
     }
-    // An occlusion may show any phase: alone it neither opens the order for good nor settles it.
+    // An occlusion may cause any phase. Alone it neither opens the order for good nor settles it.
     if (sample.status == Status::kPartlyCovered) {
       if (!is_open) last_ = along;
     } else {
@@ -66,7 +65,7 @@ class UnwrappedPhase {
  private:
   using RasterWay = std::array<double, 2>;  // mm or pitches along the raster's axes
 
-  // Returns the pitches to add to a wrapped reading to come nearest to `last`.
+  // Returns the fringe orders that bring a wrapped reading nearest to `last`.
   [[nodiscard]] RasterWay whole_pitches(const RasterWay& wrapped, const RasterWay& last) const {
     return {std::round((last[0] - wrapped[0]) / plan_.pitch_mm), std::round((last[1] - wrapped[1]) / plan_.pitch_mm)};
   }
@@ -77,7 +76,7 @@ class UnwrappedPhase {
   bool is_open_ = false;
 };
 
-// Unwraps one target in both directions from the reference frame, in which it is at zero.
+// Unwraps one target in both directions from the reference frame, where it is zero.
 void follow_orders(const Reference& reference, std::size_t target, Samples& samples) {
   std::vector<Sample*> before, after;
   for (Sample& sample : samples) {

@@ -14,17 +14,18 @@
 namespace moiregauge::internal {
 namespace {
 
-// A model error of this many times the noise is no longer an uncertainty one can state.
+// Ratio of model error to noise above which a row is `untrusted`. Chosen.
 constexpr double kUntrusted = 10.0;
-// No print, lens or pixel is so good that noise alone could be below this share of a pitch (0.5 um of 10 mm).
+// Least noise of this test, pitches: 0.5 um for 10 mm. No real grating, lens or sensor is better. Chosen.
 constexpr double kNoiseFloorPitches = 5e-5;
-// A target looks larger or smaller than the references by more than this (and five times its noise) only when it stands
-// off their plane: 0.26 % is what 1 mm of misplaced references 380 mm apart can do.
+// Relative difference of apparent size, beyond five times its noise, that shows a target off the plane. References 380
+// mm apart with 1 mm of position error cause 0.26 %.
 constexpr double kOffPlane = 0.005;
 constexpr double kStretchNoise = 5.0;
 
-// How much larger than the references' prints a target's looks, relative, in the reference frame: what stands off the
-// plane looks so. Half the trace of the displacement gradient; nullopt where a region of few pixels cannot tell.
+// Returns the relative excess of a target's apparent size over that of the references in the reference frame. A target
+// off the plane shows it. It is half the trace of the displacement gradient.
+// Fails (nothing): the excess is not significant.
 std::optional<double> looks_larger(const Reference& reference, std::size_t target) {
   const auto stretch = [&](std::size_t i) {
     const auto& g = reference.seen.markers[i].patch.gradient;
@@ -43,8 +44,8 @@ std::optional<double> looks_larger(const Reference& reference, std::size_t targe
   return larger;
 }
 
-// A target off the plane by dz seen by a camera that travels by t moves by dz t / (Z + dz) on the board. dz / Z is how
-// much larger it looks; of t only the bound is known that all of the picture's motion there was travel.
+// Returns an upper limit of the parallax, mm. A target at dz off the plane moves by dz t / (Z + dz) on the board if the
+// camera travels by t. The excess of apparent size gives dz / Z. The whole motion of the image there is the limit of t.
 BoardExtent parallax_bound(const Reference& reference, const Observation& seen, std::size_t target) {
   const auto larger = looks_larger(reference, target);
   if (!larger) return {};
@@ -53,17 +54,17 @@ BoardExtent parallax_bound(const Reference& reference, const Observation& seen, 
   return {std::abs(*larger * moved.x), std::abs(*larger * moved.y)};
 }
 
-// What the whole run knows when one frame is turned into samples.
+// Quantities of the whole run that a sample needs.
 struct RunEvidence {
   const Reference& reference;
   LensEvidence lens;
   std::vector<BoardPoint> circles;
-  std::vector<BoardExtent> then_noise;  // of the references in the reference frame
+  std::vector<BoardExtent> then_noise;  // noise of the references in the reference frame
   CodecHistory codec;
 };
 
-// The codec's error of target and references, in this frame and the reference frame; of circles without a grating, what
-// their own u allows for.
+// Returns the codec's error of target and references, in this frame and the reference frame. The u of a circle without
+// a grating already includes it.
 BoardExtent codec_part(const RunEvidence& run, std::size_t n, const Observation& seen, std::size_t target,
                        std::span<const Matrix2> weights) {
   if (!run.codec.is_lossy()) return {};

@@ -12,7 +12,7 @@ struct Row {
   VideoCodec codec;
   const char* word;
   const char* file_name;
-  int lowest, highest;  // quality; 0, 0: there is none to choose
+  int lowest, highest;  // range of the quality; 0, 0: not adjustable
 };
 
 constexpr std::array kRows{Row{VideoCodec::kFfv1, "ffv1", "video.mkv", 0, 0},
@@ -42,17 +42,18 @@ std::optional<std::string> problem_with(const VideoFormat& format) {
   const Row& row = row_of(format.codec);
   const bool is_lossless = format.codec == VideoCodec::kFfv1;
   if (format.bits > 8 && !is_lossless) {
-    return fmt::format("pictures of {} bits: {} holds 8; take ffv1", format.bits, row.word);
+    return fmt::format("{} holds 8 bits: the scenario has {}: give --codec ffv1", row.word, format.bits);
   }
   if (!is_lossless && (format.width % 2 != 0 || format.height % 2 != 0)) {
-    return fmt::format("a picture of {}x{} px: {} needs even numbers; take ffv1", format.width, format.height,
-                       row.word);
+    return fmt::format("{} requires an even width and height: the scenario has {}x{} px: give --codec ffv1", row.word,
+                       format.width, format.height);
   }
-  if (format.quality && is_lossless) return std::string("ffv1 has no quality to choose: it is lossless");
+  if (format.quality && is_lossless) return std::string("ffv1 is lossless: --quality: remove this option");
   if (format.quality && (*format.quality < row.lowest || *format.quality > row.highest)) {
-    return fmt::format("a quality of {}: {} takes {} to {}", *format.quality, row.word, row.lowest, row.highest);
+    return fmt::format("the quality is out of range: --quality {}: give {} to {} for {}", *format.quality, row.lowest,
+                       row.highest, row.word);
   }
-  if (format.gop < 1) return std::string("key frames 0 apart: 1 or more");
+  if (format.gop < 1) return std::string("the key frame interval is out of range: --gop: give 1 or more");
   return std::nullopt;
 }
 

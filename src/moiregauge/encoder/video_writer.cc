@@ -53,7 +53,7 @@ class LibavWriter : public VideoWriter {
   LibavWriter(std::string path, const VideoFormat& format) : path_(std::move(path)), format_(format) {}
 
   tl::expected<void, std::string> open() {
-    av_log_set_level(AV_LOG_ERROR);  // what goes well is not for the terminal
+    av_log_set_level(AV_LOG_ERROR);  // show errors only
     AVFormatContext* file = nullptr;
     if (const int e = avformat_alloc_output_context2(&file, nullptr, nullptr, path_.c_str()); e < 0) return failed(e);
     file_.reset(file);
@@ -109,9 +109,9 @@ class LibavWriter : public VideoWriter {
     encoder_->framerate = av_d2q(format_.fps, 1000000);
     encoder_->gop_size = format_.gop;
     if (format_.is_linear) encoder_->color_trc = AVCOL_TRC_LINEAR;
-    encoder_->thread_count = 1;  // x264's decisions depend on how its threads share the frames
+    encoder_->thread_count = 1;  // files must be reproducible: x264's decisions depend on its threads
     encoder_->flags |= AV_CODEC_FLAG_BITEXACT;
-    encoder_->log_level_offset = AV_LOG_INFO - AV_LOG_ERROR;  // errors only: x264 is proud of every file
+    encoder_->log_level_offset = AV_LOG_INFO - AV_LOG_ERROR;  // show errors only: x264 reports success as well
     if ((file_->oformat->flags & AVFMT_GLOBALHEADER) != 0) encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
     choose_quality();
     return avcodec_open2(encoder_.get(), codec, nullptr);
@@ -133,7 +133,7 @@ class LibavWriter : public VideoWriter {
     encoder_->qmin = encoder_->qmax = q;
   }
 
-  // An encoder may keep the last frame's buffer, so each picture has its own.
+  // The encoder may keep a reference to the last frame's buffer, so each frame has its own.
   int new_frame() {
     av_frame_unref(frame_.get());
     frame_->format = encoder_->pix_fmt;
@@ -157,7 +157,7 @@ class LibavWriter : public VideoWriter {
     }
   }
 
-  // The first frame's time becomes 0: a file's time stamps should not begin below.
+  // Returns the first frame's time in ticks. It is subtracted, so that no time stamp in the file is negative.
   std::int64_t first_tick(double time_s) {
     if (!first_tick_) first_tick_ = std::llround(time_s * kTicksPerSecond);
     return *first_tick_;

@@ -14,11 +14,12 @@
 namespace moiregauge::internal {
 namespace {
 
-// Not smaller: of pictures of 64 x 48 px x264's widest instructions read beyond the end, and its bytes are chance.
+// Not smaller: for 64 x 48 px the widest vector instructions of x264 read beyond the image, and its bytes vary between
+// runs.
 constexpr int kWidth = 256, kHeight = 192, kFrames = 6;
-constexpr double kTimes[kFrames] = {0.2, 0.25, 0.31, 0.32, 0.5, 0.6};  // nothing even about them
+constexpr double kTimes[kFrames] = {0.2, 0.25, 0.31, 0.32, 0.5, 0.6};  // s, uneven spacing
 
-// A wave that moves, and some noise of a fixed kind.
+// A moving wave with deterministic noise.
 int grey_at(int frame, int x, int y, int bits) {
   const double wave = 110.0 + 60.0 * std::sin(0.4 * (x + 0.7 * frame)) + 20.0 * std::sin(0.3 * y);
   const int noise = (x * 7919 + y * 104729 + frame * 1299709) % 5 - 2;
@@ -61,7 +62,7 @@ void write(const std::string& path, const VideoFormat& format) {
 
 struct Read {
   std::vector<double> times;
-  double rms = 0.0;  // of the difference to what was written
+  double rms = 0.0;  // rms difference from the written frames, grey levels
   InputInfo info;
 };
 
@@ -101,18 +102,18 @@ void expect_times(const Read& read, double within) {
     EXPECT_NEAR(read.times[std::size_t(frame)], kTimes[frame] - kTimes[0], within);
 }
 
-TEST(VideoWriter, OfFfv1KeepsEveryGreyLevelAtEveryDepth) {
+TEST(VideoWriter, Ffv1KeepsEveryGreyLevelAtEveryDepth) {
   const TestFolder folder;
   for (const int bits : {8, 10, 12}) {
     write(folder / "a.mkv", format_of(VideoCodec::kFfv1, {}, bits));
     const Read back = read(folder / "a.mkv");
     EXPECT_EQ(back.info.bits, bits);
     EXPECT_EQ(back.rms, 0.0);
-    expect_times(back, 0.0006);  // Matroska's millisecond
+    expect_times(back, 0.0006);  // Matroska rounds to 1 ms
   }
 }
 
-TEST(VideoWriter, OfX264LosesMoreWithEveryRateFactor) {
+TEST(VideoWriter, X264ErrorGrowsWithTheRateFactor) {
   const TestFolder folder;
   double before = 0.0;
   for (const int crf : {5, 18, 28, 40}) {
@@ -126,7 +127,7 @@ TEST(VideoWriter, OfX264LosesMoreWithEveryRateFactor) {
   EXPECT_LT(before, 30.0) << "still the same picture, in the same order";
 }
 
-TEST(VideoWriter, OfMjpegLosesMoreWithEveryQuantiser) {
+TEST(VideoWriter, MjpegErrorGrowsWithTheQuantiser) {
   const TestFolder folder;
   double before = 0.0;
   for (const int q : {2, 8, 25}) {
@@ -152,7 +153,7 @@ TEST(VideoWriter, WritesTheSameBytesEveryTime) {
   }
 }
 
-TEST(VideoWriter, SaysWhatItCannotDo) {
+TEST(VideoWriter, InvalidFormatsAreRefusedWithAReason) {
   const TestFolder folder;
   const auto why = [&](const std::string& path, const VideoFormat& format) {
     const auto writer = VideoWriter::create(path, format);

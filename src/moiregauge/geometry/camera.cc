@@ -9,7 +9,7 @@ namespace {
 
 struct Bent {
   double x, y;                // distorted, in units of the focal length
-  double dxx, dxy, dyx, dyy;  // their derivatives by the ideal coordinates
+  double dxx, dxy, dyx, dyy;  // derivatives by the ideal coordinates
 };
 
 Bent bend(const Camera& c, double x, double y) {
@@ -33,8 +33,8 @@ ImagePoint Camera::distort(IdealPoint ideal) const {
 
 std::optional<double> Camera::fold_px() const {
   const double corner = std::hypot(std::max(cx, width - 1.0 - cx) / fx, std::max(cy, height - 1.0 - cy) / fy);
-  constexpr double kStep = 1e-3;         // of the corner's radius: far finer than a lens bends
-  constexpr double kMaxStretch = 100.0;  // ideal by seen radius; no picture needs more
+  constexpr double kStep = 1e-3;         // relative to the corner's radius, much finer than a lens bends; chosen
+  constexpr double kMaxStretch = 100.0;  // ideal radius divided by seen radius; no image needs more; chosen
   double seen = 0.0;
   for (double r = 0.0; seen < corner && r < kMaxStretch * corner; r += kStep * corner) {
     const double s = r * r;
@@ -56,7 +56,7 @@ IdealPoint Camera::undistort(ImagePoint seen) const {
     const double ex = xd - b.x;
     const double ey = yd - b.y;
     const double det = b.dxx * b.dyy - b.dxy * b.dyx;
-    if (std::abs(det) < 1e-9) break;  // beyond the model's monotone range there is no inverse
+    if (std::abs(det) < 1e-9) break;  // no inverse beyond the model's monotone range
     const double sx = (b.dyy * ex - b.dxy * ey) / det;
     const double sy = (b.dxx * ey - b.dyx * ex) / det;
     x += sx;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pinhole camera with OpenCV's five-term lens model, in pixels.
-//   x = X/Z, y = Y/Z, r^2 = x^2 + y^2, radial = 1 + k1 r^2 + k2 r^4 + k3 r^6
-//   xd = x radial + 2 p1 x y + p2 (r^2 + 2 x^2),  yd = y radial + p1 (r^2 + 2 y^2) + 2 p2 x y
-//   u = fx xd + cx, v = fy yd + cy        (docs.opencv.org, calib3d; camera x right, y down, z forward)
+// Pinhole camera with OpenCV's five-term lens model (docs.opencv.org, calib3d), in pixels. Camera axes: x right, y
+// down, z forward.
+//
+//     x = X/Z, y = Y/Z, r^2 = x^2 + y^2, radial = 1 + k1 r^2 + k2 r^4 + k3 r^6
+//     xd = x radial + 2 p1 x y + p2 (r^2 + 2 x^2),  yd = y radial + p1 (r^2 + 2 y^2) + 2 p2 x y
+//     u = fx xd + cx,  v = fy yd + cy
 #pragma once
 
 #include <optional>
@@ -17,12 +19,12 @@ struct Camera {
   double fx = 1.0, fy = 1.0, cx = 0.0, cy = 0.0;
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
 
-  // Where the lens puts an ideal (undistorted, same fx fy cx cy) point.
+  // Returns the distorted image point of an ideal one (px, same fx fy cx cy).
   [[nodiscard]] ImagePoint distort(IdealPoint ideal) const;
-  // The inverse, by Newton iteration to 1e-12 px; exact inverse within the model's monotone range.
+  // Returns the ideal point by Newton iteration, px. Exact to 1e-12 px within the model's monotone range.
   [[nodiscard]] IdealPoint undistort(ImagePoint seen) const;
-  // Returns the distance from the principal point, px as seen, at which the radial model turns back on itself. Beyond
-  // it the lens has no inverse. Empty: it does not within the picture (width and height must be stated).
+  // Returns the distance from the principal point at which the radial model folds, px in the image. Beyond it the lens
+  // has no inverse. Empty: no fold inside the image (width and height must be stated).
   [[nodiscard]] std::optional<double> fold_px() const;
   [[nodiscard]] bool is_distortion_free() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
 };

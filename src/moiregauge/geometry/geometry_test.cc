@@ -17,7 +17,7 @@ using ImageFromBoard = Homography<frame::Image, frame::Board>;
 
 const ImageFromBoard kTilted((Matrix3() << 2.9, 0.1, 2050.0, 0.05, -2.9, 500.0, 1e-5, 2e-5, 1.0).finished());
 
-TEST(Homography, FourPointsAreCarriedExactly) {
+TEST(Homography, FourPointsAreMappedExactly) {
   const std::array<BoardPoint, 4> board{{{-380, 28}, {380, 28}, {-380, -28}, {380, -28}}};
   std::array<ImagePoint, 4> image;
   for (std::size_t i = 0; i < 4; ++i) image[i] = kTilted(board[i]);
@@ -110,13 +110,13 @@ TEST(Camera, UndistortingUndoesTheLens) {
   }
 }
 
-// r (1 + k1 r^2) turns back at r^2 = -1 / (3 k1), where 2/3 of r are seen.
+// r (1 + k1 r^2) folds at r^2 = -1 / (3 k1), where the seen radius is 2/3 of r.
 TEST(Camera, ABarrelFoldsWhereItsSlopeVanishes) {
   const Camera strong{.width = 1601, .height = 1201, .fx = 1000.0, .fy = 1000.0, .cx = 800.0, .cy = 600.0, .k1 = -0.3};
   ASSERT_TRUE(strong.fold_px());
   EXPECT_NEAR(*strong.fold_px(), 2.0 / 3.0 * std::sqrt(1.0 / 0.9) * 1000.0, 1.0);
   Camera weak = strong;
-  weak.k1 = -0.1;  // 1217 px: the corner is at 1000
+  weak.k1 = -0.1;  // fold at 1217 px, corner at 1000 px
   EXPECT_FALSE(weak.fold_px());
   weak.k1 = 0.3;
   EXPECT_FALSE(weak.fold_px());
@@ -126,11 +126,11 @@ TEST(Camera, TheLensesOfTheRigAreNamedByTheirDistortionAtTheSensorsCorner) {
   Camera camera{4104, 1012, 3478.26, 3478.26, 2059.3, 494.3};
   camera.k1 = -0.0225;
   const ImagePoint seen = camera.distort({2059.3 + 2317.0, 494.3});
-  EXPECT_NEAR((seen.x - 2059.3) / 2317.0 - 1.0, -0.01, 5e-5);  // -1 %, as rounded in k1's three digits
+  EXPECT_NEAR((seen.x - 2059.3) / 2317.0 - 1.0, -0.01, 5e-5);  // -1 %, to the three digits of k1
 }
 
-// A known camera tells a pose from three points; from another pose near it, as a frame before would be.
-TEST(Pose, OfAKnownCameraFollowsFromThreePoints) {
+// Three points determine the pose of a known camera, starting from a pose near it as in a previous frame.
+TEST(Pose, FollowsFromThreePointsWithAKnownCamera) {
   Camera camera;
   camera.fx = camera.fy = 3000.0, camera.cx = 1000.0, camera.cy = 500.0;
   const Pose before{{0.02, -0.10, 0.05}, {-12.0, 5.0, 1200.0}}, now{{0.05, -0.13, 0.04}, {-30.0, 9.0, 1230.0}};
@@ -139,7 +139,7 @@ TEST(Pose, OfAKnownCameraFollowsFromThreePoints) {
   for (std::size_t i = 0; i < 3; ++i) seen[i] = view_of(now, camera)(board[i]);
   const auto view = view_of_three(board, seen, camera, view_of(before, camera));
   ASSERT_TRUE(view);
-  const BoardPoint fourth{100, -40};  // 1e-9 px reached at three points, carried on by less than ten
+  const BoardPoint fourth{100, -40};  // 1e-9 px at three points, extrapolated by a factor below ten
   EXPECT_LT(length((*view)(fourth)-view_of(now, camera)(fourth)), 1e-8);
   const Pose again = pose_of(*view, camera);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(again.turn[k], now.turn[k], 1e-10);

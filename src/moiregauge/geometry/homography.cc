@@ -12,7 +12,8 @@ namespace {
 
 using Points = std::span<const Eigen::Vector2d>;
 
-// Similarity that brings the points' centroid to 0 and their rms radius to sqrt 2 (Hartley 1997, doi:10.1109/34.601246).
+// Returns the similarity that moves the points' centroid to 0 and scales their rms radius to sqrt 2 (Hartley 1997,
+// doi:10.1109/34.601246).
 Matrix3 normaliser(Points points) {
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   for (const auto& p : points) centroid += p;
@@ -33,9 +34,10 @@ std::vector<Eigen::Vector2d> mapped(const Matrix3& t, Points points) {
   return out;
 }
 
-// Some four of the points must have no three on a line, else the map is not determined. On normalised points the
-// smallest singular value but one of the design matrix tells the same, whatever the number of points.
-constexpr double kDegenerate = 1e-7;  // of the largest singular value; of four points, their triangles' areas
+// A homography needs four points of which no three are on a line. For normalised points the last but one singular value
+// of the design matrix tests this, for any number of points.
+// Limit relative to the largest singular value; for four points, of their triangles' doubled areas. Chosen.
+constexpr double kDegenerate = 1e-7;
 
 tl::expected<Matrix3, HomographyFailure> direct_linear_solution(Points from, Points to) {
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(std::max<std::size_t>(2 * from.size(), 9)), 9);
@@ -56,8 +58,8 @@ tl::expected<Matrix3, HomographyFailure> direct_linear_solution(Points from, Poi
   return m;
 }
 
-// The frame of four points: the matrix that carries the corners (1,0,0), (0,1,0), (0,0,1), (1,1,1) of the projective plane
-// to them. Its columns are the first three, so weighed that they add up to the fourth.
+// Returns the projective frame of four points. It maps the corners (1,0,0), (0,1,0), (0,0,1), (1,1,1) of the projective
+// plane to them. Its columns are the first three points, weighted so that their sum is the fourth.
 std::optional<Matrix3> frame_of(Points p) {
   Matrix3 m;
   m << p[0].homogeneous(), p[1].homogeneous(), p[2].homogeneous();
@@ -65,7 +67,7 @@ std::optional<Matrix3> frame_of(Points p) {
   const double det = m.determinant();
   const Eigen::Vector3d weight{m.col(1).cross(m.col(2)).dot(last), m.col(2).cross(m.col(0)).dot(last),
                                m.col(0).cross(m.col(1)).dot(last)};
-  // Twice the areas of the four triangles: none on a line.
+  // Twice the areas of the four triangles: zero means three points on a line.
   if (!(std::min(std::abs(det), weight.cwiseAbs().minCoeff()) > kDegenerate)) return std::nullopt;
   return Matrix3(m * (weight / det).asDiagonal());
 }
@@ -76,9 +78,9 @@ tl::expected<Matrix3, HomographyFailure> through_four(Points from, Points to) {
   return *b * a->inverse();
 }
 
-// Gauss-Newton on the reprojection error; the step is orthogonal to h, which fixes the free scale.
+// Refines h by Gauss-Newton steps on the reprojection error. The step is orthogonal to h, which fixes the free scale.
 void refine(Matrix3& h, Points from, Points to) {
-  constexpr int kPasses = 5;  // fixed: same bits everywhere; converges quadratically from the linear solution
+  constexpr int kPasses = 5;  // quadratic convergence; a fixed number gives the same bits everywhere
   for (int pass = 0; pass < kPasses; ++pass) {
     h /= h.norm();
     Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();

@@ -15,7 +15,7 @@ namespace moiregauge::internal {
 using Matrix3 = Eigen::Matrix3d;
 using Matrix2 = Eigen::Matrix2d;
 
-// Maps points of frame From to frame To: to = (h1 . p, h2 . p) / (h3 . p), p = (x, y, 1).
+// Map of points of frame From to frame To: to = (h1 . p, h2 . p) / (h3 . p), p = (x, y, 1).
 template <typename To, typename From>
 class Homography {
  public:
@@ -26,7 +26,7 @@ class Homography {
     const double w = h_(2, 0) * p.x + h_(2, 1) * p.y + h_(2, 2);
     return {(h_(0, 0) * p.x + h_(0, 1) * p.y + h_(0, 2)) / w, (h_(1, 0) * p.x + h_(1, 1) * p.y + h_(1, 2)) / w};
   }
-  // d(to)/d(from) at p.
+  // Returns the derivative d(to)/d(from) at p.
   [[nodiscard]] Matrix2 jacobian(Point<From> p) const {
     const double w = h_(2, 0) * p.x + h_(2, 1) * p.y + h_(2, 2);
     const Point<To> q = (*this)(p);
@@ -52,9 +52,9 @@ tl::expected<Matrix3, HomographyFailure> fit_homography(std::span<const Eigen::V
                                                         std::span<const Eigen::Vector2d> to);
 }  // namespace detail
 
-// The projective map that carries `from` to `to`: exact for four points, least squares of the reprojection error (px of
-// `to`, Gauss-Newton after a normalised direct linear solution) for more.
-// fails  kTooFewPoints below four; kDegenerate when three of four (or all) lie on a line
+// Fits the homography that maps `from` to `to`. Exact for four points. For more, it minimises the reprojection error in
+// the unit of `to` (Gauss-Newton after a normalised direct linear solution).
+// Fails: kTooFewPoints below four points, kDegenerate if three of four points (or all) are on a line.
 template <typename To, typename From>
 [[nodiscard]] tl::expected<Homography<To, From>, HomographyFailure> fit_homography(std::span<const Point<From>> from,
                                                                                    std::span<const Point<To>> to) {

@@ -12,9 +12,9 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr int kMaxSteps = 20;
-constexpr double kReachedPx = 1e-9;
-// A turn of this much more is followed by derivatives taken over it; the distance is that share of the camera's.
+constexpr int kMaxSteps = 20;        // chosen
+constexpr double kReachedPx = 1e-9;  // converged: length of the residuals
+// Step of the central differences: rad for rotations, relative to the camera's distance for shifts.
 constexpr double kProbe = 1e-6;
 
 Pose moved(const Pose& from, const Vector6& step, double distance) {
@@ -57,7 +57,7 @@ IdealFromBoard view_of(const Pose& pose, const Camera& camera) {
 Pose pose_of(const IdealFromBoard& view, const Camera& camera) {
   Matrix3 k;
   k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  // Columns: what the board's x, its y (downwards) and its origin become, up to one scale.
+  // Columns are the images of the board's x, its y (downwards) and its origin, up to one scale.
   Matrix3 h = k.inverse() * view.matrix();
   h.col(1) *= -1.0;
   const double scale = 2.0 / (h.col(0).norm() + h.col(1).norm());

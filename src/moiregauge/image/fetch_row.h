@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of a picture lie kilobytes apart: no processor foresees where the next one of a window begins.
+// Prefetch of image rows. Rows of an image are kilobytes apart, so the processor cannot predict where the next row of a
+// window begins.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +9,11 @@
 
 namespace moiregauge::internal {
 
-// Asks for the pixels from x0 to x1 of row y, ends included, which must lie in the picture; a hint that changes nothing.
+// Prefetches the pixels x0 to x1 (inclusive) of row y, which must be inside the image. It is a hint and changes
+// nothing.
 template <typename Grey>
 inline void fetch_row(const ImageView<Grey>& picture, int y, int x0, int x1) {
-  constexpr int kLine = 64 / static_cast<int>(sizeof(Grey));
+  constexpr int kLine = 64 / static_cast<int>(sizeof(Grey));  // pixels in a cache line of 64 bytes
   const Grey* const row = picture.row(y).data();
   for (int x = x0; x < x1 + kLine; x += kLine) __builtin_prefetch(row + std::min(x, x1));
 }

@@ -10,10 +10,10 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr int kTilePixels = kGrainTile * kGrainTile;
-constexpr int kInner = kGrainTile - 2;  // pixels that have neighbours for a gradient
+constexpr int kInner = kGrainTile - 2;  // pixels with neighbours for a gradient
 constexpr int kInnerPixels = kInner * kInner;
-constexpr int kParameters = 4;
-// Relative to the squared length of the constant column: a flat tile has no gradients to fit.
+constexpr int kParameters = 4;  // offset, contrast, movement along x and y
+// Ridge for flat tiles, which have no gradients to fit. Relative to the squared length of the constant column. Chosen.
 constexpr double kRidge = 1e-9;
 
 using TilePixels = std::span<const std::uint16_t>;
@@ -29,7 +29,7 @@ void for_inner_pixels(Visit visit) {
   }
 }
 
-// Removes offset, contrast and movement, each as the mean of the three frames shows it.
+// Removes offset, contrast and movement, with the mean of the three frames as their shape.
 class Detrending {
  public:
   explicit Detrending(const std::array<TilePixels, 3>& frames) {
@@ -50,7 +50,7 @@ class Detrending {
     normal_.diagonal().array() += kRidge * kInnerPixels;
     solver_.compute(normal_);
   }
-  // Returns the squared rest of the difference of two frames.
+  // Returns the squared residual of the difference of two frames.
   [[nodiscard]] double rest(TilePixels a, TilePixels b) const {
     Values difference;
     for_inner_pixels([&](int k, int i) {
@@ -67,10 +67,10 @@ class Detrending {
   Eigen::LDLT<Eigen::Matrix<double, kParameters, kParameters>> solver_;
 };
 
-// Returns the sum of squares of what a Laplacian leaves of the difference of two frames, as if it had not changed grain's
-// variance. It leaves a fifth of the variance of texture that a point spread of 0.7 px has blurred.
+// Returns the sum of squares of the Laplacian of the difference of two frames, scaled to the variance of grain. It
+// leaves a fifth of the variance of texture that a point spread of 0.7 px has blurred.
 double rest_of_laplacian(TilePixels a, TilePixels b) {
-  constexpr double kGain = 20.0;  // of white noise: 4^2 + 4
+  constexpr double kGain = 20.0;  // gain for white noise: 4^2 + 4
   const auto difference = [&](int i) {
     const auto at = static_cast<std::size_t>(i);
     return static_cast<double>(a[at]) - static_cast<double>(b[at]);
@@ -83,10 +83,11 @@ double rest_of_laplacian(TilePixels a, TilePixels b) {
   });
   return sum / kGain;
 }
-// Its values are correlated: by -0.4 with four neighbours, 0.1 and 0.05 with four more each.
+// Share of independent values of the Laplacian. Their correlation is -0.4 with four neighbours, and 0.1 and 0.05 with
+// four more each.
 constexpr double kIndependentOfLaplacian = 1.0 / (1.0 + 4.0 * 0.4 * 0.4 + 4.0 * 0.1 * 0.1 + 4.0 * 0.05 * 0.05);
 
-// The variance of a tile about a plane, which blur and shading leave.
+// Returns the variance of a tile about a plane, because blur and shading leave planes.
 double roughness(TilePixels tile) {
   double sum = 0.0, sum2 = 0.0, along_x = 0.0, along_y = 0.0, lever = 0.0;
   constexpr double kMiddle = 0.5 * (kGrainTile - 1);
@@ -102,7 +103,7 @@ bool is_clipped(TilePixels tile, int white) {
   return std::any_of(tile.begin(), tile.end(), [white](std::uint16_t grey) { return grey == 0 || grey >= white; });
 }
 
-// Keeps the tiles whose roughness in all frames is noise: twice that of the smoothest tenth at most.
+// Keeps the tiles whose roughness in all frames is noise. It is at most twice that of the smoothest tenth (chosen).
 void keep_flat(std::vector<std::array<TilePixels, 3>>& tiles) {
   std::vector<double> rough;
   for (const auto& tile : tiles)

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The grain of a recording: noise of single pixels, which in a sensor is independent from frame to frame. A camera that averages
-// over time leaves less of it, and the same in one frame as in the next. Before a camera that moves the same holds
-// for flat tiles, except for the faint texture of paper and ink, which lowers the ratio too. A Laplacian removes most of it.
+// Grain of a recording: noise of single pixels. In a sensor it is independent from frame to frame. A camera that
+// averages over time reduces it, and makes it alike in successive frames.
+// If the camera moves, the same holds for flat tiles. The faint texture of paper and ink also lowers the ratio; a
+// Laplacian removes most of it.
 //
-// Model: over a small tile of a still scene, the difference of two frames is offset + contrast change + movement along
-// both gradients + grain. The first four are fitted and removed. Independent grain of variance s leaves 2 s between
-// frames one apart and 2 s between frames two apart. A recursive filter of share a leaves 1 / (1 + a) of the latter in
-// the former, the mean of N frames one half.
+// Model: over a small tile of a still scene, the difference of two frames is offset, contrast change, movement along
+// both gradients, and grain. The first four are fitted and removed. Independent grain of variance s leaves 2 s between
+// frames one apart, and 2 s between frames two apart. A recursive filter of share a leaves 1 / (1 + a) of the latter in
+// the former. The mean of N frames leaves one half.
 #pragma once
 
 #include <array>
@@ -23,25 +24,26 @@ struct PixelPosition {
 
 inline constexpr int kGrainTile = 8;  // px, side of a tile
 
-// Sums over tiles and frames, each of three frames in a row.
+// Sums over tiles and frames, from three successive frames each.
 struct GrainSums {
-  double one_apart = 0.0;  // squared grain between frames one apart, grey levels squared
-  double two_apart = 0.0;  // and two apart
-  double values = 0.0;     // degrees of freedom: pixels less fitted parameters
+  double one_apart = 0.0;  // squared grain between frames one apart, grey levels^2
+  double two_apart = 0.0;  // the same between frames two apart
+  double values = 0.0;     // degrees of freedom: pixels minus fitted parameters
 };
 
 // Samples the grain of tiles at fixed positions in the image.
 class GrainSampler {
  public:
-  // `tiles`: top-left pixels of tiles that lie inside the picture.
+  // `tiles`: top-left pixels of tiles that lie inside the image.
   GrainSampler() = default;
   explicit GrainSampler(std::vector<PixelPosition> tiles) : tiles_(std::move(tiles)) {}
-  // Continues at other positions. The sequence begins again.
+  // Continues at other positions, with a new sequence.
   void place(std::vector<PixelPosition> tiles);
-  // Adds a frame. It is evaluated together with the last two, unless the sequence was broken. If the scene moved
-  // by more than 0.1 px in these three, only flat tiles count, and apart. Tiles that touch black (0) or `white` are excluded: clipping removes grain.
+  // Adds a frame. It is evaluated together with the last two, unless the sequence was interrupted. If the scene moved
+  // by more than 0.1 px in these three, only flat tiles count, in sums of their own. Tiles that touch black (0) or
+  // `white` are excluded, because clipping removes grain.
   void add(const LumaView& luma, int white, bool is_still);
-  // Breaks the sequence: the next frame has none before it.
+  // Interrupts the sequence: the next frame has no predecessors.
   void interrupt() { filled_ = 0; }
   [[nodiscard]] const GrainSums& still() const { return still_; }
   [[nodiscard]] const GrainSums& moving() const { return moving_; }

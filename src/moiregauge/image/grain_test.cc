@@ -15,7 +15,7 @@ constexpr int kSide = 256, kFrames = 40;
 constexpr double kSigma = 1.5;  // grey levels
 using Plane = std::vector<double>;
 
-// An edge every 16 px, blurred, that moves by `shift` px; light `gain`.
+// Blurred edges, one every 38 px, that move by `shift` px, in light `gain`.
 Plane scene(double shift, double gain) {
   Plane plane;
   for (int y = 0; y < kSide; ++y) {
@@ -25,7 +25,7 @@ Plane scene(double shift, double gain) {
   return plane;
 }
 
-// `process`: makes the camera's frame of the sensor's, given the last frame the camera made.
+// Makes the camera's frame from the sensor's, and from the last frame of the camera.
 using Process = std::function<Plane(const Plane& sensor, const Plane& last)>;
 
 GrainSums sums_of(const Process& process, double movement_px, double flicker, bool is_still = true) {
@@ -54,8 +54,8 @@ GrainSums sums_of(const Process& process, double movement_px, double flicker, bo
 
 const Process kAsItIs = [](const Plane& sensor, const Plane&) { return sensor; };
 
-// The variance of a ratio of sums over n values is below 2 / n: n = 250 000, 4 u = 0.011.
-TEST(Grain, OfASensorIsIndependentWhateverMovesAndFlickers) {
+// The variance of a ratio of sums over n values is below 2 / n. With n = 250 000, 4 u is 0.011.
+TEST(Grain, IsIndependentInASensorWithMovementAndFlicker) {
   for (const double movement_px : {0.0, 0.02, 0.08}) {
     for (const double flicker : {0.0, 0.02}) {
       const GrainSums sums = sums_of(kAsItIs, movement_px, flicker);
@@ -67,7 +67,7 @@ TEST(Grain, OfASensorIsIndependentWhateverMovesAndFlickers) {
   EXPECT_NEAR(still.two_apart / still.values, 2.0 * (kSigma * kSigma + 1.0 / 12.0), 0.05);
 }
 
-TEST(Grain, OfARecursiveFilterIsAlikeByItsShare) {
+TEST(Grain, IsCorrelatedByTheShareOfARecursiveFilter) {
   for (const double share : {0.1, 0.3, 0.6}) {
     const Process recursive = [share](const Plane& sensor, const Plane& last) {
       Plane out(sensor);
@@ -75,14 +75,14 @@ TEST(Grain, OfARecursiveFilterIsAlikeByItsShare) {
       return out;
     };
     const GrainSums sums = sums_of(recursive, 0.0, 0.0);
-    // Rounding to whole grey levels adds 1 / 12 of independent variance.
+    // Rounding to whole grey levels adds an independent variance of 1 / 12.
     const double filtered = kSigma * kSigma * (1.0 - share) / (1.0 + share), rounding = 1.0 / 12.0;
     const double ratio = (filtered * (1.0 - share) + rounding) / (filtered * (1.0 - share * share) + rounding);
     EXPECT_NEAR(sums.one_apart / sums.two_apart, ratio, 0.02) << share;
   }
 }
 
-// Flat tiles between the edges of a scene that passes by.
+// Flat tiles between the edges of a moving scene.
 TEST(Grain, IsSeenInFlatTilesOfASceneThatMoves) {
   const Process recursive = [](const Plane& now, const Plane& last) {
     Plane out(now);
@@ -98,7 +98,7 @@ TEST(Grain, IsSeenInFlatTilesOfASceneThatMoves) {
   }
 }
 
-TEST(Grain, ClippedTilesAreLeftAlone) {
+TEST(Grain, ClippedTilesAreExcluded) {
   Image<std::uint8_t> white(kSide, kSide, 255);
   GrainSampler sampler({{0, 0}, {8, 8}});
   for (int n = 0; n < 4; ++n) sampler.add(white.view(), 255, true);

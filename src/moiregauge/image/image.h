@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of grey levels, owned (Image) and borrowed (ImageView). Pixel (0,0) is the CENTRE of the top-left pixel.
+// Images of grey levels, owned (Image) and borrowed (ImageView). Pixel (0,0) is the centre of the top-left pixel.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace moiregauge::internal {
 
-// A read-only window on somebody else's pixels; passed by value, never owns.
+// Read-only view of pixels that belong to others. It is passed by value and never owns memory.
 template <typename Grey>
 struct ImageView {
   const Grey* data = nullptr;
@@ -20,13 +20,13 @@ struct ImageView {
 
   [[nodiscard]] std::span<const Grey> row(int y) const { return {data + y * stride, static_cast<std::size_t>(width)}; }
   [[nodiscard]] Grey at(int x, int y) const { return data[y * stride + x]; }
-  // The part with top-left pixel (x0, y0); the caller keeps it inside the picture.
+  // Returns the part with top-left pixel (x0, y0). The caller must keep it inside the image.
   [[nodiscard]] ImageView part(int x0, int y0, int part_width, int part_height) const {
     return {data + y0 * stride + x0, part_width, part_height, stride};
   }
 };
 
-// A picture that owns its pixels, rows packed.
+// Image that owns its pixels, rows packed.
 template <typename Grey>
 class Image {
  public:
@@ -54,7 +54,7 @@ class Image {
   std::vector<Grey> pixels_;
 };
 
-// The luma plane of one frame at its native depth: 8-bit, or 9 to 16 bits in 16-bit words, value in the low bits.
+// Luma plane of one frame at its native depth: 8 bits, or 9 to 16 bits in the low bits of 16-bit words.
 using LumaView = std::variant<ImageView<std::uint8_t>, ImageView<std::uint16_t>>;
 
 [[nodiscard]] inline int width_of(const LumaView& luma) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one formula from colour to grey (docs/conventions.md), in integers so that every door gives the same bits.
+// Conversion of colour to grey (docs/conventions.md). Integers give the same bits in every reader.
 #pragma once
 
 #include <cstdint>
 
 namespace moiregauge::internal {
 
-// Weights 0.301, 0.586, 0.113 of 256; at 16 bits the sum stays below 2^24.
+// Returns the luma of a colour. The weights are 0.301, 0.586 and 0.113, in units of 1/256. With 16 bits the sum is
+// below 2^24.
 template <typename Grey>
 [[nodiscard]] constexpr Grey luma_of_colour(Grey red, Grey green, Grey blue) {
   return static_cast<Grey>(

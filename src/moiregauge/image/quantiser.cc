@@ -7,7 +7,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kQuartile = 0.75;
+constexpr double kQuartile = 0.75;  // quantile of the blocks under a rectangle; see QuantiserMap::within
 constexpr std::size_t kFirstEntry = 1, kLastEntry = 20;
 
 int block_at(double px, int blocks) {

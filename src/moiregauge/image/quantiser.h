@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a lossy codec was allowed to round away: the step of its quantiser.
+// Quantiser of a lossy codec: the step to which it rounds.
 //
-// Codecs transform blocks of the picture, or of its difference from a prediction, and round every coefficient to a
-// multiple of a step. Steps are stated here for an orthonormal transform, in grey levels of the picture as stored: a
-// coefficient then weighs as much as one pixel. An uncompressed picture, and a lossless codec's, has step 0.
+// Codecs transform blocks of the image, or of its difference from a prediction, and round every coefficient to a
+// multiple of a step. Here steps are those of an orthonormal transform, in grey levels of the stored image, so a
+// coefficient counts as much as one pixel. Uncompressed and lossless images have step 0.
 #pragma once
 
 #include <cmath>
@@ -16,47 +16,49 @@
 namespace moiregauge::internal {
 
 struct Quantiser {
-  double step = 0.0;       // grey levels; 0: nothing is lost; NaN: something is, how much is not known
-  bool predicted = false;  // blocks may be taken from other frames: a small movement may be left out altogether
+  double step = 0.0;       // grey levels; 0: lossless; NaN: lossy, but unknown
+  bool predicted = false;  // blocks may be copied from other frames: small movements may be missing
 
   [[nodiscard]] bool is_lossless() const { return step == 0.0; }
 };
-inline constexpr double kUnknownStep = std::numeric_limits<double>::quiet_NaN();
-// Where the stream does not tell: that of a telephone's H.264 at parameter 28, 8 bits.
+inline constexpr double kUnknownStep = std::numeric_limits<double>::quiet_NaN();  // lossy, but unknown
+// Assumed if the stream does not report it: that of a phone's H.264 at parameter 28, 8 bits.
 inline constexpr double kUsualStep = 15.9;
 [[nodiscard]] inline double step_or_usual(double step) { return std::isnan(step) ? kUsualStep : step; }
 
-// Coefficients are off by up to a step where they were dropped and half of one where they were kept: a pixel by half a
-// step, rms, at most.
+// Returns the largest rms error of a pixel, grey levels. Coefficients are wrong by up to a step if they were dropped,
+// and by half a step if they were kept.
 [[nodiscard]] inline double rounding_of_step(double step) { return 0.5 * step; }
-// How far a print may move before its codec shows it, px: a block of 8 x 8 pixels whose grey levels slope by g (rms, per
-// px) changes by 8 g a pixel of movement in one coefficient.
+// Returns the dead zone: the largest movement of a grating that the codec may suppress, px. Let g be the rms slope of
+// the grey levels per px. A block of 8 x 8 pixels then changes by 8 g per px of movement in one coefficient.
 [[nodiscard]] inline double dead_zone_px(double step, double slope_rms) { return step / (8.0 * slope_rms); }
-// Motion vectors are multiples of a quarter of a pixel, and cost little: of a faint print no more than half of one is
-// left, or about so much.
+// Largest lag, px. Motion vectors are multiples of a quarter of a pixel and cost little, so about half of that remains
+// for faint gratings.
 inline constexpr double kMaxLag_px = 0.12;
 
-// H.264's scale, a step of 0.625 at 0 and twice as much every 6 (ITU-T H.264, 8.5.9); other codecs' steps are put on
-// it.
+// Returns the step of a parameter on H.264's scale: 0.625 at 0, and twice as much every 6 (ITU-T H.264, 8.5.9). Steps
+// of other codecs are expressed on it.
 [[nodiscard]] inline double step_of_parameter(int parameter) { return 0.625 * std::exp2(parameter / 6.0); }
 inline constexpr int kMaxParameter = 87;  // 51, and 6 for each bit beyond 8
+// Returns the nearest parameter of a step.
 [[nodiscard]] std::uint8_t parameter_of_step(double step);
 
 inline constexpr int kQuantiserBlock = 16;  // px
 [[nodiscard]] inline int blocks_across(int pixels) { return (pixels + kQuantiserBlock - 1) / kQuantiserBlock; }
 
-// Of one picture.
+// Quantisation of one image.
 struct QuantiserMap {
-  Quantiser whole;                 // its blocks' mean step
-  ImageView<std::uint8_t> blocks;  // parameters, a block of 16 px each; no rows: `whole` everywhere
+  Quantiser whole;                 // mean step of its blocks
+  ImageView<std::uint8_t> blocks;  // parameters, one per block of 16 px; no rows: `whole` everywhere
 
-  // In the rectangle from (x0, y0) to (x1, y1), px: the upper quartile of the blocks it touches, for blocks that were
-  // skipped report whatever step stood there before.
+  // Returns the quantiser in the rectangle from (x0, y0) to (x1, y1), px: the upper quartile of the blocks that it
+  // touches. Skipped blocks report the step of an earlier block.
   [[nodiscard]] Quantiser within(double x0, double y0, double x1, double y1) const;
 };
 
-// Of a JPEG quantisation table in zigzag order: rms of entries 1 to 20 (all up to two and a half periods a block but
-// the mean), which is where prints of four pixels a period and more keep their movement.
+// Returns the step of a JPEG quantisation table in zigzag order: the rms of entries 1 to 20. These are all up to two
+// and a half periods per block, without the mean. They carry the movement of gratings with at least four pixels per
+// period.
 [[nodiscard]] double step_of_jpeg_table(std::span<const std::uint16_t, 64> zigzag);
 
 }  // namespace moiregauge::internal

@@ -22,7 +22,7 @@ TEST(Quantiser, AStepIsKeptToHalfAParameter) {
 
 class AMap : public ::testing::Test {
  protected:
-  // Four by three blocks: parameter 10 but for the last column, 34.
+  // Four by three blocks: parameter 10, but 34 in the last column.
   std::vector<std::uint8_t> parameters = {10, 10, 10, 34, 10, 10, 10, 34, 10, 10, 10, 34};
   QuantiserMap map{{7.0, true}, {parameters.data(), 4, 3, 4}};
 };
@@ -38,12 +38,12 @@ TEST_F(AMap, AQuarterOfCoarseBlocksDoesNotDecideAHalfDoes) {
   EXPECT_DOUBLE_EQ(map.within(32.0, 0.0, 63.0, 47.0).step, step_of_parameter(34));
 }
 
-TEST_F(AMap, WhatReachesBeyondThePictureCountsWhatIsInIt) {
+TEST_F(AMap, ARectangleBeyondTheImageIsClipped) {
   EXPECT_DOUBLE_EQ(map.within(-500.0, -500.0, 5.0, 5.0).step, step_of_parameter(10));
   EXPECT_DOUBLE_EQ(map.within(60.0, 40.0, 1e9, 1e9).step, step_of_parameter(34));
 }
 
-TEST_F(AMap, WithoutBlocksOrWithoutLossTheWholeSpeaks) {
+TEST_F(AMap, WithoutBlocksOrWithoutLossTheWholeCounts) {
   EXPECT_DOUBLE_EQ((QuantiserMap{{7.0, true}, {}}.within(0, 0, 9, 9).step), 7.0);
   map.whole.step = 0.0;
   EXPECT_TRUE(map.within(50.0, 20.0, 60.0, 30.0).is_lossless());
@@ -51,7 +51,7 @@ TEST_F(AMap, WithoutBlocksOrWithoutLossTheWholeSpeaks) {
   EXPECT_TRUE(std::isnan(map.within(50.0, 20.0, 60.0, 30.0).step));
 }
 
-TEST(Quantiser, AJpegTableOfOneValueHasItAsStepWhateverItsMeanAndItsFinestEntries) {
+TEST(Quantiser, AJpegStepIgnoresTheMeanAndTheFinestEntries) {
   std::array<std::uint16_t, 64> table{};
   table.fill(200);
   table[0] = 3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures turned by whole quarters, pixel for pixel: how a rotation tag is applied without touching a grey level.
+// Rotation of images by quarter turns, pixel for pixel. A rotation tag is applied without changing a grey level.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal {
 
-// Writes the picture turned clockwise by 0, 90, 180 or 270 degrees, rows packed, to `out` (width * height words).
+// Writes the image, rotated clockwise by 0, 90, 180 or 270 degrees, with packed rows to `out` (width * height words).
 template <typename Grey>
 void turn_clockwise(ImageView<Grey> stored, int degrees, Grey* out) {
   const bool lies = degrees == 90 || degrees == 270;
@@ -16,7 +16,7 @@ void turn_clockwise(ImageView<Grey> stored, int degrees, Grey* out) {
   const int height = lies ? stored.width : stored.height;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x, ++out) {
-      // Where the shown pixel lay: after a quarter clockwise the stored left column is the top row, bottom end first.
+      // After a clockwise quarter turn the stored left column is the top row, with its bottom end first.
       if (degrees == 90)
         *out = stored.at(y, width - 1 - x);
       else if (degrees == 180)

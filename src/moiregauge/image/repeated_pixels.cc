@@ -8,12 +8,12 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kSameStep = 0.125;  // of the least jump
+constexpr double kSameStep = 0.125;  // largest difference within a step, relative to the least jump; chosen
 
 // `at(i)`: the i-th grey level of a line.
 template <typename At>
 void count_line(int length, double least_jump, At at, SlopeSteps& steps) {
-  double jump_before = 0.0;  // onto the current step; 0 where none is known
+  double jump_before = 0.0;  // onto the current step; 0: unknown
   int width = 1;
   for (int i = 1; i < length; ++i) {
     const double jump = at(i) - at(i - 1);

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels that were written more than once: a picture that was enlarged without interpolation.
+// Test for repeated pixels: an image that was enlarged without interpolation.
 #pragma once
 
 #include "moiregauge/image/image.h"
 
 namespace moiregauge::internal {
 
-// Steps on slopes of a picture, along its rows or its columns.
+// Steps on slopes of an image, along its rows or columns.
 struct SlopeSteps {
   long all = 0;       // levels with a jump from below and a jump of the same sign above
-  long repeated = 0;  // those that two or more pixels in a row have
+  long repeated = 0;  // those that two or more successive pixels share
 };
 
-// Counts the steps along all rows and all columns of a part of a picture. A jump is at least `least_jump` grey levels,
-// and pixels of one step differ by less than an eighth of that.
+// Counts the steps along all rows and columns of a part of an image. A jump is at least `least_jump` grey levels.
+// Pixels of one step differ by less than an eighth of that.
 [[nodiscard]] SlopeSteps count_slope_steps(const LumaView& part, double least_jump);
 
-// Returns that part of a picture; it is cut to the picture.
+// Returns a part of an image, clipped to the image.
 [[nodiscard]] LumaView part_of(const LumaView& luma, int x0, int y0, int x1, int y1);
 
 }  // namespace moiregauge::internal

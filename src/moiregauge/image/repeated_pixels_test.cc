@@ -9,8 +9,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// Dark lines every `pitch` px, turned by 0.05 rad, edges blurred to 10 to 90 % over two pixels; every pixel shows the
-// scene at the centre of the larger pixel that holds it.
+// Dark lines every 20 px, rotated by 0.05 rad. Their edges rise from 10 to 90 % within 1.4 px. Every pixel shows the
+// scene at the top left corner of the larger pixel that contains it.
 Image<std::uint8_t> lines(double pixel_size, double noise) {
   constexpr int kPictureSide = 200;
   constexpr double kPitch_px = 20.0;
@@ -35,10 +35,10 @@ double share(double pixel_size, double noise) {
   return static_cast<double>(steps.repeated) / static_cast<double>(steps.all);
 }
 
-TEST(RepeatedPixels, OfAnEnlargedPictureAreCounted) {
+TEST(RepeatedPixels, AreCountedInAnEnlargedImage) {
   EXPECT_LT(share(1.0, 0.0), 0.02);
   EXPECT_LT(share(1.0, 2.0), 0.02);
-  // Three pixels enlarged to four repeat one; two enlarged to three repeat every other.
+  // Three pixels enlarged to four repeat one of them. Two enlarged to three repeat every other one.
   EXPECT_NEAR(share(4.0 / 3.0, 0.0), 1.0 / 3.0, 0.12);
   EXPECT_NEAR(share(1.5, 0.0), 0.5, 0.12);
   EXPECT_GT(share(2.0, 0.0), 0.9);

@@ -8,11 +8,11 @@
 namespace moiregauge::internal {
 namespace {
 
-const double kPole =
-    std::sqrt(3.0) - 2.0;     // of the filter that undoes sampling the B-spline at whole pixels: (1, 4, 1) / 6
-constexpr int kHorizon = 28;  // kPole^28 = 1e-16
+// Pole of the filter that inverts the B-spline sampled at whole pixels, (1, 4, 1) / 6.
+const double kPole = std::sqrt(3.0) - 2.0;
+constexpr int kHorizon = 28;  // px after which the filter's response is negligible: kPole^28 = 1e-16
 
-// Forth and back along one row.
+// Filters one row, forwards and backwards.
 void filter(std::span<double> c) {
   const int n = static_cast<int>(c.size());
   const auto at = [&](int i) -> double& { return c[static_cast<std::size_t>(i)]; };
@@ -25,7 +25,7 @@ void filter(std::span<double> c) {
   for (double& value : c) value *= 6.0;
 }
 
-// The same down the columns, whole rows at a time.
+// Filters the columns in the same way, whole rows at a time.
 void filter_columns(Image<double>& c) {
   const int n = c.height();
   const auto add = [](std::span<double> to, std::span<const double> from, double times) {

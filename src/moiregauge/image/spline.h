@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey levels between the pixels, faithful enough for short pitches.
+// Interpolation of grey levels between the pixels, precise enough for short pitches.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,18 @@
 
 namespace moiregauge::internal {
 
-// px left round what is read, so that the spline does not feel where its part ends (0.27^12 = 1e-7).
+// Margin around the pixels that are read, px. It keeps them free of the effect of the part's edge (0.27^12 = 1e-7).
 inline constexpr int kSplineRim = 12;
 
-// The cubic spline through the pixels of a part of a picture (M. Unser, IEEE Signal Processing Magazine 16(6), 1999,
-// doi:10.1109/79.799930). Read where every point falls at the same place between two pixels, an interpolator folds the
-// image of a fringe of pitch P at 2 - 1/P cycles per px back onto the fringe. For P = 7 px cubic convolution leaves
-// 8e-4 of the amplitude there, which is 0.001 px; the spline leaves 4e-5, for the same 16 pixels a point.
+// Cubic spline through the pixels of a part of an image (M. Unser, IEEE Signal Processing Magazine 16(6), 1999,
+// doi:10.1109/79.799930).
+// If all points are at the same position between two pixels, interpolation creates an alias. It folds the image of a
+// fringe of pitch P at 2 - 1/P cycles per px onto the fringe. For P = 7 px cubic convolution leaves 8e-4 of the
+// amplitude, or 0.001 px. The spline leaves 4e-5, with the same 16 pixels per point.
 class Spline {
  public:
-  // The picture beyond the part is taken as its mirror image; a foreign neighbour is felt by 0.27 per px of distance.
+  // Fits the spline. The image beyond the part is assumed to be its mirror image. The effect of a wrong neighbour
+  // decreases by 0.27 per px of distance.
   template <typename Grey>
   void fit(const ImageView<Grey>& picture, int x0, int y0, int width, int height) {
     x0_ = x0;
@@ -31,8 +33,8 @@ class Spline {
     prefilter();
   }
 
-  // The grey level at (x, y) px of the picture; false, and `grey` untouched, where the part does not hold all 4 x 4
-  // pixels round it.
+  // Reads the grey level at (x, y) px of the image.
+  // Fails (false, `grey` unchanged): the part does not contain all 4 x 4 pixels around the point.
   [[nodiscard]] bool at(double x, double y, double& grey) const {
     const double u = x - x0_, v = y - y0_;
     if (!(u >= 1.0 && v >= 1.0 && u < coefficients_.width() - 2 && v < coefficients_.height() - 2)) return false;

@@ -45,7 +45,7 @@ TEST(Spline, GoesThroughEveryPixel) {
 TEST(Spline, ACubicIsItsOwnSplineFarFromTheEdge) {
   const auto level = [](double x, double y) { return 3e-4 * x * x * x - 0.02 * x * x * y + 0.1 * y * y - x + 7.0; };
   const Spline spline = through(picture(120, 120, level));
-  // The mirror at the edge bends it; the bend fades by 0.27 a px: 40 px are 1e-23 of it.
+  // The mirror image at the edge bends it. The effect decreases by 0.27 per px: 1e-23 after 40 px.
   for (const double t : {0.0, 0.25, 0.5, 0.9}) EXPECT_NEAR(read(spline, 55 + t, 61 - t), level(55 + t, 61 - t), 1e-8);
 }
 
@@ -61,9 +61,9 @@ TEST(Spline, APartOfAPictureIsReadInThePicturesCoordinates) {
   EXPECT_EQ(grey, -1.0);
 }
 
-// Two points a pixel, always at the same two places: the image of the fringe at 2 - 1/P cycles per px falls on the
-// fringe. Of the spline it is sinc^4(2 - 1/P) / ((2 + cos 2 pi/P) / 3).
-TEST(Spline, TheImageOfAFringeIsAsFaintAsTheSpectrumOfTheSplineSays) {
+// With two points per pixel, always at the same positions, the image of the fringe at 2 - 1/P cycles per px falls on
+// the fringe. For the spline its share is sinc^4(2 - 1/P) / ((2 + cos 2 pi/P) / 3).
+TEST(Spline, TheAliasOfAFringeFollowsTheSpectrumOfTheSpline) {
   const double pitch = 7.0, place = 0.3;
   const auto cosine = picture(120, 9, [&](int x, int) { return std::cos(kTwoPi * x / pitch); });
   const Spline spline = through(cosine);
@@ -75,8 +75,8 @@ TEST(Spline, TheImageOfAFringeIsAsFaintAsTheSpectrumOfTheSplineSays) {
   const double away = 2.0 - 1.0 / pitch;
   const double share = std::pow(std::sin(kPi * away) / (kPi * away), 4) * 3.0 / (2.0 + std::cos(kTwoPi / pitch));
   const double moved = std::abs(std::arg(fringe));
-  EXPECT_LE(moved, 2.0 * share);   // the images at 2 - 1/P and, half as strong, at 2 + 1/P
-  EXPECT_GE(moved, 0.05 * share);  // they are there
+  EXPECT_LE(moved, 2.0 * share);   // images at 2 - 1/P and, with half the strength, at 2 + 1/P
+  EXPECT_GE(moved, 0.05 * share);  // the images exist
   EXPECT_LE(moved * pitch / kTwoPi, 1e-4);
 }
 

@@ -18,13 +18,15 @@ constexpr std::array kNames{
     std::pair{Kind::kBt709, std::string_view("bt709")}, std::pair{Kind::kHlg, std::string_view("hlg")},
     std::pair{Kind::kPq, std::string_view("pq")}};
 constexpr std::string_view kGammaPrefix = "gamma:";
-constexpr double kMinGamma = 0.2, kMaxGamma = 5.0;
+constexpr double kMinGamma = 0.2, kMaxGamma = 5.0;  // limits of `gamma:`; chosen
 
+// Returns the light of a level by ITU-R BT.2100-2 (HLG), relative to white.
 double hlg_light(double v) {
   constexpr double kA = 0.17883277, kB = 1.0 - 4.0 * kA, kC = 0.55991073;
   return v <= 0.5 ? v * v / 3.0 : (std::exp((v - kC) / kA) + kB) / 12.0;
 }
 
+// Returns the light of a level by ITU-R BT.2100-2 (PQ), relative to 10 000 cd/m^2.
 double pq_light(double v) {
   constexpr double kM1 = 2610.0 / 16384.0, kM2 = 2523.0 / 32.0;
   constexpr double kC1 = 3424.0 / 4096.0, kC2 = 2413.0 / 128.0, kC3 = 2392.0 / 128.0;
@@ -47,7 +49,7 @@ std::string_view name_of(ToneSource source) {
 }
 
 double light_of(const ToneCurve& curve, double grey) {
-  constexpr double kBlack = 16.0 / 255.0, kRange = 219.0 / 255.0;
+  constexpr double kBlack = 16.0 / 255.0, kRange = 219.0 / 255.0;  // ITU-R BT.709-6: black 16, white 235
   const double v = std::max(0.0, curve.is_full_range ? grey : (grey - kBlack) / kRange);
   switch (curve.kind) {
     case Kind::kLinear:

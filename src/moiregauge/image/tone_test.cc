@@ -8,7 +8,7 @@ namespace {
 
 using Kind = ToneCurve::Kind;
 
-// Values of the standards' own tables and formulas.
+// Values from the tables and formulas of the standards.
 TEST(Tone, LightIsThatOfTheStandards) {
   EXPECT_NEAR(light_of({.kind = Kind::kSrgb}, 0.5), 0.21404, 1e-5);
   EXPECT_NEAR(light_of({.kind = Kind::kBt709}, 0.5), 0.25959, 1e-5);
@@ -38,7 +38,7 @@ TEST(Tone, MoreGreyIsNeverLessLight) {
   }
 }
 
-TEST(Tone, ItsNameLeadsBackToTheCurve) {
+TEST(Tone, NamesAndCurvesConvertBothWays) {
   for (const auto* name : {"linear", "srgb", "bt709", "hlg", "pq", "gamma:2.2"}) {
     const auto curve = tone_curve_named(name);
     ASSERT_TRUE(curve) << name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture of any depth as one to look at.
+// Conversion of an image of any depth for display.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace moiregauge::internal {
 
-// The upper eight of the `bits` that are significant.
+// Returns the upper eight of the `bits` significant bits.
 [[nodiscard]] inline Image<std::uint8_t> upper_bits(const LumaView& luma, int bits) {
   Image<std::uint8_t> out(width_of(luma), height_of(luma));
   std::visit(

@@ -11,12 +11,12 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kOwnShare = 0.55, kSharedShare = 0.2;
-// One of the 64 coefficients of a block, each off by up to half a step, in each of the blocks of a print.
+constexpr double kOwnShare = 0.55, kSharedShare = 0.2;  // 1; source: see Lag in codec_error.h
+// Rounding: each of the 64 coefficients of a block is wrong by up to half a step, independently in every block.
 constexpr double kBlock_px = 64.0;
 constexpr double kRoundedShare = 0.5;
-constexpr std::size_t kRoundAbout = 16;  // frames: the longest run of frames that x264 predicts both ways
-constexpr double kOverall = 0.9;         // quantile over the run
+constexpr std::size_t kRoundAbout = 16;  // frames: the longest run that x264 predicts in both directions
+constexpr double kOverall = 0.9;         // quantile of the steps over the run, their lower limit; chosen
 
 double pitch_px_of(const PatchFit& patch, int from, int to) {
   const auto image = patch.image[static_cast<std::size_t>(to)] - patch.image[static_cast<std::size_t>(from)];
@@ -24,7 +24,7 @@ double pitch_px_of(const PatchFit& patch, int from, int to) {
   return length(print) > 0.0 ? length(image) / length(print) : 0.0;
 }
 
-// u of a patch along its print's axes, pitches; 0 along one that it does not show.
+// Returns u along the grating's axes, pitches. 0 along an axis that it does not show.
 std::array<double, 2> codec_u_pitches(const PatchFit& patch, const Quantiser& quantiser, Lag lag) {
   std::array<double, 2> u{};
   if (!(quantiser.step > 0.0) || patch.pixels <= 0) return u;
@@ -40,7 +40,7 @@ std::array<double, 2> codec_u_pitches(const PatchFit& patch, const Quantiser& qu
   return u;
 }
 
-// (C + V)^-1 where C^-1 = information may be singular.
+// Returns (C + V)^-1. C^-1 = information may be singular.
 PatchInformation widened(const PatchInformation& information, const std::array<double, 2>& u) {
   PatchInformation v = PatchInformation::Zero();
   for (const int axis : {0, 1}) {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a lossy codec does to a displacement (docs/methods/precise.md, "Compressed footage").
+// Error of a displacement from a lossy codec (docs/methods/precise/codec.md).
 //
-// A print that moves by d changes its pixels by d times the grey levels' slope g. Where the codec predicts a block from
-// the frame before, it stores the change only if a coefficient of the change exceeds about its quantiser's step: a
-// block of 8 x 8 pixels whose change is spread over a few coefficients of 8 g d each is left as it was up to
+// A grating that moves by d px changes its pixels by g d, with g the slope of the grey levels, rms over the grating. If
+// a codec predicts a block from another frame, it stores the change only above about one quantisation step. A block of
+// 8 x 8 pixels therefore stays unchanged below the dead zone.
 //
-//   d = step / (8 g)     the codec's dead zone, px, g rms over the print
+//     d0 = step / (8 g)     px
 //
-// and the whole print lags together, so nothing averages out, and its pixels look less noisy, not more. Beyond a
-// quarter of a pixel the encoder would rather move the block, so however faint the print, the error levels off.
-// The lag of prints that all follow a moving camera is largely common to them, and cancels; the target's own does not.
-// Without prediction (Motion JPEG, key frames) errors differ from block to block and average out over the print; what
-// they leave is seen in its residuals.
+// The whole grating lags, so the error does not average out, and its pixels do not look noisier. Beyond a quarter of a
+// pixel the encoder moves the block instead, so the error is limited for faint gratings.
+// References that follow a moving camera share most of their lag, which then cancels. A target's lag is its own.
+// Without prediction (Motion JPEG, key frames) errors differ between blocks and average out over the grating. The rest
+// shows in its residuals.
 #pragma once
 
 #include <span>
@@ -23,24 +23,25 @@
 
 namespace moiregauge::internal {
 
-// The part of the dead zone that is one standard uncertainty. Measured on x264, constant rate factors 18 to 28, prints
-// of 60 to 170 grey levels: targets creeping before a still camera err by 0.1 to 0.6 of it rms and by 1.1 at most;
-// references before a moving one by 0.2 at most against each other.
+// Standard uncertainty as a share of the dead zone: 0.55 for a target (kOwn), 0.2 for references (kShared).
+// Source: x264, constant rate factors 18 to 28, gratings of 60 to 170 grey levels. Targets that creep before a still
+// camera have errors of 0.1 to 0.6 of it rms, at most 1.1. References before a moving camera differ by at most 0.2.
 enum class Lag { kOwn, kShared };
 
-// Along one axis, px. slope_rms: of the grey levels along it, per px. area_px: of the print.
+// Returns the standard uncertainty along one axis, px. 0 if nothing is lost, or if the grating does not show the axis.
+// `slope_rms`: slope of the grey levels along the axis, grey levels/px. `area_px`: area of the grating, px^2.
 [[nodiscard]] double codec_u_px(const Quantiser& quantiser, Lag lag, double slope_rms, double area_px);
 
-// Quantisers by observation and marker, as they are to be reckoned with: skipped blocks report no step of their own, so
-// the largest that stood round about counts; where the stream says nothing, one of H.264's usual ones is assumed.
+// Quantisers by observation and marker. Skipped blocks report the step of an earlier block, so the largest step within
+// 16 frames counts. An unknown step counts as that of a usual H.264 stream.
 class CodecHistory {
  public:
   CodecHistory(const Reference& reference, const Observations& observations);
   [[nodiscard]] bool is_lossy() const { return lossy_; }
-  // Of the n-th observation.
+  // Returns the quantiser at a marker in the n-th observation.
   [[nodiscard]] Quantiser at(std::size_t n, std::size_t marker) const;
   [[nodiscard]] Quantiser in_reference_frame(std::size_t marker) const;
-  // A target's movement is its own; in frame 0, which is always a key frame, there is none yet to lag.
+  // A target's movement is its own. Frame 0 is always a key frame, which does not lag.
   [[nodiscard]] Lag lag_of(std::size_t marker) const { return is_target_[marker] ? Lag::kOwn : Lag::kShared; }
   [[nodiscard]] Lag lag_in_reference_frame(std::size_t marker) const {
     return starts_with_key_frame_ ? Lag::kShared : lag_of(marker);
@@ -58,12 +59,13 @@ class CodecHistory {
   bool lossy_ = false;
 };
 
-// The frame's patches with the codec's error in their covariance: u in each coordinate of each of the nine points, and
-// once more in common to the nine.
+// Returns the frame with the codec's error in the points' covariance: u once to each coordinate of the nine points and
+// once in common. `observation`: its index; nothing for the reference frame.
 [[nodiscard]] BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,
-                                           std::optional<std::size_t> observation);  // none: the reference frame
+                                           std::optional<std::size_t> observation);
 
-// Of a raster's reading: its modulation is that of the print's fundamental. mm along the board's axes.
+// Returns the error of a raster reading, mm along the board's axes. Its slope follows from the modulation of the
+// fundamental.
 [[nodiscard]] BoardExtent codec_mm(const Reference& reference, std::size_t marker, const PatchReading& patch,
                                    const Quantiser& quantiser, Lag lag);
 

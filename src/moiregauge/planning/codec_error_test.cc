@@ -11,29 +11,29 @@ namespace {
 constexpr Quantiser kPredicted{10.0, true}, kAlone{10.0, false};
 constexpr double kArea = 100.0 * 100.0;
 
-TEST(CodecError, WhatLosesNothingAddsNothing) {
+TEST(CodecError, LosslessCodecsAddNothing) {
   EXPECT_EQ(codec_u_px({0.0, true}, Lag::kOwn, 10.0, kArea), 0.0);
-  EXPECT_EQ(codec_u_px(kPredicted, Lag::kOwn, 0.0, kArea), 0.0);  // an axis that the print does not show
+  EXPECT_EQ(codec_u_px(kPredicted, Lag::kOwn, 0.0, kArea), 0.0);  // an axis that the grating does not show
 }
 
-TEST(CodecError, ADeadZoneIsAsLongAsTheSlopeIsFlatAndTheStepIsCoarse) {
-  const double u = codec_u_px({1.0, true}, Lag::kOwn, 20.0, kArea);  // far below the eighth of a pixel
+TEST(CodecError, TheDeadZoneIsProportionalToStepOverSlope) {
+  const double u = codec_u_px({1.0, true}, Lag::kOwn, 20.0, kArea);  // far below the limit of 0.12 px
   EXPECT_NEAR(codec_u_px({2.0, true}, Lag::kOwn, 20.0, kArea) / u, 2.0, 0.01);
   EXPECT_NEAR(codec_u_px({2.0, true}, Lag::kOwn, 40.0, kArea) / u, 1.0, 1e-12);
 }
 
-TEST(CodecError, AFaintPrintIsMovedByVectorsAndItsErrorLevelsOff) {
+TEST(CodecError, MotionVectorsLimitTheErrorOfAFaintGrating) {
   const double faint = codec_u_px({40.0, true}, Lag::kOwn, 0.5, 1e9);
-  EXPECT_LT(faint, 0.125);  // px: half a quarter
+  EXPECT_LT(faint, 0.125);  // px: half of a quarter
   EXPECT_GT(faint, 0.125 / std::sqrt(3.0));
 }
 
-TEST(CodecError, LagDoesNotAverageOutOverThePrintButRoundingDoes) {
+TEST(CodecError, RoundingAveragesOutOverTheGratingButLagDoesNot) {
   EXPECT_NEAR(codec_u_px(kPredicted, Lag::kOwn, 10.0, 1e4) / codec_u_px(kPredicted, Lag::kOwn, 10.0, 1e8), 1.0, 0.05);
   EXPECT_NEAR(codec_u_px(kAlone, Lag::kOwn, 10.0, 1e4) / codec_u_px(kAlone, Lag::kOwn, 10.0, 1e6), 10.0, 1e-9);
 }
 
-// A patch whose nine points are known to 0.01 pitch each, 20 px a pitch.
+// A reading whose nine points are known to 0.01 pitch each, with 20 px per pitch.
 PatchFit patch(double slope_per_px) {
   PatchFit fit;
   for (int k = 0; k < kPatchPoints; ++k) {
@@ -43,7 +43,7 @@ PatchFit patch(double slope_per_px) {
   }
   fit.pixels = 10000;
   fit.information = PatchInformation::Identity() * 1e4;
-  // sigma^2 times the sum of the information along an axis is the slopes' energy per pitch^2.
+  // sigma^2 times the sum of the information along an axis is the energy of the slopes per pitch^2.
   fit.sigma = std::sqrt(fit.pixels * std::pow(slope_per_px * 20.0, 2) / (9.0 * 1e4));
   return fit;
 }
@@ -68,7 +68,7 @@ Observations observations(const std::vector<double>& steps) {
   return all;
 }
 
-TEST(CodecError, APatchsMeanIsAsUncertainAsNoiseAndLagTogether) {
+TEST(CodecError, TheMeanOfAReadingHasTheUncertaintyOfNoiseAndLag) {
   BundleFrame frame;
   frame.points = {patch(10.0), patch(10.0)};
   const CodecHistory codec(reference_of_two(), observations({10.0, 10.0}));
@@ -81,7 +81,7 @@ TEST(CodecError, APatchsMeanIsAsUncertainAsNoiseAndLagTogether) {
     EXPECT_NEAR((c.topRightCorner<9, 9>().norm()), 0.0, 1e-12);
   }
   EXPECT_GT(wide.points[0]->information.trace(),
-            wide.points[1]->information.trace());  // a reference lags with the rest
+            wide.points[1]->information.trace());  // a reference lags with the others
 }
 
 TEST(CodecError, LosslessFootageKeepsItsBits) {
@@ -92,12 +92,12 @@ TEST(CodecError, LosslessFootageKeepsItsBits) {
   EXPECT_EQ(with_codec_error(frame, codec, 1).points[1]->information, frame.points[1]->information);
 }
 
-TEST(CodecHistory, ASkippedFrameIsAsCoarseAsWhatWasCodedRoundAbout) {
+TEST(CodecHistory, ASkippedFrameHasTheLargestStepNearby) {
   const CodecHistory codec(reference_of_two(), observations({14.0, 2.0, 2.0, 20.0, 2.0, 2.0}));
   for (std::size_t n = 0; n < 6; ++n) EXPECT_EQ(codec.at(n, 1).step, 20.0) << n;
 }
 
-TEST(CodecHistory, OneCoarseMomentDoesNotSpoilALongRun) {
+TEST(CodecHistory, OneCoarseFrameDoesNotAffectALongRun) {
   std::vector<double> steps(200, 8.0);
   steps[100] = 80.0;
   const CodecHistory codec(reference_of_two(), observations(steps));
@@ -105,7 +105,7 @@ TEST(CodecHistory, OneCoarseMomentDoesNotSpoilALongRun) {
   EXPECT_EQ(codec.at(110, 1).step, 80.0);
 }
 
-TEST(CodecHistory, AStreamThatDoesNotTellCountsAsAUsualOne) {
+TEST(CodecHistory, AnUnknownStepCountsAsAUsualOne) {
   const CodecHistory codec(reference_of_two(), observations({kUnknownStep, kUnknownStep}));
   EXPECT_TRUE(codec.is_lossy());
   EXPECT_NEAR(codec.at(1, 0).step, step_of_parameter(28), 0.05);

@@ -13,13 +13,14 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kNoInformation = 1e-6;  // relative to the other axis, or to the best determined parameter
+constexpr double kNoInformation = 1e-6;  // limit relative to the other axis or the best determined parameter; chosen
 
 bool is_fundamental(int m, int n, Pattern pattern) {
   return pattern == Pattern::kCheckerboard ? std::abs(m) == 1 && std::abs(n) == 1 : std::abs(m) + std::abs(n) == 1;
 }
 
-// Generalised least squares of a field that is linear in its parameters; `columns` gives it at a point.
+// Returns the covariance of a field at `target` by generalised least squares. The field is linear in its parameters,
+// and `columns` gives it at a point.
 template <typename Columns>
 std::optional<Matrix2> through_field(std::span<const ReadPlace> references, BoardPoint target, Columns columns) {
   const Eigen::MatrixXd here = columns(target);
@@ -43,7 +44,7 @@ double reach_of(std::span<const ReadPlace> references, BoardPoint target) {
   return reach;
 }
 
-// Variances along the board's axes; NaN for an axis that a print of lines does not show.
+// Returns the variances along the board's axes, mm^2. NaN for an axis that lines do not show.
 Eigen::Vector2d own_variance(const Matrix2& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix2> eigen(information);
   const auto& strength = eigen.eigenvalues();
@@ -60,8 +61,8 @@ Eigen::Vector2d own_variance(const Matrix2& information) {
   return variance;
 }
 
-// What harmonics took up of the noise they were learned from is noise all the same; of a print read by its fundamentals
-// the residual is pattern, and the picture tells the noise.
+// Returns the noise of a pixel, grey levels. The harmonics of the template absorb a share of it, which is added again.
+// If only fundamentals are fitted, the residual contains the pattern, and the noise from the image is smaller.
 double noise_of(const MarkerObservation& seen, const PrintModel& model) {
   const double side = 2.0 * model.print.order() + 1.0;
   const double left = seen.points->sigma / std::sqrt(std::max(0.1, 1.0 - side * side / seen.points->pixels));
@@ -84,7 +85,7 @@ std::optional<Matrix2> information_seen(const Reference& reference, std::size_t 
 Matrix2 shift_information(const Grating& grating, const PrintTemplate& print, double pixels, double sigma,
                           Bound bound) {
   const int order = bound == Bound::kPhase ? 1 : print.order();
-  Matrix2 slopes = Matrix2::Zero();  // mean products of the slopes, per pitch^2
+  Matrix2 slopes = Matrix2::Zero();  // mean products of the slopes, 1/pitch^2
   for (int n = -order; n <= order; ++n) {
     for (int m = -order; m <= order; ++m) {
       if (bound == Bound::kPhase && !is_fundamental(m, n, grating.pattern)) continue;
@@ -97,7 +98,7 @@ Matrix2 shift_information(const Grating& grating, const PrintTemplate& print, do
   return pixels / (sigma * sigma) * turn * slopes * turn.transpose();
 }
 
-// A homography near the identity is a field of eight columns, whatever view comes after it.
+// A homography near the identity is a field with eight columns, whatever view follows it.
 std::optional<Matrix2> through_homography(std::span<const ReadPlace> references, BoardPoint target) {
   const double reach = reach_of(references, target);
   return through_field(references, target, [&](BoardPoint p) {
@@ -109,8 +110,8 @@ std::optional<Matrix2> through_homography(std::span<const ReadPlace> references,
   });
 }
 
-// A rigid board slides, turns, and lifts by a plane of heights: a point that is lifted by h seems to go h / height of
-// the camera away from the camera's foot.
+// A rigid board shifts, rotates and tilts. A point lifted by h appears to move away from the camera's foot by the share
+// h / height of its distance.
 std::optional<Matrix2> through_pose(std::span<const ReadPlace> references, BoardPoint target,
                                     const Eigen::Vector3d& camera_centre) {
   const double reach = reach_of(references, target);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The least uncertainty that a layout of prints allows a displacement to have in one frame.
+// Cramer-Rao bound of a displacement in one frame, for a layout of gratings.
 #pragma once
 
 #include <limits>
@@ -10,32 +10,33 @@
 
 namespace moiregauge::internal {
 
-// kPhase: the fundamental of each print; kFull: every edge that its template holds.
+// kPhase: fundamentals only. kFull: all harmonics of the template.
 enum class Bound { kPhase, kFull };
 
-// Inverse covariance, along the board's axes, of a shift of one print (per mm^2): the squared slopes of `print` at so
-// many pixels of noise `sigma` (grey levels).
+// Returns the Fisher information of one grating's shift along the board's axes, 1/mm^2. It is the sum of the squared
+// slopes of `print` over `pixels` pixels, divided by the square of the noise `sigma` (grey levels).
 [[nodiscard]] Matrix2 shift_information(const Grating& grating, const PrintTemplate& print, double pixels, double sigma,
                                         Bound bound);
 
 struct ReadPlace {
   BoardPoint at;        // mm
-  Matrix2 information;  // of its shift, per mm^2; singular for lines
+  Matrix2 information;  // of its shift, 1/mm^2; singular for lines
 };
 
-// Covariance (mm^2) at `target` of what the references say the board did, each counted by its information: as a
-// homography (four or more), or as a rigid board before a camera whose centre is known, in the board's millimetres
-// (three or more). Nothing when they do not determine it.
+// Return the covariance at `target` of the board's motion from the references, mm^2 (generalised least squares).
+// `through_homography` needs four or more. `through_pose` needs three or more, and a known camera centre in board
+// millimetres.
+// Fail (nothing): the references do not determine the motion.
 [[nodiscard]] std::optional<Matrix2> through_homography(std::span<const ReadPlace> references, BoardPoint target);
 [[nodiscard]] std::optional<Matrix2> through_pose(std::span<const ReadPlace> references, BoardPoint target,
                                                   const Eigen::Vector3d& camera_centre);
 
-// Of a shift that nothing determines.
+// Value of a shift that nothing determines.
 inline constexpr double kUndetermined = std::numeric_limits<double>::quiet_NaN();
 
-// Standard uncertainties (mm, k = 1) along the board's axes of a target's displacement in one frame like the reference
-// frame, from the shifts of whole prints over every pixel of their size, lens and places known, through a homography.
-// An axis that the print does not show is NaN; so are both where prints are not learned or references do not suffice.
+// Returns the bound of a target's displacement in one frame like the reference frame, along the board's axes (mm, k =
+// 1). Every grating is used in full size, lens and positions are known, and the references act through a homography.
+// NaN: an axis that the grating does not show. Both are NaN if templates are missing or the references do not suffice.
 [[nodiscard]] Extent<frame::Board> layout_bound(const Reference& reference, std::size_t target, Bound bound);
 
 }  // namespace moiregauge::internal

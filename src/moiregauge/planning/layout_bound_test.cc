@@ -20,7 +20,7 @@ Grating grating(double angle_rad = 0.0, Pattern pattern = Pattern::kGrid) {
   return {{0.0, 0.0}, 40.0, 40.0, kBoundPitch_mm, angle_rad, pattern};
 }
 
-// The four references of a layout at (+-a, +-b), each read to s along both axes.
+// Four references at (+-a, +-b), each with noise s along both axes.
 std::vector<ReadPlace> four(double a, double b, double s) {
   std::vector<ReadPlace> places;
   for (const BoardPoint at : {BoardPoint{-a, b}, {a, b}, {-a, -b}, {a, -b}})
@@ -28,19 +28,19 @@ std::vector<ReadPlace> four(double a, double b, double s) {
   return places;
 }
 
-// Rife and Boorstyn: var of a phase = 2 sigma^2 / (amplitude^2 N).
-TEST(LayoutBound, OfFundamentalsIsThePhaseBound) {
+// Rife and Boorstyn 1974: variance of a phase = 2 sigma^2 / (amplitude^2 N).
+TEST(LayoutBound, FundamentalsGiveThePhaseBound) {
   const auto print = PrintTemplate::cosine(60.0, 30.0);
   const Matrix2 information = shift_information(grating(), print, kPixels, kSigma, Bound::kPhase);
   const auto u = [&](double amplitude) { return kBoundPitch_mm / kTwoPi * phase_bound(kSigma, amplitude, kPixels); };
   EXPECT_NEAR(1.0 / std::sqrt(information(0, 0)) / u(60.0), 1.0, 1e-9);
   EXPECT_NEAR(1.0 / std::sqrt(information(1, 1)) / u(30.0), 1.0, 1e-9);
-  // A quarter turn exchanges the axes.
+  // A rotation by a quarter turn exchanges the axes.
   const Matrix2 turned = shift_information(grating(0.5 * kPi), print, kPixels, kSigma, Bound::kPhase);
   EXPECT_NEAR(turned(0, 0) / information(1, 1), 1.0, 1e-9);
 }
 
-// A third harmonic of a third of the amplitude has the fundamental's slopes.
+// A third harmonic with a third of the amplitude has the slopes of the fundamental.
 TEST(LayoutBound, EveryHarmonicAddsItsSlopes) {
   std::vector<std::complex<double>> series(49);
   const auto set = [&](int m, double c) { series[static_cast<std::size_t>(3 * 7 + m + 3)] = c; };
@@ -60,9 +60,9 @@ TEST(LayoutBound, ThroughAHomographyOfFourFollowsTheClosedForm) {
   EXPECT_NEAR(std::sqrt((*c)(1, 1)), 0.5 * s * std::sqrt(1.0 + b * b / (a * a)), 1e-9);
 }
 
-// A pose is a homography of six parameters. Two more, stretch and shear, leave the middle of four references alone:
-// there a tilt is told from a slide only by what it does in y, with either. Beside the middle they cost.
-TEST(LayoutBound, APoseIsNeverWorseThanAHomographyAndDoesWithThree) {
+// A pose is a homography with six parameters. Stretch and shear are two more, which do not affect the middle of four
+// references. There only y separates a tilt from a shift. Away from the middle they increase the variance.
+TEST(LayoutBound, APoseIsNeverWorseThanAHomographyAndNeedsThree) {
   const auto places = four(340.0, 28.0, 0.001);
   const Eigen::Vector3d camera(0.0, 0.0, 1200.0);
   const auto variances = [&](BoardPoint p) {

@@ -12,18 +12,18 @@ namespace {
 
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
-// Of lines half a pitch wide, dark about 0: mean 1/2.
+// Returns the Fourier coefficient of lines that are half a pitch wide and dark about 0. The mean is 1/2.
 double bar(int m) { return m == 0 ? 0.5 : std::sin(0.5 * kPi * m) / (kPi * m); }
 double gap(int m) { return m == 0 ? 0.5 : -bar(m); }
 
-// Of a disc of a quarter of a pitch (its transform is a Bessel function).
+// Returns the Fourier coefficient of a disc with a radius of a quarter pitch (its transform is a Bessel function).
 double disc(int m, int n) {
   constexpr double kRadius = 0.25;
   const double q = std::hypot(m, n);
   return q == 0.0 ? kPi * kRadius * kRadius : kRadius * std::cyl_bessel_j(1.0, kTwoPi * kRadius * q) / q;
 }
 
-// Share of paper (light), harmonic by harmonic.
+// Returns the Fourier coefficient of the share of paper (light).
 double paper(Pattern pattern, int m, int n) {
   switch (pattern) {
     case Pattern::kSquares:

@@ -16,7 +16,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kRounding = 1.0 / 12.0;  // variance of a whole grey level
+constexpr double kRounding = 1.0 / 12.0;  // variance of rounding to whole grey levels, grey levels^2
 
 struct Box {
   double low_x = 1e300, low_y = 1e300, high_x = -1e300, high_y = -1e300;
@@ -37,7 +37,7 @@ void include(Box& box, const Marker& marker) {
   }
 }
 
-// The part of a print that lies at least so far inside its edge; a quarter of it at least.
+// Returns the part of a grating that is at least `clear_px` inside its edge, but at least a quarter of it.
 Grating within(const RecordingSetup& setup, const Marker& marker, double clear_px) {
   Grating print = *marker.grating;
   const double clear_mm = 2.0 * clear_px / px_per_mm(setup, marker.z_mm.value_or(0.0));
@@ -50,7 +50,7 @@ PrintTemplate print_planned(const RecordingSetup& setup, const Marker& marker, c
   const double scale = px_per_mm(setup, marker.z_mm.value_or(0.0));
   const PlannedBlur blur = planned_blur(setup);
   PlannedOptics optics = setup.optics;
-  // The direction of a swing is not known before: it blurs both axes.
+  // The direction of a swing is unknown, so it blurs both axes.
   optics.blur_x_px = optics.blur_y_px =
       marker.role == Role::kTarget ? std::hypot(blur.target_px, blur.camera_px) : blur.camera_px;
   return planned_print(print.pattern, print.pitch_mm * scale, optics);
@@ -67,11 +67,11 @@ Matrix2 information_planned(const RecordingSetup& setup, const Marker& marker, c
                            bound);
 }
 
-// The codec's error of one print along the board's axes, mm.
+// Returns the codec's error of one grating along the board's axes, mm.
 Extent<frame::Board> codec_of_print(const RecordingSetup& setup, const Marker& marker, const Quantiser& quantiser,
                                     Lag lag) {
   const Grating& print = *marker.grating;
-  // Information of one pixel of unit noise: the mean squared slope of its grey levels, per mm^2.
+  // Fisher information of one pixel with unit noise: the mean squared slope of the grey levels, 1/mm^2.
   const Matrix2 slopes = shift_information(print, print_planned(setup, marker, print), 1.0, 1.0, Bound::kFull);
   const double scale = px_per_mm(setup, marker.z_mm.value_or(0.0)), pixels = pixels_of_print(setup, marker, print);
   const auto along = [&](int axis) {
@@ -80,7 +80,7 @@ Extent<frame::Board> codec_of_print(const RecordingSetup& setup, const Marker& m
   return {along(0), along(1)};
 }
 
-// The reference frame is assumed to be the recording's first: a key frame lags behind nothing.
+// Assume that the reference frame is the first of the recording: a key frame does not lag.
 Extent<frame::Board> codec_of_target(const RecordingSetup& setup, std::size_t target) {
   const Quantiser &now = setup.codec, then{setup.codec.step, false};
   std::vector<BoardPoint> places;
@@ -96,8 +96,8 @@ Extent<frame::Board> codec_of_target(const RecordingSetup& setup, std::size_t ta
   return hypot3(codec_of_print(setup, marker, now, Lag::kOwn), codec_of_print(setup, marker, then, Lag::kOwn), through);
 }
 
-// Every part of a print tells where it is by itself: so one print tells a turn and a stretch too. The means of 8 x 8
-// parts lose 1/64 of that.
+// Divides a grating into parts, because each part shows its own position: one grating also shows rotation and stretch.
+// The means of 8 x 8 parts lose 1/64 of that information.
 void add_parts(std::vector<ReadPlace>& places, const Grating& print, const Matrix2& whole) {
   constexpr int kParts = 8;
   const double c = std::cos(print.angle_rad), s = std::sin(print.angle_rad);
@@ -130,7 +130,7 @@ Extent<frame::Board> bound_of(const RecordingSetup& setup, std::size_t target, B
           shows_y ? std::sqrt(1.0 / own(1, 1) + (*through)(1, 1)) : kUndetermined};
 }
 
-// Largest angle to either side up to which every corner stays in the picture.
+// Returns the largest angle to either side for which every corner stays in the image.
 template <typename Turn>
 double largest_turn(const std::vector<Eigen::Vector3d>& corners, const Camera& camera, double limit, Turn turn) {
   const auto holds = [&](double angle) {
@@ -146,7 +146,7 @@ double largest_turn(const std::vector<Eigen::Vector3d>& corners, const Camera& c
     return true;
   };
   if (!holds(0.0)) return -1.0;
-  // What leaves may come back: the first angle counts, looked for in steps of a degree.
+  // A corner that leaves may return. The first angle counts, so search in steps of a degree.
   const double step = radians_from_degrees(1.0);
   double low = 0.0;
   while (low + step < limit && holds(low + step)) low += step;
@@ -156,7 +156,8 @@ double largest_turn(const std::vector<Eigen::Vector3d>& corners, const Camera& c
   return low;
 }
 
-// Corners of all prints in the camera's axes (x right, y down, z forward), the markers' middle on its axis.
+// Returns the corners of all markers in camera axes (x right, y down, z forward), with the markers' middle on the
+// optical axis.
 std::vector<Eigen::Vector3d> corners_before(const RecordingSetup& setup) {
   Box all;
   for (const Marker& marker : setup.site.markers) include(all, marker);
@@ -251,8 +252,8 @@ TurningRoom turning_room(const RecordingSetup& setup) {
 }
 
 std::optional<BetterLayout> better_layout(const RecordingSetup& setup) {
-  constexpr double kGoodSpan = 0.3;  // short by long side: beyond it the weak axis gains little
-  constexpr double kWorthIt = 0.8;   // of the uncertainty that is left
+  constexpr double kGoodSpan = 0.3;  // short side by long side: beyond it the weak axis gains little; chosen
+  constexpr double kWorthIt = 0.8;   // least gain: the remaining share of u must be below this; chosen
   BetterLayout found;
   double worst = kWeakAxis;
   for (const PlannedTarget& target : planned_targets(setup)) {

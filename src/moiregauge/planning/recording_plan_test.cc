@@ -30,16 +30,16 @@ RecordingSetup rig(double a = 340.0, double b = 28.0) {
   return setup;
 }
 
-// What the design states of the rig: 0.46 um in dy, 2.5 um in dx per frame, by the fundamentals of whole prints.
-TEST(RecordingPlan, TheRigsBoundIsTheDesigns) {
+// Values of the design for the rig: 0.46 um in dy and 2.5 um in dx per frame, by the fundamentals of whole gratings.
+TEST(RecordingPlan, TheBoundOfTheRigIsThatOfTheDesign) {
   const auto targets = planned_targets(rig());
   ASSERT_EQ(targets.size(), 1u);
   EXPECT_NEAR(1000.0 * targets[0].phase_bound.y, 0.46, 0.01);
   EXPECT_NEAR(1000.0 * targets[0].phase_bound.x, 2.5, 0.05);
 }
 
-// The codec's share is that of codec_error.h for the slopes of the planned print, and adds to the noise.
-TEST(RecordingPlan, ACompressedRecordingIsWorthItsDeadZone) {
+// The codec's part is that of codec_error.h for the slopes of the planned grating. It adds to the noise.
+TEST(RecordingPlan, CompressionAddsTheErrorOfTheDeadZone) {
   RecordingSetup setup = rig(340.0, 340.0);
   const PlannedTarget raw = planned_targets(setup)[0];
   EXPECT_EQ(raw.codec.x, 0.0);
@@ -47,14 +47,14 @@ TEST(RecordingPlan, ACompressedRecordingIsWorthItsDeadZone) {
   const PlannedTarget lossy = planned_targets(setup)[0];
   EXPECT_NEAR(lossy.u.x, std::hypot(raw.u.x, lossy.codec.x), 1e-12);
   EXPECT_GT(lossy.u.x, 5.0 * raw.u.x);
-  EXPECT_LT(lossy.codec.x, 0.13 / px_per_mm(setup) * 1.2);  // kMaxLag_px, and what references add
-  setup.codec.predicted = false;                            // key frames only: errors average out over the print
+  EXPECT_LT(lossy.codec.x, 0.13 / px_per_mm(setup) * 1.2);  // kMaxLag_px, and the part of the references
+  setup.codec.predicted = false;                            // key frames only: errors average out over the grating
   EXPECT_LT(planned_targets(setup)[0].codec.x, 0.2 * lossy.codec.x);
 }
 
-// Small prints far apart are points: what their size tells beside is next to nothing.
-// sd = p / (2 pi) (s / a) sqrt(2 / N), a = 2 contrast / (2 pi) for crossed lines before the lens takes its part;
-// through four references at (+-a, +-b): reference_weights.h.
+// Small gratings far apart act as points: their size hardly matters. The bound of one grating is sd = p / (2 pi) (s /
+// a) sqrt(2 / N). For crossed lines a = 2 contrast / (2 pi), before the lens acts. For four references at (+-a, +-b)
+// see reference_weights.h.
 TEST(RecordingPlan, BoundsFollowTheClosedForms) {
   RecordingSetup setup = rig(3400.0, 280.0);
   setup.optics.psf_sigma_px = 0.0;
@@ -86,7 +86,7 @@ TEST(PlannedPrint, AmplitudesAreThoseOfThePatterns) {
   EXPECT_NEAR(c(Pattern::kDots, 1, 0), -25.0 * std::cyl_bessel_j(1.0, 0.5 * kPi), 1e-4);
 }
 
-// A way of b px takes sinc(b / P) of the contrast: at one pitch all of it.
+// Blur by b px reduces the contrast by sinc(b / P), to zero at one pitch.
 TEST(PlannedPrint, BlurOfOnePitchLeavesNothing) {
   const auto left = [](double blur) {
     return planned_print(Pattern::kLinesX, 20.0, {.blur_x_px = blur}).coefficient(1, 0).real() /
@@ -105,18 +105,19 @@ TEST(RecordingPlan, BlurIsSpeedTimesExposure) {
   EXPECT_NEAR(planned_blur(setup).camera_px, kTwoPi * 10.0 * radians_from_degrees(0.01) * 0.01 * 3478.26, 1e-9);
 }
 
-TEST(RecordingPlan, AVertexAtTheEdgeIsHowFarTheCameraMayTurn) {
+TEST(RecordingPlan, TheRoomForRotationEndsWithACornerAtTheEdge) {
   RecordingSetup setup = rig();
   const auto room = turning_room(setup);
-  // Pan: the outer corner (360 mm) moves outwards at the far side; tan(edge) - at the optical axis of the picture.
+  // Pan: the outer corner (360 mm) moves outwards on the far side. The room is the angle to the image edge minus that
+  // to the corner.
   const double edge = std::atan(2051.5 / 3478.26), corner = std::atan(360.0 / 1200.0);
   EXPECT_NEAR(room.pan, edge - corner, 1e-3);
   setup.camera.width = 1000, setup.camera.cx = 499.5;
   EXPECT_LT(turning_room(setup).pan, 0.0);
 }
 
-// The advice is tried, not recited: the moved layout's own bound.
-TEST(RecordingPlan, AFlatLayoutIsToldWhatToMoveAndWhatItGains) {
+// Verify the advice with the bound of the moved layout.
+TEST(RecordingPlan, AFlatLayoutGetsAdviceAndItsGain) {
   const auto better = better_layout(rig());
   ASSERT_TRUE(better);
   EXPECT_EQ(better->moved, (std::vector<std::string>{"NW", "NE"}));
@@ -129,7 +130,7 @@ TEST(RecordingPlan, AFlatLayoutIsToldWhatToMoveAndWhatItGains) {
   EXPECT_FALSE(better_layout(rig(340.0, 200.0)));
 }
 
-TEST(RecordingPlan, RowsReadLaterSeeACameraThatHasGoneOn) {
+TEST(RecordingPlan, LaterRowsSeeAMovedCamera) {
   RecordingSetup setup = rig();
   setup.readout_s = 0.02;
   setup.camera_swing = Swing{radians_from_degrees(0.02), 40.0};

@@ -10,7 +10,7 @@ namespace {
 
 using FieldRows = Eigen::Matrix<double, 2, 8>;
 
-// Displacement field of a homography near the identity: eight parameters, linear.
+// Returns the rows of the displacement field of a homography near the identity: eight parameters, linear.
 FieldRows field(double x, double y) {
   FieldRows a;
   a << x, y, 1, 0, 0, 0, -x * x, -x * y,  //
@@ -25,7 +25,7 @@ BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c) {
 }
 
 std::vector<Matrix2> reference_weights(std::span<const BoardPoint> references, BoardPoint target) {
-  double reach = 0.0;  // coordinates relative to the target, in units of the layout: the field keeps its form
+  double reach = 0.0;  // coordinates relative to the target, in units of the layout, do not change the form
   for (const BoardPoint& p : references) reach = std::max(reach, length(p - target));
   const auto at = [&](BoardPoint p) { return field((p.x - target.x) / reach, (p.y - target.y) / reach); };
   Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a layout of references does to a target between them: the linear response of the fitted homography.
+// Reference weights: linear response of the fitted homography at a target to errors of the references.
 #pragma once
 
 #include <span>
@@ -12,16 +12,20 @@ namespace moiregauge::internal {
 
 using BoardExtent = Extent<frame::Board>;
 
-// Returns the root of the sum of squares of three uncertainties, each axis by itself.
+// Returns the root of the sum of squares of three uncertainties, for each axis separately.
 [[nodiscard]] BoardExtent hypot3(BoardExtent a, BoardExtent b, BoardExtent c);
 
-// W_i: a small displacement e_i of reference i (all else right) moves the homography's idea of `target` by W_i e_i.
-// Exact to first order for a homography near the identity, by least squares when there are more than four references.
-// Closed form, four references at (+-a, +-b), target in the centre: u_x = (s/2) sqrt(1 + (a/b)^2), u_y = (s/2) sqrt(1 +
-// (b/a)^2).
+// Returns the matrices W_i. A small displacement e_i of reference i, with all else right, moves the computed `target`
+// by W_i e_i. Exact to first order for a homography near the identity, and by least squares with more than four
+// references.
+//
+// For four references at (+-a, +-b), each known to s, and the target in the centre:
+//
+//     u_x = (s/2) sqrt(1 + (a/b)^2),     u_y = (s/2) sqrt(1 + (b/a)^2)
 [[nodiscard]] std::vector<Matrix2> reference_weights(std::span<const BoardPoint> references, BoardPoint target);
 
-// Standard uncertainties along x and y at the target from references known to u_i (mm, each coordinate).
+// Returns the standard uncertainties along x and y at the target, mm, from references with independent u_i (mm, each
+// coordinate).
 [[nodiscard]] Extent<frame::Board> through_references(std::span<const Matrix2> weights,
                                                       std::span<const Extent<frame::Board>> u);
 

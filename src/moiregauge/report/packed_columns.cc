@@ -9,12 +9,12 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kMaxQuanta = 2251799813685248.0;  // 2^51: differences stay exact in a browser's numbers
+constexpr double kMaxQuanta = 2251799813685248.0;  // 2^51: differences stay exact in a browser's doubles
 
 std::vector<std::uint8_t> deflated(const std::vector<std::uint8_t>& bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
-  // Fails only when memory runs out, which vector has already told.
+  // Fails only if memory runs out, which the vector above would have reported.
   if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION) != Z_OK)
     size = 0;
   packed.resize(size);
@@ -27,7 +27,7 @@ std::size_t PackedColumns::add(const std::vector<double>& values, double quantum
   std::int64_t last = 0;
   for (const double value : values) {
     const double quanta = std::round(value / quantum);
-    if (!(std::abs(quanta) < kMaxQuanta)) {  // NaN too
+    if (!(std::abs(quanta) < kMaxQuanta)) {  // true for NaN as well
       bytes_.push_back(0);
       continue;
     }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many numbers as a short text that a browser reads by itself.
+// Packs many numbers into a short text that a browser can unpack without a library.
 //
-// A column is whole numbers, value / quantum rounded. Each is written as its difference from the one before (the first
-// from 0; after a gap from the last one there was): zigzag (0, -1, 1, -2, ... become 0, 1, 2, 3, ...), plus 1, as a
-// base-128 varint, low digits first, the high bit set on all bytes but the last; a single 0 is a gap. All columns
-// together, one after the other, deflated (zlib's format, which a browser calls "deflate"), in base64.
+// A column holds integers, round(value / quantum). Each one is coded as its difference from the previous value of the
+// column. The first difference is from 0, and gaps are skipped.
+// Coding: zigzag (0, -1, 1, -2, ... become 0, 1, 2, 3, ...), plus 1, as a base-128 varint. Low digits come first, and
+// the high bit is set on all bytes except the last. A single 0 is a gap.
+// All columns in order are deflated together (zlib format, "deflate" in browsers) and coded in base64.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +18,10 @@ namespace moiregauge::internal {
 
 class PackedColumns {
  public:
-  // NaN is a gap. Returns the column's number, in order. A value beyond 2^51 quanta is a gap as well.
+  // Adds a column and returns its number, counted from 0. NaN and values beyond 2^51 quanta are gaps.
   std::size_t add(const std::vector<double>& values, double quantum);
 
-  // [{"quantum": ..., "count": ...}, ...] in the order of add().
+  // Returns [{"quantum": ..., "count": ...}, ...] in the order of add().
   [[nodiscard]] nlohmann::ordered_json index() const;
   [[nodiscard]] std::string base64() const;
 
@@ -33,10 +34,10 @@ class PackedColumns {
   std::vector<std::uint8_t> bytes_;
 };
 
-// 3 bytes in 4 letters (RFC 4648), filled up with '='.
+// Returns the bytes in base64 with padding (RFC 4648).
 [[nodiscard]] std::string base64_of(const std::vector<std::uint8_t>& bytes);
 
-// The power of ten at or below `value`, at least `least`: a quantum of `value` that reads well.
+// Returns the largest power of ten that is at most `value`, but at least `least`.
 [[nodiscard]] double decade_below(double value, double least);
 
 }  // namespace moiregauge::internal

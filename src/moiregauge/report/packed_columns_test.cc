@@ -26,7 +26,7 @@ std::vector<std::uint8_t> bytes_of_base64(const std::string& text) {
   return bytes;
 }
 
-// As a reader would do it who knows nothing but the header's words.
+// Decodes by the description in the header only.
 std::vector<double> first_column(const PackedColumns& packed, double quantum, std::size_t count) {
   const auto deflated = bytes_of_base64(packed.base64());
   std::vector<std::uint8_t> bytes(10 * count + 100);
@@ -53,7 +53,7 @@ std::vector<double> first_column(const PackedColumns& packed, double quantum, st
   return values;
 }
 
-TEST(PackedColumns, NumbersComeBackToHalfAQuantum) {
+TEST(PackedColumns, ValuesAreRestoredToHalfAQuantum) {
   const std::vector<double> values{0.0, 1.23456, -1.23456, 1e6, -1e6, 3e-6, -0.5e-5, 2.0};
   PackedColumns packed;
   packed.add(values, 1e-5);
@@ -72,7 +72,7 @@ TEST(PackedColumns, AGapIsNeitherZeroNorItsNeighbour) {
   EXPECT_EQ(back[6], 2.0);
 }
 
-TEST(PackedColumns, TheIndexTellsQuantumAndCount) {
+TEST(PackedColumns, TheIndexHoldsQuantumAndCount) {
   PackedColumns packed;
   EXPECT_EQ(packed.add({1.0, 2.0}, 0.1), 0U);
   EXPECT_EQ(packed.add({}, 0.2), 1U);

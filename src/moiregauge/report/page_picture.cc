@@ -15,8 +15,8 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kWidest = 1600;  // px: a page's column on a screen of twice the usual density
-constexpr int kQuality = 85;   // thin lines and letters keep their edges
+constexpr int kWidest = 1600;  // px: the width of the page's column on a screen of double density
+constexpr int kQuality = 85;   // of 100; keeps thin lines and letters sharp (chosen)
 
 cairo_status_t next_bytes(void* left_of_file, unsigned char* data, unsigned int length) {
   auto& left = *static_cast<std::span<const std::uint8_t>*>(left_of_file);
@@ -34,13 +34,13 @@ Surface shrunk_to_page(cairo_surface_t* picture) {
   const Context context(cairo_create(page.get()), cairo_destroy);
   cairo_scale(context.get(), scale, scale);
   cairo_set_source_surface(context.get(), picture, 0.0, 0.0);
-  cairo_pattern_set_filter(cairo_get_source(context.get()), CAIRO_FILTER_GOOD);  // means of what falls on a pixel
+  cairo_pattern_set_filter(cairo_get_source(context.get()), CAIRO_FILTER_GOOD);  // averages the source pixels per pixel
   cairo_paint(context.get());
   cairo_surface_flush(page.get());
   return page;
 }
 
-// libjpeg leaves by longjmp: everything with a destructor lives here, outside the function it may leap over.
+// libjpeg reports errors by longjmp. Objects with destructors are here, outside the function that it leaves.
 struct JpegBytes {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -59,7 +59,7 @@ struct JpegBytes {
 
 [[noreturn]] void leave(j_common_ptr jpeg) { std::longjmp(static_cast<JpegBytes*>(jpeg->client_data)->out_of_here, 1); }
 
-// Cairo's words, 0x00RRGGBB, as the three bytes that libjpeg takes.
+// Converts Cairo's words 0x00RRGGBB to the three bytes that libjpeg reads.
 void put_rgb(const std::uint8_t* words, std::vector<std::uint8_t>& row) {
   for (std::size_t x = 0; x < row.size() / 3; ++x) {
     std::uint32_t word = 0;

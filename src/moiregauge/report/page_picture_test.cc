@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kSeedOfNoise = 20261122;
 
-// What a camera sees: grey with noise, which PNG cannot pack.
+// An image with sensor noise, which PNG cannot compress.
 std::vector<std::uint8_t> noisy_png(int width, int height) {
   std::mt19937_64 random(kSeedOfNoise);
   std::normal_distribution<double> noise(128.0, 4.0);
@@ -31,8 +31,8 @@ bool is_jpeg(const std::vector<std::uint8_t>& bytes) {
   return bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8;
 }
 
-// 1600 x 390 px at no more than two bits each.
-TEST(PagePicture, OfALargeCameraIsSmall) {
+// Bound: 1600 x 390 px at two bits each = 156 kB.
+TEST(PagePicture, ALargeImageIsShrunk) {
   const auto png = noisy_png(4100, 1000);
   const auto page = page_picture(png);
   EXPECT_GT(png.size(), 2000000U);
@@ -40,14 +40,14 @@ TEST(PagePicture, OfALargeCameraIsSmall) {
   EXPECT_LT(page.size(), 160000U);
 }
 
-TEST(PagePicture, ThatIsSmallAlreadyStays) {
+TEST(PagePicture, ASmallImageIsUnchanged) {
   const Image<std::uint8_t> white(64, 48, 255);
   const Surface surface = grey_surface(white.view());
   const auto png = png_of(surface.get());
   EXPECT_EQ(page_picture(png), png);
 }
 
-TEST(PagePicture, ThatCannotBeReadStays) {
+TEST(PagePicture, AnUnreadableImageIsUnchanged) {
   const std::vector<std::uint8_t> torn{0x89, 'P', 'N', 'G', 1, 2, 3};
   EXPECT_EQ(page_picture(torn), torn);
   EXPECT_TRUE(page_picture({}).empty());

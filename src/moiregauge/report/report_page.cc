@@ -18,18 +18,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What is put into the page in place of its marks.
+// Marks in the template that are replaced by data and title.
 constexpr std::string_view kDataMark = "<!--moiregauge:data-->", kTitleMark = "<!--moiregauge:title-->";
 
-// Quanta of what is plotted: a twentieth of u rounds off 1.4 % of it at most.
+// Quantum of plotted values in u: its rounding error is at most 1.4 % of u (rms).
 constexpr double kPartOfU = 0.05;
 constexpr double kMinQuantum = 1e-7;      // mm
-constexpr double kUnknownQuantum = 1e-5;  // mm, where there is no u
+constexpr double kUnknownQuantum = 1e-5;  // mm, without u
 constexpr double kTimeQuantum = 1e-6;     // s
 constexpr double kPixelQuantum = 1e-3;
 constexpr double kDegreeQuantum = 1e-5;
-constexpr double kShareQuantum = 1e-4;   // of modulation and chi2
-constexpr double kDecadeQuantum = 1e-3;  // of a spectrum, in powers of ten
+constexpr double kShareQuantum = 1e-4;   // of modulation ratio and chi-squared
+constexpr double kDecadeQuantum = 1e-3;  // of a spectrum, in decades
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -38,7 +38,7 @@ constexpr std::array kStatuses{Status::kOk,          Status::kUntrusted,     Sta
                                Status::kLost,        Status::kReferenceLost, Status::kOrderUnproven,
                                Status::kDecodeError, Status::kTooCoarse};
 
-// No text of a run may end the script it stands in, or begin a comment there.
+// Escapes '<', so that no text of a run can close its script element or open a comment.
 std::string for_script(std::string json) {
   std::string safe;
   safe.reserve(json.size());
@@ -94,7 +94,7 @@ Json spectrum_json(const AxisSpectrum& s, PackedColumns& columns) {
           {"peaks", std::move(peaks)}};
 }
 
-// One target's rows as columns, one value per observation.
+// Returns the samples of one target as columns, one value per observation.
 Json rows_json(const Measurement& m, const TargetSummary& target, PackedColumns& columns) {
   std::vector<double> dx, dy, ux, uy, status;
   for (const Sample& s : m.samples) {
@@ -114,7 +114,7 @@ Json rows_json(const Measurement& m, const TargetSummary& target, PackedColumns&
           {"status", columns.add(status, 1.0)}};
 }
 
-// The camera's own turn is the board's, the other way round.
+// Changes the sign: the camera's rotation is the opposite of the board's.
 std::vector<double> other_way(std::vector<double> values) {
   for (double& value : values) value = -value;
   return values;
@@ -133,7 +133,7 @@ Json camera_json(const CameraMotion& camera, PackedColumns& columns) {
   return json;
 }
 
-// Modulation of a print in one frame, both axes together; NaN where it was not read.
+// Returns the mean modulation of a grating over both axes, grey levels. NaN if it was not measured.
 double modulation_of(const PatchReading& patch) {
   if (!patch.valid) return kNotMeasured;
   double sum = 0.0, count = 0.0;
@@ -149,7 +149,7 @@ Json quality_json(const Measurement& m, PackedColumns& columns) {
   Json modulation = Json::array();
   const Reference& reference = *m.reference;
   const std::size_t markers = reference.site.markers.size();
-  std::vector<std::vector<double>> now(markers);  // of every marker by frame
+  std::vector<std::vector<double>> now(markers);  // per marker and frame
   for (const Observation& seen : m.observations) {
     for (std::size_t i = 0; i < markers; ++i)
       now[i].push_back(seen.markers[i].loss == Loss::kNone ? modulation_of(seen.markers[i].patch) : kNotMeasured);
@@ -175,7 +175,7 @@ Json statuses_json() {
   return list;
 }
 
-// Adds what only a run with a reference frame has.
+// Adds the series that only a run with a reference frame has.
 void add_series(const Measurement& m, const CameraMotion& camera, Json& json, PackedColumns& columns) {
   std::vector<double> frame, time;
   for (const Observation& seen : m.observations) {
@@ -219,7 +219,7 @@ std::string report_page(const Measurement& m, const MeasureOptions& options, con
   json["columns"] = columns.index();
   const std::string_view page = report_template();
   const std::size_t title = page.find(kTitleMark), data = page.find(kDataMark);
-  if (title == std::string_view::npos || data == std::string_view::npos || data < title) return {};  // not our page
+  if (title == std::string_view::npos || data == std::string_view::npos || data < title) return {};  // no template
   std::string out(page.substr(0, title));
   out += for_html(json["input"].get<std::string>());
   out += page.substr(title + kTitleMark.size(), data - title - kTitleMark.size());

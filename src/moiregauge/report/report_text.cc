@@ -11,71 +11,87 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxWorded = 3;  // peaks of a target that are put into words
-constexpr double kClock = 1e-5;        // of a frequency: no camera's clock is better
-constexpr double kWorthAWord = 0.1;    // of the strongest's amplitude
+constexpr std::size_t kMaxWorded = 3;  // largest number of peaks per target in the text (chosen)
+constexpr double kClock = 1e-5;        // smallest relative U of a frequency: camera clocks are no better
+constexpr double kWorthAWord = 0.1;    // smallest amplitude of a listed peak, relative to the strongest (chosen)
 
 int digits_for(double u) { return std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(u, 1e-9)))), 0, 6); }
 
-// The row in which one axis is furthest from zero, among those the program stands by.
-struct Furthest {
-  double value = kNotMeasured, u = kNotMeasured, time_s = kNotMeasured;
-  long frame = 0;
-  double widest_u = 0.0;  // of all those rows: by so much it may have moved unseen
+// Movement of one target along one axis, of its `ok` rows.
+struct AxisMovement {
+  const char* along;                                                       // "up and down"
+  double lowest = kNotMeasured, highest = kNotMeasured, u = kNotMeasured;  // mm
+  long rows = 0;
+
+  [[nodiscard]] double peak_to_peak() const { return highest - lowest; }
+  [[nodiscard]] bool is_measured() const { return rows > 0 && !std::isnan(u); }
+  // The expected range of n independent normal values is below 2 sqrt(2 ln n) of their standard deviation.
+  [[nodiscard]] bool is_beyond_noise() const {
+    return is_measured() && peak_to_peak() > 2.0 * std::sqrt(2.0 * std::log(std::max(2.0, double(rows)))) * u;
+  }
 };
 
-Furthest furthest(const Samples& samples, std::size_t marker, double Extent<frame::Board>::*axis) {
-  Furthest far;
-  double widest_u = 0.0;
-  for (const Sample& s : samples) {
-    if (s.marker != marker || s.status != Status::kOk || std::isnan(s.displacement.*axis)) continue;
-    widest_u = std::max(widest_u, s.u.*axis);
-    if (std::abs(s.displacement.*axis) <= std::abs(far.value)) continue;  // false of the first, which is NaN
-    far = {s.displacement.*axis, s.u.*axis, s.time_s, s.frame};
+AxisMovement movement_along(const WordedRun& run, const TargetSummary& t, double Extent<frame::Board>::*axis,
+                            const char* along) {
+  AxisMovement movement{along, t.lowest.*axis, t.highest.*axis, t.u.*axis, 0};
+  for (const Sample& s : run.measurement.samples)
+    movement.rows += s.marker == t.marker && s.status == Status::kOk && !std::isnan(s.displacement.*axis);
+  return movement;
+}
+
+std::string signed_mm(double value, int digits) {
+  const std::string size = fmt::format("{:.{}f}", std::abs(value), digits);
+  const bool is_zero = size.find_first_not_of("0.") == std::string::npos;
+  return (is_zero ? "" : value < 0.0 ? "−" : "+") + size;
+}
+
+// "U = 0.028 mm".
+std::string u_text(const AxisMovement& m) {
+  const double expanded = kCoverageFactor * m.u;
+  return fmt::format("U = {:.{}f} mm", expanded, digits_for(expanded));
+}
+
+// "by 1.023 mm peak to peak".
+std::string size_text(const AxisMovement& m) {
+  return fmt::format("by {:.{}f} mm peak to peak", m.peak_to_peak(), digits_for(kCoverageFactor * m.u));
+}
+
+std::string still_text(const std::string& name, const AxisMovement& first, const AxisMovement& second) {
+  std::string us;
+  for (const AxisMovement& m : {first, second}) {
+    if (m.is_measured()) us += fmt::format("{}{} {}", us.empty() ? "" : ", ", m.along, u_text(m));
   }
-  far.widest_u = widest_u;
-  return far;
+  return fmt::format("{} did not move measurably ({}, k = 2).", name, us);
 }
 
-std::string at(const Furthest& far) {
-  return std::isnan(far.time_s) ? fmt::format("in frame {}", far.frame) : fmt::format("at {:.2f} s", far.time_s);
-}
-
-// "2.000 mm up (± 0.002 mm) at 3.10 s", or the interval within which it stayed where it was.
-std::string movement(const Furthest& far, const char* above, const char* below, const char* along) {
-  if (std::isnan(far.value)) return fmt::format("{} it could not be measured", along);
-  if (std::abs(far.value) <= kCover95 * far.u || far.value == 0.0)
-    return fmt::format("{} it did not move by more than its uncertainty of ± {:.{}f} mm", along,
-                       kCover95 * far.widest_u, digits_for(kCover95 * far.widest_u));
-  return fmt::format("{} {}", with_interval(far.value, far.u, above, below), at(far));
-}
-
-std::string sentence_of_target(const WordedRun& run, const TargetSummary& t) {
+// The first sentence states the larger movement, the second its range and the other axis.
+std::vector<std::string> sentences_of_target(const WordedRun& run, const TargetSummary& t) {
   const Measurement& m = run.measurement;
   const std::string& name = site_of(m, run.options).markers[t.marker].name;
-  const Furthest x = furthest(m.samples, t.marker, &Extent<frame::Board>::x);
-  const Furthest y = furthest(m.samples, t.marker, &Extent<frame::Board>::y);
-  long beside_reference = t.ok;
-  for (const Sample& s : m.samples) beside_reference -= s.marker == t.marker && s.frame == m.reference->seen.frame;
-  if (beside_reference <= 0) return fmt::format("{}: no row beside the reference frame can be relied on.", name);
-  const auto is_shown = [](const Furthest& f) { return !std::isnan(f.value) && std::abs(f.value) > kCover95 * f.u; };
-  const std::string up = movement(y, "up", "down", "up and down");
-  const std::string side = movement(x, "to the right", "to the left", "sideways");
-  if (!is_shown(x) && !is_shown(y)) return fmt::format("{} did not move: {}; {}.", name, up, side);
-  const bool y_first = !(std::abs(x.value) > std::abs(y.value));
-  const std::string& first = y_first ? up : side;
-  const std::string& second = y_first ? side : up;
-  const bool moved_second = is_shown(y_first ? x : y);
-  return fmt::format("{} moved {}{} {}.", name, first, moved_second ? ", and" : ";", second);
+  long besides_reference = t.ok;
+  for (const Sample& s : m.samples) besides_reference -= s.marker == t.marker && s.frame == m.reference->seen.frame;
+  if (besides_reference <= 0) return {fmt::format("{} has no reliable row besides the reference frame.", name)};
+  AxisMovement first = movement_along(run, t, &Extent<frame::Board>::y, "up and down");
+  AxisMovement second = movement_along(run, t, &Extent<frame::Board>::x, "sideways");
+  if (!first.is_measured() || second.peak_to_peak() > first.peak_to_peak()) std::swap(first, second);
+  if (!first.is_beyond_noise()) return {still_text(name, first, second)};
+  const int digits = digits_for(kCoverageFactor * first.u);
+  const std::string other = !second.is_measured() ? "was not measured " + std::string(second.along)
+                            : second.is_beyond_noise()
+                                ? fmt::format("moved {} {} ({})", second.along, size_text(second), u_text(second))
+                                : fmt::format("did not move measurably {} ({})", second.along, u_text(second));
+  return {fmt::format("{} moved {} {} ({}, k = 2).", name, first.along, size_text(first), u_text(first)),
+          fmt::format("Its range was {} to {} mm. It {}.", signed_mm(first.lowest, digits),
+                      signed_mm(first.highest, digits), other)};
 }
 
 std::string peak_text(const Peak& peak) {
-  const double expanded = std::max(kCover95 * peak.u_frequency_hz, kClock * peak.frequency_hz);
-  std::string text =
-      fmt::format("{:.{}f} Hz (± {:.{}f} Hz", peak.frequency_hz, digits_for(expanded), expanded, digits_for(expanded));
+  const double expanded = std::max(kCoverageFactor * peak.u_frequency_hz, kClock * peak.frequency_hz);
+  std::string text = fmt::format("{:.{}f} Hz (U = {:.{}f} Hz", peak.frequency_hz, digits_for(expanded), expanded,
+                                 digits_for(expanded));
   if (!std::isnan(peak.damping)) {
-    const double u = 100.0 * kCover95 * peak.u_damping;
-    text += fmt::format("; damping {:.{}f} % ± {:.{}f} %", 100.0 * peak.damping, digits_for(u), u, digits_for(u));
+    const double u = 100.0 * kCoverageFactor * peak.u_damping;
+    text += fmt::format("; damping {:.{}f} %, U = {:.{}f} %", 100.0 * peak.damping, digits_for(u), u, digits_for(u));
   }
   return text + ")";
 }
@@ -95,24 +111,26 @@ std::string vibration(const AxisSpectrum& s, const char* along) {
 void add_vibration(const std::string& name, const TargetSpectra& spectra, std::vector<std::string>& to) {
   const std::string up = vibration(spectra.y, "up and down"), side = vibration(spectra.x, "sideways");
   if (up.empty() && side.empty()) return;
-  to.push_back(fmt::format("{} swings {}{}{}.", name, up, up.empty() || side.empty() ? "" : "; ", side));
+  to.push_back(fmt::format("{} vibrates {}{}{}.", name, up, up.empty() || side.empty() ? "" : ", and ", side));
 }
 
 std::string sentence_of_camera(const WordedRun& run) {
   if (run.options.method->name == "conventional")
-    return "The camera was taken to stand still: this method does not take its movement out.";
+    return "The camera was assumed to be fixed: this method does not correct its motion.";
   double shift = kNotMeasured, turn = kNotMeasured;
   for (std::size_t n = 0; n < run.camera.shift_x_px.size(); ++n)
     shift = std::fmax(shift, std::hypot(run.camera.shift_x_px[n], run.camera.shift_y_px[n]));
-  if (std::isnan(shift)) return "What the camera did could not be told: its references were not seen.";
+  if (std::isnan(shift)) return "The camera's motion is unknown, because the references were not found.";
   for (std::size_t n = 0; n < run.camera.turn_x_deg.size(); ++n)
     turn = std::fmax(turn, std::hypot(run.camera.turn_x_deg[n], run.camera.turn_y_deg[n], run.camera.turn_z_deg[n]));
-  if (std::isnan(turn)) return fmt::format("The camera's picture moved by up to {:.1f} px; that is taken out.", shift);
+  if (std::isnan(turn))
+    return fmt::format("The camera moved the image by up to {:.1f} px, which is removed from all values.", shift);
   return fmt::format(
-      "The camera turned by up to {:.2f}°, and its picture moved by up to {:.1f} px; both are taken out.", turn, shift);
+      "The camera rotated by up to {:.2f}° and moved the image by up to {:.1f} px, which is removed from all values.",
+      turn, shift);
 }
 
-// How far a lens moves the corner of the picture, as a part of its distance from the principal point.
+// Returns the distortion of a lens at the farthest image corner, relative to its distance from the principal point.
 double at_corner(const Camera& camera, int width, int height) {
   double most = 0.0, share = 0.0;
   for (const double x : {0.0, width - 1.0}) {
@@ -131,17 +149,17 @@ std::string sentence_of_lens(const WordedRun& run) {
   const auto camera_text = [&](const char* how, const Camera& camera) {
     const double percent = 100.0 * at_corner(camera, m.input.width, m.input.height);
     if (std::abs(percent) < 0.005)
-      return fmt::format("The lens was {}: it distorts the picture's corner by less than 0.01 %.", how);
-    return fmt::format("The lens was {}: it distorts the picture's corner by {}{:.2f} %.", how,
-                       percent < 0.0 ? "−" : "+", std::abs(percent));
+      return fmt::format("The lens was {}. It distorts the image corners by less than 0.01 %.", how);
+    return fmt::format("The lens was {}. It distorts the image corners by {}{:.2f} %.", how, percent < 0.0 ? "−" : "+",
+                       std::abs(percent));
   };
   const std::optional<Scene>& scene = stated_scene(m);
   if (scene && determines_camera(*scene)) return camera_text("solved from the footage", scene->camera);
   if (scene && scene->model.radial && !run.options.camera)
-    return "The lens is corrected as far as the footage shows it; its focal length is not determined.";
-  if (run.options.camera) return camera_text("given", *run.options.camera);
-  if (scene) return "The footage asks for no lens distortion; what it leaves open is part of the uncertainty.";
-  return "No lens is known: it is taken to be free of distortion.";
+    return "The lens distortion is corrected as far as the footage shows it. The focal length is unknown.";
+  if (run.options.camera) return camera_text("given with --camera", *run.options.camera);
+  if (scene) return "No lens distortion was found. The remaining doubt is part of the uncertainty.";
+  return "The lens is unknown and assumed to be free of distortion.";
 }
 
 std::string sentence_of_scale(const Reference& reference) {
@@ -149,12 +167,11 @@ std::string sentence_of_scale(const Reference& reference) {
   const auto& markers = reference.site.markers;
   const std::string size = short_length(check.distance_mm, "mm");
   const std::string length = check.from == check.to
-                                 ? fmt::format("the print of {} is {} wide", markers[check.from].name, size)
+                                 ? fmt::format("the grating of {} is {} wide", markers[check.from].name, size)
                                  : fmt::format("{} and {} are {} apart, centre to centre", markers[check.from].name,
                                                markers[check.to].name, size);
-  return fmt::format(
-      "By this run one pixel shows {:.3g} mm, and {}. Check that with a tape: every result scales with it.",
-      check.mm_per_px, length);
+  return fmt::format("One pixel shows {:.3g} mm, and {}. Check this with a tape, because every result scales with it.",
+                     check.mm_per_px, length);
 }
 
 std::string sentence_of_rows(const WordedRun& run) {
@@ -169,16 +186,17 @@ std::string sentence_of_rows(const WordedRun& run) {
   const auto frames = m.observations.size();
   const std::string all = fmt::format("{} frame{} and {} target{}", frames, frames == 1 ? "" : "s", m.targets.size(),
                                       m.targets.size() == 1 ? "" : "s");
-  if (rows == ok) return fmt::format("{}: every row is ok.", all);
+  if (rows == ok) return fmt::format("{}, all rows are ok.", all);
   std::string list;
   for (const auto& [word, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, word);
-  return fmt::format("{}: {} of {} rows are ok; {}.", all, ok, rows, list);
+  return fmt::format("{}, {} of {} rows are ok (others: {}).", all, ok, rows, list);
 }
 
 std::string sentence_of_references(const Measurement& m) {
-  if (m.references_verified) return "The references were checked against each other: none of them moved.";
-  return m.reference->circles.size() <= 4 ? "That none of the references moved is not proved: it takes six to prove it."
-                                          : "The references could not be checked against each other.";
+  if (m.references_verified) return "The references were checked against each other, and none of them moved.";
+  return m.reference->circles.size() <= 4
+             ? "The references were not checked for movement, which needs 6 references (5 with --camera)."
+             : "The references could not be checked against each other.";
 }
 
 std::string begun_large(std::string sentence) {
@@ -188,7 +206,7 @@ std::string begun_large(std::string sentence) {
 }
 
 std::string outcome_of(const Measurement& m) {
-  if (m.interrupted) return "Stopped before its end";
+  if (m.interrupted) return "Stopped early";
   if (m.exit == Exit::kMeasured) return "Measured";
   return m.exit == Exit::kRefused ? "Not measured" : "Measured with gaps";
 }
@@ -197,11 +215,12 @@ std::vector<std::string> advice_of(const Measurement& m) {
   std::vector<std::string> advice;
   if (!m.reference) {
     advice.emplace_back(
-        "Look at the picture below: it shows everything that was recognised in the first frame. Compare it with what "
-        "hangs there: every reference needs its circle whole, sharp and unshaded in the picture.");
+        "Look at the image below, which shows everything that was found in the first frame. Every reference circle "
+        "must "
+        "be complete, sharp and evenly lit.");
     advice.emplace_back(
-        "If it starts on a bad moment, choose another frame with --reference-frame; if the site file does not fit, "
-        "correct it, or leave it away and give --pitch alone.");
+        "If the first frame is not suitable, choose another with --reference-frame. If the site file does not fit, "
+        "correct it, or give --pitch instead.");
     return advice;
   }
   std::map<Status, long> counts;
@@ -211,7 +230,7 @@ std::vector<std::string> advice_of(const Measurement& m) {
   for (const auto& [status, count] : by_count) {
     if (status == Status::kOk) continue;
     const bool is_remedied = status == Status::kUntrusted && !m.remedy.empty();
-    advice.push_back(fmt::format("{} ({} row{}): {}. {}.", word_for(status), count, count == 1 ? "" : "s",
+    advice.push_back(fmt::format("{} row{} {}: {}. {}.", count, count == 1 ? "" : "s", word_for(status),
                                  words_of(status).meaning,
                                  is_remedied ? begun_large(m.remedy) : std::string(words_of(status).help)));
   }
@@ -220,39 +239,35 @@ std::vector<std::string> advice_of(const Measurement& m) {
 
 }  // namespace
 
-std::string with_interval(double value_mm, double u_mm, const char* above, const char* below) {
-  const double expanded = kCover95 * u_mm;
-  const int digits = digits_for(expanded);
-  return fmt::format("{:.{}f} mm {} (± {:.{}f} mm)", std::abs(value_mm), digits, value_mm < 0.0 ? below : above,
-                     expanded, digits);
-}
-
 StatusWords words_of(Status status) {
   switch (status) {
     case Status::kOk:
-      return {"a number the program stands by", ""};
+      return {"the value is reliable", ""};
     case Status::kUntrusted:
-      return {"what the frame shows contradicts the model by far more than its noise",
-              "Give the lens with --camera, or two more references"};
+      return {"the images contradict the measurement model, for example because a reference moved",
+              "See the warnings, give the lens with --camera, or use six references"};
     case Status::kCameraMoved:
-      return {"the camera moved, which this method cannot take out", "Measure with --method precise or two-stage"};
+      return {"the camera moved, which this method cannot correct", "Measure with --method precise or two-stage"};
     case Status::kBlurred:
-      return {"too blurred for its uncertainty to be believed", "Expose for a shorter time, or focus better"};
+      return {"the marker is too blurred for a reliable uncertainty", "Use a shorter exposure, or focus better"};
     case Status::kSaturated:
-      return {"grey levels at the end of the range", "Expose less: white paper should stay below the brightest grey"};
+      return {"grey levels reach the end of the range",
+              "Expose less, so that white paper stays below the brightest grey level"};
     case Status::kPartlyCovered:
-      return {"something stands before part of the marker", "Clear the line of sight"};
+      return {"part of the marker looks covered",
+              "Clear the line of sight, or record at a higher bit rate if nothing covers it"};
     case Status::kLost:
-      return {"the target was not found", "It left the picture, or something hides it"};
+      return {"the target was not found", "Check whether it left the image or was covered"};
     case Status::kReferenceLost:
-      return {"too few references were found, or the frame comes before the reference frame",
-              "Keep at least four in every picture, or choose --reference-frame"};
+      return {"too few references were found, or there was no reference frame yet",
+              "Keep four references in every frame, or choose another --reference-frame"};
     case Status::kOrderUnproven:
-      return {"by how many whole pitches it moved cannot be told", "Take more frames per second, or a coarser print"};
+      return {"the number of whole pitches (fringe order) is unknown",
+              "Record more frames per second, or use a larger pitch"};
     case Status::kDecodeError:
-      return {"the frame is damaged", "Copy the recording once more from the camera"};
+      return {"the frame is damaged", "Copy the recording again from the camera"};
     case Status::kTooCoarse:
-      return {"the pitch is too few pixels wide in the picture", "Move closer, or print a larger pitch"};
+      return {"the pitch is too few pixels wide", "Move closer, or use a larger pitch"};
   }
   return {"", ""};
 }
@@ -265,12 +280,18 @@ Words words_of(const WordedRun& run) {
   if (!m.refusal.empty()) words.summary.push_back(begun_large(m.refusal) + ".");
   if (!m.reference) return words;
   const Site& site = site_of(m, run.options);
-  for (std::size_t k = 0; k < m.targets.size(); ++k) {
+  for (const std::size_t k : by_movement(m.targets)) {
     const std::string& name = site.markers[m.targets[k].marker].name;
-    words.summary.push_back(sentence_of_target(run, m.targets[k]));
+    std::vector<std::string> sentences = sentences_of_target(run, m.targets[k]);
+    // The first sentence of the page is its headline.
+    if (words.summary.empty() || sentences.size() == 1) {
+      words.summary.insert(words.summary.end(), sentences.begin(), sentences.end());
+    } else {
+      words.summary.push_back(fmt::format("{}", fmt::join(sentences, " ")));
+    }
     add_vibration(name, m.spectra[k], words.summary);
   }
-  // A refused run determines nothing.
+  // A refused run has no trustworthy camera or lens.
   if (m.exit != Exit::kRefused) {
     words.summary.push_back(sentence_of_camera(run));
     words.summary.push_back(sentence_of_lens(run));

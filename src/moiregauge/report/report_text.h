@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The run in plain words.
+// Describes a run in sentences.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace moiregauge::internal {
 
-// 95 % of a normal distribution.
-inline constexpr double kCover95 = 1.96;
+// coverage factor k of every U that is shown, for about 95 % of a normal distribution
+inline constexpr double kCoverageFactor = 2.0;
 
 struct WordedRun {
   const Measurement& measurement;
@@ -19,22 +19,19 @@ struct WordedRun {
   const CameraMotion& camera;
 };
 
-// One or two sentences for each: the targets, how they vibrate, the camera, the lens, the rows.
+// Sentences on the targets, their vibration, camera, lens and samples.
 struct Words {
-  std::string outcome;  // "Measured", "Measured with gaps", "Not measured", "Stopped before its end"
+  std::string outcome;  // "Measured", "Measured with gaps", "Not measured" or "Stopped early"
   std::vector<std::string> summary;
-  std::vector<std::string> advice;  // what to do about what went wrong; empty when nothing did
+  std::vector<std::string> advice;  // remedies for problems; empty if there are none
 };
 [[nodiscard]] Words words_of(const WordedRun& run);
 
-// A status in a sentence, and what helps.
+// Meaning of a status, and its remedy.
 struct StatusWords {
   const char* meaning;
   const char* help;
 };
 [[nodiscard]] StatusWords words_of(Status status);
-
-// A value with its 95 % interval, no more digits than that deserves: "2.0000 mm up (± 0.0012 mm)".
-[[nodiscard]] std::string with_interval(double value_mm, double u_mm, const char* above, const char* below);
 
 }  // namespace moiregauge::internal

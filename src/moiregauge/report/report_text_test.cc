@@ -10,7 +10,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Two targets over four frames, the first the reference frame: `mid` goes up by 2 mm, `end` stands.
+// Two targets in four frames; the first is the reference frame. `mid` moves up by 2 mm, `end` is at rest.
 struct BridgeRun {
   Measurement measurement;
   MeasureOptions options;
@@ -56,7 +56,7 @@ bool says(const std::vector<std::string>& sentences, const std::string& what) {
   return std::any_of(sentences.begin(), sentences.end(), [&](const std::string& s) { return s.find(what) != s.npos; });
 }
 
-TEST(ReportArgs, WhatMovedIsToldWithItsInterval) {
+TEST(ReportText, AMovementIsReportedWithItsInterval) {
   const Words words = BridgeRun().words();
   EXPECT_EQ(words.outcome, "Measured");
   EXPECT_TRUE(says(words.summary, "mid moved 2.0000 mm up (± 0.0020 mm) at 0.30 s")) << words.summary.front();
@@ -66,10 +66,10 @@ TEST(ReportArgs, WhatMovedIsToldWithItsInterval) {
   EXPECT_TRUE(words.advice.empty());
 }
 
-// Not within the interval of the row that happens to be furthest from zero: here the reference frame's, whose u is zero.
-TEST(ReportArgs, WhatStoodStillDidSoWithinTheWidestInterval) {
+// The uncertainty must not come from the sample furthest from zero: here that is the reference frame's, with u = 0.
+TEST(ReportText, ATargetAtRestIsReportedWithTheWidestInterval) {
   BridgeRun run;
-  run.measurement.samples[3].u = {0.02, 0.01};  // end in the second frame
+  run.measurement.samples[3].u = {0.02, 0.01};  // `end` in the second frame
   const Words words = run.words();
   EXPECT_TRUE(says(words.summary,
                    "end did not move: up and down it did not move by more than its uncertainty of "
@@ -77,12 +77,12 @@ TEST(ReportArgs, WhatStoodStillDidSoWithinTheWidestInterval) {
       << words.summary.at(1);
 }
 
-TEST(ReportArgs, DownAndLeftHaveTheirWords) {
+TEST(ReportText, DownAndLeftAreNamed) {
   EXPECT_EQ(with_interval(-0.5, 0.01, "up", "down"), "0.500 mm down (± 0.020 mm)");
   EXPECT_EQ(with_interval(12.0, 0.5, "up", "down"), "12.00 mm up (± 0.98 mm)");
 }
 
-TEST(ReportArgs, WhatIsNotOkIsCountedAndHelped) {
+TEST(ReportText, SamplesThatAreNotOkAreCountedWithARemedy) {
   BridgeRun run;
   run.measurement.samples.back().status = Status::kBlurred;
   run.measurement.exit = Exit::kIncomplete;
@@ -92,13 +92,13 @@ TEST(ReportArgs, WhatIsNotOkIsCountedAndHelped) {
   EXPECT_TRUE(says(words.advice, "Expose for a shorter time"));
 }
 
-TEST(ReportArgs, ARowThatIsNotOkIsNotWhatMovedMost) {
+TEST(ReportText, ASampleThatIsNotOkIsNotTheLargestMovement) {
   BridgeRun run;
-  run.measurement.samples[6].status = Status::kUntrusted;  // mid in the last frame
+  run.measurement.samples[6].status = Status::kUntrusted;  // `mid` in the last frame
   EXPECT_TRUE(says(run.words().summary, "mid moved 1.3333 mm up"));
 }
 
-TEST(ReportArgs, VibrationIsToldByFrequencyAndDamping) {
+TEST(ReportText, VibrationIsReportedByFrequencyAndDamping) {
   BridgeRun run;
   Peak peak;
   peak.kind = PeakKind::kDecay;
@@ -112,7 +112,7 @@ TEST(ReportArgs, VibrationIsToldByFrequencyAndDamping) {
       says(run.words().summary, "mid swings up and down at 1.7000 Hz (± 0.0020 Hz; damping 1.000 % ± 0.098 %)"));
 }
 
-TEST(ReportPage, NoTextOfARunEndsItsScript) {
+TEST(ReportPage, NoTextOfARunClosesItsScript) {
   BridgeRun run;
   run.measurement.warnings = {"</script><script>alert(1)</script>"};
   (void)run.words();
@@ -121,7 +121,7 @@ TEST(ReportPage, NoTextOfARunEndsItsScript) {
   ASSERT_FALSE(page.empty());
   std::size_t ends = 0;
   for (std::size_t at = page.find("</script>"); at != page.npos; at = page.find("</script>", at + 1)) ++ends;
-  EXPECT_EQ(ends, 5U);  // report, run, samples, overlay, and the page's own
+  EXPECT_EQ(ends, 5U);  // report, run, samples, overlay and the page's own
   EXPECT_NE(page.find("<title>bridge &lt;b&gt;.mp4"), page.npos);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the camera did meanwhile, as the references show it: for people to see, not for any sample.
+// Camera motion as the references show it, for information only. No sample depends on it.
 #pragma once
 
 #include <optional>
@@ -9,23 +9,25 @@
 
 namespace moiregauge::internal {
 
-// One entry per observation; NaN where the references were not seen. Since the reference frame.
+// One entry per observation, since the reference frame. NaN: the references were not seen.
 struct CameraMotion {
   std::vector<long> frame;
   std::vector<double> time_s;
-  // By which the middle of the references moved in the picture, px, x right, y down.
+  // Shift of the references' middle in the image, px, x right, y down.
   std::vector<double> shift_x_px, shift_y_px;
-  // By which the board turned before the camera (a camera that turns by itself: the other way), degrees about the
-  // camera's x (right), y (down), z (forward): parts of one turn about one axis. Empty when no camera is known.
+  // Rotation of the board relative to the camera, deg, about the camera's x (right), y (down) and z (forward). The
+  // three are parts of one rotation about one axis. If the camera rotates, the signs are opposite. Empty: no camera is
+  // known.
   std::vector<double> turn_x_deg, turn_y_deg, turn_z_deg;
 };
 
-// `camera`: f, cx and cy, solved or given; none: shifts only, an angle needs a focal length. A method that takes the
-// camera to stand still sees no motion.
+// Returns the camera motion from the views of all observations. `camera`: f, cx and cy, solved or given. Without it
+// there are shifts only, because an angle requires a focal length. Methods that assume a fixed camera see no motion.
 [[nodiscard]] CameraMotion camera_motion(const Reference& reference, const Observations& observations,
                                          const std::optional<Camera>& camera);
 
-// The camera to give to it: the solved one where the footage determines its focal length, else the given one.
+// Returns the camera for `camera_motion`: the solved one if the footage determines its focal length, otherwise the
+// given one. Nothing if neither exists.
 [[nodiscard]] std::optional<Camera> known_camera(const Reference& reference, const std::optional<Scene>& scene);
 
 }  // namespace moiregauge::internal

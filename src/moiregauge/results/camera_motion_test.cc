@@ -33,9 +33,9 @@ Reference four_circles(const Pose& pose) {
   return reference;
 }
 
-// A turn by 0.4 degrees about x and -0.3 about z, on top of a board that is slanted in the reference frame already. The
-// two axes belong to one turn, whose parts are the angles given.
-TEST(CameraMotion, TellsTheTurnSinceTheReferenceFrame) {
+// A rotation by 0.4 degrees about x and -0.3 about z, for a board that is already tilted in the reference frame. Both
+// angles are parts of one rotation.
+TEST(CameraMotion, GivesTheRotationSinceTheReferenceFrame) {
   const Eigen::Vector3d slant(0.05, -0.1, 0.02), turn(radians_from_degrees(0.4), 0.0, radians_from_degrees(-0.3));
   const auto pose_turned_by = [](const Eigen::Matrix3d& r) {
     const Eigen::AngleAxisd by(r);
@@ -55,8 +55,8 @@ TEST(CameraMotion, TellsTheTurnSinceTheReferenceFrame) {
   EXPECT_TRUE(std::isnan(motion.turn_x_deg[1]) && std::isnan(motion.shift_x_px[1]));
 }
 
-// A camera that shifts by 6 mm to the left at 1200 mm sees the board move by f 6 / 1200 px to the right.
-TEST(CameraMotion, TellsTheShiftInPixelsWithoutACamera) {
+// A camera that shifts by 6 mm to the left at 1200 mm sees the board move to the right by f 6 / 1200 px.
+TEST(CameraMotion, GivesTheShiftInPixelsWithoutACamera) {
   const auto motion =
       camera_motion(four_circles({{}, {0.0, 0.0, 1200.0}}), {seen_from({{}, {6.0, -3.0, 1200.0}}, 1)}, {});
   EXPECT_NEAR(motion.shift_x_px[0], 3478.0 * 6.0 / 1200.0, 1e-9);
@@ -64,8 +64,8 @@ TEST(CameraMotion, TellsTheShiftInPixelsWithoutACamera) {
   EXPECT_TRUE(motion.turn_x_deg.empty());
 }
 
-// Of compressed footage `precise` may solve the places and no lens: the focal length is then the one it began with.
-TEST(KnownCamera, IsNotOneThatTheFootageDidNotTell) {
+// With compressed footage `precise` may solve the positions and no lens. The focal length is then its start value.
+TEST(KnownCamera, RequiresADeterminedFocalLength) {
   Reference reference;
   Scene scene;
   scene.solved = true;
@@ -74,7 +74,7 @@ TEST(KnownCamera, IsNotOneThatTheFootageDidNotTell) {
   scene.model.radial = true;
   scene.covariance = Eigen::MatrixXd::Zero(kCommonParameters, kCommonParameters);
   scene.covariance(0, 0) = 400.0 * 400.0;
-  EXPECT_FALSE(known_camera(reference, scene));  // known to 12 % only
+  EXPECT_FALSE(known_camera(reference, scene));  // u of 12 %
   scene.covariance(0, 0) = 3.0 * 3.0;
   EXPECT_EQ(known_camera(reference, scene).value().fx, 3478.0);
   reference.lens = camera_of_the_rig();

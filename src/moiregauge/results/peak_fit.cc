@@ -12,24 +12,24 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr double kTurnsPerHz = 2.0 * std::numbers::pi;
-constexpr double kBlockCycles = 2.0;      // of the blocks whose amplitudes tell where a decay begins and ends
-constexpr std::size_t kBlockSamples = 8;  // at least
-constexpr double kRises = 1.5;            // a block so much above the least before it: struck again
-constexpr double kFallsBy = 0.5;          // lambda times duration: by 40 % at least, or its end says little
-constexpr double kSlowCycles = 4.0;       // between the knots of what moves slowly
-constexpr int kSlowPasses = 3;            // a sine leaves 1 / (2 pi 4)^2 of itself in it, then that of that
-constexpr double kSignificant =
-    5.0;  // standard uncertainties of lambda; chosen at 3 the chosen would be too large by half of one
-constexpr double kMaxLeft = 0.01;         // of the oscillation's power about its frequency
-constexpr double kStandsOut = 6.0;        // times the level around: chance makes 8 averaged ordinates so high in 1e-7
-constexpr double kMisfit = 3.0;           // so much more of it at the peak is not noise, and counts
-constexpr double kFurthestBack = 3.0;     // times the amplitude at its start: so far a decay is run backwards
-constexpr std::size_t kNear = 3;          // ordinates to each side that are the peak
-constexpr std::size_t kNoiseAround = 40;  // and beyond them, that tell the noise at its frequency
+constexpr double kBlockCycles = 2.0;      // length of a block of the amplitude history, cycles; chosen
+constexpr std::size_t kBlockSamples = 8;  // least length of a block, samples; chosen
+constexpr double kRises = 1.5;            // rise over the least block before that shows a new impact; chosen
+constexpr double kFallsBy = 0.5;          // least lambda times duration: a fall by 40 %; chosen
+constexpr double kSlowCycles = 4.0;       // distance of the knots of the slow part, cycles; chosen
+constexpr int kSlowPasses = 3;            // each pass reduces the sine's share in the slow part by 1 / (2 pi 4)^2
+// Least lambda in its standard uncertainties. With 3, accepted values would be too large by half a u on average.
+constexpr double kSignificant = 5.0;
+constexpr double kMaxLeft = 0.01;         // largest remaining power about its frequency, relative; chosen
+constexpr double kStandsOut = 6.0;        // times the level around: chance exceeds it about once in 10^7
+constexpr double kMisfit = 3.0;           // remaining power at the peak, times the level, that counts as noise; chosen
+constexpr double kFurthestBack = 3.0;     // limit of extrapolating a decay back, times its start amplitude; chosen
+constexpr std::size_t kNear = 3;          // ordinates to each side that belong to the peak
+constexpr std::size_t kNoiseAround = 40;  // further ordinates to each side, for the noise level; chosen
 
 struct Gathered {
   std::vector<double> time_s, value;
-  std::vector<std::size_t> row;  // in the series
+  std::vector<std::size_t> row;  // row in the series
   [[nodiscard]] TimedValues view() const { return {time_s, value}; }
 };
 
@@ -44,10 +44,10 @@ Gathered gathered(const Series& series, std::size_t first, std::size_t count) {
   return g;
 }
 
-// A sine, and what moves slowly beside it, in turn: each with the other taken out.
+// A sine and the slow part of the motion, fitted in turn with the other subtracted.
 struct OnSlow {
   std::optional<SineFit> sine;
-  std::vector<double> slow;  // per sample
+  std::vector<double> slow;  // one value per sample
 };
 
 Gathered without(const Gathered& g, const std::vector<double>& taken) {
@@ -70,7 +70,7 @@ OnSlow fit_on_slow(const Gathered& g, double omega, Decaying decaying) {
 }
 
 struct Beside {
-  double near = 0.0, around = 0.0;  // mean density of what is left at the peak, and on both sides of it, mm^2/Hz
+  double near = 0.0, around = 0.0;  // mean residual density at the peak, and on both sides of it, mm^2/Hz
 };
 
 Beside beside(const std::vector<double>& left, double frequency_hz, double interval_s) {
@@ -87,7 +87,7 @@ Beside beside(const std::vector<double>& left, double frequency_hz, double inter
           around_count > 0 ? around / static_cast<double>(around_count) : 0.0};
 }
 
-// The longest gap-free part of a window.
+// Returns the longest part of a window without a gap.
 Stretch longest_in(const EvenTimes& times, std::size_t first, std::size_t count) {
   Stretch best;
   for (const Stretch& s : times.stretches) {
@@ -99,7 +99,7 @@ Stretch longest_in(const EvenTimes& times, std::size_t first, std::size_t count)
 
 std::string not_falling(const SineFit& fit, double u_lambda, double duration) {
   return fmt::format(
-      "it is driven: from first to last it {} by {:.1f} % (u {:.1f} %), so nothing dies away that could be timed",
+      "the vibration is steady, its amplitude only {} by {:.1f} % (u {:.1f} %)",
       fit.lambda >= 0.0 ? "falls" : "grows", 100.0 * std::abs(std::expm1(-fit.lambda * duration)),
       100.0 * u_lambda * duration);
 }
@@ -112,7 +112,7 @@ PeakFits::PeakFits(const Series& series, const EvenTimes& times) : times_(times)
   all_.count = std::min(all_.count, kMaxFitted);
 }
 
-// From the highest block on, until it is struck again or the samples end.
+// Returns the rows from the highest block to the next impact or the end.
 PeakFits::Window PeakFits::falling_part(double omega) const {
   const double per_cycle = kTurnsPerHz / (omega * times_.interval_s);
   const std::size_t block = std::max(kBlockSamples, static_cast<std::size_t>(std::ceil(kBlockCycles * per_cycle)));
@@ -129,7 +129,8 @@ PeakFits::Window PeakFits::falling_part(double omega) const {
   }
   if (amplitude.size() < 3) return all_;
   const auto top = static_cast<std::size_t>(std::max_element(amplitude.begin(), amplitude.end()) - amplitude.begin());
-  const double floor = 0.05 * amplitude[top], over = 0.03 * amplitude[top];  // noise may rise below; nothing is left
+  // Noise may rise below `floor`. Below `over` the vibration has ended.
+  const double floor = 0.05 * amplitude[top], over = 0.03 * amplitude[top];
   double least = amplitude[top];
   std::size_t end = top + 1;
   for (; end < amplitude.size(); ++end) {
@@ -137,13 +138,13 @@ PeakFits::Window PeakFits::falling_part(double omega) const {
     least = std::min(least, amplitude[end]);
     if (least < over) break;
   }
-  const std::size_t begin = top == 0 ? 0 : top + 1;  // the blow may fall into the highest block itself
+  const std::size_t begin = top == 0 ? 0 : top + 1;  // the impact may be in the highest block
   if (begin >= end) return all_;
   const std::size_t to = end == amplitude.size() ? all_.count : end * block;
   return {all_.first + begin * block, to - begin * block};
 }
 
-// The row before the window from which on the oscillation, run backwards, explains the most.
+// Extends a window back to the row from which the oscillation, extrapolated backwards, explains most.
 PeakFits::Window PeakFits::from_impact(Window window, const SineFit& sine, double level) const {
   Window best = window;
   double gain = 0.0, most = 0.0;
@@ -177,7 +178,7 @@ bool PeakFits::try_fit(Window window, double omega, Decaying decaying) {
   const double power = beside(taken, f, times_.interval_s).near;
   if (rest.near > std::max(kMaxLeft * power, kStandsOut * rest.around)) return false;
   if (power < kStandsOut * rest.around) return false;
-  // Noise of one sample as if it were white with the density that it has at this frequency.
+  // Noise of one sample, assumed white with the density at this frequency.
   const double density = rest.near > kMisfit * rest.around ? rest.near : rest.around;
   const double variance = density / (2.0 * times_.interval_s);
   const double duration = g.time_s.back() - g.time_s.front();
@@ -213,7 +214,7 @@ bool PeakFits::try_fit(Window window, double omega, Decaying decaying) {
 
 void PeakFits::add(const Fit& fit, double sign) {
   for (std::size_t i = fit.taken.first; i < fit.taken.first + fit.taken.count; ++i)
-    left_.value[i] += sign * fit.sine.oscillation(left_.time_s[i]);  // a gap stays one
+    left_.value[i] += sign * fit.sine.oscillation(left_.time_s[i]);  // a gap stays NaN
 }
 
 bool PeakFits::take(double near_hz, double resolution_hz) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sines and decays taken out of a series one after the other, the strongest first.
+// Fits of sines and decays to a series, the strongest first. Each accepted fit is subtracted.
 #pragma once
 
 #include <vector>
@@ -13,21 +13,23 @@ class PeakFits {
  public:
   PeakFits(const Series& series, const EvenTimes& times);
 
-  // Tries a decay, then a steady sine, near a peak of `left()`. True: it explains the peak, and is taken out.
+  // Fits a decay, then a steady sine, near a peak of `left()`. Returns true if one explains the peak. It is then
+  // subtracted.
   bool take(double near_hz, double resolution_hz);
   [[nodiscard]] const Peak& last() const { return fits_.back().peak; }
   [[nodiscard]] const Series& left() const { return left_; }
-  // Each once more with all others taken out; `found`: the peaks as they were, in the order of take(), others between.
+  // Fits each again with all others subtracted, and updates it in `found`. `found`: all peaks, in the order of take(),
+  // with others between.
   void refine(std::vector<Peak>& found);
 
  private:
-  struct Window {  // rows of the series, gaps included
+  struct Window {  // rows of the series, including gaps
     std::size_t first = 0, count = 0;
   };
   struct Fit {
     SineFit sine;
     Peak peak;
-    Window fitted, taken;  // a decay is taken out from the blow on, which its fit leaves to others
+    Window fitted, taken;  // a decay is subtracted from its impact, before the fitted rows
   };
   [[nodiscard]] Window falling_part(double omega) const;
   [[nodiscard]] Window from_impact(Window window, const SineFit& sine, double level) const;

@@ -14,24 +14,26 @@
 namespace moiregauge::internal {
 namespace {
 
-// Chance alone makes one of 10^7 ordinates stand out so far (5.2 standard deviations of a normal distribution).
+// Threshold of a peak as a normal deviate: noise alone exceeds it once in 10^7 ordinates.
 constexpr double kOneOfMany = 5.2;
-constexpr double kQuartile = -0.6745;     // as a normal deviate
-constexpr double kMinRatio = 3.0;         // and a hill that is no higher than this is no peak
-constexpr double kMinCycles = 3.0;        // in the record; slower is drift
-constexpr std::size_t kLevelAround = 25;  // ordinates to each side that tell the level about one
-constexpr double kResolvedWidth = 4.0;  // half-power width in units of 1 / duration, below which it is the window's own
-constexpr double kCrumb = 0.05;         // of the strongest peak's amplitude
-constexpr double kUsefulDamping = 1.0 / 3.0;  // u / value
+constexpr double kQuartile = -0.6745;     // lower quartile as a normal deviate
+constexpr double kMinRatio = 3.0;         // least height of a peak over its level; chosen
+constexpr double kMinCycles = 3.0;        // least number of cycles in the record; slower motion is drift
+constexpr std::size_t kLevelAround = 25;  // ordinates to each side that give the level; chosen
+// Least half-power width of a resolved peak, in units of 1 / duration. A narrower one has the width of the window.
+constexpr double kResolvedWidth = 4.0;
+constexpr double kCrumb = 0.05;  // least amplitude of an unresolved random peak, share of the strongest; chosen
+constexpr double kUsefulDamping = 1.0 / 3.0;  // largest u / value of a stated damping; chosen
 
-// chi^2 with 2 K degrees of freedom, per degree: the value that a normal deviate z reaches (Wilson and Hilferty, 1931).
+// Returns the quantile of chi-squared with 2 K degrees of freedom, per degree, at the normal deviate z (Wilson and
+// Hilferty 1931). K is `averages`.
 double chi_square(double averages, double z) {
   const double part = 1.0 / (9.0 * averages);
   return std::pow(1.0 - part + z * std::sqrt(part), 3);
 }
 
-// The level about an ordinate: the lower quartile of those around it, brought to the mean's. A broad peak lifts the
-// median of its surroundings before it lifts that.
+// Returns the level around an ordinate: the lower quartile of the ordinates around it, converted to a mean. A broad
+// peak affects the quartile less than the median.
 double level_about(const std::vector<double>& psd, std::size_t k, double averages) {
   const std::size_t from = std::max<std::size_t>(1, k > kLevelAround ? k - kLevelAround : 1);
   const std::size_t to = std::min(psd.size() - 1, k + kLevelAround + 1);
@@ -47,7 +49,7 @@ struct Taken {
   [[nodiscard]] bool holds(double f) const { return f >= from_hz && f <= to_hz; }
 };
 
-// The highest ordinate above its surroundings that no peak has taken yet.
+// Returns the frequency of the highest ordinate above its surroundings that is not yet part of a peak.
 std::optional<double> next_peak(const Spectrum& s, const std::vector<Taken>& taken, double lowest_hz) {
   const double threshold = std::max(kMinRatio, chi_square(s.averages, kOneOfMany));
   std::optional<double> best;
@@ -63,7 +65,7 @@ std::optional<double> next_peak(const Spectrum& s, const std::vector<Taken>& tak
   return best;
 }
 
-// A random peak whose shape the record resolves, or its place alone.
+// Returns a random peak with damping if the record resolves its shape, otherwise with its frequency only.
 Peak random_peak(const Series& series, const EvenTimes& times, double near_hz, const Taken& own) {
   const Stretch& all = times.longest();
   const Spectrum fine = periodogram(&series.value[all.first], all.count, times.interval_s);
@@ -82,11 +84,11 @@ Peak random_peak(const Series& series, const EvenTimes& times, double near_hz, c
       peak.u_damping = fit->u_damping;
       return peak;
     }
-    peak.no_damping = fmt::format("{:.0f} s tell it no better than to {:.0f} %: a longer record does", duration,
-                                  100.0 * fit->u_damping / fit->damping);
+    peak.no_damping = fmt::format("its uncertainty is {:.0f} % after {:.0f} s, so record longer",
+                                  100.0 * fit->u_damping / fit->damping, duration);
     return peak;
   }
-  // The place of the power about its middle; it is not known better than the window resolves.
+  // The centre of the power about its middle. Its u is the resolution of the window.
   double power = 0.0, moment = 0.0;
   for (std::size_t k = 1; k < fine.psd.size(); ++k) {
     if (std::abs(fine.frequency_hz[k] - near_hz) > 2.0 * fine.resolution_hz) continue;
@@ -97,9 +99,8 @@ Peak random_peak(const Series& series, const EvenTimes& times, double near_hz, c
   peak.u_frequency_hz = fine.resolution_hz;
   peak.amplitude_mm = std::sqrt(2.0 * power * fine.frequency_hz[1]);
   peak.no_damping = fmt::format(
-      "the peak is no wider than {:.0f} s resolve ({:.2g} Hz): a longer record, or a free decay, "
-      "tells it",
-      duration, fine.resolution_hz);
+      "the peak is no wider than the resolution of {:.2g} Hz, so record longer than {:.0f} s, or a free decay",
+      fine.resolution_hz, duration);
   return peak;
 }
 
@@ -109,7 +110,7 @@ Taken about(const Peak& peak, const Spectrum& s) {
   return {peak.frequency_hz - half, peak.frequency_hz + half};
 }
 
-// What lies between a peak and its neighbours, or ten widths of it.
+// Returns the band between a peak and its neighbours, or ten widths of it.
 Taken own_band(double f, double lowest_hz, const std::vector<Taken>& taken, const Spectrum& s) {
   Taken own{std::max(lowest_hz, f - std::max(10.0 * s.resolution_hz, 0.5 * f)),
             std::min(s.frequency_hz.back(), f + std::max(10.0 * s.resolution_hz, 0.5 * f))};
@@ -120,10 +121,10 @@ Taken own_band(double f, double lowest_hz, const std::vector<Taken>& taken, cons
   return own;
 }
 
-// A frequency known no better than this is none: so much is left of a slow step or of a ramp.
-constexpr double kKnownWithin = 0.1;  // relative standard uncertainty
+// Largest relative u of a frequency that counts. A slow step or a ramp leaves less certain ones. Chosen.
+constexpr double kKnownWithin = 0.1;
 
-// What a step or a ramp leaves: beside a strong vibration it has no shape of its own, and little of its amplitude.
+// Removes the remains of steps and ramps. Next to a strong vibration they have no resolved shape and a small amplitude.
 void leave_out_crumbs(std::vector<Peak>& found) {
   double most = 0.0;
   for (const Peak& peak : found) most = std::max(most, peak.amplitude_mm);
@@ -153,12 +154,13 @@ std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const S
     if (!near) break;
     if (fits.take(*near, left.resolution_hz)) {
       found.push_back(fits.last());
-      left = *welch(fits.left(), times);  // the same stretches
+      left = *welch(fits.left(), times);  // cannot fail: the stretches are the same
     } else {
       found.push_back(random_peak(fits.left(), times, *near, own_band(*near, lowest, taken, left)));
     }
     taken.push_back(about(found.back(), spectrum));
-    taken.push_back({*near - spectrum.resolution_hz, *near + spectrum.resolution_hz});  // never twice the same
+    // Prevents finding the same peak twice.
+    taken.push_back({*near - spectrum.resolution_hz, *near + spectrum.resolution_hz});
   }
   fits.refine(found);
   leave_out_crumbs(found);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The peaks of a spectrum: how often it swings, and how fast that would die away.
+// Peaks of a spectrum: frequency and damping.
 //
-// A peak stands out of the spectrum around it by more than chance allows. What it is decides how it is measured:
-//   steady   a sine of one amplitude from end to end: driven, so it says nothing of damping
-//   decay    an oscillation that dies away by itself, after a blow or a release: frequency and damping from its shape
-//   random   kept going by wind, traffic, anything without a tune: both from the shape of the peak, where the record is
-//            long enough to resolve it
-// Each frequency and each damping ratio has its standard uncertainty or is not given, with the reason.
+// A peak exceeds the spectrum around it by more than chance allows. Its kind decides how it is measured.
+// - steady: a sine of constant amplitude. It is driven, so it shows no damping.
+// - decay: a free vibration after an impact or a release. Its shape gives frequency and damping.
+// - random: a vibration sustained by wind, traffic or other noise. The shape of the peak gives both, if the record is
+//   long enough to resolve it.
+//
+// Each frequency and damping ratio has its standard uncertainty. Otherwise it is not given, and the reason is stated.
 #pragma once
 
 #include "moiregauge/results/spectrum.h"
@@ -19,28 +20,29 @@ enum class PeakKind { kSteady, kDecay, kRandom };
 
 struct Peak {
   PeakKind kind = PeakKind::kRandom;
-  double frequency_hz = 0.0;    // natural (of a decay: of the undamped oscillator)
-  double u_frequency_hz = 0.0;  // k = 1; of the record's own time stamps
-  double amplitude_mm = 0.0;    // steady: of the sine; decay: where its fit begins; random: sqrt(2) times the rms
-  double damping = kNotMeasured, u_damping = kNotMeasured;  // ratio to critical
-  std::string no_damping;                                   // why not; empty where there is one
-  double from_s = 0.0, to_s = 0.0;                          // what it was told from
+  double frequency_hz = 0.0;    // natural; for a decay that of the undamped oscillator
+  double u_frequency_hz = 0.0;  // k = 1, by the record's own time stamps
+  double amplitude_mm = 0.0;    // steady: of the sine; decay: at the start of its fit; random: sqrt(2) times the rms
+  double damping = kNotMeasured, u_damping = kNotMeasured;  // ratio to critical damping
+  std::string no_damping;                                   // reason if there is no damping, otherwise empty
+  double from_s = 0.0, to_s = 0.0;                          // time span of the fit
 };
 
-// In order of frequency, the strongest kMaxPeaks. Fits look at no more than kMaxFitted samples.
+// Returns the strongest kMaxPeaks peaks, in order of frequency. Fits use at most kMaxFitted samples.
 [[nodiscard]] std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const Spectrum& spectrum);
-inline constexpr std::size_t kMaxPeaks = 5;
-inline constexpr std::size_t kMaxFitted = 65536;
+inline constexpr std::size_t kMaxPeaks = 5;       // chosen
+inline constexpr std::size_t kMaxFitted = 65536;  // limits the time of the fits; chosen
 
-// All of it for one axis of one target.
+// Spectrum and peaks of one axis of one target.
 struct AxisSpectrum {
-  std::string refusal;  // why there is none; empty where there is one
+  std::string refusal;  // reason if there is no spectrum, otherwise empty
   double interval_s = 0.0;
-  double longest_s = 0.0;  // the longest stretch without a gap
-  std::size_t gaps = 0;    // between stretches
+  double longest_s = 0.0;  // longest stretch without a gap
+  std::size_t gaps = 0;    // number of gaps between stretches
   Spectrum spectrum;
   std::vector<Peak> peaks;
 };
+// Returns the spectrum and the peaks of a series.
 [[nodiscard]] AxisSpectrum spectrum_of(const Series& series);
 
 struct TargetSpectra {

@@ -11,13 +11,13 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kCorrelated = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
-constexpr int kRandomPasses = 40;
-constexpr std::size_t kMinOrdinates = 12;
+constexpr double kCorrelated = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);  // 1.94: correlated ordinates
+constexpr int kRandomPasses = 40;          // largest number of Levenberg-Marquardt steps; chosen
+constexpr std::size_t kMinOrdinates = 12;  // three per parameter; chosen
 
 using Four = Eigen::Vector4d;  // ln S0, ln f0, ln zeta, ln B
 
-// |W|^2 of Hann's window at quarters of a bin from its middle, summing to 1: how far it smears.
+// |W|^2 of the Hann window at quarters of a bin from its middle, with the sum 1. It smears the spectrum.
 class Smear {
  public:
   static constexpr int kQuarters = 8;  // two bins to each side
@@ -48,7 +48,7 @@ double response(double frequency_hz, double f0, double zeta) {
   return width * width / (off * off + width * width * beta * beta);
 }
 
-// S and its derivatives by the four, at one ordinate.
+// S and its derivatives by the four parameters, at one ordinate.
 struct Expected {
   double s = 0.0;
   Four by;
@@ -56,7 +56,7 @@ struct Expected {
 
 Expected expected(const Four& p, double frequency_hz, double bin_hz, const Smear& smear) {
   const double f0 = std::exp(p[1]), zeta = std::exp(p[2]), s0 = std::exp(p[0]), base = std::exp(p[3]);
-  constexpr double kStep = 1e-5;
+  constexpr double kStep = 1e-5;  // relative step of the central differences; chosen
   double value = 0.0, by_f0 = 0.0, by_zeta = 0.0;
   for (int q = -Smear::kQuarters; q <= Smear::kQuarters; ++q) {
     const double f = frequency_hz + 0.25 * q * bin_hz, weight = smear[q];
@@ -98,11 +98,11 @@ Band band_of(const Spectrum& of_all, double lowest_hz, double highest_hz) {
   return band;
 }
 
-// Where to begin: the width from power over height, the floor from the lower quarter.
+// Returns the start values: width from power divided by height, floor from the lower quarter.
 Four begin(const Band& band, double around_hz) {
   std::vector<double> sorted = band.psd;
   std::sort(sorted.begin(), sorted.end());
-  const double base = sorted[sorted.size() / 4] / 0.29;  // the quarter of an exponential distribution lies at 0.29
+  const double base = sorted[sorted.size() / 4] / 0.29;  // the lower quartile of an exponential distribution is 0.29
   double height = 0.0, power = 0.0;
   for (std::size_t k = 0; k < band.psd.size(); ++k) {
     power += std::max(0.0, band.psd[k] - base) * band.bin_hz;

@@ -9,7 +9,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// The mean of the steps that are about as long as most: what was dropped makes longer ones.
+// Returns the mean of the steps near the median. Dropped frames make longer steps, which do not count.
 double usual_step(const std::vector<double>& t) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
@@ -27,7 +27,7 @@ double usual_step(const std::vector<double>& t) {
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-// Half the range of what is left of the stamps when an even grid is taken off.
+// Returns half the range of the deviations of time stamps from an even grid, intervals.
 double off_grid(const std::vector<double>& t, const Stretch& stretch, double interval) {
   double lowest = 0.0, highest = 0.0;
   for (std::size_t i = 0; i < stretch.count; ++i) {
@@ -58,10 +58,10 @@ const Stretch& EvenTimes::longest() const {
 tl::expected<EvenTimes, std::string> even_times(const Series& series) {
   const std::vector<double>& t = series.time_s;
   if (std::any_of(t.begin(), t.end(), [](double v) { return !std::isfinite(v); }))
-    return tl::unexpected(std::string("the frames carry no time: measure with --fps"));
+    return tl::unexpected(std::string("the frames have no times, so measure with --fps"));
   EvenTimes times;
   times.interval_s = t.size() < 2 ? 0.0 : usual_step(t);
-  if (!(times.interval_s > 0.0)) return tl::unexpected(std::string("time does not go on from frame to frame"));
+  if (!(times.interval_s > 0.0)) return tl::unexpected(std::string("the times do not increase from frame to frame"));
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (std::isnan(series.value[i])) continue;
     const bool follows =
@@ -71,11 +71,11 @@ tl::expected<EvenTimes, std::string> even_times(const Series& series) {
     else
       times.stretches.push_back({i, 1});
   }
-  if (times.stretches.empty()) return tl::unexpected(std::string("no row that is ok has a number along this axis"));
+  if (times.stretches.empty()) return tl::unexpected(std::string("no ok row has a value along this axis"));
   for (const Stretch& stretch : times.stretches)
     times.off_grid = std::max(times.off_grid, off_grid(t, stretch, times.interval_s));
   if (times.off_grid > kOffGridAllowed)
-    return tl::unexpected(fmt::format("the time stamps lie up to {:.2f} intervals off an even grid, and {} is allowed",
+    return tl::unexpected(fmt::format("the time stamps deviate from an even grid by up to {:.2f} intervals, and {} is the limit",
                                       times.off_grid, kOffGridAllowed));
   return times;
 }

@@ -10,15 +10,15 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kSinePasses = 10;
+constexpr int kSinePasses = 10;      // Gauss-Newton steps at most; chosen
 constexpr double kConverged = 1e-7;  // rad, over the whole duration
-constexpr double kFurthest = 2.0;    // 1 / duration, from where the passes begin
+constexpr double kFurthest = 2.0;    // largest change of frequency from the start, in 1 / duration; chosen
 constexpr int kLinear = 4;
-constexpr int kAll = 6;  // and omega, lambda
+constexpr int kAll = 6;  // with omega and lambda
 
 using Row = std::array<double, kAll>;
 
-// Normal equations of `size` columns, added up sample by sample.
+// Normal equations of `size` columns, accumulated sample by sample.
 struct Normal {
   std::array<Row, kAll> square{};
   Row right{};
@@ -31,7 +31,7 @@ struct Normal {
     }
     square_sum += value * value;
   }
-  // Columns are brought to length 1 first: c and d tau differ by the duration.
+  // Scale the columns to length 1 first: c and d tau differ by the duration.
   [[nodiscard]] std::optional<Eigen::VectorXd> solve(int size, Eigen::MatrixXd* inverse = nullptr) const {
     Eigen::MatrixXd m(size, size);
     Eigen::VectorXd r(size), scale(size);
@@ -53,7 +53,7 @@ struct Normal {
 };
 
 struct Wave {
-  double cosine, sine;  // both falling
+  double cosine, sine;  // both decaying
 };
 
 Wave wave(const SineFit& fit, double tau) {
@@ -76,7 +76,8 @@ bool solve_linear(const TimedValues& samples, SineFit& fit) {
   return true;
 }
 
-// All six (or five) at once, about where `fit` stands: the step of omega and lambda, and their spread.
+// Solves all six (or five) parameters about the current `fit`. Returns the step of omega and lambda, and stores their
+// covariance.
 std::optional<Eigen::Vector2d> step_of(const TimedValues& samples, Decaying decaying, SineFit& fit) {
   const int size = decaying == Decaying::kYes ? kAll : kAll - 1;
   Normal normal;
@@ -119,13 +120,13 @@ std::optional<SineFit> fit_sine(const TimedValues& samples, double omega, Decayi
     auto step = step_of(samples, decaying, fit);
     if (!step) return std::nullopt;
     SineFit next = fit;
-    for (int half = 0; half < 6; ++half, *step *= 0.5) {  // a step too far is halved
+    for (int half = 0; half < 6; ++half, *step *= 0.5) {  // halve a step that is too long
       next.omega = fit.omega + (*step)[0];
       next.lambda = fit.lambda + (*step)[1];
       if (!(next.omega > 0.0) || next.lambda * duration(samples) < -3.0 || !solve_linear(samples, next)) continue;
       if (next.square_sum <= fit.square_sum) break;
     }
-    if (!(next.square_sum <= fit.square_sum)) break;  // no better any more
+    if (!(next.square_sum <= fit.square_sum)) break;  // no further improvement
     const double went = std::hypot(next.omega - fit.omega, next.lambda - fit.lambda);
     fit = next;
     if (went * duration(samples) < kConverged) break;
@@ -154,14 +155,14 @@ std::vector<double> slow_part(const TimedValues& samples, double spacing_s) {
   const double spacing = duration(samples) / static_cast<double>(spans);
   struct At {
     std::size_t knot;
-    double share;  // of the next knot
+    double share;  // weight of the next knot
   };
   const auto at = [&](double t) -> At {
     const double place = std::max(0.0, (t - samples.time_s.front()) / spacing);
     const std::size_t knot = std::min(spans - 1, static_cast<std::size_t>(place));
     return {knot, place - static_cast<double>(knot)};
   };
-  // Normal equations have three diagonals. A trace of weight on straightness decides where a gap leaves a knot alone.
+  // The normal equations have three diagonals. A small weight on straightness determines knots inside a gap.
   constexpr double kTrace = 1e-6;
   std::vector<double> middle(spans + 1, 2.0 * kTrace), above(spans + 1, -kTrace), right(spans + 1, 0.0);
   for (std::size_t k = 0; k < samples.value.size(); ++k) {

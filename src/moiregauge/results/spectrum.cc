@@ -15,7 +15,7 @@ namespace {
 // Correlation of |X|^2 of two Hann segments that overlap by half (Welch 1967, Eq. (13)).
 constexpr double kNeighbours = 1.0 / 36.0;
 
-// A length of factors 2, 3 and 5 only, even, at most n.
+// Returns the largest even length up to n with factors 2, 3 and 5 only.
 std::size_t quick_length(std::size_t n) {
   for (n -= n % 2; n > 2; n -= 2) {
     std::size_t rest = n;
@@ -27,7 +27,7 @@ std::size_t quick_length(std::size_t n) {
   return n;
 }
 
-// Adds up windowed, detrended segments' |X|^2.
+// Sum of |X|^2 over windowed segments without mean and slope.
 class Segments {
  public:
   explicit Segments(std::size_t length) : window_(length), padded_(length), power_(length / 2 + 1, 0.0) {

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr int kDraws = 200;
-// The scatter of n pulls has a relative standard error 1 / sqrt(2 n); their mean one of 1 / sqrt(n). Four of each; and
-// the noise itself is known from 80 correlated ordinates, to 8 % of u.
+// The scatter of n pulls has a relative standard error of 1 / sqrt(2 n), their mean one of 1 / sqrt(n). The limits are
+// four times these. The noise comes from 80 correlated ordinates, which adds 8 % of u.
 constexpr double kOfScatter = 4.0 / 20.0 + 0.08;
 constexpr double kOfMean = 4.0 / 14.14;
 
@@ -40,8 +40,7 @@ double decay(double t) {  // damping ratio 1 %, 1.7 Hz
 }
 double nothing(double) { return 0.0; }
 
-// An oscillator driven by white noise, exactly at the samples (the state's transition and its noise over a step, from
-// many small steps).
+// An oscillator driven by white noise, computed in many small steps between the samples.
 Series driven(double f0, double zeta, std::size_t count, double fps, std::mt19937_64& rng) {
   std::normal_distribution<double> normal;
   constexpr int kSteps = 16;
@@ -85,8 +84,8 @@ TEST(Spectrum, TheIntegralOfItIsTheVariance) {
   ASSERT_EQ(found.refusal, "");
   double integral = 0.0;
   for (const double psd : found.spectrum.psd) integral += psd * found.spectrum.frequency_hz[1];
-  // Of white noise: 2 sigma^2 / fps everywhere. The variance of 4000 values is known to sqrt(2 / 4000); with what the
-  // window leaves of the data, twice that.
+  // White noise has a density of 2 sigma^2 / fps everywhere. The variance of 4000 values has a relative u of sqrt(2 /
+  // 4000). The window uses a part of the data, so allow for half as many.
   EXPECT_NEAR(integral / 1e-4, 1.0, 4.0 * std::sqrt(2.0 / 2000.0));
   EXPECT_NEAR(found.spectrum.resolution_hz, 1.5 * 50.0 / static_cast<double>(found.spectrum.segment_samples), 1e-12);
   EXPECT_TRUE(found.peaks.empty());
@@ -110,8 +109,9 @@ TEST(Spectrum, ASteadyVibrationIsFoundWithAnUncertaintyThatHolds) {
     EXPECT_NEAR(peak.frequency_hz, 1.7, 0.005 * 1.7);
     EXPECT_TRUE(std::isnan(peak.damping));
     EXPECT_NE(peak.no_damping, "");
-    // Rife and Boorstyn's bound: sqrt(6 / N) sigma / (pi A T). The noise is known to 8 %: four of these; once in 300
-    // draws chance passes for a misfit of up to six times the noise's density, and widens it by up to sqrt(6).
+    // Cramer-Rao bound of Rife and Boorstyn: sqrt(6 / N) sigma / (pi A T). The noise has a u of 8 %, and the limit is
+    // four times that. Once in 300 draws chance looks like a misfit of up to six times the density of the noise. That
+    // inflates u by up to sqrt(6).
     const double bound = std::sqrt(6.0 / 160.0) * 0.01 / (std::numbers::pi * 0.5 * 16.0);
     EXPECT_GT(peak.u_frequency_hz, 0.68 * bound);
     EXPECT_LT(peak.u_frequency_hz, 2.45 * 1.32 * bound);
@@ -120,7 +120,7 @@ TEST(Spectrum, ASteadyVibrationIsFoundWithAnUncertaintyThatHolds) {
   pulls.expect_normal();
 }
 
-TEST(Spectrum, AFreeDecayTellsItsDampingWithAnUncertaintyThatHolds) {
+TEST(Spectrum, AFreeDecayGivesItsDampingWithAnUncertaintyThatHolds) {
   std::mt19937_64 rng(4);
   Pulls of_frequency, of_damping;
   for (int draw = 0; draw < kDraws; ++draw) {
@@ -137,7 +137,7 @@ TEST(Spectrum, AFreeDecayTellsItsDampingWithAnUncertaintyThatHolds) {
   of_damping.expect_normal();
 }
 
-TEST(Spectrum, ADecayIsFoundWhereverItWasStruck) {
+TEST(Spectrum, ADecayIsFoundAfterAnImpactAtAnyTime) {
   std::mt19937_64 rng(5);
   const auto struck = [](double t) { return t < 7.3 ? 0.0 : decay(t - 7.3); };
   const AxisSpectrum found = spectrum_of(sampled(struck, 300, 10.0, 0.005, rng));
@@ -147,7 +147,7 @@ TEST(Spectrum, ADecayIsFoundWhereverItWasStruck) {
   EXPECT_NEAR(found.peaks.front().damping, 0.01, 4.0 * found.peaks.front().u_damping);
 }
 
-TEST(Spectrum, ARandomlyDrivenOscillatorTellsBothWithUncertaintiesThatHold) {
+TEST(Spectrum, ARandomlyDrivenOscillatorGivesBothWithUncertaintiesThatHold) {
   std::mt19937_64 rng(6);
   Pulls of_frequency, of_damping;
   for (int draw = 0; draw < kDraws; ++draw) {
@@ -197,7 +197,7 @@ TEST(Spectrum, AVibrationOnATargetThatTravelsIsTheSame) {
   EXPECT_NEAR(nearest->amplitude_mm, 0.5, 0.01);
 }
 
-// The paper's programme: up by 1 mm, a rest, up again, and down the same way, in 16 s.
+// The paper's programme: up by 1 mm, a rest, up again, and down in the same way, in 16 s.
 TEST(Spectrum, StepsAndRampsAreNoVibration) {
   std::mt19937_64 rng(15);
   const auto stairs = [](double t) {
@@ -219,11 +219,11 @@ TEST(Spectrum, TwoVibrationsDoNotDisturbEachOther) {
   EXPECT_NEAR(found.peaks[1].frequency_hz, 2.3, 4.0 * found.peaks[1].u_frequency_hz);
 }
 
-TEST(Spectrum, GapsAreLeftOutAndNeverFilled) {
+TEST(Spectrum, GapsAreExcludedAndNeverFilled) {
   std::mt19937_64 rng(10);
   Series series = sampled(vibration, 400, 10.0, 0.01, rng);
   for (std::size_t i = 100; i < 110; ++i) series.value[i] = kNotMeasured;      // rows that are not ok
-  series.value.erase(series.value.begin() + 250, series.value.begin() + 253);  // and frames that are not there
+  series.value.erase(series.value.begin() + 250, series.value.begin() + 253);  // and missing frames
   series.time_s.erase(series.time_s.begin() + 250, series.time_s.begin() + 253);
   const auto times = even_times(series);
   ASSERT_TRUE(times);

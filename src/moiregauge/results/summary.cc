@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace moiregauge::internal {
 namespace {
 
 using BoardExtent = Extent<frame::Board>;
 
-// Root mean square of the numbers that were measured.
+// Root mean square of the measured values.
 class Rms {
  public:
   void add(BoardExtent e) {
@@ -37,12 +38,43 @@ struct Sums {
   std::array<Rms, kBudgetParts.size()> parts;
 };
 
+// Standard deviation of the measured values of one axis (Welford 1962).
+class Scatter {
+ public:
+  void add(double v) {
+    if (std::isnan(v)) return;
+    ++count_;
+    const double from_mean = v - mean_;
+    mean_ += from_mean / double(count_);
+    squares_ += from_mean * (v - mean_);
+  }
+  [[nodiscard]] double rms() const { return count_ > 0 ? std::sqrt(squares_ / double(count_)) : kNotMeasured; }
+
+ private:
+  long count_ = 0;
+  double mean_ = 0.0, squares_ = 0.0;
+};
+
 void widen(double& lowest, double& highest, double v) {
-  lowest = std::fmin(lowest, v);  // fmin and fmax pass over NaN
+  lowest = std::fmin(lowest, v);  // fmin and fmax ignore NaN
   highest = std::fmax(highest, v);
 }
 
 }  // namespace
+
+double TargetSummary::largest_movement_mm() const {
+  const BoardExtent movement = peak_to_peak();
+  return std::fmax(0.0, std::fmax(movement.x, movement.y));  // fmax ignores NaN
+}
+
+std::vector<std::size_t> by_movement(const std::vector<TargetSummary>& targets) {
+  std::vector<std::size_t> order(targets.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return targets[a].largest_movement_mm() > targets[b].largest_movement_mm();
+  });
+  return order;
+}
 
 std::vector<TargetSummary> summarise(const Reference& reference, const Samples& samples) {
   std::vector<TargetSummary> summaries;
@@ -50,22 +82,26 @@ std::vector<TargetSummary> summarise(const Reference& reference, const Samples& 
     if (reference.site.markers[i].role != Role::kTarget) continue;
     TargetSummary s;
     s.marker = i;
-    s.lowest = s.highest = s.last = {kNotMeasured, kNotMeasured};
+    s.lowest = s.highest = {kNotMeasured, kNotMeasured};
     Sums sums;
+    Scatter x, y;
     for (const Sample& sample : samples) {
       if (sample.marker != i) continue;
       ++s.frames;
       s.ok += sample.status == Status::kOk;
       ++s.status_counts[word_for(sample.status)];
-      s.last_status = sample.status;
       if (!has_numbers(sample.status)) continue;
-      s.last = sample.displacement;
-      widen(s.lowest.x, s.highest.x, sample.displacement.x);
-      widen(s.lowest.y, s.highest.y, sample.displacement.y);
+      if (sample.status == Status::kOk) {
+        widen(s.lowest.x, s.highest.x, sample.displacement.x);
+        widen(s.lowest.y, s.highest.y, sample.displacement.y);
+        x.add(sample.displacement.x);
+        y.add(sample.displacement.y);
+      }
       if (sample.frame == reference.seen.frame) continue;
       sums.u.add(sample.u);
       for (std::size_t k = 0; k < kBudgetParts.size(); ++k) sums.parts[k].add(sample.budget.*kBudgetParts[k].value);
     }
+    s.rms = {x.rms(), y.rms()};
     s.u = sums.u.value();
     for (std::size_t k = 0; k < kBudgetParts.size(); ++k) s.budget.*kBudgetParts[k].value = sums.parts[k].value();
     summaries.push_back(std::move(s));

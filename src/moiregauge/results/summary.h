@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run amounts to: one summary per target, and whether the run as a whole may be trusted.
+// Summary of a run: one entry per target, and the exit code.
 #pragma once
 
 #include <map>
@@ -13,18 +13,24 @@ namespace moiregauge::internal {
 struct TargetSummary {
   std::size_t marker = 0;                     // index in the site
   long frames = 0;                            // rows
-  long ok = 0;                                // rows with status ok, the reference frame's included
+  long ok = 0;                                // rows with status ok, with the reference frame's
   std::map<std::string, long> status_counts;  // by word, only those that occur
-  Extent<frame::Board> u;                     // mm, rms over the measured rows; NaN when there are none
+  Extent<frame::Board> u;                     // mm, rms over the measured rows; NaN if there are none
   Budget budget;                              // mm, rms over the measured rows
-  Extent<frame::Board> lowest, highest;       // mm, of the measured rows; NaN when there are none
-  Extent<frame::Board> last;                  // mm, the last measured row
-  Status last_status = Status::kLost;
+  Extent<frame::Board> lowest, highest;       // mm, of the ok rows; NaN if there are none
+  Extent<frame::Board> rms;                   // mm, about the mean, of the ok rows; NaN if there are none
+
+  [[nodiscard]] Extent<frame::Board> peak_to_peak() const { return highest - lowest; }
+  [[nodiscard]] double largest_movement_mm() const;  // the larger peak to peak of both axes; 0 if there are no ok rows
 };
 
+// Returns one summary per target. Only rows whose status has numbers are measured rows.
 [[nodiscard]] std::vector<TargetSummary> summarise(const Reference& reference, const Samples& samples);
 
-// The exit codes of the program (docs/cli/measure.md).
+// Returns the indices of the targets, the largest movement first. Targets of equal movement keep their order.
+[[nodiscard]] std::vector<std::size_t> by_movement(const std::vector<TargetSummary>& targets);
+
+// Exit codes of the program (docs/cli/measure.md).
 enum class Exit {
   kMeasured = 0,
   kInternalError = 1,
@@ -37,10 +43,11 @@ enum class Exit {
   kInterrupted = 130
 };
 
-// More than this share of rows that are not `ok` is a run that needs looking at.
+// Share of rows that are not `ok` above which a run is incomplete. Chosen.
 inline constexpr double kNotOkShare = 0.01;
 
-// kMeasured, kRefused (no `ok` row beside the reference frame's) or kIncomplete (too many rows not ok, or damaged input).
+// Returns kMeasured, kRefused (no `ok` row besides the reference frame's) or kIncomplete (too many rows not ok, or
+// damaged input).
 [[nodiscard]] Exit exit_of(const Samples& samples, long reference_frame, bool input_damaged);
 
 }  // namespace moiregauge::internal

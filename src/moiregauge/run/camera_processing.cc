@@ -14,28 +14,34 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMaxTiles = 96;
-// The fit of a tile's movement is linear: 0.1 px of it leaves 0.005 of the second derivative.
+// Largest movement of the references between frames, px, at which the camera counts as still. The movement model of a
+// tile is linear: at 0.1 px it leaves 0.1^2 / 2 = 0.005 of the second derivative.
 constexpr double kStill_px = 0.1;
-constexpr double kAnchor = 0.2;     // of a disc's diameter: how far it may move from where the tiles were placed
-constexpr double kDiscTiles = 0.6;  // of a disc's diameter: the side of a square inside it
+constexpr double kAnchor = 0.2;     // largest shift of a circle from its tiles, in diameters (chosen)
+constexpr double kDiscTiles = 0.6;  // side of the square of tiles inside a circle, in diameters (inscribed: 0.71)
 
-// Independent grain has a ratio of 1, known to sqrt(2 / values). A share of 0.05 of the frame before lowers it by 0.05.
+// Upper limit of the grain ratio (one frame apart to two apart) for frames that are not independent, camera still.
+// Independent grain gives 1 with u = sqrt(2 / values). A share of 0.05 of the previous frame lowers the ratio by 0.05.
 constexpr double kIndependent = 0.96;
-// Before a moving camera, faint texture of a third of the grain's variance that passes by at half a pixel a frame lowers it
-// by 0.02. A lossy codec removes fine grain and leaves its own pattern, which changes with what passes by.
+// The same limit for a moving camera. Faint texture lowers the ratio by 0.02, if it has a third of the grain's variance
+// and passes by at half a pixel per frame.
+// A lossy codec removes fine grain and adds its own pattern, which changes with the image content: hence the lower
+// limit.
 constexpr double kIndependentMoving = 0.95;
 constexpr double kIndependentMovingLossy = 0.85;
-constexpr double kSureOfGrain = 4.0;  // u
+constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1 that proves averaging, in u
 constexpr double kMinValues = 2000.0;
-// Rounding to whole grey levels alone keeps 0.05 of a quiet sensor's variance of 0.1: less means none.
+// Smallest variance of real grain, grey levels squared. A quiet sensor's variance of 0.1 still leaves 0.05 after
+// rounding to whole grey levels. A lower variance than this limit means that noise was removed.
 constexpr double kNoGrain = 0.003;
 
-// Blurred edges of real pictures have a few per cent of repeated steps; a picture enlarged by 1.2 has 1 / 6.
+// Share of repeated steps that proves enlargement by pixel repetition. Blurred edges of real images have a few per
+// cent. An image enlarged by 1.2 has 1 / 6.
 constexpr double kRepeated = 0.12;
 constexpr long kMinSteps = 200;
-constexpr double kMinJump = 0.08;  // of a print's contrast
+constexpr double kMinJump = 0.08;  // smallest step counted, as a share of the grating's contrast (chosen)
 
-// The rows within which an average may lag, and the movement in them (u) that counts.
+// Longest lag of an average over time, in samples (chosen), and the movement within it that is significant, in u.
 constexpr std::size_t kLagRows = 8;
 constexpr double kMoves = 2.5;
 
@@ -47,7 +53,7 @@ void add_tiles(PixelRectangle at, int width, int height, std::vector<PixelPositi
   }
 }
 
-// Discs are flat, so they come whole; of the prints as many tiles as there is room for.
+// Returns the tiles to sample. Circles come first, because they are flat. Gratings fill at most as many tiles again.
 std::vector<PixelPosition> tiles_of(const Reference& reference, const View& view) {
   std::vector<PixelPosition> all, prints;
   for (const CirclePoint& point : reference.circles) {
@@ -85,7 +91,7 @@ std::vector<ImagePoint> reference_centres(const Reference& reference, const Obse
   const View view{seen.stage2, reference.lens};
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
-    Extent<frame::Board> moved{0.0, 0.0};  // within the view: conventional's stays as it was
+    Extent<frame::Board> moved{0.0, 0.0};  // within the view; conventional views do not follow the camera
     if (seen.markers[i].patch.valid && reference.seen.markers[i].patch.valid)
       moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
     centres.push_back(view(point.board + Extent<frame::Board>{or_zero(moved.x), or_zero(moved.y)}));
@@ -104,14 +110,14 @@ bool is_still(const std::vector<std::vector<ImagePoint>>& last) {
          largest_distance(last[0], last[2]) < kStill_px;
 }
 
-// Is the noise of frames alike?
+// Returns true if the noise of consecutive frames is correlated.
 bool is_alike(const GrainSums& grain, double independent) {
   if (grain.values < kMinValues) return false;
   const double limit = std::min(independent, 1.0 - kSureOfGrain * std::sqrt(2.0 / grain.values));
   return grain.one_apart < limit * grain.two_apart;
 }
 
-// Does a target move by more than its u within a few rows?
+// Returns true if a target moves significantly within a few samples.
 bool moves_quickly(const std::vector<Sample*>& rows) {
   for (std::size_t n = 0; n < rows.size(); ++n) {
     for (std::size_t k = n + 1; k < std::min(rows.size(), n + 1 + kLagRows); ++k) {
@@ -123,7 +129,7 @@ bool moves_quickly(const std::vector<Sample*>& rows) {
   return false;
 }
 
-// The reference frame's rows are zero by definition.
+// Marks one sample. Samples of the reference frame stay ok, because they are zero by definition.
 bool distrust(Sample& sample) {
   const bool is_reference = sample.u.x == 0.0 && sample.u.y == 0.0;
   if (is_reference || sample.status != Status::kOk) return false;
@@ -131,8 +137,8 @@ bool distrust(Sample& sample) {
   return true;
 }
 
-// `is_wrong(frame)`: would a target that moves be wrong in that frame?
-// Returns the number of rows that lost their `ok`.
+// Marks the samples of moving targets in frames for which `is_wrong(frame)` is true. Returns the number of samples that
+// lost their status `ok`.
 template <typename IsWrong>
 long distrust_moving(Samples& samples, IsWrong is_wrong) {
   long count = 0;
@@ -167,7 +173,7 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
 }
 
 void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits) {
-  // A codec that predicts frames from each other repeats grain without noise reduction; its error has its own part in u.
+  // A codec with prediction between frames repeats grain even without noise reduction. Its error has its own part in u.
   const Quantiser& codec = frame.quantiser.whole;
   if (!seen.references_seen || reference.circles.empty() || (codec.predicted && !codec.is_lossless()))
     return interrupt();
@@ -200,8 +206,8 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
     for (Sample& sample : samples) (void)distrust(sample);
     const std::string remedy = "record at the sensor's own size, or enlarge with interpolation";
     return ProcessingFault{
-        fmt::format("no row is trusted, because the picture was enlarged by repeating pixels ({:.0f} % "
-                    "of the steps on its edges are repeated): {}",
+        fmt::format("no row is trusted: the image was enlarged by repeating pixels ({:.0f} % of its edge steps are "
+                    "repeated). Remedy: {}",
                     100.0 * static_cast<double>(steps.repeated) / static_cast<double>(steps.all), remedy),
         remedy};
   }
@@ -210,7 +216,7 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
     return std::binary_search(processing.repeated.begin(), processing.repeated.end(), frame);
   };
   if (distrust_moving(samples, is_repeated) > 0)
-    fault = {"", "record without dropped frames: a target that moves is not where a repeated frame shows it"};
+    fault = {"", "record without dropped frames, because a repeated frame shows a moving target in the wrong position"};
   const GrainSums& still = processing.still;
   const bool has_none = !is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values;
   const bool alike_still = is_alike(still, kIndependent);
@@ -220,12 +226,12 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   if (distrust_moving(samples, [](long) { return true; }) == 0) return fault;
   const GrainSums& grain = alike_still ? still : processing.moving;
   const std::string shown =
-      has_none ? "still parts of the picture hold no noise at all"
-               : fmt::format("its noise is alike from frame to frame: {:.2f} of what independent frames have",
+      has_none ? "its still parts contain no noise"
+               : fmt::format("its noise is alike in successive frames, {:.2f} of independent noise",
                              grain.one_apart / grain.two_apart);
   const std::string remedy = "switch the camera's temporal noise reduction off, or record raw";
   return ProcessingFault{
-      fmt::format("targets that move are not trusted, because the camera averages over time ({}): {}", shown, remedy),
+      fmt::format("moving targets are not trusted: the camera averages over time ({}). Remedy: {}", shown, remedy),
       remedy};
 }
 

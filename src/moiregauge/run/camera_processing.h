@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processing inside the camera that makes displacements wrong without making them noisy: averages over time, and pixels
-// that are written more than once.
+// Detects processing inside the camera that falsifies displacements without adding noise: averaging over time, and
+// repeated pixels.
 #pragma once
 
 #include <optional>
@@ -14,24 +14,24 @@
 
 namespace moiregauge::internal {
 
-// The evidence in a run's pixels.
+// Evidence from the pixels of one run.
 struct CameraProcessing {
-  GrainSums still, moving;     // grain of the references' prints and discs, by whether the camera moved
-  SlopeSteps steps;            // of all prints, in the reference frame
-  std::vector<long> repeated;  // numbers of frames that show the one before again
+  GrainSums still, moving;     // grain of reference gratings and circles, camera still or moving
+  SlopeSteps steps;            // steps at the edges of all gratings in the reference frame
+  std::vector<long> repeated;  // numbers of frames that repeat the previous frame
 };
 
 // Collects the evidence while frames are read.
 class ProcessingWatch {
  public:
-  // Chooses where to look, and looks at the reference frame's prints.
+  // Starts with the reference frame: counts the steps at the edges of its gratings. Resets all but the repeated frames.
   void refer(const Reference& reference, const LumaView& luma);
   [[nodiscard]] bool is_referred() const { return is_referred_; }
-  // Adds a measured frame in its order.
+  // Adds a measured frame. Call it in frame order.
   void add(const Reference& reference, const Observation& seen, const Frame& frame, int bits);
-  // Adds a frame that shows the one before again.
+  // Adds a frame that repeats the previous one.
   void repeat(long frame);
-  // Breaks the sequence: a frame shows nothing whole.
+  // Breaks the sequence of frames, because a frame is damaged or not measured.
   void interrupt();
   [[nodiscard]] CameraProcessing result() const { return {sampler_.still(), sampler_.moving(), steps_, repeated_}; }
 
@@ -40,19 +40,20 @@ class ProcessingWatch {
   SlopeSteps steps_;
   std::vector<long> repeated_;
   bool is_referred_ = false;
-  std::vector<std::vector<ImagePoint>> last_;  // the references' centres in the last frames, the newest first
-  std::vector<ImagePoint> placed_;             // those by which the tiles are placed
+  std::vector<std::vector<ImagePoint>> last_;  // px, centres of the references in up to three frames, newest first
+  std::vector<ImagePoint> placed_;             // px, centres at which the tiles were placed
 };
 
-// Why rows lost their `ok`, and what to do.
+// Reason why samples lost their status `ok`, and the remedy.
 struct ProcessingFault {
-  std::string warning;  // empty of repeated frames, which have a note of their own
-  std::string remedy;   // as an order
+  std::string warning;  // empty for repeated frames, which have their own note
+  std::string remedy;   // imperative
 };
 
-// Makes rows `untrusted` that the processing may have made wrong: all where pixels are repeated; those of targets that
-// move where frames are averages over time; and of these targets those of frames that show an earlier one again.
-// `is_lossy`: a codec may have removed the grain. Returns nothing where no row is concerned.
+// Marks samples as `untrusted` that the processing may have falsified.
+// Repeated pixels concern all samples, averages over time those of moving targets. Repeated frames concern the samples
+// of moving targets in these frames.
+// `is_lossy`: a codec may have removed the grain. Returns nothing if no sample is concerned.
 [[nodiscard]] std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
                                                                 Samples& samples);
 

@@ -81,16 +81,21 @@ std::optional<std::string> codec_note(const Measurement& measurement) {
   for (const TargetSummary& target : measurement.targets) {
     for (const double u : {target.budget.codec.x, target.budget.codec.y}) u_mm = std::fmax(u_mm, u);
   }
-  std::string how = "its quantiser is not told and taken for a usual one";
-  if (known) {  // skipped blocks report less than they were judged by
+  std::string how = "unknown quantiser, a typical value is assumed";
+  if (known) {  // 0.9 quantile: skipped blocks may report a smaller step than the one that applied
     const auto coarse = steps.begin() + static_cast<long>(0.9 * static_cast<double>(steps.size() - 1));
     std::nth_element(steps.begin(), coarse, steps.end());
-    how = fmt::format("quantiser {:.0f} grey levels", *coarse);
+    how = fmt::format("quantisation step {:.0f} grey levels", *coarse);
   }
-  const std::string begin = fmt::format("the pictures are compressed ({}, {})", measurement.input.codec, how);
+  // With a known quantiser u contains all of the codec's error.
+  const char* level = known ? "note: " : "";
   if (!predicted)
-    return fmt::format("{}: this adds about {:.4f} mm to u: record raw or lossless for less", begin, u_mm);
-  return fmt::format("{}: movement below about {:.3f} mm may not show: record intra-only or raw", begin, 2.0 * u_mm);
+    return fmt::format("{}compression adds about {:.4f} mm to u ({}, {}). Record raw or lossless to avoid this", level,
+                       u_mm, measurement.input.codec, how);
+  return fmt::format(
+      "{}movements below about {:.3f} mm may be invisible: the video is compressed ({}; {}). Record at the highest bit "
+      "rate, intra-only or raw",
+      level, 2.0 * u_mm, measurement.input.codec, how);
 }
 
 }  // namespace moiregauge::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run keeps and says of a lossy codec.
+// Records the quantiser of a lossy codec for each marker, and reports it.
 #pragma once
 
 #include <cmath>
@@ -10,26 +10,28 @@
 
 namespace moiregauge::internal {
 
-// In the picture as displayed, px.
+// Rectangle in the image as displayed, px. The default is empty.
 struct PixelRectangle {
   double x0 = INFINITY, y0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY;
 };
-// Returns the rectangle round a marker's print (its circle where it has none), which moved by `shift`, mm.
+// Returns the bounding rectangle of a marker's grating, or of its circle if it has no grating. `shift` is the marker's
+// displacement, mm.
 [[nodiscard]] PixelRectangle rectangle_round(const Marker& marker, Extent<frame::Board> shift, const View& view);
 
-// Every marker's quantiser, where it was seen in the frame; the frame's own where it was not.
+// Stores in `seen` the quantiser at each marker. Markers that were not found get the quantiser of the whole frame.
 void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Camera& lens, Observation& seen);
 
-// Grey levels (light, where the recording is mapped to it), rms, by which pixels of the markers may be wrong, looked up where they were seen last; 0 of lossless.
+// Returns the rms error of marker pixels by quantisation, in grey levels (or in light levels, if the recording is
+// mapped to light). Uses the marker positions of `last`. Returns 0 for a lossless codec.
 [[nodiscard]] double rounding_of(const QuantiserMap& quantiser, const Reference& reference, const Observation& last);
 
-// The same of markers whose quantisers are noted.
+// Returns the same for markers whose quantisers are stored in `seen`.
 [[nodiscard]] double rounding_of(const Reference& reference, const Observation& seen);
 
-// Did a codec lose anything of these frames?
+// Returns true if a codec lost information in any of these frames.
 [[nodiscard]] bool is_lossy(const Observations& observations);
 
-// What the user should know about compressed footage; nothing of any other.
+// Returns a note on the effect of compression for the user. Returns nothing for uncompressed and lossless input.
 [[nodiscard]] std::optional<std::string> codec_note(const Measurement& measurement);
 
 }  // namespace moiregauge::internal

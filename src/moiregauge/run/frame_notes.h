@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the user should know about the frames of an input as a whole: how many were damaged, and where time jumps.
+// Notes for the user on the frames of an input: damaged frames and gaps in time.
 #pragma once
 
 #include <string>
@@ -9,9 +9,10 @@
 
 namespace moiregauge::internal {
 
-// One sentence each, none where all is well. A sentence that starts with "note: " is about a property of the input, not
-// about a fault. A gap in time is one that is half as long again as the median interval of a frame; damaged frames,
-// which may have lost their times, count neither way.
+// Returns one sentence per note, none for a regular input. A sentence that starts with "note: " describes a property of
+// the input, not a fault.
+// A gap is an interval per frame above 1.5 times the median. Damaged frames are ignored there, because their times may
+// be wrong.
 [[nodiscard]] std::vector<std::string> notes_on_frames(const Observations& frames);
 
 }  // namespace moiregauge::internal

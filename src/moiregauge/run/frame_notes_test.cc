@@ -23,25 +23,25 @@ std::vector<std::string> notes_on(const std::vector<Observation>& frames) {
   return notes_on_frames(all);
 }
 
-TEST(FrameNotes, AnEvenFilmNeedsNone) {
+TEST(FrameNotes, ARegularRecordingHasNoNotes) {
   EXPECT_TRUE(notes_on({}).empty());
   EXPECT_TRUE(notes_on(frames_at({0.0, 0.033, 0.067, 0.1, 0.133})).empty());
   EXPECT_TRUE(notes_on(frames_at({NAN, NAN, NAN})).empty()) << "pictures without time";
 }
 
-TEST(FrameNotes, AGapInTimeIsNamedWithItsPlace) {
+TEST(FrameNotes, AGapInTimeIsReportedWithItsPosition) {
   const auto notes = notes_on(frames_at({0.0, 0.04, 0.08, 1.36, 1.4}));
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0], "note: variable frame rate, largest gap 1.28 s at 0.08 s; times are the stream's own");
 }
 
-TEST(FrameNotes, FramesLeftOutOnPurposeAreNoGap) {
+TEST(FrameNotes, SkippedFramesAreNoGap) {
   auto frames = frames_at({0.0, 0.04, 0.08, 0.28, 0.32});
   for (std::size_t i : {3U, 4U}) frames[i].frame += 4;
   EXPECT_TRUE(notes_on(frames).empty());
 }
 
-TEST(FrameNotes, DamagedFramesAreCountedAndTheirTimesAreNot) {
+TEST(FrameNotes, DamagedFramesAreCountedAndTheirTimesIgnored) {
   auto frames = frames_at({0.0, 0.04, 9.0, 7.0, 0.16, 0.2});
   frames[2].decode_error = frames[3].decode_error = true;
   const auto notes = notes_on(frames);

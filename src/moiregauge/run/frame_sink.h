@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The door through which pictures of the measured frames go out while a run is under way. Implemented by io (stabilised
-// crops).
+// Interface for images of the measured frames, delivered during a run. `io` implements it (stabilised crops).
 #pragma once
 
 #include "moiregauge/observation/reference/reference.h"
@@ -11,8 +10,8 @@ namespace moiregauge::internal {
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  // Every selected frame in order, as soon as it is observed. `reference` is null until there is a reference frame.
-  // Keeps its own failures: they never end the measuring.
+  // Receives every selected frame in order, once it is observed. `reference` is null until there is a reference frame.
+  // Failures are stored in the sink and never end the measurement.
   virtual void add(const Frame& frame, int bits, const Reference* reference, const Observation& seen) = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The door through which observations go out while a run is under way, so that a run that is killed keeps them.
-// Implemented by io (run.mgj).
+// Interface for observations, delivered during a run, so that a killed run can be resumed. `io` implements it
+// (run.mgj).
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace moiregauge::internal {
 
-// Told of everything once and in order, but for what a run that goes on was given (RunHooks::so_far).
+// Receives everything once and in order, except the observations that a resumed run starts with.
 class JournalSink {
  public:
   virtual ~JournalSink() = default;
-  // The reference frame, before the first frame that is measured against it; `notes`: what was noted when it was made.
+  // Receives the reference frame before the first frame measured against it. `notes`: remarks on the reference frame.
   virtual void refer(const Reference& reference, const std::vector<std::string>& notes) = 0;
-  virtual void add(const std::string& packed) = 0;  // as ObservationPacking makes it
-  // False from the moment on that nothing more can be kept: the measuring ends there.
+  virtual void add(const std::string& packed) = 0;  // packed by ObservationPacking
+  // Returns false once nothing more can be stored. The measurement then stops.
   [[nodiscard]] virtual bool good() const = 0;
 };
 

@@ -11,13 +11,13 @@
 namespace moiregauge::internal {
 namespace {
 
-// Prints are not perfect: ink spreads, and paper glows next to it. Such asymmetry of an edge looks like a
-// power up to a tenth off 1, and is no reason to map grey levels at all.
+// Largest deviation of the exponent from 1 that is no tone curve. Ink that spreads and light scatter in paper make
+// edges asymmetric, which looks like an exponent up to 0.1 from 1.
 constexpr double kSameExponent = 0.1;
-constexpr double kSureOfIt = 3.0;                   // u
-constexpr double kMaxU = 0.2;                       // of a power that is to be used
-constexpr double kMinGamma = 0.5, kMaxGamma = 3.5;  // of cameras
-constexpr double kGammaSteps = 100.0;               // to 1: more digits would only be long
+constexpr double kSureOfIt = 3.0;                   // deviation that proves a curve, in u
+constexpr double kMaxU = 0.2;                       // largest u of an exponent that is applied (chosen)
+constexpr double kMinGamma = 0.5, kMaxGamma = 3.5;  // range of camera exponents (chosen)
+constexpr double kGammaSteps = 100.0;               // steps of the rounded exponent per 1
 
 bool differs(const ToneExponent& exponent) {
   return std::abs(exponent.value - 1.0) > std::max(kSameExponent, kSureOfIt * exponent.u);
@@ -54,7 +54,7 @@ GreyPicture LightMap::picture(const LumaView& luma, double rounding) {
 
 namespace {
 
-// In parts of `most`, the highest level of what was measured.
+// `most`: the highest level of the measured image. Samples are relative to it.
 std::vector<ToneSample> samples_of(const Reference& reference, double most) {
   std::vector<ToneSample> samples;
   for (std::size_t i = 0; i < reference.prints.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The step from grey levels to light that comes before all measuring (image/tone.h).
+// Maps grey levels to light before the measurement (image/tone.h).
 #pragma once
 
 #include <optional>
@@ -9,12 +9,13 @@
 
 namespace moiregauge::internal {
 
-// Pictures of one recording, mapped to light where their tone curve is not a straight line.
+// Maps the images of one recording to light, unless its tone curve is linear.
 class LightMap {
  public:
   LightMap() = default;
   LightMap(const Tone& tone, int bits);
-  // Returns the picture to measure; of a mapped one it is valid until the next call. `rounding` is in its units already.
+  // Returns the image to measure. A mapped image is valid until the next call. `rounding` must be in units of the
+  // result.
   [[nodiscard]] GreyPicture picture(const LumaView& luma, double rounding = 0.0);
   [[nodiscard]] bool maps() const { return !table_.empty(); }
   [[nodiscard]] const Tone& tone() const { return tone_; }
@@ -22,18 +23,20 @@ class LightMap {
  private:
   Tone tone_;
   int bits_ = 8;
-  std::vector<std::uint16_t> table_;  // empty: grey levels are light
+  std::vector<std::uint16_t> table_;  // light per grey level; empty: grey levels are light
   Image<std::uint16_t> light_;
 };
 
-// Are the edges of the reference frame's prints, measured in grey levels, those of light? Not known where they show no curve.
+// Returns true if the grating edges of the reference frame, measured in grey levels, are those of light. Returns false
+// if they determine no curve.
 [[nodiscard]] bool shows_light(const Reference& reference, int bits);
 
-// Returns the tone curve that the edges of the reference frame's prints show, where they contradict the one by which the
-// frame was mapped: a power of the grey level. Returns nothing where they agree with it or show none.
+// Returns the tone curve that the grating edges of the reference frame show, if it contradicts `mapped_by`. Returns
+// nothing if the edges agree with `mapped_by` or determine no curve. Model: light is a power of the grey level.
 [[nodiscard]] std::optional<Tone> contradicting_tone(const Reference& reference, const Tone& mapped_by, int bits);
 
-// Returns light per grey level over every marker of the reference frame: the ratio of both pictures' scatter there.
+// Returns the light levels per grey level at every marker of the reference frame. It is the ratio of the standard
+// deviations in both images there.
 [[nodiscard]] std::vector<double> light_per_grey(const Reference& reference, const LumaView& stored,
                                                  const LumaView& light);
 

@@ -8,248 +8,95 @@
 #include <fmt/format.h>
 
 #include "moiregauge/detection/identity/layout_symmetry.h"
-#include "moiregauge/displacement/follower.h"
-#include "moiregauge/image/upper_bits.h"
-#include "moiregauge/observation/reference/reference_by_gratings.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
-#include "moiregauge/run/light.h"
-#include "moiregauge/run/repeated_frames.h"
+#include "moiregauge/run/frame_observer.h"
 
 namespace moiregauge::internal {
 namespace {
 
-Observation unmeasured(const Frame& frame, std::size_t markers, std::string why) {
-  Observation observation;
-  observation.frame = frame.number;
-  observation.time_s = frame.time_s;
-  observation.decode_error = frame.damaged;
-  observation.reference_problem = std::move(why);
-  observation.markers.resize(markers);
-  for (MarkerObservation& marker : observation.markers) marker.loss = Loss::kNotSeen;
-  return observation;
-}
-
-// `notes`: what the user should know about a site that was made from the picture.
-tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& picture, const MeasureOptions& options,
-                                                       std::vector<std::string>& notes) {
-  const Camera lens = options.camera.value_or(Camera{});
-  if (!options.pitch_mm && !options.method->needs_circles && lacks_circles(options.site))
-    return make_reference_by_gratings(picture, options.site, lens, options.observe);
-  if (!options.pitch_mm) return make_reference(picture, options.site, lens, options.observe);
-  const bool needs_circles = options.method->needs_circles;
-  auto found = detect_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});
-  if (!found) return tl::unexpected(std::move(found.error()));
-  found->site = with_prints_scaled(std::move(found->site), {1.0, options.print_scale.u, options.print_scale.spread});
-  auto made = needs_circles ? make_reference(picture, found->site, lens, options.observe)
-                            : make_reference_in_view(picture, found->site, {found->view, lens},
-                                                     std::move(found->search), options.observe);
-  if (made) notes = std::move(found->notes);
-  return made;
-}
-
-// A template learned by a wrong tone curve shows the right one roughly: each round leaves a third of its error or less.
-constexpr int kMaxToneRounds = 5;
-
-// The run's state while frames go by.
+// State of a run while frames arrive.
 class Run {
  public:
-  // Of a run that goes on without a reference frame nothing is kept: it tries every frame again.
+  // Keeps nothing of an unfinished run without a reference frame: every frame is tried again.
   Run(const MeasureOptions& options, Measurement& out, RunHooks doors)
-      : options_(options), out_(out), frames_(doors.frames), journal_(doors.journal) {
+      : options_(options), out_(out), frames_(doors.frames), journal_(doors.journal), observer_(options, out) {
     if (!doors.so_far.reference) return;
-    light_ = LightMap(doors.so_far.reference->tone, doors.so_far.input.bits);
-    out_.reference = std::move(doors.so_far.reference);
+    observer_.resume(*std::move(doors.so_far.reference), doors.so_far.input.bits);
     out_.notes = std::move(doors.so_far.notes);
-    out_.observations.refer_to(*out_.reference);
     kept_ = std::move(doors.so_far.observations);
     is_journaled_ = true;
-    follower_.emplace(*out_.reference);
   }
 
-  // Tries to make `frame` the reference frame; the failure is kept in words (the first one is the one to report).
-  bool refer_to(const Frame& frame) {
-    if (!refer_as_light(frame)) {
-      light_ = LightMap(stated_tone(), out_.input.bits);
-      if (!refer_in_light(frame) || !follow_shown_tone(frame)) return false;
-    }
-    out_.notes.insert(out_.notes.end(), reference_notes_.begin(), reference_notes_.end());
-    return true;
-  }
-
-  // An input that does not say which curve made its grey levels may well be of none: an industrial camera's. False where
-  // something says so, or where the prints' edges do not show it.
-  bool refer_as_light(const Frame& frame) {
-    const Tone stated = stated_tone();
-    if (options_.tone || stated.source != ToneSource::kAssumed || stated.curve.is_linear()) return false;
-    light_ = LightMap({{.is_full_range = stated.curve.is_full_range}, ToneSource::kFootage}, out_.input.bits);
-    return refer_in_light(frame) && shows_light(*out_.reference, out_.input.bits);
-  }
-
-  // If the prints' edges contradict the stated tone curve, the reference frame is made again by theirs.
-  bool follow_shown_tone(const Frame& frame) {
-    const Tone stated = light_.tone();
-    for (int round = 0; round < kMaxToneRounds && !options_.tone; ++round) {
-      const auto shown = contradicting_tone(*out_.reference, light_.tone(), out_.input.bits);
-      if (!shown) break;
-      light_ = LightMap(*shown, out_.input.bits);
-      if (refer_in_light(frame)) continue;
-      light_ = LightMap(stated, out_.input.bits);
-      return refer_in_light(frame);
-    }
-    if (light_.tone().source != ToneSource::kFootage) return true;
-    reference_notes_.push_back(
-        fmt::format("note: grey levels are mapped to light by {}: the edges of the prints show this tone curve (the "
-                    "input {} {}). Give --tone to state another",
-                    name_of(light_.tone().curve), stated.source == ToneSource::kTag ? "says" : "does not say; usual is",
-                    name_of(stated.curve)));
-    return true;
-  }
-
-  // The user's statement of the tone curve, or the input's.
-  [[nodiscard]] Tone stated_tone() const {
-    Tone tone = out_.input.tone;
-    if (!options_.tone) return tone;
-    const bool is_full_range = tone.curve.is_full_range;  // black and white are the stream's whatever the curve
-    tone = {*options_.tone, ToneSource::kOption};
-    tone.curve.is_full_range = is_full_range;
-    return tone;
-  }
-
-  bool refer_in_light(const Frame& frame) {
-    std::vector<std::string> notes;
-    const GreyPicture picture = light_.picture(frame.luma);
-    auto made = reference_of(picture, options_, notes);
-    if (!made) {
-      if (out_.refusal.empty()) {
-        out_.refusal = made.error().message;
-        out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
-      }
-      hopeless_ = made.error().problem == ReferenceProblem::kSiteDisagrees ||
-                  made.error().problem == ReferenceProblem::kTooCoarse;
-      return false;
-    }
-    out_.refusal.clear();
-    reference_notes_ = std::move(notes);
-    out_.reference = std::move(*made);
-    out_.reference->tone = light_.tone();
-    if (light_.maps()) out_.reference->light_per_grey = light_per_grey(*out_.reference, frame.luma, picture.luma);
-    if (options_.method->prepare != nullptr) options_.method->prepare(picture, *out_.reference);
-    out_.reference->seen.frame = frame.number;
-    out_.reference->seen.time_s = frame.time_s;
-    note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, out_.reference->seen);
-    out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
-    follower_.emplace(*out_.reference);
-    processing_.refer(*out_.reference, frame.luma);
-    out_.observations.refer_to(*out_.reference);
-    return true;
-  }
+  bool refer_to(const Frame& frame) { return observer_.refer_to(frame); }
+  void keep_picture(const Frame& frame) { observer_.keep_picture(frame); }
 
   void measure_frame(const Frame& frame, const FrameSource& source) {
     const bool had_reference = out_.reference.has_value();
-    Observation seen = observed(frame);
+    Observation seen = observer_.observe(frame);
     if (!source.is_frame_whole()) {
       Frame torn = frame;
       torn.damaged = true;
       if (!had_reference && out_.reference) {
         out_.reference.reset();
-        out_.refusal = "the file was cut short while its first frames were read";
+        out_.refusal = "the file became shorter while its first frames were read";
       }
-      seen = observed(torn);
+      seen = observer_.observe(torn);
     }
     out_.observations.push_back(seen);
     put(frame, seen);
     if (journal_ == nullptr) return;
-    if (out_.reference && !std::exchange(is_journaled_, true)) journal_->refer(*out_.reference, reference_notes_);
+    if (out_.reference && !std::exchange(is_journaled_, true))
+      journal_->refer(*out_.reference, observer_.reference_notes());
     journal_->add(out_.observations.packed(out_.observations.size() - 1));
   }
 
-  // Was the selection's next frame seen before this run went on?
+  // Returns true if the unfinished run has observed the next selected frame.
   [[nodiscard]] bool is_kept() const { return out_.observations.size() < kept_.size(); }
-  // False when it is not this frame.
+  // Skips a frame that the unfinished run observed. Returns false if it is another frame.
   bool pass_over(const Frame& frame) {
     const std::size_t n = out_.observations.size();
     const Observation seen = kept_[n];
     if (seen.frame != frame.number) return false;
     keep_picture(frame);
-    // As it was the first time: neither damaged frames nor those before the reference frame were followed.
-    if (!seen.decode_error && (options_.reference_frame || seen.frame >= out_.reference->seen.frame))
-      (void)follower_->follow(*out_.reference, seen);
+    observer_.skip(seen);
     out_.observations.append(kept_, n, n + 1);
     put(frame, seen);
     return true;
   }
-  void keep_picture(const Frame& frame) {
-    if (frame.number != out_.reference->seen.frame) return;
-    if (!processing_.is_referred()) processing_.refer(*out_.reference, frame.luma);
-    out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
-  }
-  // A run that is stopped again while it passes over frames still holds them all.
+  // Keeps all earlier observations, even if the resumed run stops while it skips frames.
   void stop() {
     out_.interrupted = true;
     out_.observations.append(kept_, out_.observations.size(), kept_.size());
   }
   [[nodiscard]] std::optional<std::string> note_on_repeats() const {
-    const std::vector<long> repeated = processing_.result().repeated;
+    const std::vector<long> repeated = processing().repeated;
     if (repeated.empty()) return std::nullopt;
     return fmt::format(
-        "{} of {} frames repeat{} the one before to the last bit (the first is frame {}): a dropped frame or "
-        "an unchanging source; rows of repeated frames are not trusted where a target moves, for their time is an "
-        "earlier one",
-        repeated.size(), out_.observations.size(), repeated.size() == 1 ? "s" : "", repeated.front());
+        "moving targets are not trusted in {} of {} frames, which repeat the frame before exactly (first: frame {}). "
+        "Record without dropped frames",
+        repeated.size(), out_.observations.size(), repeated.front());
   }
-  [[nodiscard]] CameraProcessing processing() const { return processing_.result(); }
-  [[nodiscard]] bool hopeless() const { return hopeless_; }
-  [[nodiscard]] bool can_go_on() const { return journal_ == nullptr || journal_->good(); }
+  [[nodiscard]] CameraProcessing processing() const { return observer_.processing(); }
+  [[nodiscard]] bool cannot_succeed() const { return observer_.cannot_succeed(); }
+  [[nodiscard]] bool may_continue() const { return journal_ == nullptr || journal_->good(); }
 
  private:
-  // A frame that was added to the observations, as they have it.
+  // Forwards a frame that was added to the observations.
   void put(const Frame& frame, const Observation& seen) {
-    if (out_.reference) rounding_ = std::max(rounding_, rounding_of(*out_.reference, seen));
-    if (repeats_.repeats(frame.luma) && !frame.damaged)
-      processing_.repeat(frame.number);
-    else if (frame.damaged || !out_.reference)
-      processing_.interrupt();
-    else
-      processing_.add(*out_.reference, seen, frame, out_.input.bits);
+    observer_.add(frame, seen);
     if (frames_ == nullptr) return;
     const bool is_before = !out_.reference || (!options_.reference_frame && frame.number < out_.reference->seen.frame);
     frames_->add(frame, out_.input.bits, is_before ? nullptr : &*out_.reference, seen);
-  }
-  Observation observed(const Frame& frame) {
-    const std::size_t markers = site_of(out_, options_).markers.size();
-    if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
-    if (!out_.reference && !refer_to(frame)) return unmeasured(frame, markers, out_.refusal);
-    const Observation last = out_.observations.empty() ? out_.reference->seen : out_.observations.back();
-    const Observation& where = last.references_seen ? last : out_.reference->seen;
-    // Skipped blocks do not report what they were judged by: the coarsest so far counts.
-    const double now = rounding_of(frame.quantiser, *out_.reference, where);
-    const double rounding = std::max({now, rounding_, rounding_of(*out_.reference, out_.reference->seen)});
-    Observation seen =
-        options_.method->observe(light_.picture(frame.luma, rounding), *out_.reference, follower_->prediction(), work_);
-    seen.frame = frame.number;
-    seen.time_s = frame.time_s;
-    note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
-    // Only values that are kept are followed and solved: a run that is resumed or solved again gives the same bits.
-    seen = out_.observations.rounded(seen);
-    (void)follower_->follow(*out_.reference, seen);
-    return seen;
   }
 
   const MeasureOptions& options_;
   Measurement& out_;
   FrameSink* frames_;
   JournalSink* journal_;
-  Observations kept_;                         // by a run before this one
-  bool is_journaled_ = false;                 // the reference frame
-  std::vector<std::string> reference_notes_;  // of its making
-  std::optional<Follower> follower_;
-  PatchWorkspace work_;
-  LightMap light_;
-  double rounding_ = 0.0;  // of the observations so far
-  RepeatedFrames repeats_;
-  ProcessingWatch processing_;
-  bool hopeless_ = false;
+  FrameObserver observer_;
+  Observations kept_;          // of the unfinished run
+  bool is_journaled_ = false;  // the reference frame is in the journal
 };
 
 void note_damage(Measurement& out, const InputError& error) {
@@ -263,15 +110,15 @@ std::string as_typed(const FrameRange& range) {
 }
 
 InputError no_pictures(const std::string& path) {
-  return {InputErrorKind::kUnreadable, "no pictures: " + path + ": give a video or a folder of pictures"};
+  return {InputErrorKind::kUnreadable, "the input has no frames: " + path + ": give a video or a folder of images"};
 }
 
 std::string no_such_frame(const std::string& option, const InputInfo& input, long frames) {
-  return fmt::format("no such frame: {}: {} has {}, the first is 0", option, input.path,
-                     frames == 1 ? "1 frame" : fmt::format("{} frames", frames));
+  return fmt::format("the selected frame does not exist: {} of {}: choose from its {}, the first is 0", option,
+                     input.path, frames == 1 ? "1 frame" : fmt::format("{} frames", frames));
 }
 
-// --reference-frame: read up to that frame through a source of its own; it may lie outside the selection.
+// Reads up to the frame of --reference-frame from a separate source, because it may be outside the selection.
 tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number, Run& run, Measurement& out) {
   auto source = open();
   if (!source) return tl::unexpected(source.error());
@@ -299,7 +146,7 @@ tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number
 
 InputError not_the_same(const std::string& path) {
   return {InputErrorKind::kUnreadable,
-          fmt::format("cannot resume: {}: its frames are not those that were measured: use --restart", path)};
+          fmt::format("the unfinished run cannot be resumed: {} has other frames now: start again with --restart", path)};
 }
 
 long selected(const FrameRange& range, long frames) {
@@ -311,7 +158,7 @@ long selected(const FrameRange& range, long frames) {
 tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, Run& run,
                                            Measurement& out, const OnProgress& on_progress) {
   const long expected = selected(options.frames, source.info().frames);
-  long frames = 0;  // of the input, as far as it was read
+  long frames = 0;  // read so far
   while (true) {
     auto frame = source.next();
     if (!frame) {
@@ -328,8 +175,8 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
       run.measure_frame(now, source);
     else if (!run.pass_over(now))
       return tl::unexpected(not_the_same(source.info().path));
-    if (run.hopeless() && !out.reference) break;
-    if (!run.can_go_on() || (on_progress && !on_progress(static_cast<long>(out.observations.size()), expected))) {
+    if (run.cannot_succeed() && !out.reference) break;
+    if (!run.may_continue() || (on_progress && !on_progress(static_cast<long>(out.observations.size()), expected))) {
       run.stop();
       break;
     }
@@ -371,7 +218,7 @@ void complete_markers(ObservationLog& seen) {
 
 namespace {
 
-// Frames that went by before one could be the reference frame: their references may all be there.
+// Returns a note on frames before the reference frame, whose references may all be visible.
 std::optional<std::string> note_on_first_frames(const Measurement& measured, const MeasureOptions& options) {
   if (options.reference_frame) return std::nullopt;
   const long reference = measured.reference->seen.frame;
@@ -385,13 +232,13 @@ std::optional<std::string> note_on_first_frames(const Measurement& measured, con
   }
   if (!first) return std::nullopt;
   return fmt::format(
-      "frames {} to {} are not measured, because they come before the reference frame {}, the first that shows every "
-      "marker (frame {}: {}); their rows say reference-lost: choose another with --reference-frame",
+      "frames {} to {} have no values (reference-lost): frame {} is the first that shows every marker. In frame {}, {}. "
+      "Choose another with --reference-frame",
       first->frame, last, reference, first->frame, first->reference_problem);
 }
 
 std::string rest_contradiction(const Measurement& measured, const MeasureOptions& options, const MovedAtRest& moved) {
-  return fmt::format("not at rest: target '{}' moves by {:.4f} mm (u {:.4f} mm) between frames {} and {} of --rest {}",
+  return fmt::format("target '{}' is not at rest: it moves by {:.4f} mm (u {:.4f} mm) between frames {} and {} of --rest {}",
                      measured.reference->site.markers[moved.marker].name, moved.mm, moved.u_mm, moved.from, moved.to,
                      as_typed(*options.solve.rest));
 }
@@ -408,7 +255,7 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   }
   out.refusal.clear();
   complete_markers(out);
-  // Without a site file the picture's own directions count, and there is no layout to contradict them.
+  // Without a site file the axes follow the image, so no layout can contradict them.
   if (!options.pitch_mm) {
     if (auto note = symmetry_note(options.site)) out.warnings.push_back(*std::move(note));
   }
@@ -421,7 +268,7 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   out.scene = std::move(solution.scene);
   out.references_verified = solution.references_verified;
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
-  if (out.scene && !out.scene->solved) out.warnings.push_back(out.scene->problem + ": measured as by two-stage");
+  if (out.scene && !out.scene->solved) out.warnings.push_back("the method two-stage was used instead of precise: " + out.scene->problem);
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
   if (auto fault = distrust_processed(out.processing, is_lossy(out.observations), out.samples)) {
     if (!fault->warning.empty()) out.warnings.push_back(std::move(fault->warning));
@@ -443,7 +290,7 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   std::string list;
   for (const auto& [word, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, word);
   out.refusal =
-      counts.empty() ? "only the reference frame was measured; two frames are needed" : "no row is ok (" + list + ")";
+      counts.empty() ? "only the reference frame was measured, and two frames are needed" : "no row is ok (" + list + ")";
 }
 
 tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
@@ -465,7 +312,7 @@ tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const M
   out.processing = run.processing();
   if (auto note = run.note_on_repeats()) out.notes.push_back(*std::move(note));
   out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
-  if (std::isnan(out.input.fps)) out.notes.emplace_back("the pictures carry no time: time_s is NaN (give --fps)");
+  if (std::isnan(out.input.fps)) out.notes.emplace_back("note: time_s is NaN and there are no spectra, because the images have no times. Give --fps");
   return out;
 }
 

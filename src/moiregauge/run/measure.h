@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole run: frames in, observations kept, samples out. No files here: pictures come through a FrameSource.
+// Runs a measurement: reads frames, stores observations, computes samples. It opens no files: frames come from a
+// FrameSource.
 #pragma once
 
 #include <functional>
@@ -24,83 +25,86 @@ namespace moiregauge::internal {
 
 struct MeasureOptions {
   const Method* method = nullptr;
-  Site site;                       // not used when pitch_mm is given
-  std::optional<double> pitch_mm;  // no site file: the site is made from the reference frame
-  PrintScale print_scale;          // of the rulers; site and pitch_mm have it in them already
+  Site site;                       // not used if pitch_mm is given
+  std::optional<double> pitch_mm;  // no site file: the site is detected in the reference frame
+  PrintScale print_scale;          // print scale of the rulers; `site` and `pitch_mm` already include it
   BoardAxes axes = BoardAxes::kPrint;
   std::optional<Camera> camera;
   FrameRange frames;
   SolveOptions solve;
-  std::optional<long> reference_frame;  // empty: the first frame of the selection that can be measured
+  std::optional<long> reference_frame;  // none: the first selected frame that can be measured
   ObserveOptions observe;
-  std::optional<ToneCurve> tone;  // empty: as the input says, or as its prints show
+  std::optional<ToneCurve> tone;  // none: the input's curve, or the one that its gratings show
 };
 
-// A copy of the reference frame (or of the first frame looked at, when none could be measured), 8 bits, for the
-// overlay.
+// Copy of the reference frame for the overlay, 8 bits. If no frame could be measured, it is the first one that was
+// tried.
 struct KeptPicture {
   Image<std::uint8_t> grey;
 };
 
-// What the frames told, before anything is concluded from it: all that is needed to solve again without them.
+// Observations of all frames: enough to solve again without the video.
 struct ObservationLog {
   InputInfo input;
-  std::optional<Reference> reference;  // empty: refused before anything was measured
+  std::optional<Reference> reference;  // none: refused before anything was measured
   Observations observations;
-  std::vector<std::string> notes;  // what the user should know about input and reference frame
-  std::string refusal;             // why nothing is or can be measured, in words; empty otherwise
-  CameraProcessing processing;     // what the pixels show of the camera's own
+  std::vector<std::string> notes;  // notes for the user on input and reference frame
+  std::string refusal;             // reason why nothing can be measured; empty otherwise
+  CameraProcessing processing;     // evidence of processing inside the camera
   bool input_damaged = false;
   bool interrupted = false;
 };
 
 struct Measurement : ObservationLog {
   Samples samples;
-  std::vector<double> chi2_dof;  // as Solution has it
-  std::optional<Scene> scene;    // of a method that solves one
+  std::vector<double> chi2_dof;  // chi-squared per degree of freedom by observation; NaN: not fitted; empty: no scene
+  std::optional<Scene> scene;    // none: the method solves no scene
   bool references_verified = false;
   std::vector<TargetSummary> targets;
-  std::vector<TargetSpectra> spectra;  // in the order of targets
+  std::vector<TargetSpectra> spectra;  // in the order of `targets`
   KeptPicture picture;
-  std::string remedy;  // where rows are not trusted: what to do, as an order; empty where the pictures must show it
-  std::vector<std::string> warnings;  // the notes, and those of the solution
-  // "what: where" of a statement of the user that the input contradicts, empty otherwise: there are no results then.
-  // Samples, where there are any, are made without it.
+  std::string remedy;                 // action for the user if samples are untrusted, imperative; empty: none known
+  std::vector<std::string> warnings;  // notes and warnings of the solution
+  // Statement of the user that the input contradicts, as "what happened: where"; empty otherwise. Such a run has no
+  // results. Its samples, if any, were computed without the statement.
   std::string contradiction;
   Exit exit = Exit::kInternalError;
 };
 
-// The solved scene where its numbers may be stated; nothing where none was solved, or of a refused run.
+// Returns the solved scene if its values are trustworthy. Returns nothing if no scene was solved or the run was
+// refused.
 [[nodiscard]] const std::optional<Scene>& stated_scene(const Measurement& measurement);
 
-// The site measured by: the reference frame's, where there is one; otherwise what the user gave.
+// Returns the site of the reference frame if there is one, otherwise the user's site.
 [[nodiscard]] const Site& site_of(const Measurement& measurement, const MeasureOptions& options);
 
-// Called after every frame: frames done, frames expected (-1: unknown). Returns false to stop (Ctrl-C).
+// Receives the number of frames done and expected (-1: unknown) after every frame. Returns false to stop (Ctrl-C).
 using OnProgress = std::function<bool(long done, long expected)>;
 using OpenInput = std::function<tl::expected<std::unique_ptr<FrameSource>, InputError>()>;
 
-// Where a run's findings go while it is under way, and what an earlier, unfinished one found.
+// Sinks for results during a run, and the observations of an unfinished run.
 struct RunHooks {
-  FrameSink* frames = nullptr;     // handed every selected frame with what was seen in it
-  JournalSink* journal = nullptr;  // handed what was seen in frames that `so_far` does not hold
-  ObservationLog so_far = {};      // frames from the beginning of the selection on, as the journal was given them
+  FrameSink* frames = nullptr;     // receives every selected frame with its observation
+  JournalSink* journal = nullptr;  // receives observations that `so_far` does not contain
+  ObservationLog so_far = {};      // journaled observations, from the first selected frame on
 };
 
-// What is seen in all frames. Fails only when the input gives no picture at all, or is not the one that `so_far` is of;
-// every other trouble is part of the Measurement. A run that goes on gives what it would have given in one piece:
-// frames that were seen are passed over, and the Follower is told of them.
+// Observes all selected frames. A resumed run gives the same result as an uninterrupted one: it skips observed frames,
+// but replays them to the Follower.
+// Fails only if the input has no image, or if it is not the input of `so_far`. All other problems are part of the
+// Measurement.
 [[nodiscard]] tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
                                                                 const OnProgress& on_progress, RunHooks doors = {});
 
-// Frames that went by before the reference frame told how many markers there are: their markers, all of them not seen.
+// Completes frames before the reference frame, when the number of markers was unknown: all their markers become not
+// seen.
 void complete_markers(ObservationLog& seen);
 
-// The end of every run: what was seen turned into samples, summaries and an exit code; picture and reference frame stay
-// as they are. Used again by `solve`.
+// Computes samples, summaries and the exit code from the observations. Image and reference frame stay unchanged.
+// `solve` uses it again.
 void evaluate(const MeasureOptions& options, Measurement& out);
 
-// Both.
+// Calls observe_all and evaluate.
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,
                                                             const OnProgress& on_progress, FrameSink* frames = nullptr);
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kRowStep = 16;
 
-// Eight bytes at a time, each step invertible: frames that differ in one place only always differ here.
+// Adds eight bytes at a time. Each step is invertible, so frames that differ in a single word always have different
+// hashes.
 std::uint64_t mixed(std::uint64_t hash, const std::byte* bytes, std::size_t size) {
   for (; size >= sizeof(std::uint64_t); bytes += sizeof(std::uint64_t), size -= sizeof(std::uint64_t)) {
     std::uint64_t word = 0;

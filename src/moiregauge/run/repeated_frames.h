@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A frame that repeats the one before, to the last bit: a camera or a converter that had none put it there, and its time
-// is not that of what it shows. With a sensor's noise no two frames are alike.
+// Detects frames that repeat the previous frame to the last bit. A camera or converter inserts them, and their content
+// is older than their time stamp. Sensor noise makes all other frames differ.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace moiregauge::internal {
 
 class RepeatedFrames {
  public:
-  // Does this frame repeat the one shown last? By every sixteenth row.
+  // Returns true if this frame repeats the last one passed in. Compares every 16th row.
   [[nodiscard]] bool repeats(const LumaView& luma);
 
  private:

@@ -15,7 +15,7 @@ Image<std::uint8_t> picture(int changed_x) {
   return made;
 }
 
-TEST(RepeatedFrames, AreToldFromFramesThatDifferInOnePixelOfARowLookedAt) {
+TEST(RepeatedFrames, DifferFromFramesWithOneChangedPixelInAComparedRow) {
   const auto same = picture(-1);
   for (int x = 0; x < 37; ++x) {
     RepeatedFrames frames;

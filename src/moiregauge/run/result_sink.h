@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The door through which results go out. Implemented by io (a run directory).
+// Interface for the results of a run. `io` implements it (run directory).
 #pragma once
 
 #include <tl/expected.hpp>
@@ -12,7 +12,7 @@ namespace moiregauge::internal {
 class ResultSink {
  public:
   virtual ~ResultSink() = default;
-  // All or nothing.
+  // Writes all files or none.
   [[nodiscard]] virtual tl::expected<void, OutputError> write(const Measurement& measurement,
                                                               const MeasureOptions& options) = 0;
 };

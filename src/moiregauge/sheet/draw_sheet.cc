@@ -19,7 +19,7 @@ using figure::Canvas;
 using figure::kBlack;
 using figure::Letters;
 
-constexpr double kHair = 0.15;  // mm
+constexpr double kHair = 0.15;  // mm, line width
 constexpr figure::Colour kQuietGrey{0.45, 0.45, 0.45};
 constexpr double kTextSize_mm = 2.8, kSmall_mm = 2.3, kNameSize_mm = 5.0;
 
@@ -30,19 +30,19 @@ const char* words_for(Pattern pattern) {
     case Pattern::kDots:
       return "dots";
     case Pattern::kLinesX:
-      return "upright lines";
+      return "lines-x (vertical lines)";
     case Pattern::kLinesY:
-      return "level lines";
+      return "lines-y (horizontal lines)";
     case Pattern::kCheckerboard:
       return "checkerboard (two squares)";
     case Pattern::kCosine:
       return "cosine";
     default:
-      return "crossed lines";
+      return "grid";
   }
 }
 
-// A ruler from (0, 0) to the right; ticks go down. Turned, it stands at the left edge.
+// Draws a ruler from (0, 0) to the right with ticks downwards. It is rotated for the left edge.
 void draw_ruler(cairo_t* cr, double length, const char* axis) {
   Canvas canvas(cr);
   canvas.line({{0, 0}, {length, 0}}, {kBlack, kHair});
@@ -63,7 +63,7 @@ void draw_rulers(cairo_t* cr, const Paper& paper) {
   cairo_restore(cr);
   cairo_save(cr);
   cairo_translate(cr, 13.0, paper.height_mm - kEdges.bottom);
-  cairo_rotate(cr, -std::acos(0.0));  // reading upwards
+  cairo_rotate(cr, -std::acos(0.0));  // text reads upwards
   cairo_translate(cr, 0.0, -4.5);
   draw_ruler(cr, ruler_mm(paper.height_mm), "y");
   cairo_restore(cr);
@@ -85,7 +85,7 @@ std::string role_of(const Sheet& sheet) {
     return fmt::format("{} reference{}, {} target{}", references, references == 1 ? "" : "s", targets,
                        targets == 1 ? "" : "s");
   }
-  return sheet.markers.front().role == Role::kReference ? "reference: stands still" : "target: moves";
+  return sheet.markers.front().role == Role::kReference ? "reference: must not move" : "target: moves";
 }
 
 void draw_text(cairo_t* cr, const Sheet& sheet) {
@@ -99,15 +99,15 @@ void draw_text(cairo_t* cr, const Sheet& sheet) {
   canvas.text({behind, 11.4}, words_for_prints(sheet.markers), {Align::kLeft, kBlack, false, 0.0, kTextSize_mm});
   draw_up_arrow(cr, paper.width_mm - kEdges.right - 14.0, 11.4);
   canvas.text({kEdges.left, paper.height_mm - 8.3},
-              "Print at 100 %, not \"fit to page\", on matt paper. Measure both rulers:",
+              "Print at 100 %, not \"fit to page\", on matt paper. Measure both rulers.",
               {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
   canvas.text({kEdges.left, paper.height_mm - 5.2},
-              fmt::format("{0:.2f} mm instead of {1:.0f} is  --print-scale 1.0012.  This page: {2}, moiregauge.",
+              fmt::format("Example: {0:.2f} mm instead of {1:.0f} is --print-scale 1.0012. Page: {2}, moiregauge.",
                           1.0012 * ruler_mm(paper.width_mm), ruler_mm(paper.width_mm), paper.name),
               {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
 }
 
-// Corners of where to cut, and the middle of the grating along the edges, to hang it by.
+// Draws the corners of the cut, and marks at the grating's centre lines for mounting it.
 void draw_marks(cairo_t* cr, const Sheet& sheet, const Marker& marker) {
   Canvas canvas(cr);
   const Box box = extent_of(marker);
@@ -128,7 +128,7 @@ void draw_marks(cairo_t* cr, const Sheet& sheet, const Marker& marker) {
     canvas.line({{x - 0.5 * arm, at.y_mm}, {x + 0.5 * arm, at.y_mm}}, {kQuietGrey, kHair});
 }
 
-// Names on a sheet of several stand in the white below, small enough to be no part of a print.
+// Draws a marker's name in the white below it, too small to affect the grating.
 void draw_name(cairo_t* cr, const Sheet& sheet, const Marker& marker) {
   const Box box = extent_of(marker);
   const double size = std::clamp(0.28 * sheet.cut_mm, 1.0, kTextSize_mm);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One sheet: its markers, rulers of 100 mm along both edges, cutting marks, and in words what it is and how to print
-// it.
+// Draws one sheet: its markers, rulers of 100 mm along both edges, cutting marks, and a text on its content and
+// printing.
 #pragma once
 
 #include <string>
@@ -11,17 +11,17 @@
 
 namespace moiregauge::internal::sheet {
 
-// On cairo in millimetres, y downwards, the page's upper left corner at (0, 0).
+// Draws on cairo in mm. y is downwards, and (0, 0) is the page's upper left corner.
 void draw_sheet(_cairo* cr, const Sheet& sheet, const Ink& ink);
 
-// The letters, smaller where the words are longer than `width`.
+// Returns the letters, smaller if the text is longer than `width`.
 [[nodiscard]] figure::Letters fitted(figure::Canvas& canvas, const std::string& words, figure::Letters letters,
                                      double width);
 
-// 100 mm; on paper with less room as many whole centimetres as there are.
+// Returns 100 mm, or fewer whole centimetres on smaller paper.
 [[nodiscard]] double ruler_mm(double room_mm);
 
-// "10 mm crossed lines"; of prints that differ all of them.
+// Returns "pitch 10 mm, grid". Lists all gratings that differ.
 [[nodiscard]] std::string words_for_prints(const std::vector<Marker>& markers);
 
 }  // namespace moiregauge::internal::sheet

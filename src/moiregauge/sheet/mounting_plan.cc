@@ -24,11 +24,11 @@ using figure::Letters;
 
 constexpr double kLeft = 15.0, kRight = 282.0, kPlanText_mm = 3.2, kPlanSmall_mm = 2.7, kLine_mm = 4.6;
 constexpr double kDrawingTop = 24.0, kDrawingHigh = 82.0;
-constexpr std::size_t kMaxRows = 16;  // of the table; more markers are in site.toml alone
+constexpr std::size_t kMaxRows = 16;  // of the table; more markers are in site.toml only
 
 Colour colour_of(const Marker& marker) { return marker.role == Role::kReference ? kBlue : kVermilion; }
 
-// From the board to the drawing of it.
+// Map from the board to its drawing.
 struct Scale {
   double mm_per_mm;
   BoardPoint middle;
@@ -44,7 +44,7 @@ Scale scale_for(const Box& box) {
           kDrawingTop + 0.5 * kDrawingHigh};
 }
 
-// The origin is marked where it is; the arrows stand clear of the prints.
+// Marks the origin at its position. The arrows are drawn separately, clear of the markers.
 void draw_axes(Canvas& canvas, const Scale& scale) {
   const figure::Spot o = scale.at({0.0, 0.0});
   canvas.line({{o.x - 1.5, o.y}, {o.x + 1.5, o.y}}, {kBlack, 0.2});
@@ -84,7 +84,7 @@ void draw_marker(Canvas& canvas, const Scale& scale, const Marker& marker) {
   canvas.text({top.x, top.y - 1.4}, marker.name, {Align::kCentre, colour_of(marker), true, 0.0, kPlanSmall_mm});
 }
 
-// Between the outermost circles, or gratings where there are none.
+// Draws the distances of the outermost reference circles, or gratings if there are none.
 void draw_dimensions(Canvas& canvas, const Scale& scale, const SheetSet& set) {
   BoardPoint low{1e300, 1e300}, high{-1e300, -1e300};
   for (const Marker& m : set.site.markers) {
@@ -123,7 +123,7 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
                   fitted(canvas, cells[i], {Align::kLeft, kBlack, bold, 0.0, kPlanSmall_mm},
                          columns[i + 1] - columns[i] - 1.0));
   };
-  row(top, {"name", "role", "circle at x, y mm", "grating at x, y mm", "size mm"}, true);
+  row(top, {"name", "role", "circle x, y (mm)", "grating x, y (mm)", "size (mm)"}, true);
   canvas.line({{kLeft, top + 1.3}, {kLeft + 122.0, top + 1.3}}, {kGrey, 0.2});
   for (std::size_t i = 0; i < std::min(kMaxRows, set.site.markers.size()); ++i) {
     const Marker& m = set.site.markers[i];
@@ -144,21 +144,21 @@ std::vector<std::string> advice(const SheetSet& set) {
   const bool is_one = set.sheets.size() == 1 && set.site.markers.size() > 1;
   const KnownTo& known = set.site.known_to;
   std::vector<std::string> lines{
-      "1  Print sheets.pdf at 100 % on matt paper; measure both rulers.",
-      "   What they are too long or short goes into  measure --print-scale.",
-      "2  Glue the paper flat on stiff plates (aluminium, dibond), no waves.",
-      is_one ? "3  Cut out the targets: they go on what moves. The references may stay"
-             : "3  Hang every sheet at its place in the table, \"up\" upwards.",
-      is_one ? "   on their sheet: their places to one another are exact then."
-             : fmt::format("   A level and a tape do: site.toml says places are known to {:g} mm", known.position_mm),
-      is_one ? "   Markers that are cut apart hang at the places of the table."
-             : fmt::format("   (position_mm) and turns to {:.2g} deg; write there what you reached.",
-                           degrees_from_radians(known.rotation_rad)),
-      "4  References (blue) stand still, on the ground or an abutment; targets",
-      "   (orange) move. All in one plane, facing the camera.",
-      "5  A target that stands before or behind that plane: write its z_mm",
-      "   into site.toml (towards the camera is positive).",
-      "6  measure CLIP --site site.toml",
+      "1  Print sheets.pdf at 100 % on matt paper. Measure both rulers. If one",
+      "   is not 100.0 mm long, pass --print-scale (measured / 100).",
+      "2  Glue the paper flat on stiff plates (aluminium, dibond), without waves.",
+      is_one ? "3  Cut out the targets and fix them to what moves. Leave the references"
+             : "3  Mount every sheet at its position in the table, arrow upwards.",
+      is_one ? "   on their sheet if you can: their relative positions are then exact."
+             : "   Use a level and a tape. site.toml assumes that positions are known to",
+      is_one ? "   Mount markers that you cut apart at the positions in the table."
+             : fmt::format("   {:g} mm and angles to {:.2g} deg: enter what you achieved in [known_to].",
+                           known.position_mm, degrees_from_radians(known.rotation_rad)),
+      "4  Fix the references (blue) to the ground or an abutment. Targets",
+      "   (orange) may move. Mount all in one plane, facing the camera.",
+      "5  If a target is in front of that plane or behind it, enter its z_mm",
+      "   in site.toml (positive towards the camera).",
+      "6  Film, then run: moiregauge measure CLIP --site site.toml",
   };
   return lines;
 }

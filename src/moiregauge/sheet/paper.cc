@@ -13,7 +13,7 @@ struct Size {
   double width_mm, height_mm;
 };
 
-// ISO 216; ANSI sizes are whole numbers of half inches.
+// ISO 216. North American sizes are multiples of half an inch.
 constexpr std::array kSizes{
     Size{"A0", 841, 1189},        Size{"A1", 594, 841},        Size{"A2", 420, 594},
     Size{"A3", 297, 420},         Size{"A4", 210, 297},        Size{"A5", 148, 210},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sheets of paper, and how much of one is left for markers.
+// Paper sizes, and the area of a page for markers.
 #pragma once
 
 #include <optional>
@@ -15,23 +15,23 @@ struct Paper {
   double height_mm = 0.0;
 };
 
-// A0 to A5, letter, legal, tabloid; capitals do not matter. Upright.
+// Returns A0 to A5, letter, legal or tabloid in portrait. Ignores case.
 [[nodiscard]] std::optional<Paper> standard_paper(const std::string& name);
 [[nodiscard]] std::string standard_paper_names();  // "A0, A1, ..."
 
 [[nodiscard]] Paper turned(const Paper& paper);
 
-// Smaller ones have no room for rulers and words.
+// Smallest width and height of paper, mm: rulers and text need the space.
 inline constexpr double kSmallestPaper_mm = 90.0;
-inline constexpr double kLargestPaper_mm = 5000.0;  // a PDF's page ends at 200 inches
+inline constexpr double kLargestPaper_mm = 5000.0;  // the limit of a PDF page: 200 inches
 
-// Room that rulers, words and a printer's unprintable edge take.
+// Margins for rulers, texts and a printer's unprintable edge, mm.
 struct Edges {
   double left = 19.0, right = 7.0, top = 15.0, bottom = 24.0;
 };
 inline constexpr Edges kEdges{};
 
-// What is left, mm.
+// Returns the remaining width and height, mm.
 [[nodiscard]] Extent<frame::Board> room_on(const Paper& paper);
 
 }  // namespace moiregauge::internal::sheet

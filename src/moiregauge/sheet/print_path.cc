@@ -21,7 +21,7 @@ struct Span {
   double from, to;
 };
 
-// Every dark line of a period: a quarter of a pitch to either side of (n + offset) pitches, cut at `half`.
+// Returns the dark lines: a quarter of a pitch to either side of (n + offset) pitches, clipped at `half`.
 std::vector<Span> bars(double pitch, double offset, double half) {
   std::vector<Span> found;
   const int count = static_cast<int>(std::ceil(half / pitch)) + 1;
@@ -39,7 +39,7 @@ void add_crossings(cairo_t* cr, const std::vector<Span>& columns, const std::vec
   }
 }
 
-// Whole dots only.
+// Adds the dots that are completely inside the grating.
 void add_dots(cairo_t* cr, const Grating& g) {
   const double p = g.pitch_mm, radius = 0.25 * p;
   const auto last = [&](double size) { return static_cast<int>(std::floor((0.5 * size - radius) / p + 1e-9)); };
@@ -52,7 +52,7 @@ void add_dots(cairo_t* cr, const Grating& g) {
   }
 }
 
-// What is dark. Inverted prints are dark where others are light, to the print's edge.
+// Adds the dark areas. An inverted grating exchanges dark and light, up to its edge.
 void add_pattern(cairo_t* cr, const Grating& g, bool inverted) {
   const double x = 0.5 * g.width_mm, y = 0.5 * g.height_mm, p = g.pitch_mm;
   const std::vector<Span> all_x{{-x, x}}, all_y{{-y, y}};
@@ -72,7 +72,7 @@ void add_pattern(cairo_t* cr, const Grating& g, bool inverted) {
     default:
       break;
   }
-  // Crossed lines are the union of columns and rows, squares what both have; each is the other's inverse.
+  // Crossed lines are the union of columns and rows, squares their intersection. Each is the inverse of the other.
   if ((g.pattern == Pattern::kSquares) != inverted) return add_crossings(cr, columns, rows);
   add_crossings(cr, columns, all_y);
   add_crossings(cr, all_x, rows);
@@ -102,7 +102,7 @@ Raster raster_for(const Paper& paper) {
   return {dot, Image<std::uint8_t>(dots(paper.width_mm), dots(paper.height_mm), 255)};
 }
 
-// Every dot of the grating, and some more for the cut.
+// Paints every dot of the grating, and a margin for the clipping.
 void paint_cosine(Raster& raster, const Grating& g, PagePoint centre, const Ink& ink) {
   const double c = std::cos(g.angle_rad), s = std::sin(g.angle_rad), dot = raster.dot_mm;
   const double reach = 0.5 * std::hypot(g.width_mm, g.height_mm) + 2.0 * dot;
@@ -148,10 +148,10 @@ void paint_cosines(cairo_t* cr, const Sheet& sheet, const Ink& ink) {
 void print_grating(cairo_t* cr, const Grating& grating, PagePoint centre, const Ink& ink) {
   cairo_save(cr);
   cairo_translate(cr, centre.x_mm, centre.y_mm);
-  cairo_rotate(cr, -grating.angle_rad);  // counter-clockwise on a page whose y grows downwards
+  cairo_rotate(cr, -grating.angle_rad);  // counter-clockwise on a page with y downwards
   cairo_new_path(cr);
   choose_grey(cr, 1.0 - ink.density);
-  // Dots are holes of an inverted print; lines that cross are filled once.
+  // Dots are holes in an inverted grating. Crossing lines are filled once.
   cairo_set_fill_rule(cr, grating.pattern == Pattern::kDots ? CAIRO_FILL_RULE_EVEN_ODD : CAIRO_FILL_RULE_WINDING);
   add_pattern(cr, grating, ink.inverted);
   cairo_fill(cr);

@@ -10,7 +10,8 @@
 namespace moiregauge::internal::sheet {
 namespace {
 
-// By its diameter identification knows it from the others: nine of its spreads of 2.5 %.
+// Diameter of the marked circle, relative to the others. Identification distinguishes it by nine of its standard
+// deviations of 2.5 %.
 constexpr double kMarkedCircle = 1.25;
 constexpr double kReferencePitches = 4.0, kTargetPitches = 6.0, kCirclePitches = 2.0;
 
@@ -18,7 +19,7 @@ double or_else(double stated, double otherwise) { return stated > 0.0 ? stated :
 
 struct Sizes {
   double reference, target, circle;
-  double apart;  // from a reference's circle to its grating, centre to centre
+  double apart;  // centre distance of a reference's circle and grating
 };
 
 Sizes sizes_of(const SetRequest& r) {
@@ -38,8 +39,8 @@ Grating grating_at(const SetRequest& r, BoardPoint centre, double size) {
   return g;
 }
 
-// The circle stands at `circle`, its grating to the right of it (side 1) or to the left (-1). References show both
-// axes.
+// Returns a reference with its circle at `circle`, and the grating to the right (side 1) or left (-1) of it. Its
+// pattern must show both axes.
 Marker reference(const SetRequest& r, const char* name, BoardPoint circle, double side) {
   const Sizes s = sizes_of(r);
   Marker marker;
@@ -50,12 +51,13 @@ Marker reference(const SetRequest& r, const char* name, BoardPoint circle, doubl
   return marker;
 }
 
-// Two more, above and below the middle; where a target is in their way, a quarter of the width to the sides.
+// Adds two references above and below the centre. If a target is in the way, they are shifted by a quarter of the
+// width.
 void add_inner_references(const SetRequest& r, std::vector<Marker>& markers) {
   const Sizes s = sizes_of(r);
   const bool is_flat = 0.5 * r.span.y < 0.5 * s.target + 0.5 * s.reference + r.pitch_mm;
   const double aside = is_flat ? 0.25 * r.span.x : 0.0, y = 0.5 * r.span.y;
-  // Centred as a whole: half the distance from circle to grating, and by what the two differ in size.
+  // Centres the pair: half the distance of circle and grating, corrected by the difference of their sizes.
   const double half = 0.5 * s.apart + 0.25 * (s.reference - s.circle);
   markers.push_back(reference(r, "N", {std::round(-aside - half), y}, 1.0));
   markers.push_back(reference(r, "S", {std::round(aside + half), -y}, -1.0));
@@ -63,7 +65,7 @@ void add_inner_references(const SetRequest& r, std::vector<Marker>& markers) {
 
 void add_targets(const SetRequest& r, std::vector<Marker>& markers) {
   const Sizes s = sizes_of(r);
-  const double inner = 0.5 * r.span.x - s.apart;  // centres of the outer references' gratings
+  const double inner = 0.5 * r.span.x - s.apart;  // centre of the outer references' gratings
   for (int i = 0; i < r.targets; ++i) {
     const double x = std::round(inner * (2.0 * (i + 1) / (r.targets + 1) - 1.0));
     Marker marker;
@@ -120,7 +122,7 @@ tl::expected<Site, std::string> site_of_set(const SetRequest& r) {
   const Sizes s = sizes_of(r);
   const double x = 0.5 * r.span.x, y = 0.5 * r.span.y;
   Site site;
-  // The larger circle shows a mirrored, upside-down or half-turned picture of the sheets.
+  // The larger circle reveals a mirrored image, and sheets that are upside down or rotated by 180 degrees.
   site.markers = {reference(r, "NW", {-x, y}, 1.0), reference(r, "NE", {x, y}, -1.0), reference(r, "SW", {-x, -y}, 1.0),
                   reference(r, "SE", {x, -y}, -1.0)};
   site.markers.front().circle->diameter_mm = kMarkedCircle * s.circle;
@@ -130,8 +132,8 @@ tl::expected<Site, std::string> site_of_set(const SetRequest& r) {
     for (std::size_t k = i + 1; k < site.markers.size(); ++k) {
       if (gap_between(extent_of(site.markers[i]), extent_of(site.markers[k])) >= r.pitch_mm - 1e-9) continue;
       return tl::unexpected(fmt::format(
-          "'{}' and '{}' are nearer than a pitch in a span of {:g} x {:g} mm (references {:g} mm, targets {:g} mm, "
-          "circles {:g} mm): choose a wider span, fewer targets or a smaller pitch",
+          "'{}' and '{}' are less than a pitch apart in a span of {:g} x {:g} mm (references {:g} mm, targets {:g} mm, "
+          "circles {:g} mm), choose a wider --span, fewer targets or a smaller --pitch",
           site.markers[i].name, site.markers[k].name, r.span.x, r.span.y, s.reference, s.target, s.circle));
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the markers of a set stand: from a few numbers to a Site. Circle beside grating, outside it, as the
-// instrument looks for them without a site file too.
+// Computes the positions of a marker set from a few numbers. A circle is next to its grating, on the outer side, where
+// detection without a site file expects it.
 #pragma once
 
 #include <optional>
@@ -18,9 +18,9 @@ struct SetRequest {
   Pattern pattern = Pattern::kGrid;
   int references = 4;  // 4 or 6
   int targets = 1;     // in a row at half height
-  // Width and height between the centres of the outermost circles.
+  // Width and height between the centres of the outermost circles, mm.
   Extent<frame::Board> span{};
-  // 0: 4, 6 and 2 pitches.
+  // Sizes in mm. 0: defaults of 4, 6 and 2 pitches.
   double reference_size_mm = 0.0;
   double target_size_mm = 0.0;
   double circle_diameter_mm = 0.0;
@@ -33,21 +33,21 @@ struct Box {
   [[nodiscard]] BoardPoint middle() const { return {0.5 * (low.x + high.x), 0.5 * (low.y + high.y)}; }
 };
 
-// All ink of a marker, and of several.
+// Return the bounding box of a marker, or of several.
 [[nodiscard]] Box extent_of(const Marker& marker);
 [[nodiscard]] Box extent_of(const std::vector<Marker>& markers);
 
-// White that a print needs round it to be found: a pitch, or a circle's radius where that is more.
+// Returns the white margin that detection needs, mm: a pitch, or a circle's radius if that is larger.
 [[nodiscard]] double quiet_zone_mm(const Marker& marker);
-// What two extents leave between them, mm; negative when they overlap.
+// Returns the gap between two boxes, mm. Negative if they overlap.
 [[nodiscard]] double gap_between(const Box& a, const Box& b);
 
-// References NW NE SW SE (and N, S), targets T1, T2, ... from left to right; the origin is the middle.
-// fails   with what does not fit, and what would
+// Returns the site: references NW NE SW SE (and N, S), targets T1, T2, ... from left to right, origin in the centre.
+// Fails with the markers that do not fit, and a remedy.
 [[nodiscard]] tl::expected<Site, std::string> site_of_set(const SetRequest& request);
 
-// The widest span whose markers, with white round them, fit into so much room; in whole centimetres where that is more
-// than 10 cm, else in millimetres. Not positive: nothing fits.
+// Returns the largest span of markers that fit into `room` with white margins. It is in whole centimetres above 10 cm,
+// otherwise in millimetres. Not positive: nothing fits.
 [[nodiscard]] Extent<frame::Board> widest_span(const SetRequest& request, Extent<frame::Board> room);
 
 }  // namespace moiregauge::internal::sheet

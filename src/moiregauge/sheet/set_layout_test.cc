@@ -24,15 +24,16 @@ const Marker& named(const Site& site, const std::string& name) {
   return site.markers.front();
 }
 
-// The rig of docs/cli/simulate.md: circles of 20 mm at (+-380, +-28), gratings of 40 mm at (+-340, +-28), target of 60.
-TEST(SetLayout, TheRigsSpanGivesTheRig) {
+// The rig of docs/cli/simulate.md: circles of 20 mm at (+-380, +-28), gratings of 40 mm at (+-340, +-28), target of 60
+// mm.
+TEST(SetLayout, TheSpanOfTheRigGivesTheRig) {
   const auto site = site_of_set(rig());
   ASSERT_TRUE(site) << site.error();
   ASSERT_EQ(site->markers.size(), 5u);
   const Marker& nw = named(*site, "NW");
   EXPECT_EQ(nw.circle->centre.x, -380.0);
   EXPECT_EQ(nw.circle->centre.y, 28.0);
-  EXPECT_EQ(nw.circle->diameter_mm, 25.0);  // the mark
+  EXPECT_EQ(nw.circle->diameter_mm, 25.0);  // the marked circle
   EXPECT_EQ(named(*site, "SE").circle->diameter_mm, 20.0);
   EXPECT_EQ(nw.grating->centre.x, -340.0);
   EXPECT_EQ(nw.grating->width_mm, 40.0);
@@ -51,8 +52,8 @@ TEST(SetLayout, NoMirrorImageAndNoHalfTurnOfASheetsLayoutLooksLikeIt) {
   }
 }
 
-// So that each is found by its print, whatever the span: also where the two middle references have to stand aside.
-TEST(SetLayout, NoTwoPrintsAreNearerThanAPitch) {
+// Detection needs this gap for any span, also if the two middle references are shifted.
+TEST(SetLayout, NoTwoMarkersAreNearerThanAPitch) {
   for (const int references : {4, 6}) {
     for (const double height : {56.0, 120.0, 300.0, 500.0}) {
       SetRequest request = rig();
@@ -86,8 +87,8 @@ TEST(SetLayout, LinesAreForTargetsBecauseReferencesMustShowBothAxes) {
   EXPECT_EQ(named(*site, "T1").grating->pattern, Pattern::kLinesY);
 }
 
-TEST(SetLayout, TheWidestSpanFillsTheRoomAndNoMore) {
-  constexpr double kWhite_mm = 12.5;  // the radius of the larger circle
+TEST(SetLayout, TheWidestSpanFillsTheAvailableArea) {
+  constexpr double kWhite_mm = 12.5;  // radius of the larger circle
   SetRequest request = rig();
   const Extent<frame::Board> room{394.0, 258.0};
   request.span = widest_span(request, room);
@@ -100,7 +101,7 @@ TEST(SetLayout, TheWidestSpanFillsTheRoomAndNoMore) {
   EXPECT_GT(box.height() + 2.0 * kWhite_mm, room.y - 10.0);
 }
 
-TEST(SetLayout, ATurnedPrintReachesFurther) {
+TEST(SetLayout, ARotatedGratingIsWider) {
   Marker marker;
   marker.grating =
       Grating{.centre = {0.0, 0.0}, .width_mm = 30.0, .height_mm = 30.0, .pitch_mm = 5.0, .angle_rad = std::atan(1.0)};

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPointsPerMm = 72.0 / 25.4;
 
-// A file may not be called anything.
+// Returns a valid file name for any marker name.
 std::string file_name(const std::string& name) {
   std::string plain;
   for (const char c : name) {
@@ -52,8 +52,8 @@ std::string pdf_of(const std::vector<Page>& pages, const std::string& title, con
   return cairo_surface_status(surface.get()) == CAIRO_STATUS_SUCCESS ? bytes : std::string{};
 }
 
-// cairo numbers its surfaces and pictures through the life of a process: here from 1 in every file. Names stand behind
-// id=" and #, digits at their end.
+// Renumbers cairo's surfaces and images from 1 in every file, because cairo numbers them per process. Their names
+// follow id=" and #, and end with digits.
 std::string renumbered(const std::string& svg) {
   std::map<std::string, std::string, std::less<>> names;
   std::string text;
@@ -74,7 +74,7 @@ std::string renumbered(const std::string& svg) {
   return text.append(svg, done);
 }
 
-// The page's unit is the millimetre, for whoever opens it in a drawing program or cuts it with a laser.
+// Returns an SVG in mm, for drawing programs and laser cutters.
 std::string svg_of(const Page& page) {
   std::string text;
   const Surface surface(

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A set as files: one PDF with a page per sheet, an SVG per sheet, and the mounting plan. Vectors at exact size: edges
-// are right to 0.001 mm in the PDF and 0.002 mm in the SVG (cairo's fixed point). The same set gives the same bytes.
+// Writes a marker set as files: one PDF with a page per sheet, an SVG per sheet, and the mounting plan. The same set
+// gives the same bytes.
+// They are vectors at exact size: edges are correct to 0.001 mm in the PDF and 0.002 mm in the SVG (cairo's fixed
+// point).
 #pragma once
 
 #include <string>
@@ -15,10 +17,11 @@ namespace moiregauge::internal::sheet {
 struct SheetFiles {
   std::string pdf;                                       // sheets.pdf
   std::string plan;                                      // mounting.pdf
-  std::vector<std::pair<std::string, std::string>> svg;  // name without its ending, text; in the order of the sheets
+  std::vector<std::pair<std::string, std::string>> svg;  // name without extension, text; in sheet order
 };
 
-// `created`: date of the PDFs as in "2026-03-01T12:00:00Z"; empty: none is written. Empty bytes: cairo had no memory.
+// Returns the files. `created`: date of the PDFs, such as "2026-03-01T12:00:00Z"; empty: no date. Empty bytes: cairo is
+// out of memory.
 [[nodiscard]] SheetFiles files_of(const SheetSet& set, const Ink& ink, const std::string& created);
 
 }  // namespace moiregauge::internal::sheet

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the files say; how large they print is measured by tests/cli/sheet.
+// The content of the files. tests/cli/sheet measures their printed size.
 #include "moiregauge/sheet/sheet_files.h"
 
 #include <cmath>
@@ -17,13 +17,13 @@ Site site_in(double width, double height) {
   return *site_of_set(request);
 }
 
-TEST(SheetSet, MarkersStayTogetherWhereTheyFitAndEachHasItsSheetWhereNot) {
+TEST(SheetSet, MarkersShareASheetIfTheyFit) {
   EXPECT_EQ(sheets_of(site_in(340.0, 180.0), on("A3"))->sheets.size(), 1u);
   EXPECT_EQ(sheets_of(site_in(340.0, 180.0), on("A4"))->sheets.size(), 5u);
 }
 
-// Up is up: what is higher on the board is nearer to the page's upper edge, millimetre for millimetre.
-TEST(SheetSet, APageKeepsDistancesAndTurnsTheBoardsYUpwards) {
+// Points higher on the board are nearer to the page's upper edge, at scale 1:1.
+TEST(SheetSet, APageKeepsDistancesAndDirections) {
   const auto set = sheets_of(site_in(340.0, 180.0), on("A3"));
   const Sheet& sheet = set->sheets.front();
   const PagePoint low = on_page(sheet, {-170.0, -90.0}), high = on_page(sheet, {170.0, 90.0});
@@ -31,7 +31,7 @@ TEST(SheetSet, APageKeepsDistancesAndTurnsTheBoardsYUpwards) {
   EXPECT_NEAR(low.y_mm - high.y_mm, 180.0, 1e-9);
 }
 
-TEST(SheetSet, APrintLargerThanThePaperIsRefusedWithBothSizes) {
+TEST(SheetSet, AMarkerLargerThanThePaperIsRefusedWithBothSizes) {
   SetRequest request;
   request.span = {2000.0, 1500.0};
   request.pitch_mm = 60.0;
@@ -40,30 +40,30 @@ TEST(SheetSet, APrintLargerThanThePaperIsRefusedWithBothSizes) {
   EXPECT_NE(set.error().find("A4"), std::string::npos) << set.error();
 }
 
-TEST(SheetSet, PaperTurnsToWhatIsPrintedUnlessToldOtherwise) {
+TEST(SheetSet, PaperFollowsTheMarkersUnlessItsOrientationIsGiven) {
   PageRequest page = on("A4");
   EXPECT_GT(sheets_of(site_in(760.0, 300.0), page)->sheets.front().paper.width_mm,
-            250.0);  // circle beside grating: wide
+            250.0);  // circle next to grating: wide
   page.orientation = Orientation::kPortrait;
   EXPECT_LT(oriented(page, true).width_mm, 250.0);
 }
 
-TEST(SheetFiles, TheSameSetGivesTheSameBytesAndNoDateOfToday) {
+TEST(SheetFiles, TheSameSetGivesTheSameBytesWithoutADate) {
   const auto set = sheets_of(site_in(340.0, 180.0), on("A3"));
   const SheetFiles one = files_of(*set, {}, ""), two = files_of(*set, {}, "");
-  EXPECT_TRUE(one.pdf == two.pdf);  // too long to print
+  EXPECT_TRUE(one.pdf == two.pdf);  // too long for EXPECT_EQ to print
   EXPECT_TRUE(one.plan == two.plan);
   EXPECT_TRUE(one.svg == two.svg);
   EXPECT_EQ(one.pdf.find("CreationDate"), std::string::npos);
 }
 
-TEST(SheetFiles, SvgCountsInMillimetres) {
+TEST(SheetFiles, SvgUnitsAreMillimetres) {
   const auto set = sheets_of(site_in(340.0, 180.0), on("A3"));
   const std::string svg = files_of(*set, {}, "").svg.front().second;
   EXPECT_NE(svg.find("width=\"420mm\" height=\"297mm\" viewBox=\"0 0 420 297\""), std::string::npos);
 }
 
-TEST(SheetFiles, NamesThatAreNoFileNamesAreMadeSo) {
+TEST(SheetFiles, MarkerNamesBecomeValidFileNames) {
   Site site = site_in(760.0, 300.0);
   site.markers[0].name = "a/b";
   site.markers[1].name = "a b";
@@ -72,8 +72,8 @@ TEST(SheetFiles, NamesThatAreNoFileNamesAreMadeSo) {
   EXPECT_EQ(files.svg[1].first, "a_b_");
 }
 
-// At its symmetry point the print is lightest; printed dark to light it spans the whole range of greys.
-TEST(CosinePrint, ACrestIsWhiteATroughIsBlack) {
+// The symmetry point is the lightest point, and the grating spans the whole range of greys.
+TEST(CosineGrating, ACrestIsWhiteATroughIsBlack) {
   EXPECT_NEAR(cosine_grey(0.0, 0.0, {}), 1.0, 1e-12);
   EXPECT_NEAR(cosine_grey(0.5, 0.5, {}), 0.0, 1e-12);
   EXPECT_NEAR(cosine_grey(0.0, 0.5, {}), 0.5, 1e-12);

@@ -10,29 +10,29 @@ namespace {
 
 constexpr double kRounding_mm = 1e-6;
 
-// What cannot be printed of a site as it stands.
+// Returns the reason why a site cannot be printed, or nothing.
 std::optional<std::string> unprintable(const Site& site) {
   for (const Marker& marker : site.markers) {
     if (marker.circle && !(marker.circle->diameter_mm > 0.0))
-      return fmt::format("the circle of '{}' has no circle_diameter_mm: state it", marker.name);
+      return fmt::format("the circle of '{}' has no circle_diameter_mm, add it to the site file", marker.name);
   }
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     for (std::size_t k = i + 1; k < site.markers.size(); ++k) {
       if (gap_between(extent_of(site.markers[i]), extent_of(site.markers[k])) < 0.0)
-        return fmt::format("'{}' and '{}' overlap: move them apart", site.markers[i].name, site.markers[k].name);
+        return fmt::format("'{}' and '{}' overlap, move them apart", site.markers[i].name, site.markers[k].name);
     }
   }
   return std::nullopt;
 }
 
-// A pattern that is to be found is not one that can be printed.
+// Replaces kAuto, which only detection knows, by a pattern that can be printed.
 void choose_patterns(Site& site) {
   for (Marker& marker : site.markers) {
     if (marker.grating && marker.grating->pattern == Pattern::kAuto) marker.grating->pattern = Pattern::kGrid;
   }
 }
 
-// White round every marker that neighbours who are near leave to each other.
+// Returns the white margin that is possible around every marker, mm.
 double cut_of(const Site& site) {
   double cut = 1e9;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
@@ -84,8 +84,8 @@ tl::expected<SheetSet, std::string> sheets_of(const Site& site, const PageReques
       const Box box = extent_of(marker);
       const auto room = room_on(oriented(page, box.width() > box.height()));
       return tl::unexpected(
-          fmt::format("'{}' is {:.0f} x {:.0f} mm with the white round it, {} leaves {:.0f} x {:.0f}: "
-                      "choose a larger --paper or a smaller print",
+          fmt::format("'{}' needs {:.0f} x {:.0f} mm with its white border, {} has room for {:.0f} x {:.0f}, "
+                      "choose a larger --paper or a smaller grating",
                       marker.name, box.width() + 2.0 * cut, box.height() + 2.0 * cut, page.paper.name, room.x, room.y));
     }
     set.sheets.push_back(*std::move(sheet));

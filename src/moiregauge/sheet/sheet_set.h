@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A site's markers on sheets of paper: all on one where they fit, else one a sheet.
+// Arranges a site's markers on sheets of paper: all on one if they fit, otherwise one per sheet.
 #pragma once
 
 #include <optional>
@@ -16,18 +16,18 @@ namespace moiregauge::internal::sheet {
 enum class Orientation { kAuto, kPortrait, kLandscape };
 enum class Together { kWhereTheyFit, kNever };
 
-// One page. Its markers keep their places to one another: the board point `middle` lies in the middle of the room that
-// the page's edges leave, x to the right, y up, a board's millimetre a millimetre of paper.
+// One page, at scale 1:1. Its markers keep their relative positions, x to the right, y upwards. The board point
+// `middle` is the centre of the area inside the margins.
 struct Sheet {
-  std::string name;  // "NW", or "set" when all are on it
-  Paper paper;       // as it is to lie
+  std::string name;  // "NW", or "set" if all markers are on it
+  Paper paper;       // in its orientation
   std::vector<Marker> markers;
   BoardPoint middle;
-  double cut_mm = 0.0;  // white to leave round a marker when it is cut out
+  double cut_mm = 0.0;  // white margin around a marker that is cut out
 };
 
 struct SheetSet {
-  Site site;  // what the prints are, to the last bit
+  Site site;  // site as printed, to the last bit
   std::vector<Sheet> sheets;
 };
 
@@ -37,13 +37,13 @@ struct PageRequest {
   Together together = Together::kWhereTheyFit;
 };
 
-// The paper as `orientation` wants it; `kAuto`: lying as what is printed on it does.
+// Returns the paper in the requested orientation. kAuto: that of the printed area.
 [[nodiscard]] Paper oriented(const PageRequest& page, bool is_wide);
 
-// fails   where a circle's diameter is not stated, prints overlap, or a marker is larger than the paper
+// Returns the sheets. Fails if a circle has no diameter, markers overlap, or a marker is larger than the paper.
 [[nodiscard]] tl::expected<SheetSet, std::string> sheets_of(const Site& site, const PageRequest& page);
 
-// Where on the page, in mm from its upper left corner, y downwards, a board point is printed.
+// Position on the page, mm from its upper left corner, y downwards.
 struct PagePoint {
   double x_mm = 0.0, y_mm = 0.0;
 };

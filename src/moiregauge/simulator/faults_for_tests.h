@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One grating in the middle of a small upright picture.
+// Test scene: one grating in the middle of a small image, upright.
 #pragma once
 
 #include "moiregauge/simulator/simulator.h"

@@ -9,7 +9,7 @@
 namespace moiregauge::internal::simulator {
 namespace {
 
-// Mean and rms of the grey levels in two whole pitches about the print's middle, of the light alone.
+// Statistics of an image without noise, in grey levels.
 struct Greys {
   double mean = 0.0, rms = 0.0;
 };
@@ -25,7 +25,7 @@ Greys greys_in(const Image<double>& picture, int left, int top, int width, int h
   return {sum / n, std::sqrt(std::max(squares / n - sum / n * sum / n, 0.0))};
 }
 
-// 20 px to a pitch, so that windows hold whole ones.
+// Returns a grating with a pitch of 20 px, so that windows hold whole periods.
 Scenario ink_lines(Pattern pattern) {
   Scenario scenario = lines(pattern);
   scenario.camera.fx = scenario.camera.fy = 20.0 / kPitch_mm * scenario.mount.distance_mm;
@@ -37,7 +37,7 @@ TEST(Ink, LinesTakeTheirShareOfThePitchAndDotGainWidensThem) {
   Ink& ink = scenario.markers[0].ink;
   const double white = scenario.light.white, contrast = white - scenario.light.black;
   ink.line_share = 0.16;
-  // 2e-3 of the contrast: a window begins between pixels.
+  // The tolerance of 2e-3 of the contrast is for windows that do not begin at a period.
   EXPECT_NEAR(greys_in(render_ideal(scenario, 0), 60, 50, 40, 20).mean, white - 0.16 * contrast, 2e-3 * contrast);
   ink.gain_mm = 0.15;
   EXPECT_NEAR(greys_in(render_ideal(scenario, 0), 60, 50, 40, 20).mean, white - 0.21 * contrast, 2e-3 * contrast);
@@ -62,8 +62,8 @@ TEST(Ink, RaggedEdgesAndUnevenInkMoveWithThePrint) {
   EXPECT_GT(roughness, 20.0) << "no two pitches are alike";
 }
 
-TEST(Ink, EdgesWanderByTheirRoughness) {
-  // The position of a horizontal line's edge in every column: its grey levels there over the slope.
+TEST(Ink, EdgesDeviateByTheirRoughness) {
+  // The deviation of an edge in each column is the change of its grey level divided by the slope.
   Scenario scenario = ink_lines(Pattern::kLinesY);
   const auto straight = render_ideal(scenario, 0);
   Ink& ink = scenario.markers[0].ink;
@@ -77,7 +77,8 @@ TEST(Ink, EdgesWanderByTheirRoughness) {
     if (std::abs(slope) < 30.0) continue;
     for (int x = 45; x < 115; ++x, ++count) squares += std::pow((ragged.at(x, y) - straight.at(x, y)) / slope, 2);
   }
-  // 70 px hold some 17 grains a line, five or six lines: a tenth relative; 3 of them.
+  // 70 px hold about 17 grains per line, on five or six lines. The relative standard error is 0.1; the limit is 3 of
+  // it.
   EXPECT_NEAR(std::sqrt(squares / count), 0.06 * px_per_mm(scenario), 0.3 * 0.06 * px_per_mm(scenario));
 }
 
@@ -92,7 +93,8 @@ TEST(Ink, GrainHasTheRmsItStates) {
     }
   }
   constexpr double kCount = kSide * kSide;
-  // 127 x 127 grains: 0.8 % of a mean, half of it of an rms; 4 of them.
+  // For 127 x 127 grains the standard error is 0.8 % for the mean and half of that for the rms. The limit is 4 of
+  // these.
   EXPECT_NEAR(sum / kCount, 0.0, 0.032);
   EXPECT_NEAR(std::sqrt(squares / kCount), 1.0, 0.02);
 }

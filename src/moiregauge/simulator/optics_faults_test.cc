@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lens, light and sensor do wrong, against what optics says of it.
+// Faults of lens, light and sensor, compared with formulas of optics.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,14 +12,13 @@
 namespace moiregauge::internal::simulator {
 namespace {
 
-// Amplitude of the print's first harmonic along x; the picture shows it upright and whole. Its sign is that of the
-// middle.
+// Returns the signed amplitude of the grating's first harmonic along x, relative to its middle.
 double contrast(const Scenario& scenario, long frame = 0) {
   const Image<double> picture = render_ideal(scenario, frame);
   const ImagePoint middle = project(scenario, frame, scenario.markers[0], {0.0, 0.0});
   const double pitch = pitch_px(scenario);
   double sum = 0.0;
-  // Two periods wide under a Hann window, which is blind to the mean; one row.
+  // A Hann window two periods wide suppresses the mean.
   const int y = static_cast<int>(std::lround(middle.y)), reach = static_cast<int>(std::floor(pitch));
   for (int x = static_cast<int>(middle.x) - reach; x <= static_cast<int>(middle.x) + reach; ++x) {
     const double d = x - middle.x, window = std::abs(d) < pitch ? 1.0 + std::cos(kPi * d / pitch) : 0.0;
@@ -28,8 +27,8 @@ double contrast(const Scenario& scenario, long frame = 0) {
   return sum;
 }
 
-// A Gaussian of sigma s takes exp(-2 pi^2 s^2 / P^2) of a wave of period P.
-TEST(Defocus, OfAGaussianTakesItsShareOfTheContrast) {
+// A Gaussian of sigma s multiplies a wave of period P by exp(-2 pi^2 s^2 / P^2).
+TEST(Defocus, AGaussianLowersTheContrastByItsTransferFunction) {
   Scenario scenario = lines(Pattern::kCosine);
   const double sharp = contrast(scenario), pitch = pitch_px(scenario);
   for (const double sigma : {2.0, 5.0}) {
@@ -39,21 +38,22 @@ TEST(Defocus, OfAGaussianTakesItsShareOfTheContrast) {
   }
 }
 
-// A disc of radius R takes 2 J1(x) / x, x = 2 pi R / P: negative beyond R = 0.61 P, dark lines where light ones were.
-TEST(Defocus, OfADiscTurnsLightIntoDark) {
+// A disc of radius R multiplies a wave of period P by 2 J1(x) / x, with x = 2 pi R / P. Beyond R = 0.61 P this is
+// negative: dark and light are exchanged.
+TEST(Defocus, ALargeDiscExchangesLightAndDark) {
   Scenario scenario = lines(Pattern::kCosine);
-  scenario.camera.height = 12;  // a disc is drawn point by point
+  scenario.camera.height = 12;  // px; a disc is drawn point by point, which is slow
   scenario.camera.cy = 6.0;
   const double sharp = contrast(scenario), pitch = pitch_px(scenario);
   for (const double share : {0.2, 0.4, 0.8}) {
     scenario.sensor.defocus_disc_px.offset = share * pitch;
     const double x = kTwoPi * share, expected = 2.0 * std::cyl_bessel_j(1, x) / x;
-    // The rim is soft by 0.12 of the radius; at equal variance a difference of fourth order, under 0.03 here.
+    // The rim is soft by 0.12 of the radius. At equal variance the difference is of fourth order, below 0.03 here.
     EXPECT_NEAR(contrast(scenario) / sharp, expected, 0.03) << share << " pitch";
   }
 }
 
-TEST(Defocus, MayComeAndGo) {
+TEST(Defocus, MayChangeOverTime) {
   Scenario scenario = lines(Pattern::kCosine);
   const double sharp = contrast(scenario, 0);
   scenario.sensor.defocus_px.knots = {{0.4, 0.0}, {0.5, 6.0}};
@@ -61,15 +61,15 @@ TEST(Defocus, MayComeAndGo) {
   EXPECT_LT(contrast(scenario, 9), 0.6 * sharp);
 }
 
-// A movement of b px during the exposure takes sin(pi b / P) / (pi b / P) of the wave along it: nothing is left at b =
-// P, and beyond it light is dark.
-TEST(MotionBlur, TakesItsShareUpToAPitchAndTurnsThePhaseBeyond) {
+// A movement of b px during the exposure multiplies the wave by sin(pi b / P) / (pi b / P). This is 0 at b = P and
+// negative beyond.
+TEST(MotionBlur, LowersTheContrastUpToAPitchAndInvertsItBeyond) {
   Scenario scenario = lines(Pattern::kLinesX);
   const double sharp = contrast(scenario);
   for (const double pitches : {0.5, 1.0, 1.4}) {
     const double speed = pitches * kPitch_mm / scenario.sensor.exposure_s;
     scenario.markers[0].dx.knots = {{-1.0, -speed}, {1.0, speed}};
-    // Over more than a pitch the harmonics of binary lines are gone; what is left of the first follows the sinc.
+    // A movement by more than a pitch removes the harmonics of binary lines. The first harmonic follows the sinc.
     const double expected = std::sin(kPi * pitches) / (kPi * pitches);
     EXPECT_NEAR(contrast(scenario) / sharp, expected, 0.03) << pitches << " pitches";
   }
@@ -87,7 +87,7 @@ TEST(Flicker, IsTheMeanOverTheExposure) {
   EXPECT_NEAR(share(), 1.0 + 0.2 * 2.0 / kPi, 1e-12) << "half a period about its crest";
 }
 
-TEST(Flicker, GoesDownThePictureWithARollingShutter) {
+TEST(Flicker, VariesFromRowToRowWithARollingShutter) {
   Scenario scenario = lines(Pattern::kLinesX);
   scenario.sensor.exposure_s = 0.0;
   scenario.sensor.readout_s = 0.02;
@@ -98,7 +98,7 @@ TEST(Flicker, GoesDownThePictureWithARollingShutter) {
   EXPECT_NEAR(picture.at(5, y) / 110.0, expected, 1e-12);
 }
 
-TEST(Glare, AddsANormalSpotAndMayFillThePixels) {
+TEST(Glare, AddsAGaussianSpotAndMaySaturatePixels) {
   Scenario scenario = lines(Pattern::kLinesX);
   const auto without = render_ideal(scenario, 0);
   Glare& glare = scenario.markers[0].glare;
@@ -123,7 +123,7 @@ TEST(ToneCurve, IsAPowerOfTheLight) {
   EXPECT_EQ(render8(scenario, 0).at(5, 5), std::lround(255.0 * std::pow(110.0 / 255.0, 1.0 / 2.2)));
 }
 
-TEST(RowNoise, IsSharedByARow) {
+TEST(RowNoise, IsCommonToARow) {
   Scenario scenario = lines(Pattern::kLinesX);
   scenario.sensor.noise_sigma = 0.0;
   scenario.sensor.row_noise = 4.0;
@@ -139,7 +139,7 @@ TEST(RowNoise, IsSharedByARow) {
   EXPECT_NEAR(std::sqrt(sum / rows), 4.0, 4.0 * 4.0 / std::sqrt(2.0 * rows));
 }
 
-TEST(Zoom, ScalesThePictureAboutThePrincipalPoint) {
+TEST(Zoom, ScalesTheImageAboutThePrincipalPoint) {
   Scenario scenario = lines(Pattern::kLinesX);
   scenario.optics.zoom.knots = {{0.0, 0.0}, {1.0, 0.01}};
   const ImagePoint c{scenario.camera.cx, scenario.camera.cy};
@@ -148,8 +148,7 @@ TEST(Zoom, ScalesThePictureAboutThePrincipalPoint) {
   EXPECT_NEAR(after.y - c.y, 1.01 * (before.y - c.y), 1e-9);
 }
 
-// Three pixels to the right, exactly: the picture is drawn where `project` says.
-TEST(Stabiliser, MovesThePicture) {
+TEST(Stabiliser, MovesTheImage) {
   Scenario scenario = lines(Pattern::kLinesX);
   const auto before = render_ideal(scenario, 0);
   scenario.optics.shift_x.offset = 3.0;
@@ -160,8 +159,8 @@ TEST(Stabiliser, MovesThePicture) {
   EXPECT_LT(worst, 1e-6);
 }
 
-// Below half a pixel per line nothing of it can be left but a beat; what is left is what point spread and pixel pass.
-TEST(FinePitch, IsAsFaintAsPointSpreadAndPixelLeaveIt) {
+// A pitch of 2.2 px is close to the limit of 2 px. The remaining contrast is given by point spread and pixel area.
+TEST(FinePitch, HasTheContrastThatPointSpreadAndPixelAreaTransfer) {
   Scenario scenario = lines(Pattern::kCosine);
   scenario.markers[0].print.grating->pitch_mm = 2.2 / px_per_mm(scenario);
   const auto picture = render_ideal(scenario, 0);
@@ -173,7 +172,8 @@ TEST(FinePitch, IsAsFaintAsPointSpreadAndPixelLeaveIt) {
   }
   const double turn = kTwoPi / 2.2, psf = scenario.sensor.psf_sigma_px;
   const double passed = std::exp(-0.5 * turn * turn * psf * psf) * std::sin(0.5 * turn) / (0.5 * turn);
-  // Its crests are met to within 0.1 px: cos(0.1 x 2 pi / 2.2) = 0.96.
+  // A wave with the full contrast of 170 grey levels has an amplitude of 85. A crossed cosine has half of it along each
+  // axis. Pixels miss the crests by up to 0.1 px, a factor of cos(0.1 x 2 pi / 2.2) = 0.96.
   const double alone = 85.0 * passed;
   EXPECT_LT(0.5 * (lightest - darkest), 1.02 * alone);
   EXPECT_GT(0.5 * (lightest - darkest), 0.4 * alone);

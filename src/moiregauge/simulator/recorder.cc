@@ -9,7 +9,7 @@
 namespace moiregauge::internal::simulator {
 namespace {
 
-// The mean of a picture's difference from another over 3 x 3 pixels: motion, not noise.
+// Returns the absolute mean difference of two images over 3 x 3 pixels. The mean suppresses noise and leaves motion.
 template <typename Now, typename Other>
 double difference_at(const Image<Now>& now, const Image<Other>& other, int x, int y) {
   double sum = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording frame after frame: what cameras do to a picture with the help of the ones before it.
+// Renders a recording frame by frame, with the temporal processing of cameras.
 #pragma once
 
 #include <deque>
@@ -9,11 +9,11 @@
 
 namespace moiregauge::internal::simulator {
 
-// True when a frame's stored picture depends on those before it.
+// Returns true if a stored frame depends on earlier frames.
 [[nodiscard]] bool has_temporal_steps(const Scenario& scenario);
 
-// Averages over frames and recursive noise reduction, of stored grey levels. Frames are given in order, from the first
-// on.
+// Applies averages over frames and recursive noise reduction to stored grey levels. Takes the frames in order, from the
+// first one.
 class TemporalFilter {
  public:
   explicit TemporalFilter(const Scenario& scenario);
@@ -24,12 +24,13 @@ class TemporalFilter {
   [[nodiscard]] Image<Grey> filtered(const Image<Grey>& now);
 
   Processing processing_;
-  double grey_;  // one grey level of 8 bits in stored ones
+  double grey_;  // stored grey levels per grey level of 8 bits
   std::deque<Picture> before_;
   std::optional<Image<double>> kept_;
 };
 
-// Gives the frames of a recording, as `render` does, and cheaply so when they are asked for in order.
+// Renders the frames of a recording with the same result as `render`. Ascending frame numbers are fastest: an earlier
+// number makes temporal processing start again at frame 0.
 class Recorder {
  public:
   Recorder(const Scenario& scenario, const RenderOptions& options);

@@ -19,7 +19,7 @@
 namespace moiregauge::internal::simulator {
 namespace {
 
-// What turns light into stored numbers.
+// Conversion of light into stored grey levels: noise, gamma, tone curve, quantisation.
 class Readout {
  public:
   Readout(const Scenario& scenario, long frame)
@@ -32,7 +32,7 @@ class Readout {
         highest_(std::ldexp(1.0, scenario.sensor.bits) - 1.0),
         noise_(scenario.seed, shot_of(scenario, frame)),
         row_noise_(scenario.seed + kRows, shot_of(scenario, frame)) {}
-  // Of what pixel number `pixel`, in row y, received.
+  // Returns the stored value for the light of pixel number `pixel` in row y.
   [[nodiscard]] double stored(double grey, int y, std::uint64_t pixel) const {
     return quantised(toned(grey, y, pixel));
   }
@@ -42,7 +42,7 @@ class Readout {
     if (row_ != 0.0) grey += row_ * row_noise_.at(static_cast<std::uint64_t>(y));
     return toned(grey);
   }
-  // Without noise.
+  // Returns the stored value without noise.
   [[nodiscard]] double stored(double grey) const { return quantised(toned(grey)); }
   [[nodiscard]] double toned(double grey) const {
     if (gamma_ != 1.0) grey = 255.0 * std::pow(std::clamp(grey / 255.0, 0.0, 1.0), 1.0 / gamma_);
@@ -60,7 +60,8 @@ class Readout {
   Noise noise_, row_noise_;
 };
 
-// Numbers that are not whole are the light itself, or what the tone curve makes of it after noise.
+// Output of a rendering: light (real numbers), grey levels after noise and tone curve (real numbers), or stored
+// integers.
 enum class Stage { kLight, kToned, kStored };
 
 template <typename Grey>
@@ -102,7 +103,7 @@ class Rendering {
     for (const ExposedMarker& marker : markers_) {
       if (marker.covers_row(y)) marker.lay_over(y, light);
     }
-    // Windows may share pixels: each is lit and read once.
+    // Windows may overlap; each pixel is lit and read out once.
     std::vector<std::uint8_t> is_done(out.size(), 0);
     for (const ExposedMarker& marker : markers_) {
       if (!marker.covers_row(y)) continue;
@@ -116,7 +117,7 @@ class Rendering {
     }
   }
 
-  // The region in which anything is drawn, and `reach` px around it.
+  // Returns the region in which anything is drawn, extended by `reach` px.
   [[nodiscard]] DrawnParts drawn(int reach) const {
     const Camera& camera = scenario_.camera;
     DrawnParts parts(camera.width, camera.height);
@@ -127,9 +128,9 @@ class Rendering {
   }
 
  private:
-  // A sensor holds no less than nothing, and no more than fits.
+  // Clips to the range of the sensor.
   [[nodiscard]] static double cut(double grey) { return std::clamp(grey, 0.0, 255.0); }
-  // Lights the pixels and reads them out.
+  // Applies the lighting to pixels from..to of row y and reads them out.
   void store(int y, int from, int to, std::span<double> light, std::span<Grey> out) const {
     const auto first_pixel = static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(scenario_.camera.width);
     lighting_.fall_on(y, from, to, light);

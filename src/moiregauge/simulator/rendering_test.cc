@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPitch_mm = 10.0;
 
-// One grating and one circle under 40 degrees of slant about an oblique axis, seen through a strong lens.
+// Returns one grating and one circle, tilted by 40 degrees about an oblique axis, with strong lens distortion.
 Scenario slanted(Pattern pattern) {
   Scenario scenario;
   scenario.camera = {.width = 240, .height = 200, .cx = 20.0, .cy = 30.0, .k1 = -0.37, .p1 = 0.01};
@@ -31,7 +31,7 @@ Scenario slanted(Pattern pattern) {
 
 bool is_line(double x) { return std::abs(x - kPitch_mm * std::round(x / kPitch_mm)) < 0.25 * kPitch_mm; }
 
-// The print at one mathematical point; nothing of the renderer is used.
+// Returns the grey level of the sheet at a point, without the renderer.
 double grey_at(const Scenario& scenario, BoardPoint p) {
   const SceneMarker& marker = scenario.markers[0];
   const Grating& grating = *marker.print.grating;
@@ -44,7 +44,7 @@ double grey_at(const Scenario& scenario, BoardPoint p) {
   if (grating.pattern == Pattern::kDots) {
     const auto offset = [](double at) {
       return at - 10.0 * std::clamp(std::round(at / 10.0), -1.0, 1.0);
-    };  // whole dots
+    };  // the pattern has whole dots only
     is_dark = std::hypot(offset(x), offset(y)) < 2.5;
   }
   return is_dark ? scenario.light.black : scenario.light.white;
@@ -56,7 +56,7 @@ BoardPoint board_point(const Scenario& scenario, ImagePoint pixel) {
   return {w[0] / w[2], w[1] / w[2]};
 }
 
-// Point spread and pixel area by brute force: the Gaussian of each axis averaged over the pixel's unit, on a fine net.
+// Integrates point spread and pixel area numerically on a fine grid.
 double brute_force(const Scenario& scenario, int px, int py) {
   constexpr int kPerPixel = 40, kReach = 4 * kPerPixel;
   const double root = scenario.sensor.psf_sigma_px * std::sqrt(2.0);
@@ -83,14 +83,14 @@ TEST_P(EveryPrint, IsTheMeanOfTheLightOverPointSpreadAndPixel) {
     const int x = static_cast<int>(middle.x) - 40 + 6 * i, y = static_cast<int>(middle.y) - 30 + (17 * i) % 61;
     worst = std::max(worst, std::abs(picture.at(x, y) - brute_force(scenario, x, y)));
   }
-  // The net itself is good for some hundredths of a grey level; dots are drawn to the first order of their curvature.
+  // The grid has an error of some 0.01 grey levels. The renderer draws dots to the first order of their curvature.
   EXPECT_LT(worst, GetParam() == Pattern::kDots ? 0.5 : 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Patterns, EveryPrint,
                          testing::Values(Pattern::kGrid, Pattern::kSquares, Pattern::kCheckerboard, Pattern::kDots));
 
-// Phase of the first harmonic along x and y in pixels of the picture, under a smooth window of board coordinates.
+// Returns the phase of the first harmonic along x and y in px, under a smooth window in board coordinates.
 std::complex<double> phase_px(const Scenario& scenario, const Image<double>& picture) {
   const BoardPoint centre = scenario.markers[0].print.grating->centre;
   std::complex<double> along_x, along_y;
@@ -112,7 +112,7 @@ std::complex<double> phase_px(const Scenario& scenario, const Image<double>& pic
 
 class EveryPhase : public testing::TestWithParam<Pattern> {};
 
-TEST_P(EveryPhase, IsZeroAtTheSymmetryPointWhateverTheSlant) {
+TEST_P(EveryPhase, IsZeroAtTheSymmetryPointAtAnyTilt) {
   const Scenario scenario = slanted(GetParam());
   const auto error = phase_px(scenario, render_ideal(scenario, 0));
   EXPECT_NEAR(error.real(), 0.0, 5e-4);
@@ -121,7 +121,7 @@ TEST_P(EveryPhase, IsZeroAtTheSymmetryPointWhateverTheSlant) {
 
 INSTANTIATE_TEST_SUITE_P(Patterns, EveryPhase, testing::Values(Pattern::kGrid, Pattern::kCosine, Pattern::kSquares));
 
-TEST(Rendering, TheLensIsTakenBackExactly) {
+TEST(Rendering, TheLensIsInvertedExactly) {
   const Scenario scenario = slanted(Pattern::kGrid);
   const ImagePoint there = project(scenario, 0, scenario.markers[0], {31.0, -7.0});
   const BoardPoint back = board_point(scenario, there);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens in front of the camera, to its clock, and to the site file.
+// Faults in front of the camera, of its clock, and of the site file.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -24,14 +24,14 @@ Scenario with_cover() {
   return scenario;
 }
 
-TEST(Cover, OfACornerLeavesTheOtherThree) {
+TEST(Cover, OfOneCornerDoesNotAffectTheOtherThree) {
   const Scenario scenario = with_cover();
   EXPECT_NEAR(rendered_at(scenario, 0, {-9.0, -6.0}), 77.0, 1e-6);
   for (const BoardPoint open : {BoardPoint{-9.0, 6.0}, BoardPoint{9.0, 6.0}, BoardPoint{9.0, -6.0}})
     EXPECT_EQ(rendered_at(scenario, 0, open), rendered_at(lines(Pattern::kLinesX), 0, open));
 }
 
-TEST(Cover, MovesAcrossWhileTheTruthStays) {
+TEST(Cover, MovesWithoutAChangeOfTheTruth) {
   Scenario scenario = with_cover();
   scenario.markers[0].cover.x_mm.knots = {{0.0, 0.0}, {1.0, 18.0}};
   EXPECT_GT(std::abs(rendered_at(scenario, 0, {9.0, -6.0}) - 77.0), 10.0);
@@ -50,8 +50,7 @@ TEST(Cover, MayBeAShadowOrRough) {
   EXPECT_GT(std::abs(rendered_at(scenario, 0, there) - rendered_at(scenario, 0, {-7.0, -7.0})), 1.0);
 }
 
-// The half right of the crease stands so much further right, print and all.
-TEST(Fold, ShiftsOneHalfOfThePrint) {
+TEST(Fold, ShiftsTheHalfRightOfTheCrease) {
   Scenario scenario = lines(Pattern::kLinesX), flat = scenario;
   const double pixel = 1.0 / px_per_mm(scenario);
   scenario.markers[0].fold_mm.offset = 2.0 * pixel;
@@ -61,7 +60,7 @@ TEST(Fold, ShiftsOneHalfOfThePrint) {
   for (int x = middle + 8; x < middle + 30; ++x) EXPECT_NEAR(folded.at(x, y), before.at(x - 2, y), 1e-6);
 }
 
-TEST(Fold, IsDrawnWhereverItGoes) {
+TEST(Fold, MayChangeOverTime) {
   Scenario scenario = lines(Pattern::kLinesX);
   scenario.markers[0].fold_mm.knots = {{0.5, 0.0}, {0.6, 0.5}};
   EXPECT_EQ(rendered_at(scenario, 4, {7.3, 0.0}), rendered_at(lines(Pattern::kLinesX), 4, {7.3, 0.0}));
@@ -78,7 +77,7 @@ TEST(Stretch, IsAlongOneAxisOnly) {
   EXPECT_NEAR(along_x / along_y, 1.002, 1e-12);
 }
 
-TEST(Haze, IsEveryMarkersOwnAndNoMovement) {
+TEST(Haze, IsIndependentForEachMarkerAndNoDisplacement) {
   Scenario scenario = *built_in("small-still");
   scenario.haze = {.rms_mm = 0.05, .step_s = 0.1};
   const Scenario still = *built_in("small-still");
@@ -126,7 +125,7 @@ TEST(Timing, JitterMovesExposureStampAndTruthTogether) {
   EXPECT_EQ(stamp_of(scenario, 7), 0.7);
 }
 
-TEST(Timing, StampsMayBeWrongByThemselves) {
+TEST(Timing, StampsMayBeWrongWhileShotsAreOnTime) {
   Scenario scenario = lines(Pattern::kLinesX);
   scenario.timing.stamp_jitter_s = 0.03;
   std::set<double> errors;
@@ -175,7 +174,7 @@ TEST(SiteErrors, MayNameTwoMarkersWronglyOrBeMirrored) {
   EXPECT_EQ(site.markers[0].circle->centre.y, 40.0);
 }
 
-TEST(Settings, SpeakOfEveryFault) {
+TEST(Settings, IncludeEveryFault) {
   Scenario scenario = *built_in("small-still");
   const auto set = [&](const char* name, const char* value) {
     for (const Setting& setting : settings_of(scenario)) {

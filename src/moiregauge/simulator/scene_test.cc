@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What may be wrong with a scene or in its way: sites that are not as stated, covers, rolling shutters, orbits.
+// Site errors, covers, rolling shutters and orbits of the simulator.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -19,7 +19,7 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-TEST(SiteErrors, AreDrawnAsWideAsTheSiteSays) {
+TEST(SiteErrors, AreDrawnWithTheStatedUncertainties) {
   Scenario scenario = *built_in("small-1xyz");
   scenario.known_to = {
       .position_mm = 5.0, .rotation_rad = radians_from_degrees(0.2), .height_mm = 2.0, .print_scale = 1e-3};
@@ -42,7 +42,7 @@ TEST(SiteErrors, AreDrawnAsWideAsTheSiteSays) {
     EXPECT_NEAR(rms(drawn), 1.0, 4.0 / std::sqrt(2.0 * static_cast<double>(drawn.size())));
 }
 
-TEST(SiteErrors, LeaveTheSiteAsStatedAndTheTruthAsItWas) {
+TEST(SiteErrors, DoNotChangeTheStatedSiteOrTheTruth) {
   const Scenario stated = *built_in("small-1xyz");
   Scenario scenario = stated;
   scenario.known_to.position_mm = 5.0;
@@ -80,7 +80,7 @@ TEST(PrintScale, StretchesThePitchByTheStatedAmount) {
   EXPECT_NEAR(length(project(scenario, 0, marker, centre) - middle), 0.0, 1e-12) << "its middle stays";
 }
 
-// The picture agrees with `project`: the edge of a circle drawn 1 % too large is where it says.
+// The edge of a circle that is 1 % too large must be drawn at the position given by `project`.
 TEST(PrintScale, IsDrawn) {
   Scenario scenario = *built_in("small-still");
   SceneMarker& marker = scenario.markers[1];
@@ -90,9 +90,9 @@ TEST(PrintScale, IsDrawn) {
   const auto picture = render_ideal(scenario, 0);
   const int y = static_cast<int>(std::lround(project(scenario, 0, marker, c).y));
   const int from = static_cast<int>(project(scenario, 0, marker, c).x);
-  double dark = 0.5;  // half of pixel `from` lies beyond its centre
+  double dark = 0.5;  // px; half of pixel `from` is beyond its centre
   for (int x = from + 1; x < from + 40; ++x) dark += (210.0 - picture.at(x, y)) / 170.0;
-  // Within half a pixel's sag of the circle's edge: (0.5 px)^2 / (2 x 23 px).
+  // The row may miss the centre by 0.5 px, which changes the edge by (0.5 px)^2 / (2 x 23 px).
   EXPECT_NEAR(from + dark, edge, 0.02);
 }
 
@@ -117,12 +117,12 @@ TEST(Cover, HidesItsMarkerInItsFramesOnly) {
   EXPECT_TRUE(std::equal(after.row(100).begin(), after.row(100).end(), open_after.row(100).begin()));
 }
 
-TEST(Cover, OfAShareHidesThatShareOfTheSheet) {
+TEST(Cover, HidesItsShareOfTheSheet) {
   Scenario scenario = *built_in("small-still");
   SceneMarker& target = scenario.markers.back();
   target.cover = {.frames = {{0, 1}}, .share = 0.25, .grey = 77.0};
   const auto picture = render_ideal(scenario, 0);
-  // The sheet is 60 mm wide about (0, 0): covered from -30 to -15.
+  // The sheet is 60 mm wide around (0, 0), so it is covered from -30 to -15 mm.
   const ImagePoint edge = project(scenario, 0, target, {-15.0, 0.0});
   for (int x = int(edge.x) - 40; x < int(edge.x) - 4; ++x) EXPECT_NEAR(picture.at(x, int(edge.y)), 77.0, 1e-9);
   double differs = 0.0;
@@ -131,9 +131,9 @@ TEST(Cover, OfAShareHidesThatShareOfTheSheet) {
   EXPECT_GT(differs, 30.0) << "beside it the print is seen";
 }
 
-// A camera turning about its optical axis' normal y at w rad/s moves the middle of the picture by f w; a row exposed
-// later by t shows it f w t further.
-TEST(RollingShutter, OfATurningCameraShearsThePicture) {
+// A camera rotating about y at w rad/s moves the middle of the image at f w px/s. A row exposed later by t is shifted
+// by f w t.
+TEST(RollingShutter, WithARotatingCameraShearsTheImage) {
   Scenario scenario = *built_in("small-still");
   scenario.mount.pivot_z_mm = 0.0;
   scenario.sensor.exposure_s = 0.0;
@@ -142,13 +142,13 @@ TEST(RollingShutter, OfATurningCameraShearsThePicture) {
   scenario.sensor.readout_s = 0.08;
   const auto rolling = render_ideal(scenario, 0);
   const double rate_px = scenario.camera.fx * radians_from_degrees(1.0);
-  // Where the left edge of the target's print is along a row: the paper's white sums up to it.
+  // Measures the left edge of the target's grating in a row, by the sum of the white paper up to it.
   const auto edge_of = [](const Image<double>& picture, int y) {
     double white = 0.0;
     for (int x = 432; x < 462; ++x) white += (picture.at(x, y) - 40.0) / 170.0;
     return white;
   };
-  // Rows on a dark line along x through the target, so that the print's edge is paper on black.
+  // These rows are on dark lines of the grating, so its edge is a step from paper to black.
   for (const int y : {226, 284}) {
     const double shear = edge_of(rolling, y) - edge_of(global, y);
     const double expected = rate_px * 0.08 * ((y + 0.5) / 512.0 - 0.5);
@@ -157,7 +157,7 @@ TEST(RollingShutter, OfATurningCameraShearsThePicture) {
   EXPECT_EQ(truth(scenario, 0, scenario.markers.back()).dx_mm, 0.0) << "the truth is the frame's, whatever the row";
 }
 
-TEST(RollingShutter, OfNoReadoutTimeIsTheGlobalOne) {
+TEST(RollingShutter, WithoutReadoutTimeEqualsTheGlobalShutter) {
   Scenario scenario = *built_in("small-1xyz");
   const auto global = render_ideal(scenario, 7);
   scenario.sensor.readout_s = 1e-12;
@@ -176,25 +176,25 @@ TEST(RandomTrack, HoldsOneValuePerStepAndFillsItsRange) {
     EXPECT_NEAR(track.mean(0.1 * n - 0.02, 0.1 * n + 0.03), values.back(), 1e-12);
     EXPECT_LE(std::abs(values.back()), 2.0);
   }
-  // Uniform: rms 2 / sqrt 3; the relative scatter of an rms of n uniform numbers is 1 / sqrt(5 n).
+  // Uniform numbers have an rms of 2 / sqrt(3). The relative standard error of the rms of n of them is 1 / sqrt(5 n).
   EXPECT_NEAR(rms(values) * std::sqrt(3.0) / 2.0, 1.0, 4.0 / std::sqrt(5.0 * 2000));
   EXPECT_NEAR(track.mean(0.05, 0.25), 0.5 * (values[1] + values[2]), 1e-12);
   EXPECT_NE(Mount{}.rotation_x.random_seed, Mount{}.rotation_y.random_seed);
 }
 
-TEST(Orbit, KeepsTheBoardsMiddleWhereItIs) {
+TEST(Orbit, DoesNotMoveTheImageOfTheBoardsMiddle) {
   const Scenario scenario = *built_in("small-orbit-40");
   for (const long frame : {0L, 40L, 80L, 160L}) {
     const ImagePoint p = project(scenario, frame, {0.0, 0.0});
     EXPECT_NEAR(p.x, scenario.camera.cx, 1e-9);
     EXPECT_NEAR(p.y, scenario.camera.cy, 1e-9);
   }
-  // At 40 deg about y, a point 1 mm to the right on the board is foreshortened by cos 40.
+  // At 40 degrees about y, lengths along x are foreshortened by cos 40.
   const double seen = project(scenario, 160, {1.0, 0.0}).x - project(scenario, 160, {-1.0, 0.0}).x;
   EXPECT_NEAR(seen / (2.0 * 3478.26 / 1200.0), std::cos(radians_from_degrees(40.0)), 1e-5);
 }
 
-TEST(BuiltIn, EveryMarkerStaysInThePicture) {
+TEST(BuiltIn, EveryMarkerStaysInTheImage) {
   for (const BuiltIn& entry : built_in_scenarios()) {
     Scenario scenario = *built_in(std::string(entry.name));
     EXPECT_EQ(problem_with(scenario), std::nullopt) << entry.name;
@@ -221,7 +221,7 @@ TEST(BuiltIn, EveryMarkerStaysInThePicture) {
   }
 }
 
-TEST(BuiltIn, TheWalkIsAsFastAsItSays) {
+TEST(BuiltIn, TheWalkHasTheStatedSpeed) {
   const Scenario scenario = *built_in("small-walk");
   const SceneMarker& target = scenario.markers.back();
   double fastest = 0.0, lowest = 1e9, highest = -1e9;

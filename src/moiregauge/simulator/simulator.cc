@@ -36,7 +36,7 @@ void mirror(Marker& marker) {
   marker.grating->angle_rad = -marker.grating->angle_rad;
 }
 
-// All but their names and parts.
+// Exchanges two markers, except their names and roles.
 void exchange(Site& site, const std::string& name_a, const std::string& name_b) {
   Marker *a = nullptr, *b = nullptr;
   for (Marker& marker : site.markers) {

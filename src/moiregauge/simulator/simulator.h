@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures with known truth. Knows nothing of the instrument, so that a formula wrong there is not wrong here too.
+// Renders images with known truth. Shares no formulas with the instrument, so that an error there cannot cancel out
+// here.
 #pragma once
 
 #include <cstdint>
@@ -14,42 +15,43 @@
 
 namespace moiregauge::internal::simulator {
 
-enum class Area { kWholeFrame, kMarkersOnly };  // markers only: their windows, the rest one flat grey
+enum class Area { kWholeFrame, kMarkersOnly };  // kMarkersOnly: the windows of the markers on a flat grey
 
 struct RenderOptions {
-  int threads = 0;  // 0: as many as there are; never changes a pixel
+  int threads = 0;  // 0: one per core; the number does not change the result
   Area area = Area::kWholeFrame;
 };
 
-// 8 bits, or 10 and 12 in 16-bit words.
+// Stored image: 8 bits, or 10 or 12 bits in 16-bit words.
 using Picture = std::variant<Image<std::uint8_t>, Image<std::uint16_t>>;
 [[nodiscard]] LumaView view_of(const Picture& picture);
 
-// Returns one frame as the camera stores it. With temporal processing that takes all frames before it: a `Recorder` is
-// cheaper for many of them.
+// Returns one frame as the camera stores it. Temporal processing requires all earlier frames; use a `Recorder` for many
+// frames.
 [[nodiscard]] Picture render(const Scenario& scenario, long frame, const RenderOptions& options = {});
-// Returns the same without temporal processing.
+// Returns one frame without temporal processing.
 [[nodiscard]] Picture render_still(const Scenario& scenario, long frame, const RenderOptions& options = {});
-// The same as `render` in 8 bits whatever the scenario says, without the variant.
+// Returns one frame as `render`, but always in 8 bits.
 [[nodiscard]] Image<std::uint8_t> render8(const Scenario& scenario, long frame, const RenderOptions& options = {});
-// The light itself in grey levels: no noise, no quantisation, no clipping.
+// Returns the light in grey levels, without noise, quantisation, tone curve and clipping.
 [[nodiscard]] Image<double> render_ideal(const Scenario& scenario, long frame, const RenderOptions& options = {});
 
-// Where a point of a marker's print (board millimetres as site.toml has them) is in the middle of the exposure.
+// Returns the image position, at the middle of the exposure, of a point of a marker (board mm as stated in site.toml).
 [[nodiscard]] ImagePoint project(const Scenario& scenario, long frame, const SceneMarker& marker, BoardPoint point);
-// Of a marker without movement of its own at z = 0.
+// Returns the same for a fixed point of the board at z = 0.
 [[nodiscard]] ImagePoint project(const Scenario& scenario, long frame, BoardPoint point);
 
-// Mean displacement over the exposure, relative to frame 0.
 struct Truth {
-  double dx_mm = 0.0;
-  double dy_mm = 0.0;
+  double dx_mm = 0.0;  // mm
+  double dy_mm = 0.0;  // mm
 };
+// Returns the mean displacement over the exposure, relative to that of frame 0.
 [[nodiscard]] Truth truth(const Scenario& scenario, long frame, const SceneMarker& marker);
 
-// What a user would know of it: references first, look-alikes left out.
+// Returns the site as the user states it, with the scenario's site errors: references first, no false candidates.
 [[nodiscard]] Site site_of(const Scenario& scenario);
 
+// Returns the marker with this name; null if there is none.
 [[nodiscard]] const SceneMarker* find_marker(const Scenario& scenario, const std::string& name);
 
 }  // namespace moiregauge::internal::simulator

@@ -24,8 +24,7 @@ TEST(Rig, HasTheFocalLengthAndScaleOfThePaper) {
   EXPECT_LT(c.y, a.y) << "the board's y points up";
 }
 
-// Every printed corner and circle at every combination of signs of 4 degrees.
-TEST(Rig, StaysInThePictureAtAllSignsOfFourDegrees) {
+TEST(Rig, StaysInTheImageAtAllSignsOfFourDegrees) {
   Scenario rig = *built_in("rig-8xyz");
   double margin = 1e9;
   for (int signs = 0; signs < 8; ++signs) {
@@ -52,7 +51,7 @@ TEST(Rig, StaysInThePictureAtAllSignsOfFourDegrees) {
   EXPECT_LT(margin, 13.0);
 }
 
-TEST(Rig, ACameraThatTurnsAboutItsOpticalCentreSeesOnlyARotation) {
+TEST(Rig, ARotationAboutTheOpticalCentreMovesTheImageByItsTangent) {
   Scenario rig = *built_in("rig-1x");
   rig.mount.pivot_z_mm = 0.0;
   rig.mount.rotation_x = turned_by(2.0);
@@ -64,7 +63,7 @@ TEST(Truth, IsRelativeToFrameZeroAndTheMeanOverTheExposure) {
   const Scenario rig = *built_in("rig-1x");
   const SceneMarker& target = *find_marker(rig, "mid");
   EXPECT_EQ(truth(rig, 0, target).dy_mm, 0.0);
-  // Half an exposure of frame 0 sees the ramp of 0.5 mm/s already: a mean of 0.5 * (T/2) / 2 / 2.
+  // The second half of frame 0's exposure T is on the ramp of 0.5 mm/s: a mean of 0.5 * (T/2) / 2 / 2.
   const double start = 0.5 * rig.sensor.exposure_s / 8.0;
   EXPECT_NEAR(truth(rig, 10, target).dy_mm, 0.5 - start, 1e-12);
   EXPECT_NEAR(truth(rig, 70, target).dy_mm, 2.0 - start, 1e-12);
@@ -95,7 +94,7 @@ TEST(Rendering, MarkersOnlyDrawsTheSameMarkers) {
 
 TEST(Noise, HasTheStatedScatterAndNoMean) {
   Scenario scenario = *built_in("small-1x");
-  scenario.sensor.bits = 12;  // finer steps, so that quantisation adds next to nothing
+  scenario.sensor.bits = 12;  // makes the quantisation noise negligible
   const auto picture = std::get<Image<std::uint16_t>>(render(scenario, 0));
   double sum = 0.0, squares = 0.0;
   constexpr int kRows = 60, kColumns = 1024;  // above and below the markers
@@ -123,7 +122,7 @@ TEST(Noise, OfZeroLeavesOnlyRounding) {
   }
 }
 
-TEST(Site, KnowsReferencesFirstAndNoLookAlikes) {
+TEST(Site, ListsReferencesFirstAndNoFalseCandidates) {
   Scenario scenario = *built_in("rig-1x");
   std::rotate(scenario.markers.begin(), scenario.markers.end() - 1, scenario.markers.end());
   scenario.markers[1].listed = false;

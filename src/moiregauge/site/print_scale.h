@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a printer's stretch does to a site: prints are larger than nominal, places are not.
+// Print scale of a site: printed gratings are larger or smaller than nominal, positions are not.
 #pragma once
 
 #include "moiregauge/site/site.h"
 
 namespace moiregauge::internal {
 
-// What the rulers of a sheet showed: measured over nominal length.
+// Result of measuring the rulers of a sheet: measured divided by nominal length.
 struct PrintScale {
   double factor = 1.0;
-  double u = 0.0;       // relative standard uncertainty; 0: not stated, the site's own word stands
-  double spread = 0.0;  // by how much either axis may differ from the factor, relative
+  double u = 0.0;       // relative standard uncertainty; 0: not stated, the site's own value counts
+  double spread = 0.0;  // largest deviation of either axis from the factor, relative
 };
 
-// The site with every print `scale.factor` times as large about its grating's centre: pitch, size of the grating,
-// diameter of the circle and its distance from the grating, which is on the same sheet. Where the gratings hang was
-// measured at the site and stays; so does where a circle without a grating hangs. known_to.print_scale becomes u where
-// that is stated, and is never less than the spread.
+// Returns the site with every print `scale.factor` times as large about its grating's centre. This changes pitch,
+// grating size, circle diameter and the circle's distance from the grating on the same sheet.
+// Positions of gratings were measured at the site and stay, as do those of circles without a grating. The new
+// known_to.print_scale is u if that is stated, and never less than the spread.
 [[nodiscard]] Site with_prints_scaled(Site site, PrintScale scale);
 
-// Of a site that was made from the prints alone: its places are counted in pitches, so they grow too, about the origin.
+// Returns the site with its positions scaled about the origin. For sites made from the gratings alone, whose positions
+// are counted in pitches.
 [[nodiscard]] Site with_places_scaled(Site site, double factor);
 
-// A ruler along x and one along y. The instrument takes one scale for both: the mean; half their difference is the
-// spread.
+// Returns the print scale from one ruler along x and one along y. The instrument uses one scale for both, the mean.
+// Half their difference is the spread.
 [[nodiscard]] PrintScale mean_of_rulers(double along_x, double along_y);
 
 }  // namespace moiregauge::internal

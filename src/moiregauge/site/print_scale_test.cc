@@ -16,7 +16,7 @@ Site one_sheet() {
   return {{marker}, {}};
 }
 
-TEST(PrintScale, PrintsGrowAboutTheGratingAndItsPlaceStays) {
+TEST(PrintScale, PrintsGrowAboutTheGratingAndItsPositionStays) {
   const Marker printed = with_prints_scaled(one_sheet(), {1.01}).markers.front();
   EXPECT_DOUBLE_EQ(printed.grating->pitch_mm, 10.1);
   EXPECT_DOUBLE_EQ(printed.grating->width_mm, 40.4);
@@ -27,13 +27,13 @@ TEST(PrintScale, PrintsGrowAboutTheGratingAndItsPlaceStays) {
   EXPECT_EQ(printed.circle->centre.y, 28.0);
 }
 
-TEST(PrintScale, RulersWithoutAnUncertaintyLeaveTheSitesWordForIt) {
+TEST(PrintScale, RulersWithoutAnUncertaintyKeepTheSitesValue) {
   EXPECT_EQ(with_prints_scaled(one_sheet(), {1.01}).known_to.print_scale, KnownTo{}.print_scale);
   EXPECT_EQ(with_prints_scaled(one_sheet(), {1.01, 1e-4}).known_to.print_scale, 1e-4);
 }
 
-// 0.1 % between x and y: either axis is off by half of that, whatever is said of the rulers.
-TEST(PrintScale, RulersThatDifferWidenTheUncertainty) {
+// The axes are 0.1 % off their mean each. This is the least uncertainty, whatever u is stated for the rulers.
+TEST(PrintScale, RulersThatDifferEnlargeTheUncertainty) {
   PrintScale scale = mean_of_rulers(1.001, 1.003);
   EXPECT_DOUBLE_EQ(scale.factor, 1.002);
   EXPECT_NEAR(with_prints_scaled(one_sheet(), scale).known_to.print_scale, 0.001, 1e-12);
@@ -41,8 +41,8 @@ TEST(PrintScale, RulersThatDifferWidenTheUncertainty) {
   EXPECT_NEAR(with_prints_scaled(one_sheet(), scale).known_to.print_scale, std::hypot(0.001, 1e-4), 1e-12);
 }
 
-// Circle and print are one sheet: what was counted in pitches is its place, not what is on it.
-TEST(PrintScale, PlacesCountedInPitchesGrowAsThePitchDoes) {
+// Circle and grating are on one sheet. Its position is counted in pitches, distances on it are not.
+TEST(PrintScale, PositionsCountedInPitchesGrowWithThePitch) {
   const Marker moved = with_places_scaled(one_sheet(), 1.01).markers.front();
   EXPECT_DOUBLE_EQ(moved.grating->centre.x, -343.4);
   EXPECT_DOUBLE_EQ(moved.circle->centre.x, -383.4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is printed where: the place's markers in board millimetres (site.toml, docs/conventions.md). Values only.
+// Site: the markers and their positions in board millimetres (site.toml, docs/conventions.md). Values only.
 #pragma once
 
 #include <optional>
@@ -18,13 +18,14 @@ struct Circle {
   double diameter_mm = 0.0;  // 0: not stated
 };
 
-// A periodic print. pitch_mm is the period along x (and y): line to line, centre to centre, TWO squares of a checkerboard.
+// A periodic print. pitch_mm is the period along x (and y): line to line, centre to centre, two squares of a
+// checkerboard.
 struct Grating {
-  BoardPoint centre;       // mm, a symmetry point of the print
-  double width_mm = 0.0;   // extent of the print along its own x
-  double height_mm = 0.0;  // and y
+  BoardPoint centre;       // mm, a symmetry point of the grating
+  double width_mm = 0.0;   // size of the grating along its own x
+  double height_mm = 0.0;  // size along its own y
   double pitch_mm = 0.0;
-  double angle_rad = 0.0;  // counter-clockwise from the board's x to the print's x
+  double angle_rad = 0.0;  // counter-clockwise from the board's x to the grating's x
   Pattern pattern = Pattern::kAuto;
 };
 
@@ -34,10 +35,10 @@ struct Marker {
   Role role = Role::kReference;
   std::optional<Circle> circle;
   std::optional<Grating> grating;
-  std::optional<double> z_mm;  // height above the reference plane; not stated: 0 for references, anything for targets
+  std::optional<double> z_mm;  // height above the reference plane; not stated: 0 for references, unknown for targets
 };
 
-// How well the site is known: standard uncertainties (k = 1).
+// Standard uncertainties (k = 1) of the site's values.
 struct KnownTo {
   double position_mm = 1.0;
   double rotation_rad = 0.3 * 3.14159265358979323846 / 180.0;
@@ -50,7 +51,7 @@ struct Site {
   KnownTo known_to;
 };
 
-// The word of site.toml and run.json for a pattern ("grid", "lines-x", ...), and back.
+// Return the word of a pattern in site.toml and run.json ("grid", "lines-x", ...), and the pattern of a word.
 [[nodiscard]] const char* word_for(Pattern pattern);
 [[nodiscard]] std::optional<Pattern> pattern_named(const std::string& word);
 

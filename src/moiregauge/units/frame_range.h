@@ -3,7 +3,7 @@
 
 namespace moiregauge::internal {
 
-// Frames A:B:STEP of an input, half open.
+// Frames A:B:STEP of an input. B is excluded.
 struct FrameRange {
   long first = 0;
   long end = -1;  // -1: to the end

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points carry the frame of reference they live in, so a board point never passes for an image point.
+// Points with their frame of reference as a type, so that a board point cannot be used as an image point.
 #pragma once
 
 #include <cmath>
@@ -7,12 +7,12 @@
 namespace moiregauge::internal {
 
 namespace frame {
-struct Image;  // px, the picture as displayed: (0,0) is the centre of the top-left pixel, x right, y down
-struct Ideal;  // px, the same picture through a lens without distortion
+struct Image;  // px, the image as displayed: (0,0) is the centre of the top-left pixel, x right, y down
+struct Ideal;  // px, the same image through a lens without distortion
 struct Board;  // mm, the board's plane: x right, y up, z towards the camera
 }  // namespace frame
 
-// The difference of two points of one frame.
+// Difference of two points of one frame.
 template <typename Frame>
 struct Extent {
   double x = 0.0;

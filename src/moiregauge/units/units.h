@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units as types at the doors of the library; inside a kernel, suffixed doubles (docs/conventions.md).
+// Unit types for public interfaces, not used yet. All other numbers are doubles with the unit as a suffix
+// (docs/conventions.md).
 #pragma once
 
 #include <cmath>
@@ -8,7 +9,7 @@
 
 namespace moiregauge::internal {
 
-// A number with a unit. Built only explicitly, so pixels never pass for millimetres.
+// A number with a unit. Its constructor is explicit, so that pixels cannot be used as millimetres.
 template <typename Unit>
 class Quantity {
  public:
@@ -39,10 +40,10 @@ inline constexpr double kTwoPi = 2.0 * std::numbers::pi;  // radians
 [[nodiscard]] constexpr double radians_from_degrees(double degrees) { return degrees * (kPi / 180.0); }
 [[nodiscard]] constexpr double degrees_from_radians(double radians) { return radians * (180.0 / kPi); }
 
-// The same angle in [-pi, pi].
+// Returns the same angle in [-pi, pi], rad.
 [[nodiscard]] inline double wrapped(double radians) { return std::remainder(radians, kTwoPi); }
 
-// No number without its uncertainty.
+// A value with its standard uncertainty.
 template <typename Unit>
 struct Measured {
   Quantity<Unit> value;

@@ -20,12 +20,11 @@ std::vector<FrameFit> fits_of(const Site& site, const BundleSolution& solution) 
   return fits;
 }
 
-// Each estimate is made with weights of the last one; from the second on they hardly change.
+// Estimates of the print error. Each uses the weights of the previous one, and from the second on they hardly change.
 constexpr int kErrorRounds = 3;
-constexpr double kSameError = 0.01;  // of it: chi2 would change by 2 %, and what is solved by nothing
+constexpr double kSameError = 0.01;  // relative change: chi2 would change by 2 %, the solution by nothing visible
 
-// What is left when everything is free is the print's, or its place's in that frame: a height or a depth left out must
-// not pass for it.
+// Estimates print error and marker jitter with all parameters free, so no height or depth counts as print error.
 PrintError print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
                           const ScenePrior& prior, const PrintError& last) {
   const BundleSolution largest =
@@ -44,11 +43,12 @@ bool is_the_same(const PrintError& a, const PrintError& b) {
          std::abs(a.marker_jitter_mm - b.marker_jitter_mm) <= kSameError * a.marker_jitter_mm;
 }
 
-// Of chi2 beyond its degrees of freedom: six parameters of some eighty take a twelfth of anything.
+// Least fraction of the excess of chi2 over dof that the rotation must explain. Six of some eighty degrees of freedom
+// explain a twelfth of any excess by chance.
 constexpr double kWorthAsking = 0.25;
 
-// How much of what noise alone does not explain goes when the camera may turn while rows are read. Asked before a print
-// error is allowed for: that would take it all. Nothing is asked where noise explains everything.
+// Tests for a rolling shutter before the print error is allowed for, because that would absorb the effect. If noise
+// explains chi2, nothing is tested.
 ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits,
                          ReadoutDirection run) {
   ShutterTest out;
@@ -73,8 +73,8 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   return out;
 }
 
-constexpr double kStretchBeyond = 3.0;  // u
-constexpr int kWiderPriors = 2;         // the first stretch found was held back by the prior that it breaks
+constexpr double kStretchBeyond = 3.0;  // u of the prior, chosen
+constexpr int kWiderPriors = 2;         // the prior held back the first solved stretch, so solve twice
 
 bool is_beyond(double stretch, const ScenePrior& prior) {
   return std::abs(stretch - prior.stretch) > kStretchBeyond * prior.u_stretch;
@@ -131,7 +131,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
   }
   if (!solution) {
     best.bundle.scene.solved = false;
-    best.bundle.scene.problem = "no lens could be solved from these frames";
+    best.bundle.scene.problem = "the footage does not determine a lens";
     best.bundle.scene.camera = prior.camera;
     best.bundle.scene.markers = prior.markers;
     return best;

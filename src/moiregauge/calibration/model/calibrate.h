@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Choosing how much of the scene the footage determines.
+// Calibration: selection of the scene model that the footage supports, with print error and marker jitter.
 #pragma once
 
 #include "moiregauge/calibration/model/print_error.h"
@@ -9,37 +9,37 @@
 
 namespace moiregauge::internal {
 
-// A rolling shutter's signature: what noise alone does not explain, and how much of it would go if the camera might
-// turn at a constant rate while the rows of each frame are read.
+// Test for a rolling shutter. The camera may rotate at a changing rate while each frame's rows are read. The test
+// states how much of chi2 that explains.
 struct ShutterTest {
   double chi2_dof = 0.0;
-  double share = 0.0;  // of chi2
+  double share = 0.0;  // fraction of chi2 that rotation during readout explains
   long dof = 0;
-  bool suggests_rolling_shutter =
-      false;  // for a solution with rows read one after the other: more than chance, and more than noise gives
+  bool suggests_rolling_shutter = false;  // the fall exceeds chance and a quarter of the excess over noise
 };
 
 struct Calibration {
-  ScenePrior prior;            // as it was given, or wider where the prints are stretched more than it allows
-  bool stretched = false;      // that they are
-  BundleSolution bundle;       // of the model chosen, with its covariance
-  std::vector<FrameFit> fits;  // of the bundle's frames against its scene
-  PrintError print_error;      // added to the patches' noise; other frames need it too (with_print_error)
+  ScenePrior prior;            // as given, or wider if the gratings are stretched beyond it
+  bool stretched = false;      // the stretch exceeds 3 u, both of the given prior and of the solution
+  BundleSolution bundle;       // of the selected model, with its covariance
+  std::vector<FrameFit> fits;  // one per frame of the bundle
+  PrintError print_error;      // added to the noise of the points; other frames need it, too (with_print_error)
   ShutterTest shutter;
 };
 
-// Solves the models of the lens in ascending order (plane; + radial; + tangential), each from where the last one ended,
-// and takes a larger one only when the full cost, data plus priors, falls by more than its parameters explain (Schwarz
-// 1978: ln(rows) each). chi2 of the data alone would pass a flat model that bends a print scale to fit. Heights of the
-// references and depths of the targets are always solved: their priors are the site's word, and all the price they pay.
-// Prints stretched along one axis by more than three of the prior's u: which of their axes has the pitch that the site
-// states cannot be seen, so the scales' priors are widened by half the stretch.
-// until     when each of these solutions stops
+// Selects the lens model by BIC (plane, + radial, + tangential). A larger model must lower the cost by ln(n) per
+// parameter, for n residuals (Schwarz 1978). The cost includes the priors, because chi2 of the data alone would accept
+// a flat model that bends a grating scale.
+// Heights and depths are free within their priors. With a print error they must satisfy BIC, too.
+// The priors of stretch and scales grow if the stretch exceeds 3 u of its prior. The reason is that images do not show
+// which axis has the stated pitch.
+// `until`: stop criterion of each solution.
+// Fails (bundle.scene.solved = false): no lens model could be solved.
 [[nodiscard]] Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
                                     Until until = Until::kConverged);
 
-// `most` of the frames, evenly spread in time with both ends, and up to twelve more: the extremes of the camera's pose.
-// All of them where there are no more than `most`.
+// Returns the sorted indices of the key frames. These are `most` (at least 2) evenly spread frames with both ends, and
+// up to twelve with the extremes of the pose. Returns all frames if there are no more than `most`.
 [[nodiscard]] std::vector<std::size_t> key_frames(std::span<const BundleFrame> frames, std::size_t most);
 [[nodiscard]] std::vector<std::size_t> key_frames(std::span<const FrameStart> frames, std::size_t most);
 

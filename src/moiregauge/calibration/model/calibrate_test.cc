@@ -21,8 +21,8 @@ constexpr std::uint64_t kCalibrateSeed = 7;  // printed with every failure
 
 Camera lens(double k1) { return {4104, 1012, 3478.26, 3478.26, 2059.3, 494.3, k1, 0, 0, 0, 0}; }
 
-// How a camera turned by the angles (deg, about x, y, z) about a point 100 mm behind its lens sees the board: the
-// homography of the ideal picture, by Eigen's own rotations.
+// Returns the homography of the ideal image, by Eigen's own rotations. The camera is rotated by the angles (deg, about
+// x, y, z) about a point 100 mm behind its lens.
 IdealFromBoard seen_from(const Camera& camera, double ax, double ay, double az) {
   using Eigen::AngleAxisd, Eigen::Vector3d;
   const double deg = kPi / 180.0;
@@ -37,7 +37,7 @@ IdealFromBoard seen_from(const Camera& camera, double ax, double ay, double az) 
   return IdealFromBoard(k * h);
 }
 
-// Nine points of every print, each with independent noise; the target moved by `shift`.
+// Nine points of every grating, each with independent noise. The target has moved by `shift`.
 BundleFrame frame_of(const Site& site, const Camera& camera, const IdealFromBoard& view, Extent<frame::Board> shift,
                      long number, std::mt19937_64& rng) {
   std::normal_distribution<double> noise(0.0, kNoise);
@@ -79,7 +79,7 @@ Footage footage_of(const Site& site, const Camera& camera, double swing, int fra
   return run;
 }
 
-TEST(Pose, IsTheCamerasWhenTheViewIsItsOwn) {
+TEST(Pose, FollowsFromTheCamerasOwnView) {
   const auto view = seen_from(lens(0.0), 1.0, -2.0, 3.0);
   const Pose pose = pose_of(view, lens(0.0));
   const auto camera = lens(0.0);
@@ -93,9 +93,10 @@ TEST(Pose, IsTheCamerasWhenTheViewIsItsOwn) {
   }
 }
 
-// What the lens bends by 0.1 mm is solved to the points' own noise: 2 um / 3 for a patch of nine, sqrt(1 + 1/4) for the
-// references, sqrt 2 for the reference frame: 1.05 um. Four times that over 23 frames.
-TEST(Calibrate, TheLensIsSolvedFromTheFootageToTheNoiseOfItsPoints) {
+// The lens bends the board by 0.1 mm. The expected noise of a displacement is 1.05 um. Its factors are 2 um / 3 for
+// nine points, sqrt(1 + 1/4) for the references and sqrt(2) for the reference frame. The limit is four times that, for
+// 23 frames.
+TEST(Calibrate, SolvesTheLensToTheNoiseOfThePoints) {
   const Site site = rig();
   const Camera camera = lens(-0.0225);
   const Footage run = footage_of(site, camera, 6.0, 24);
@@ -112,15 +113,15 @@ TEST(Calibrate, TheLensIsSolvedFromTheFootageToTheNoiseOfItsPoints) {
     const auto moved = now.shift[4] - then.shift[4], truth = run.shift[k] - run.shift[0];
     EXPECT_NEAR(moved.y, truth.y, 4.2e-3) << "frame " << k << ", seed " << kCalibrateSeed;
   }
-  // Distortion at the circle of the references, where it matters: k1 r^2 f r of 6 px is known to 1 %.
+  // Compare the distortion where the references are: k1 r^2 f r of 6 px is determined to 1 %.
   const double r = 340.0 / 1200.0;
   const auto bend = [&](const Camera& c) { return c.fx * r * r * r * (c.k1 + c.k2 * r * r); };
   EXPECT_NEAR(bend(scene.camera) / bend(camera), 1.0, 0.1);
 }
 
-// Prints half a percent too long along x, of a site that knows them to 0.05 %. Their scale can only be told from their
-// places, so the moved target is wrong by half the stretch, and u says so.
-TEST(Calibrate, PrintsStretchedAlongOneAxisAreSeenAndWidenTheirScale) {
+// The gratings are 0.5 % too long along x, and the site knows them to 0.05 %. Only their positions show their scale.
+// The displacement is therefore wrong by half the stretch, and u includes it.
+TEST(Calibrate, AStretchIsFoundAndEnlargesTheUncertaintyOfScale) {
   constexpr double kStretch = 0.005;
   const Site site = rig();
   const Camera camera = lens(-0.0225);
@@ -143,7 +144,7 @@ TEST(Calibrate, PrintsStretchedAlongOneAxisAreSeenAndWidenTheirScale) {
   EXPECT_NEAR(u_scale, 0.5 * kStretch, 0.1 * kStretch);
 }
 
-TEST(Calibrate, PrintsThatAreAsTheSiteSaysKeepTheirScale) {
+TEST(Calibrate, GratingsAsStatedKeepTheirScale) {
   const Site site = rig();
   const Camera camera = lens(-0.0225);
   const ScenePrior prior = scene_prior(site, camera.width, camera.height, std::nullopt);
@@ -152,7 +153,7 @@ TEST(Calibrate, PrintsThatAreAsTheSiteSaysKeepTheirScale) {
   EXPECT_LT(std::abs(solved.bundle.scene.stretch), 4.0 * prior.u_stretch);
 }
 
-TEST(Calibrate, ACameraThatStandsStillNeedsNoLens) {
+TEST(Calibrate, AFixedCameraNeedsNoLens) {
   const Site site = rig();
   const Camera camera = lens(0.0);
   const Footage run = footage_of(site, camera, 0.0, 8);

@@ -6,10 +6,12 @@
 
 namespace moiregauge::internal {
 
-// What chi2 of so many degrees of freedom exceeds by chance once in a thousand times (Wilson and Hilferty 1931,
-// doi:10.1073/pnas.17.12.684). Of few degrees it is skew: dof + 3 sqrt(2 dof) would be exceeded fifteen times as often.
+// Returns the 0.999 quantile of chi-squared for `dof` degrees of freedom (Wilson and Hilferty 1931,
+// doi:10.1073/pnas.17.12.684). For few degrees the distribution is skewed: dof + 3 sqrt(2 dof) is exceeded about
+// fifteen times as often.
+// Error: 3 % too large for dof = 1, 0.6 % for dof = 10.
 [[nodiscard]] inline double chi2_upper_quantile(double dof) {
-  constexpr double kOnceInAThousand = 3.09;  // standard deviations of a normal variable
+  constexpr double kOnceInAThousand = 3.09;  // standard deviations of a normal variable, 0.999 quantile
   const double v = 2.0 / (9.0 * std::max(dof, 1e-9)), root = 1.0 - v + kOnceInAThousand * std::sqrt(v);
   return dof * root * root * root;
 }

@@ -15,13 +15,12 @@ namespace {
 constexpr int kPose = 6;
 using Shift18 = Eigen::Matrix<double, PatchResidual::kSize, 2>;
 
-// A frame's references, each by the two coordinates in which its shift shows: Q' of residuals, of the columns of what
-// was solved of the frame (its pose, and its motion while rows are read), and of the scene's, those taken out; and what
-// a shift of a millimetre is there.
+// References of one frame, each in the two coordinates in which its shift shows (projected by Q'). `by_frame`: columns
+// of pose and motion. `by_scene`: columns of the scene, after eliminating these. `by_shift`: effect of a shift of 1 mm.
 struct Common {
   Eigen::VectorXd residual;
   Eigen::MatrixXd by_frame, by_scene, by_shift;
-  Eigen::MatrixXd covariance;  // of what was solved of the frame
+  Eigen::MatrixXd covariance;  // of pose and motion
 };
 
 Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit) {
@@ -71,7 +70,8 @@ double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const Bu
   const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, scene.model);
   const auto parameters = covariance.rows();
   std::vector<Common> all;
-  Eigen::MatrixXd told = Eigen::MatrixXd::Zero(parameters, parameters);  // of the scene, by a wander of 1 mm
+  // Information about the scene that a jitter of 1 mm imitates.
+  Eigen::MatrixXd told = Eigen::MatrixXd::Zero(parameters, parameters);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (!fits[k].ok) continue;
     all.push_back(common_of(site, scene, frames[k], fits[k]));

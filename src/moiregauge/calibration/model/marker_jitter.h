@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Markers that do not stand still against one another, each as a whole: hot air between them and the camera, a wall
-// that works, a reference that creeps. The nine points of a print agree on it, so it hides in chi2, of which it fills
-// two degrees of freedom in eighteen; but it goes into the result whole.
+// Marker jitter: a rigid shift of one marker per frame beyond noise. Causes are hot air, a moving wall or a creeping
+// reference. The nine points of a grating share it, so it adds to two of 18 degrees of freedom of chi2. It enters the
+// displacement fully.
 #pragma once
 
 #include <span>
@@ -11,17 +11,17 @@
 
 namespace moiregauge::internal {
 
-// By how much every print is displaced in every frame, mm along each axis, rms, if each goes its own way: what
-// the references, each taken as a whole, miss the scene by beyond their noise. 0 where that may be chance.
+// Returns the marker jitter w, mm rms along each axis, estimated by moments from the residuals of the references. 0 if
+// noise explains them.
 //
-//   E |Q' r|^2 = tr(Q' R Q) + w^2 |Q' R B|^2,   R = 1 - P
+//     E |Q' r|^2 = tr(Q' R Q) + w^2 |Q' R B|^2,   R = 1 - P
 //
-// r the whitened residuals of all frames, B the columns of shifts of the references, Q an orthonormal basis of them, P
-// the projection on what was solved: poses, shifts, and the scene within its priors. What poses and scene take up of it
-// is accounted for by R, in expectation: the estimate is that of moments.
+// r: whitened residuals of all frames. B: columns of the references' shifts. Q: orthonormal basis of B. P: projection
+// on all that was solved (poses, motion, and the scene within its priors). R accounts for the share of the jitter that
+// these absorb.
 //
-// frames   with the weights of `fits`
-// already  the wander that these weights allow for
+// `frames`: with the weights that `fits` were made with.
+// `already`: the jitter that these weights include, mm. It is returned if nothing determines a new value.
 [[nodiscard]] double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
                                       std::span<const FrameFit> fits, const ScenePrior& prior, double already);
 

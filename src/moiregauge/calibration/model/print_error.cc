@@ -16,11 +16,11 @@ constexpr int kSize = PatchResidual::kSize;
 using Matrix18 = Eigen::Matrix<double, kSize, kSize>;
 using Vector18 = Eigen::Matrix<double, kSize, 1>;
 
-constexpr double kMaxError_pitches = 0.05;  // beyond, the points are not those of this print
-constexpr int kHalvings = 40;
-constexpr double kBelieved = 100.0;  // degrees of freedom: noise is what the pixels' residuals say
+constexpr double kMaxError_pitches = 0.05;  // beyond it the points are not those of this grating; chosen
+constexpr int kHalvings = 40;               // bisection: reduces the interval by 1e12
+constexpr double kBelieved = 100.0;         // degrees of freedom that favour the stated noise; chosen
 
-// Of an error of `own` in each coordinate of each point, and of `common` in each of all together.
+// Returns the covariance of an error `own` in each coordinate of each point and `common` to all nine.
 Matrix18 covariance_of(double own, double common) {
   Matrix18 m = own * own * Matrix18::Identity();
   m.topLeftCorner<kPatchPoints, kPatchPoints>().array() += common * common;
@@ -28,18 +28,17 @@ Matrix18 covariance_of(double own, double common) {
   return m;
 }
 
-// (C + M)^-1 where C^-1 = information may be singular: an axis that the print does not show stays unknown.
+// Returns (C + M)^-1. C^-1 = information may be singular: an axis that the grating does not show stays unknown.
 PatchInformation inflated(const PatchInformation& information, const Matrix18& covariance) {
   const Matrix18 a = Matrix18::Identity() + information * covariance;
   const PatchInformation out = a.partialPivLu().solve(information);
   return 0.5 * (out + out.transpose());
 }
 
-// One patch against the scene: the off of its points, in pitches, whitened by noise; and how a print error looks in
-// that measure, along the axes in which it is independent.
+// Residual of one grating, whitened by noise, along the axes in which a print error is independent.
 struct Whitened {
-  Vector18 squared;   // of the residual along each axis
-  Vector18 of_error;  // variance that an error of one millimetre gives along it
+  Vector18 squared;   // squared residual along each axis
+  Vector18 of_error;  // variance along it per mm^2 of print error
   [[nodiscard]] double chi2(double u_mm) const {
     return (squared.array() / (1.0 + u_mm * u_mm * of_error.array())).sum();
   }
@@ -58,7 +57,7 @@ Whitened whitened(const BundleFrame& frame, std::size_t i, const Grating& gratin
   return {along.cwiseAbs2(), eigen.eigenvalues().cwiseMax(0.0)};
 }
 
-// How many parameters of the scene the frames determine: all of them where the priors are wide.
+// Returns the number of scene parameters that the frames determine. With wide priors these are all free ones.
 double determined(const Site& site, std::span<const FrameFit> fits, const ScenePrior& prior, const SceneModel& model) {
   const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, model);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());

@@ -38,7 +38,7 @@ Truth truth() {
   return t;
 }
 
-// Every patch's nine points with noise of their own, and with an error in each and in common.
+// Nine points of every grating, with their own noise, an error in each and an error common to all nine.
 std::vector<BundleFrame> views(const Truth& t, double error_mm, double common_mm, int count = 12) {
   std::mt19937_64 rng(kPrintSeed);
   std::normal_distribution<double> normal;
@@ -69,7 +69,7 @@ std::vector<BundleFrame> views(const Truth& t, double error_mm, double common_mm
   return frames;
 }
 
-// The scene is the truth: nothing of it was solved from these frames.
+// Prior that fixes the scene at the truth: nothing was solved from these frames.
 ScenePrior known(const Truth& t) {
   ScenePrior prior = t.prior;
   for (double& u : prior.u_camera) u = 1e-12;
@@ -91,14 +91,14 @@ double wander(const Truth& t, const std::vector<BundleFrame>& frames, double alr
   return marker_jitter_mm(t.site, t.scene, frames, fits_of(t, frames), known(t), already);
 }
 
-TEST(PrintError, OfAPerfectPrintIsNone) {
+TEST(PrintError, IsZeroForAPerfectGrating) {
   const Truth t = truth();
   EXPECT_EQ(estimate(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kPrintSeed;
 }
 
-// Five prints in twelve views: 960 degrees of freedom tell a scatter to 1 / sqrt(2 n) = 2.3 %; what the nine share are
-// 120 numbers only, hardly in chi2. Four of these, and 2 % for the split between the two.
-TEST(PrintError, IsToldFromTheNoiseByWhatNoiseDoesNotExplain) {
+// Five gratings in twelve views: 960 degrees of freedom determine a scatter to 1 / sqrt(2 n) = 2.3 %. The limit is four
+// times that, and 2 % for separating the two parts. The common part is only 120 numbers and hardly shows in chi2.
+TEST(PrintError, FollowsFromTheExcessOverNoise) {
   const Truth t = truth();
   for (const double error_mm : {0.002, 0.01})
     EXPECT_NEAR(estimate(t, views(t, error_mm, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kPrintSeed;
@@ -116,9 +116,10 @@ TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
   EXPECT_NEAR(chi2 / dof, 1.0, 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
 }
 
-// Pixels that miss the template by as much as noise alone would in every frame: of their residuals half the variance
-// scatters. 984 degrees of freedom, a hundred more that say 1; of 0.74 the scatter is 0.5 sqrt(2 / 984) / (2 * 0.74).
-TEST(PrintError, OfResidualsThatAreTheSameInAllFramesIsNotTakenForNoise) {
+// The template's errors are as large as the noise and the same in every frame. So half the variance of the residuals
+// scatters. There are 984 degrees of freedom, and 100 more that favour 1. The scatter of the result 0.74 is 0.5 sqrt(2
+// / 984) / (2 * 0.74).
+TEST(PrintError, ResidualsThatAreTheSameInAllFramesAreNotNoise) {
   const Truth t = truth();
   auto frames = views(t, 0.0, 0.0);
   for (BundleFrame& frame : frames) {
@@ -136,27 +137,27 @@ TEST(PrintError, OfResidualsThatAreTheSameInAllFramesIsNotTakenForNoise) {
   EXPECT_LT(chi2 / dof, 1.0 + 4.0 * std::sqrt(2.0 / dof)) << "seed " << kPrintSeed;
 }
 
-TEST(Wander, OfMarkersThatStandStillIsNone) {
+TEST(MarkerJitter, IsZeroForFixedMarkers) {
   const Truth t = truth();
   EXPECT_EQ(wander(t, views(t, 0.0, 0.0)), 0.0) << "seed " << kPrintSeed;
 }
 
-// Four references have eight coordinates as wholes; a pose takes up six of them, or less where a print's own turn and
-// scale hold it: 200 numbers at least in 100 views tell a scatter to 5 %. Four of these.
-TEST(Wander, IsToldThoughThePosesTakeUpMostOfIt) {
+// Four references have eight coordinates. A pose absorbs six of them, or fewer if the gratings' rotation and scale fix
+// it. At least 200 numbers in 100 views determine a scatter to 5 %. The limit is four times that.
+TEST(MarkerJitter, IsFoundAlthoughThePosesAbsorbMostOfIt) {
   const Truth t = truth();
   for (const double wander_um : {3.0, 30.0, 300.0})
     EXPECT_NEAR(1e3 * wander(t, views(t, 0.0, 1e-3 * wander_um, 100)) / wander_um, 1.0, 0.2) << "seed " << kPrintSeed;
 }
 
-TEST(Wander, StaysAsItIsOnceTheWeightsAllowForIt) {
+TEST(MarkerJitter, StaysTheSameOnceTheWeightsIncludeIt) {
   const Truth t = truth();
   const auto frames = with_print_error(t.site, views(t, 0.0, 0.03, 100), {.marker_jitter_mm = 0.03});
   EXPECT_NEAR(wander(t, frames, 0.03) / 0.03, 1.0, 0.2) << "seed " << kPrintSeed;
 }
 
-// A print of lines says nothing along them, and an error of the print does not change that.
-TEST(PrintError, LeavesUnknownWhatThePrintDoesNotShow) {
+// A grating of lines has no information along the lines. A print error does not change that.
+TEST(PrintError, AnAxisThatIsNotShownStaysUnknown) {
   const Truth t = truth();
   auto frames = views(t, 0.0, 0.0);
   auto& information = frames.front().points.front()->information;
@@ -164,7 +165,7 @@ TEST(PrintError, LeavesUnknownWhatThePrintDoesNotShow) {
   const auto with = with_print_error(t.site, frames, {.points_mm = 0.01});
   const auto& kept = with.front().points.front()->information;
   EXPECT_LT((kept.bottomRows<kPatchPoints>().cwiseAbs().maxCoeff()), 1e-9);
-  // One point of nine: its own 1 and 10 um, and 10 um in common.
+  // One point of nine: its own 1 um and 10 um, and 10 um common to all.
   const Eigen::MatrixXd shown = kept.topLeftCorner<kPatchPoints, kPatchPoints>();
   EXPECT_NEAR(shown.inverse()(0, 0) * kPitch * kPitch, 1e-6 + 2e-4, 1e-8);
 }

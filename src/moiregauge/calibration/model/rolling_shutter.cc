@@ -13,30 +13,30 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kReadoutRounds = 6;
-constexpr double kStands = 0.1;  // of its own u: a readout that moves by less
-constexpr int kReadoutSteps = 3;
-// A telephone's, where nothing is known: s, and relative standard uncertainty. Where motion is quicker than the frames
-// show, nothing else tells it.
+constexpr int kReadoutRounds = 6;  // chosen
+constexpr double kStands = 0.1;    // readout converged: change relative to its own u; chosen
+constexpr int kReadoutSteps = 3;   // Gauss-Newton steps per round; chosen
+// Prior of an unknown readout time, that of a phone: s, and relative u. For motion faster than half the frame rate only
+// this prior determines it. Chosen.
 constexpr double kUsual = 0.018, kUsualWithin = 0.5;
-constexpr double kShortest = 0.01;  // of the time between frames, or of a tenth of a second if that is less
-// The readout is told with the scene held: what the two have in common shows in point-level runs as a thousandth.
+constexpr double kShortest = 0.01;  // least readout time: relative to the frame interval or 0.1 s, the smaller; chosen
+// Relative u from the fixed scene. In simulated runs the error that both share is a thousandth.
 constexpr double kReadoutOfScene = 0.002;
-constexpr double kMaxWidening = 1e6;
+constexpr double kMaxWidening = 1e6;  // limit of the factor on the process noise; chosen
 
-// Frames as a global shutter would have seen them: each is set back when it is asked for.
+// Frames corrected to frame time, one at a time.
 struct SetBack {
   const Site& site;
   FrameSeries given;
   Scene scene;
-  std::vector<FrameStart> read;  // as known when they were set back
+  std::vector<FrameStart> read;  // poses and shifts that the correction used
   std::vector<FrameMotion> motions;
   double readout_s = 0.0;
   ReadoutDirection run = ReadoutDirection::kDown;
 
   [[nodiscard]] BundleFrame frame(std::size_t k) const {
     BundleFrame seen = given[k];
-    // It starts from what the prior's camera has for its pose.
+    // The fit starts from the pose that the prior's camera gives, so restore it afterwards.
     const Pose pose = std::exchange(seen.pose, read[k].pose);
     const auto shift = std::exchange(seen.shift, read[k].shift);
     seen.time_s = read[k].time_s;
@@ -47,12 +47,12 @@ struct SetBack {
   }
 };
 
-// The part of a frame's fit that is kept of all frames.
+// Part of a frame fit that is kept for all frames.
 struct FitSummary {
   bool ok = false;
   Pose pose;
   PathPlace path_variance = PathPlace::Zero();
-  std::vector<std::optional<Extent<frame::Board>>> shift;  // one per site marker; nothing: not fitted
+  std::vector<std::optional<Extent<frame::Board>>> shift;  // one per site marker; empty if not fitted
   std::vector<Extent<frame::Board>> variance;              // of the shifts, mm^2
   double chi2_sum = 0.0;
   long dof = 0;
@@ -109,7 +109,7 @@ class RollingShutterSolver {
   }
 
   Shutter solved() {
-    if (!(out_.interval_s > 0.0)) return without("there are not enough frames to tell the camera's motion");
+    if (!(out_.interval_s > 0.0)) return without("there are too few frames to determine the camera's motion");
     note_rows();
     fits_ = fits_of(as_given_);
     take_poses();
@@ -118,10 +118,10 @@ class RollingShutterSolver {
       is_last = is_last || round == kReadoutRounds;
       follow_path();
       const double before = out_.readout_s;
-      // Paths of the first round are those of rows read at once: they would tell any readout.
+      // Poses of the first round assume a global shutter. They fit any readout time.
       if (round > 0) solve_readout();
       set_all_back();
-      // All but the last one only lead the path: the bends of a long valley are not worth their steps there.
+      // Earlier rounds only improve the path, so they need no full convergence.
       out_.calibration =
           calibrate(site_, out_.frames.at(key_), prior_, is_last ? Until::kConverged : Until::kChi2Converged);
       if (!out_.calibration.bundle.scene.solved) return without(out_.calibration.bundle.scene.problem);
@@ -142,7 +142,7 @@ class RollingShutterSolver {
     return std::move(out_);
   }
 
-  // A print's middle is read at this share of the readout.
+  // Stores the share of the readout time at which the middle of each grating is read.
   void note_rows() {
     for (std::size_t k = 0; k < as_given_.size(); ++k) {
       const BundleFrame frame = as_given_[k];
@@ -155,7 +155,7 @@ class RollingShutterSolver {
   }
 
   [[nodiscard]] FrameFit fit_of(BundleFrame frame) const {
-    // With another focal length the pose is elsewhere.
+    // Another focal length gives another pose, so start from the solved camera.
     frame.pose = pose_of(site_, scene_, frame).value_or(frame.pose);
     return fit_frame(site_, scene_, frame);
   }
@@ -169,7 +169,7 @@ class RollingShutterSolver {
     return fits;
   }
 
-  // Where the frames stand in the scene as it is now.
+  // Takes poses and shifts from the latest fits.
   void take_poses() {
     for (std::size_t k = 0; k < read_.size(); ++k) {
       if (!fits_[k].ok) continue;
@@ -235,7 +235,7 @@ class RollingShutterSolver {
   }
 
   void widened(FrameMotion& motion) const {
-    // Of what the spline does not see nothing is known but that it is quick: as quick as the frames follow each other.
+    // Assume that motion missed by the spline varies at the frame rate: omega = 2 pi / interval.
     const double quick = kTwoPi / out_.interval_s;
     for (std::size_t c = 0; c < motion.camera.size(); ++c) {
       auto& p = motion.camera[c].covariance;
@@ -251,7 +251,7 @@ class RollingShutterSolver {
     out_.frames = as_given_.with([set = std::move(set)](std::size_t k) { return set->frame(k); });
   }
 
-  // Gauss and Newton's steps of the one number, scene and paths held.
+  // Solves the readout time by Gauss-Newton steps, with scene and paths fixed.
   void solve_readout() {
     const double prior = 1.0 / std::pow(known_to_ * expected_s_, 2);
     for (int step = 0; step < kReadoutSteps; ++step) {
@@ -260,7 +260,7 @@ class RollingShutterSolver {
       for (std::size_t k = 0; k < out_.frames.size(); ++k) {
         const FrameFit f = fit_of(out_.frames[k]);
         if (!f.ok) continue;
-        // A frame that does not fit counts less.
+        // A frame with residuals beyond noise has less weight.
         const double weight = f.dof > 0 ? 1.0 / std::max(1.0, f.chi2_sum / static_cast<double>(f.dof)) : 1.0;
         information += weight * f.readout_information;
         slope += weight * f.readout_slope;
@@ -273,7 +273,7 @@ class RollingShutterSolver {
     }
   }
 
-  // Expectation and maximisation for the variance of what the motion is otherwise than expected.
+  // Inflates the process noise by expectation maximisation, component by component.
   void widen() {
     for (std::size_t c = 0; c < wider_.size(); ++c) {
       double found = 0.0, expected = 0.0;
@@ -296,12 +296,12 @@ class RollingShutterSolver {
 
   const Site& site_;
   const FrameSeries& as_given_;
-  std::vector<FrameStart> read_;                // with poses and shifts as they become known
+  std::vector<FrameStart> read_;                // with the latest poses and shifts
   std::vector<std::vector<double>> row_share_;  // by frame, then site marker
   std::span<const std::size_t> key_;
   const ScenePrior& prior_;
   double side_, known_to_, expected_s_ = 0.0;
-  std::vector<std::size_t> order_;  // by time
+  std::vector<std::size_t> order_;  // frame indices by time
   Scene scene_;
   std::vector<FitSummary> fits_;
   std::vector<FrameMotion> motions_;
@@ -322,10 +322,11 @@ double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.mot
 Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                       const ScenePrior& prior, std::optional<double> readout_s) {
   Shutter down = RollingShutterSolver(site, frames, key, prior, readout_s, 1.0).solved();
-  constexpr double kTold = 3.0;
+  constexpr double kTold = 3.0;  // least readout time, in u, that needs no test of the opposite direction; chosen
   if (readout_s || (down.problem.empty() && down.readout_s > kTold * down.u_readout_s)) return down;
   Shutter up = RollingShutterSolver(site, frames, key, prior, readout_s, -1.0).solved();
-  // Sensors are rarely upside down: it takes more than a frame's worth of evidence.
+  // Fall of the cost that the opposite direction needs: about the evidence of one frame. Sensors are rarely upside
+  // down. Chosen.
   constexpr double kClearly = 100.0;
   if (!up.problem.empty()) return down;
   return down.problem.empty() && cost_of(down) < cost_of(up) + kClearly ? down : up;
@@ -333,11 +334,11 @@ Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<con
 
 bool is_justified(const Shutter& shutter, const Calibration& at_once) {
   if (!shutter.problem.empty()) return false;
-  // What is solved must also be a readout: a reference that slips lets chi2 fall with a path bent to it, and none.
-  constexpr double kReadout = 3.0;  // u
+  // A slipped reference can also lower chi2, along a path bent to it. Then the readout time is not above its noise.
+  constexpr double kReadout = 3.0;  // limit in u, chosen
   if (!(std::abs(shutter.readout_s) > kReadout * shutter.u_readout_s)) return false;
   if (shutter.bounded) return false;
-  constexpr double kGoodPart = 0.25;
+  constexpr double kGoodPart = 0.25;  // least share of the excess over noise that the solution explains; chosen
   const ShutterTest &before = at_once.shutter, &after = shutter.calibration.shutter;
   const double gain = chi2_of(before) - cost_of(shutter);
   const double taken = 1.0 + static_cast<double>(before.dof - after.dof);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene, camera's path and readout of footage from a rolling shutter, solved in turn.
+// Rolling shutter: scene, camera path and readout time, solved in turn.
 #pragma once
 
 #include <optional>
@@ -10,35 +10,37 @@
 
 namespace moiregauge::internal {
 
-// Readout as given by the user: as exact as a data sheet's number.
-inline constexpr double kGivenReadout = 0.03;  // relative standard uncertainty
+// Relative standard uncertainty of a given readout time: that of a data sheet. Chosen.
+inline constexpr double kGivenReadout = 0.03;
 
 struct Shutter {
   Calibration calibration;
-  FrameSeries frames;  // all of them, points set back
-  // What the targets' own motion leaves open at the time of their rows; by frame, then site marker, mm.
+  FrameSeries frames;  // all frames, points at frame time
+  // Uncertainty from the target's motion during readout, mm, by frame, then site marker.
   std::vector<std::vector<Extent<frame::Board>>> u_target;
-  double readout_s = 0.0;  // below zero: rows are read from the picture's other end
+  double readout_s = 0.0;  // negative: the readout starts at the opposite end of the image
   double u_readout_s = 0.0;
-  double motion_cost = 0.0;  // of the key frames: chi2 of the motions' prior
-  double interval_s = 0.0;   // between frames, median
-  bool bounded = false;      // no readout between the shortest and the time between frames fits best
-  std::string problem;       // why nothing was solved; then nothing else holds
+  double motion_cost = 0.0;  // chi2 of the motions' prior, over the key frames
+  double interval_s = 0.0;   // median time between frames
+  bool bounded = false;      // the readout time is at one of its limits
+  std::string problem;       // reason of a failure; all other fields are then invalid
 };
 
-// Rounds of: every frame's pose in the scene; a spline through the poses (smooth_path), whose rates set the points back;
-// the readout, unless the motion tells nothing of it; the scene (calibrate). What a frame's own points say against the
-// spline widens the motions' prior, component by component: vibrations above half the frame rate look slow in the poses.
+// Solves path, readout time and scene in turn, at most six rounds and a last one to full convergence. A smoothing
+// spline through the poses (smooth_path) yields rates, which correct the points to frame time. The frames' own points
+// inflate the process noise per component: vibrations above half the frame rate look slow in the poses.
+// Fails (problem is not empty): too few frames for a motion, or no scene could be solved.
 //
-// frames    as read, the reference frame first; without times frames count as seconds
-// key       of them, for the scene; the first one among them
-// readout   given, or nothing known
+// `frames`: as read, the reference frame first. Without time stamps the frame number counts as seconds.
+// `key`: indices of the frames for the scene, with the reference frame.
+// `readout_s`: given, or nothing if unknown. Then both directions are tried, unless the first is above 3 u.
 [[nodiscard]] Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                                     const ScenePrior& prior, std::optional<double> readout_s);
 
-// Does it pay: is chi2 of the key frames lower by more than what their motions and the readout take up (Schwarz 1978),
-// and by a good part of what noise does not explain?
-// at_once   the scene as solved with all rows read at once
+// Returns true if a rolling shutter explains the footage better. The cost of the key frames must fall by more than
+// ln(dof) per effective parameter (Schwarz 1978). It must also fall by a quarter of the excess over noise. The readout
+// time must exceed 3 u and not be at a limit.
+// `at_once`: the scene solved as for a global shutter.
 [[nodiscard]] bool is_justified(const Shutter& shutter, const Calibration& at_once);
 
 }  // namespace moiregauge::internal

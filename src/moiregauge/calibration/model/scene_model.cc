@@ -23,13 +23,13 @@ int parameters(const Site& site, const SceneModel& model) {
   return sum;
 }
 
-// Focal lengths beyond these are no camera's that sees a board: the bundle has run away.
+// Returns false for a focal length that no camera with a view of a board has. The limits 0.15 L and 50 L are chosen.
 bool is_sane(const Scene& scene, int side) {
   return scene.solved && scene.camera.fx > 0.15 * side && scene.camera.fx < 50.0 * side;
 }
 
-// What noise does not explain can pull f anywhere, for a prior of 60 % weighs nothing against it. Then f is better held
-// until the print's error is known.
+// Residuals beyond noise can move f anywhere, because its prior of 100 % is weak. Then f is held until the print error
+// is known. Chosen.
 constexpr double kBeyondNoise = 2.0;  // chi2 per degree of freedom
 
 long rows_of(std::span<const BundleFrame> frames) {
@@ -39,12 +39,12 @@ long rows_of(std::span<const BundleFrame> frames) {
   return 2 * kPatchPoints * patches;
 }
 
-// From so many u on a print's scale is no print's: the steps took for it what is a height.
+// Scales beyond this number of u of their prior are converted to heights. Chosen.
 constexpr double kOddScale = 5.0;
 
-// A print that hangs nearer looks larger. From far off the steps may take the one for the other, and end in a valley in
-// which scales are many u from what is known of them (a reference 30 mm nearer than the site has it: 48 u, f 35 % off).
-// The scene from which another valley is looked for: heights say what such scales did. Nothing where there are none.
+// Returns a second start, in which heights replace the scales beyond kOddScale u. Nothing if there are none.
+// A nearer grating looks larger, so a first step can confuse height and scale and end in a false minimum. Example: a
+// reference 30 mm nearer than stated gave a scale of 48 u and an f wrong by 35 %.
 std::optional<Scene> with_heights_for_scales(const ScenePrior& prior, const BundleSolution& best) {
   Scene scene = best.scene;
   bool odd = false;
@@ -60,13 +60,14 @@ std::optional<Scene> with_heights_for_scales(const ScenePrior& prior, const Bund
   return odd ? std::optional(std::move(scene)) : std::nullopt;
 }
 
-// A camera that turns by a degree before a flat board shows f, its distance and a lens of one shape nearly as one. The steps
-// begin at a long focal length, and may end in a valley where f is three times too large (11 200 px for 3478, at a
-// cost higher by 25 to 130, rows off by 27 um).
-constexpr double kLongFocal = 1.5;    // of the picture's larger side: cameras of a shorter focal length begin no valley
-constexpr double kShortFocal = 0.85;  // telephones, drones, and lenses of 28 mm before a full frame
+// A rotation by a degree hardly separates f, distance and distortion. The steps start at a long f and may end in a
+// false minimum, for example at 11 200 px instead of 3478 px. Its cost is higher by 25 to 130, and its displacements
+// were wrong by 27 um.
+// Focal lengths relative to the image's larger side: above the first, the second is tried as another start. Chosen.
+constexpr double kLongFocal = 1.5;
+constexpr double kShortFocal = 0.85;  // phones, drones, and 28 mm lenses on a full frame
 
-// Returns the solution with the focal length times `factor`: the same directions of view, distances in proportion.
+// Returns the solution with the focal length times `factor`: directions of view are the same, distances in proportion.
 BundleSolution at_focal_length(BundleSolution solution, double factor) {
   Camera& camera = solution.scene.camera;
   camera.fx *= factor, camera.fy *= factor;
@@ -76,10 +77,10 @@ BundleSolution at_focal_length(BundleSolution solution, double factor) {
   return solution;
 }
 
-// Heights and depths cost nothing beyond what their priors ask, which is in the cost: left out where they are true they
-// bend the lens, and u, which is stated with them, would be about another scene. Solved from all there is, a scene
-// also leaves a valley into which too small a model has led it; of rough prints too, where every parameter has its
-// price.
+// Frees heights and depths, which cost nothing beyond their priors. Excluded where they are true they bend the lens,
+// and u would describe another scene.
+// A start with all parameters free also leaves a false minimum into which too small a model has led. With rough
+// gratings every parameter must satisfy BIC.
 BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePrior& prior, BundleSolution best,
                            double price, Prints prints, Until until) {
   const int side = std::max(prior.camera.width, prior.camera.height);
@@ -111,7 +112,7 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
   return best;
 }
 
-// A model whose first step should gain no more than this part of its price is not solved.
+// A model is not solved if its first step predicts less than this fraction of its BIC penalty. Chosen.
 constexpr double kMinPrediction = 0.25;
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ladder of models: how much of the lens the footage demands.
+// Selection of the scene model by BIC.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,14 @@
 
 namespace moiregauge::internal {
 
-// Whether prints are rough beyond noise. Their errors are the same in every view and alike in neighbours, so chi2 is no
-// likelihood any more: heights then bend to them (nine patches of a photographed board scattered by 10 um instead of
-// 2.6), and are solved only where they pay.
+// Quality of the gratings. Errors of rough gratings are the same in every view, so chi2 is no likelihood. Heights then
+// bend to them and must satisfy BIC. On a photographed board nine gratings otherwise scattered by 10 um instead of 2.6
+// um.
 enum class Prints { kPerfect, kRough };
 
-// The scene of the largest model that pays for its parameters (Schwarz 1978: ln(rows) each), solved from where the last
-// one accepted ended; none when no model can be solved.
+// Selects the scene model by BIC (Schwarz 1978): each added parameter must lower the cost by ln(n), for n residuals.
+// Starts from the last accepted solution.
+// Fails (nothing): no model can be solved with a focal length between 0.15 and 50 times the image's larger side.
 [[nodiscard]] std::optional<BundleSolution> select_scene_model(const Site& site, std::span<const BundleFrame> frames,
                                                                const ScenePrior& prior, Prints prints,
                                                                Until until = Until::kConverged);

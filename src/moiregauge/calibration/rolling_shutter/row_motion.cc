@@ -27,7 +27,7 @@ Vector3d turn_of(const Matrix3d& rotation) {
   return turn.angle() * turn.axis();
 }
 
-// Taylor's series of the expected motion.
+// Returns the coordinates after the delay by the Taylor series of the motion.
 PathPlace moved(const PathPlace& place, const FrameMotion& motion, double delay_s) {
   PathPlace out = place;
   for (int k = 0; k < kPathParameters; ++k) {
@@ -37,7 +37,7 @@ PathPlace moved(const PathPlace& place, const FrameMotion& motion, double delay_
   return out;
 }
 
-// Its change with the delay.
+// Returns the derivative of `moved` by the delay.
 PathPlace speed(const FrameMotion& motion, double delay_s) {
   PathPlace out;
   for (int k = 0; k < kPathParameters; ++k) {
@@ -50,9 +50,9 @@ PathPlace speed(const FrameMotion& motion, double delay_s) {
 using Numbers = std::array<double, 6>;
 Numbers numbers(const Pose& p) { return {p.turn[0], p.turn[1], p.turn[2], p.shift[0], p.shift[1], p.shift[2]}; }
 
-constexpr double kStep = 1e-5;  // rad, of a central difference: 0.03 px of a picture, bent by 1e-10 of that
+constexpr double kStep = 1e-5;  // rad, central difference: 0.03 px in the image, with a relative error of 1e-10
 
-// How the picture follows the six, by poses a step to either side.
+// Poses one step to either side of each coordinate, for derivatives of the image.
 struct Sides {
   std::array<Numbers, kPathParameters> more, less;
   Sides(const PathPlace& place, const Pose& reference) {
@@ -66,10 +66,11 @@ struct Sides {
   }
 };
 
-// Motion known better than that would spoil the normal equations: over 10 ms it is 3e-5 px at f = 3000 px.
+// Least u of the motion: smaller values would spoil the normal equations. Over 10 ms 1e-6 rad/s is 3e-5 px at f = 3000
+// px.
 constexpr double kMinRate = 1e-6;          // rad / s
 constexpr double kMinAcceleration = 1e-4;  // rad / s^2
-// At either end of the footage rate and acceleration are nearly one: likewise.
+// Limit for the same reason: at either end of the footage rate and acceleration are almost fully correlated.
 constexpr double kMaxCorrelation = 0.99;
 
 Eigen::Matrix<double, kMotionParameters, kMotionParameters> information_of(const FrameMotion& motion) {
@@ -133,7 +134,8 @@ Pose pose_at(const PathPlace& place, const Pose& reference) {
 }
 
 PathPlace path_variance(const Pose& pose, const Eigen::MatrixXd& covariance) {
-  // Turns of the pose act on the board before its shift: about the camera's axes they are these to a few per cent.
+  // Rotations of the pose act on the board before its shift. Assume that they are about the camera's axes (error: a few
+  // per cent).
   const double z = pose.shift[2];
   PathPlace out;
   out << covariance(0, 0), covariance(1, 1), covariance(2, 2), covariance(3, 3) / (z * z), covariance(4, 4) / (z * z),

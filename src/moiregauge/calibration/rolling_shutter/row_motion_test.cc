@@ -24,7 +24,7 @@ Scene scene_of(const Site& site) {
   return scene;
 }
 
-// Every point where the camera sees it at its own row's time: the row by iteration.
+// Projects every point at the time of its own row, which is found by iteration.
 BundleFrame rolling(const Site& site, const Scene& scene, const Pose& pose, const FrameMotion& motion) {
   BundleFrame frame;
   frame.pose = pose;
@@ -60,7 +60,7 @@ BundleFrame rolling(const Site& site, const Scene& scene, const Pose& pose, cons
 
 const Pose kPose{{0.01, -0.02, 0.03}, {5.0, -3.0, kZ}};
 
-TEST(RowMotion, WhatIsExpectedIsTakenOutExactly) {
+TEST(RowMotion, PredictedMotionIsRemovedExactly) {
   const Site site = rig();
   const Scene scene = scene_of(site);
   FrameMotion motion;
@@ -76,7 +76,8 @@ TEST(RowMotion, WhatIsExpectedIsTakenOutExactly) {
   EXPECT_NEAR(fit.shift[4].y, 0.0, 1e-5);
 }
 
-// A motion that nobody expected, allowed for: a constant rate is absorbed to what its square leaves, 1e-3 of it.
+// The motion is not predicted, but allowed for. The points absorb a constant rate except for 1e-3 of it, a second-order
+// effect.
 TEST(RowMotion, AConstantRateIsAbsorbedByTheFramesOwnPoints) {
   const Site site = rig();
   const Scene scene = scene_of(site);
@@ -94,12 +95,12 @@ TEST(RowMotion, AConstantRateIsAbsorbedByTheFramesOwnPoints) {
   EXPECT_LT(std::abs(fit.shift[4].x), 0.02 * std::abs(at_once));
 }
 
-// METHOD 8: e = a dt^2 / 2, of the mean squares of the rows' delays of references and target.
+// docs/methods/precise/rolling-shutter.md: e = a dt^2 / 2, with the mean square delays of references and target.
 TEST(RowMotion, AnAccelerationLeavesHalfOfItTimesTheDelaySquared) {
   const Site site = rig();
   const Scene scene = scene_of(site);
   FrameMotion motion;
-  motion.camera[4].acceleration = 20.0;  // of y / z, rad / s^2
+  motion.camera[4].acceleration = 20.0;  // y / z, 1/s^2
   const BundleFrame read = rolling(site, scene, {{0, 0, 0}, {0, 0, kZ}}, motion);
   const auto square = [&](std::size_t i) {
     double sum = 0.0;
@@ -112,7 +113,7 @@ TEST(RowMotion, AnAccelerationLeavesHalfOfItTimesTheDelaySquared) {
   EXPECT_NEAR(fit_frame(site, scene, read).shift[4].y, expected, 0.1 * std::abs(expected));
 }
 
-TEST(RowMotion, APlaceAndItsPoseAreTheSame) {
+TEST(RowMotion, PathCoordinatesRestoreThePose) {
   const Pose reference{{0.3, 0.1, 2.9}, {10.0, 20.0, 900.0}};
   const PathPlace place = path_place(kPose, reference);
   const Pose again = pose_at(place, reference);

@@ -11,15 +11,15 @@
 namespace moiregauge::internal {
 namespace {
 
-// Time in units of the median step and values in those of their spread, so that one first guess does for all.
+// Time in units of the median step, and values in units of their spread. One start value then suits all quantities.
 struct Scaled {
   std::vector<double> time, value, variance;
   double step_s = 1.0, spread = 1.0;
 };
 
-constexpr double kFirstGuess = 100.0;   // variance of the first state: it may be anything
-constexpr double kMinVariance = 1e-12;  // of a sample, for the arithmetic
-constexpr std::size_t kMaxForLikelihood = 400;
+constexpr double kFirstGuess = 100.0;           // prior variance of the first state: practically unknown
+constexpr double kMinVariance = 1e-12;          // least variance of a sample, against rounding
+constexpr std::size_t kMaxForLikelihood = 400;  // first samples, for the likelihood only; chosen
 
 Scaled scaled(std::span<const double> time, std::span<const double> value, std::span<const double> variance) {
   Scaled out;
@@ -48,13 +48,13 @@ class Filter {
   using Square = Eigen::Matrix<double, kOrder, kOrder>;
   struct Moment {
     State mean, predicted;
-    Square covariance, predicted_covariance, forth, noise;  // forth, noise: from the sample before
+    Square covariance, predicted_covariance, forth, noise;  // forth, noise: since the sample before
   };
 
   Filter(const Scaled& samples, double strength, double excess)
       : samples_(samples), strength_(strength), excess_(excess) {}
 
-  // -2 log likelihood of the first `count` samples.
+  // Runs the Kalman filter. Returns -2 log likelihood of the first `count` samples.
   double run(std::size_t count, std::vector<Moment>* kept) const {
     double sum = 0.0;
     Moment now;
@@ -87,7 +87,7 @@ class Filter {
       const Square inverse = scale.asDiagonal() * unit.ldlt().solve(Square(scale.asDiagonal()));
       const Square back = across * inverse;
       m[i].mean += back * (next.mean - next.predicted);
-      // As a sum, which stays positive where the difference of large numbers would not.
+      // This sum of two terms stays positive, unlike the usual difference of large numbers.
       const Square keep = Square::Identity() - back * next.forth;
       const Square c =
           keep * m[i].covariance * keep.transpose() + back * (next.covariance + next.noise) * back.transpose();
@@ -157,7 +157,7 @@ std::vector<PathPoint> path_of(const Scaled& samples, const Likely& likely) {
       p.covariance(0, 1) = p.covariance(1, 0) = m.covariance(1, 2) * unit[1] * unit[2];
       p.covariance(1, 1) = m.covariance(2, 2) * unit[2] * unit[2];
     } else {
-      // White noise: the rate wanders by its strength per step.
+      // With m = 2 the rate is a random walk: take its variance after one step.
       p.covariance(1, 1) = likely.strength * unit[2] * unit[2];
     }
     if constexpr (kOrder > 3) p.jerk = m.mean(3) * unit[3];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A quantity sampled in time, and how fast it changes at every sample: a spline whose smoothness the samples themselves
-// tell.
+// Smoothing spline through a quantity sampled in time, and its rate at every sample. The smoothness follows from the
+// samples.
 #pragma once
 
 #include <span>
@@ -10,17 +10,18 @@
 
 namespace moiregauge::internal {
 
-// Rates at one sample, per second, per second squared, per second cubed.
+// Rate (1/s), acceleration (1/s^2) and jerk (1/s^3) at one sample, times the unit of the quantity.
 struct PathPoint {
   double rate = 0.0, acceleration = 0.0, jerk = 0.0;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of rate and acceleration: what lies between the samples
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of rate and acceleration
 };
 
-// The quantity is taken for an m-fold integral of white noise (m = 2, 3 or 4), whose posterior mean is the smoothing
-// spline of degree 2 m - 1 (Wahba 1978); m, the noise' strength and whether samples scatter more than they say are
-// those of the greatest likelihood; Kalman's filter forth, Rauch, Tung and Striebel's smoother back. What moves faster
-// than half the samples' rate looks slow here: no smoothness of samples tells it.
-// time rises (s); variance: of each value's noise. Fewer than two samples say nothing: rates of zero, covariance zero.
+// Fits a smoothing spline of degree 2 m - 1. It is the posterior mean of an m-fold integral of white noise, m = 2, 3 or
+// 4 (Wahba 1978). The m, the strength of the noise and the excess scatter are those of the greatest likelihood. A
+// Kalman filter and a Rauch-Tung-Striebel smoother evaluate it.
+// `time_s`: increasing. `variance`: of the noise of each value.
+// Limits: motion faster than half the sample rate looks slow. Fewer than two samples give rates and covariances of
+// zero.
 [[nodiscard]] std::vector<PathPoint> smooth_path(std::span<const double> time_s, std::span<const double> value,
                                                  std::span<const double> variance);
 

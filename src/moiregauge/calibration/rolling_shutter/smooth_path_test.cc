@@ -31,7 +31,7 @@ Sampled sine(double frequency_hz, int count, double noise) {
   return out;
 }
 
-// Ends apart, where a spline has neighbours on one side only.
+// Excludes both ends, where a spline has neighbours on one side only.
 double rms_of_rate(const Sampled& s, const std::vector<PathPoint>& path) {
   constexpr std::size_t kEnd = 8;
   double sum = 0.0;
@@ -39,8 +39,8 @@ double rms_of_rate(const Sampled& s, const std::vector<PathPoint>& path) {
   return std::sqrt(sum / static_cast<double>(path.size() - 2 * kEnd));
 }
 
-// A straight line is one, whatever noise is likely: its rate to noise * sqrt(12 / n) / duration.
-TEST(SmoothPath, OfAStraightLineHasItsRate) {
+// For a straight line the model does not matter: the rate is exact to noise * sqrt(12 / n) / duration.
+TEST(SmoothPath, IsExactForAStraightLine) {
   Sampled line = sine(0.0, 31, kPathNoise);
   for (std::size_t i = 0; i < line.time.size(); ++i) line.value[i] += 2.0 * line.time[i];
   for (const PathPoint& p : smooth_path(line.time, line.value, line.variance)) {
@@ -48,16 +48,16 @@ TEST(SmoothPath, OfAStraightLineHasItsRate) {
   }
 }
 
-// Up to a quarter of the frame rate a spline follows: central differences would be 36 % off there (sin x / x at
-// pi / 2), a cubic spline 4.5 % (3 sin x / (2 + cos x) / x); 4.7 with noise.
-TEST(SmoothPath, FollowsASineOfAQuarterOfTheSamplesRate) {
+// Relative errors of the rate at a quarter of the sample rate, with x = pi / 2. Central differences: 36 % (sin x / x).
+// Cubic spline: 4.5 % (3 sin x / (2 + cos x) / x), and 4.7 % with noise.
+TEST(SmoothPath, FollowsASineAtAQuarterOfTheSampleRate) {
   const Sampled s = sine(0.25 * kFps, 60, kPathNoise);
   const auto path = smooth_path(s.time, s.value, s.variance);
   EXPECT_LT(rms_of_rate(s, path), 0.047 * kTwoPi * 0.25 * kFps / std::sqrt(2.0));
 }
 
-// What it says of itself covers what it is wrong by: 4 u over 60 samples.
-TEST(SmoothPath, KnowsHowWellItKnows) {
+// The error is within 4 u at all 60 samples.
+TEST(SmoothPath, ErrorsOfTheRateAreWithinFourU) {
   for (const double frequency : {0.5, 3.0, 7.5, 11.0}) {
     const Sampled s = sine(frequency, 60, kPathNoise);
     const auto path = smooth_path(s.time, s.value, s.variance);
@@ -67,14 +67,14 @@ TEST(SmoothPath, KnowsHowWellItKnows) {
   }
 }
 
-// Above half of it a sine looks slow: that is why a frame's own points must be asked.
-TEST(SmoothPath, AVibrationAboveHalfTheSamplesRateLooksSlow) {
+// Above half the sample rate a sine looks slow. Only the points within a frame show such motion.
+TEST(SmoothPath, AVibrationAboveHalfTheSampleRateLooksSlow) {
   const Sampled s = sine(29.0, 60, kPathNoise);
   const auto path = smooth_path(s.time, s.value, s.variance);
   for (const PathPoint& p : path) EXPECT_LT(std::abs(p.rate), 0.1 * kTwoPi * 29.0);
 }
 
-TEST(SmoothPath, OneSampleTellsNoRate) {
+TEST(SmoothPath, OneSampleGivesNoRate) {
   const std::vector<double> one{1.0};
   const auto path = smooth_path(one, one, one);
   ASSERT_EQ(path.size(), 1U);

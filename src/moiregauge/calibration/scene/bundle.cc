@@ -11,15 +11,17 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kMaxSteps = 40;
-// A step is the last one if it gains no more than this part of the cost: of 10000 rows 1e-3, the square of 0.03
-// standard uncertainties.
+constexpr int kMaxSteps = 40;  // chosen
+// Fraction of the cost below which a gain ends the iteration. For 10000 residuals 1e-7 is 1e-3, which moves a parameter
+// by 0.03 u. The coarse limit is chosen.
 constexpr double kLittle = 1e-7, kLittleOfChi2 = 1e-3;
-// Steps begin as good as Gauss and Newton's: poses and shifts come from fits of their own.
+// Marquardt damping, relative to the diagonal. It starts at almost zero because poses and shifts come from fits of
+// their own. The limits are chosen.
 constexpr double kFirstDamping = 1e-12, kMinDamping = 1e-18, kMaxDamping = 1e6;
-// Lens, poses and distances together make a bent valley: where a step gains less than this part of what it should,
-// every frame first finds its place in the new scene.
+// Lens, poses and distances form a curved valley. If a step gains less than this fraction of its prediction, every
+// frame is first refitted to the new scene. Chosen.
 constexpr double kAsPromised = 0.9;
+// Factors on the damping after a step that does not lower the cost, and after one that does. Chosen.
 constexpr double kMoreDamping = 10.0, kLessDamping = 0.1;
 
 Camera camera_of(const CommonNumbers& b, const Camera& like) {
@@ -31,7 +33,7 @@ Camera camera_of(const CommonNumbers& b, const Camera& like) {
 
 struct Minimum {
   BundleState state;
-  double data = 0.0;   // chi2, robust
+  double data = 0.0;   // chi2 with Huber's loss
   double prior = 0.0;  // chi2
   [[nodiscard]] double cost() const { return data + prior; }
 };
@@ -57,7 +59,7 @@ struct Bundle::Footage {
     }
   }
 
-  // With a prior, in the model, and of a marker that is seen.
+  // Only parameters with a prior, in the model, and of a marker that was read.
   [[nodiscard]] std::vector<SceneParameter> free_parameters(const SceneModel& model, FocalLength f) const {
     std::vector<SceneParameter> out;
     const auto mean = numbers_of(prior.camera, prior.stretch), u_common = uncertainties_of(prior);
@@ -85,7 +87,7 @@ struct Bundle::Footage {
     return m;
   }
 
-  // Every frame moved to its place in the scene, if that is better.
+  // Refits every frame to the scene and keeps the result if it is better.
   [[nodiscard]] Minimum settled(Minimum m, std::span<const SceneParameter> free) const {
     auto state = BundleNormal(patches, free, m.state).step_of_frames();
     if (!state) return m;
@@ -97,7 +99,7 @@ struct Bundle::Footage {
   std::vector<BundleFrame> frames;
   ScenePrior prior;
   std::vector<BundlePatch> patches;
-  long rows = 0;  // without the unknowns of frames
+  long rows = 0;  // residuals minus the unknowns of the frames
 };
 
 namespace {
@@ -163,7 +165,7 @@ BundleSolution Bundle::solve(const SceneModel& model, const Scene& scene, std::s
   solution.scene.model = model;
   solution.scene.penalised_cost = best.cost();
   solution.scene.solved = std::isfinite(solution.scene.penalised_cost) && best.state.common[0] > 0.0;
-  if (!solution.scene.solved) solution.scene.problem = "the bundle did not converge";
+  if (!solution.scene.solved) solution.scene.problem = "the bundle adjustment did not converge";
   solution.scene.chi2_dof = footage.rows > 0 ? best.data / static_cast<double>(footage.rows) : 0.0;
   solution.frames = footage.frames;
   for (std::size_t k = 0; k < solution.frames.size(); ++k) {

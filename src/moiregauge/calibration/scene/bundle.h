@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Self-calibration: one least squares over camera, markers and the poses of many frames.
+// Bundle adjustment: one least squares solution for lens, markers and the camera poses of many frames.
 #pragma once
 
 #include <limits>
@@ -14,64 +14,66 @@
 
 namespace moiregauge::internal {
 
-// A rolling shutter: how the nine points of every patch are off, in pitches (x of all nine, then y), per rate and
-// acceleration by which the camera moves otherwise than expected while rows are read (set_back in row_motion.h), and,
-// in the last column, per second of readout.
+// Rolling shutter: derivatives of the nine points' residuals (pitches; x of all nine, then y) for every marker.
+// Columns: 6 rates, 6 accelerations, readout time.
+// Rates (1/s) and accelerations (1/s^2) are the deviation of the camera's motion from the expected one, in the
+// coordinates of PathPlace. The readout time is in s. Source: `to_frame_time` in row_motion.h.
 inline constexpr int kMotionParameters = 12;
 struct RowDesign {
   using Columns = Eigen::Matrix<double, 2 * kPatchPoints, kMotionParameters + 1>;
-  std::vector<Columns> by_marker;                                           // one per site marker
-  Eigen::Matrix<double, kMotionParameters, kMotionParameters> information;  // prior about zero
+  std::vector<Columns> by_marker;  // one per site marker
+  // Inverse covariance of the prior about zero.
+  Eigen::Matrix<double, kMotionParameters, kMotionParameters> information;
 };
 using Motion = Eigen::Matrix<double, kMotionParameters, 1>;
 
-inline constexpr double kNotTimed = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kNotTimed = std::numeric_limits<double>::quiet_NaN();  // time of a frame without a time stamp
 
-// One frame as the bundle takes it.
+// Input of the bundle adjustment from one frame.
 struct BundleFrame {
   long frame = 0;
-  Pose pose;                                    // where to start
+  Pose pose;                                    // start value
   std::vector<std::optional<PatchFit>> points;  // one per site marker
-  std::vector<Extent<frame::Board>> shift;      // of the targets, where to start; one per site marker, mm
-  bool at_rest = false;                         // targets known not to have moved: shift is zero
+  std::vector<Extent<frame::Board>> shift;      // start values for the targets, one per site marker, mm
+  bool at_rest = false;                         // the user states that no target moved: all shifts are zero
   double time_s = kNotTimed;
-  std::optional<RowDesign> rows = std::nullopt;  // of a rolling shutter, points set back
-  Motion motion = Motion::Zero();                // otherwise than expected, where to start
+  std::optional<RowDesign> rows = std::nullopt;  // rolling shutter: the points are already at frame time
+  Motion motion = Motion::Zero();                // deviation from the expected motion, start value
 };
 
-// In which direction of the picture as displayed the sensor's rows follow one another.
+// Direction in the displayed image in which the sensor reads one row after the other.
 enum class ReadoutDirection { kDown, kUp, kRight, kLeft };
 
-// What is known beforehand: values (a Scene's) and their standard uncertainties in the Scene's order.
+// Prior of the scene: values and their standard uncertainties, in the Scene's order.
 struct ScenePrior {
   Camera camera;
   std::array<double, kCameraParameters> u_camera{};
   double stretch = 0.0, u_stretch = 0.0;
   std::vector<MarkerShape> markers;
-  std::vector<MarkerShape> u_markers;  // 0: held fixed
+  std::vector<MarkerShape> u_markers;  // 0: fixed
   ReadoutDirection rows_run = ReadoutDirection::kDown;
 };
 
-// Of what all markers share, in the scene's order.
+// Returns the prior's standard uncertainties of the parameters that all markers share, in the Scene's order.
 [[nodiscard]] std::array<double, kCommonParameters> uncertainties_of(const ScenePrior& prior);
 
-// Nothing known of the lens but the picture's size; of the markers what the site says. A calibrated camera narrows it.
+// Returns the prior of the scene. Markers: the site's `known_to`. Lens: `camera` if given, otherwise unknown (f = 2 L
+// +- 100 %, for an image with the larger side L in px).
 [[nodiscard]] ScenePrior scene_prior(const Site& site, int width, int height, const std::optional<Camera>& camera);
 
-// The same with a camera of which nothing is known but where it is to be looked for: about the given one.
+// Returns the prior with the u of an unknown lens about the same camera. No u becomes smaller.
 [[nodiscard]] ScenePrior with_unknown_lens(ScenePrior prior);
 
 struct BundleSolution {
   Scene scene;
-  std::vector<BundleFrame> frames;  // poses and shifts as solved
+  std::vector<BundleFrame> frames;  // with the solved poses and shifts
 };
 
 enum class FocalLength { kAsModel, kHeld };
-// When to stop: where nothing moves any more, or where chi2 is known to a thousandth, which takes a few steps even in a
-// valley without end.
+// Stop criterion: full convergence, or chi2 known to a thousandth. The second takes few steps even along a flat valley.
 enum class Until { kConverged, kChi2Converged };
 
-// Frames with all that does not change from one solution to the next made ready once.
+// Prepares once what all solutions from the same frames share.
 class Bundle {
  public:
   Bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior);
@@ -79,14 +81,16 @@ class Bundle {
   Bundle(const Bundle&) = delete;
   Bundle& operator=(const Bundle&) = delete;
 
-  // Minimises chi2 of all patches plus that of the priors (Levenberg and Marquardt; robust against a patch that fits
-  // nothing). What the model leaves out stays at its value in `scene`. Begins with these frames' poses and shifts.
+  // Minimises chi2 of all gratings plus that of the priors (Levenberg-Marquardt, at most 40 steps). Huber's loss limits
+  // a grating that does not fit. Parameters outside the model keep their value in `scene`. Poses and shifts start from
+  // `frames`.
+  // Fails (scene.solved = false): the cost is not finite, or f is not positive.
   [[nodiscard]] BundleSolution solve(const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames,
                                      FocalLength f = FocalLength::kAsModel, Until until = Until::kConverged) const;
-  // Begins with the prior and the frames as they came.
+  // Solves the model from the prior and the frames given to the constructor.
   [[nodiscard]] BundleSolution solve(const SceneModel& model) const;
-  // By how much the model's first step should lower chi2 and priors together, to second order; infinite if that cannot
-  // be told.
+  // Returns the fall of chi2 and priors that the model's first step predicts, to second order. Infinite if the normal
+  // equations are singular.
   [[nodiscard]] double predicted_reduction(const SceneModel& model, const BundleSolution& from) const;
 
   struct Footage;
@@ -95,6 +99,7 @@ class Bundle {
   std::unique_ptr<const Footage> footage_;
 };
 
+// Solves the model for these frames once, from `start`, or from the prior if it is null.
 [[nodiscard]] BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames,
                                           const ScenePrior& prior, const SceneModel& model,
                                           const Scene* start = nullptr, Until until = Until::kConverged);

@@ -9,19 +9,20 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kSceneColumns = kCommonParameters + kShapeParameters;  // of a patch's columns: those of the scene
-constexpr int kPlace = PatchColumn::kShape + MarkerShape::kX;        // a shift has these two columns
+constexpr int kSceneColumns = kCommonParameters + kShapeParameters;  // columns of a patch that belong to the scene
+constexpr int kPlace = PatchColumn::kShape + MarkerShape::kX;        // a shift has the same two columns
 
 using Matrix2 = Eigen::Matrix2d;
-constexpr int kAtOnce = PatchColumn::kColumns;  // without those of the motion
-// What eliminates a shift: its step is - row * (step of the patch's other columns, 1).
+constexpr int kAtOnce = PatchColumn::kColumns;  // columns without those of the motion
+// Matrix that eliminates a shift. The shift's step is -matrix * (step of the patch's other columns, 1).
 template <int kMotion>
 using ShiftRows = Eigen::Matrix<double, 2, kAtOnce + kMotion>;
 
-// An axis that the print does not show must not run away; 1e4 mm, as in fit_frame.
+// Least information of a shift axis, 1/mm^2. It keeps an axis that the grating does not show in place, with u = 1e4 mm
+// as in fit_frame.
 constexpr double kMinInformation = 1e-8;
 
-// What an outlying patch counts: the loss' slope at its chi2.
+// Weight of a patch: the slope of Huber's loss at its chi2.
 double weight(double chi2) { return chi2 <= kRobustFrom * kRobustFrom ? 1.0 : kRobustFrom / std::sqrt(chi2); }
 
 template <int kSize>
@@ -32,19 +33,19 @@ Eigen::Matrix<double, 2, kSize> shift_rows(const Eigen::Matrix<double, kSize, kS
   return own.llt().solve(n.template middleRows<2>(kPlace));
 }
 
-// Where a patch's column of the scene lies among all parameters.
+// Returns the index among all scene parameters of column k of this marker's patch.
 int column(std::size_t marker, int k) {
   return k < kCommonParameters ? k : kShapeParameters * static_cast<int>(marker) + k;
 }
 
-// With another focal length the same picture comes from a camera that is as much farther away, tilts and heights as
-// much larger, and a lens that bends the same pixels as much as before. Steps are straight in what stays the same,
-// value / f^power, and so follow the valley that these make together; to first order they are what they were.
+// Focal length, distance, tilts, heights and lens terms can change together and leave the image nearly the same. Such a
+// change keeps value / f^power constant. The step is linear in that quantity, so it follows the curved valley. To first
+// order it equals the plain step.
 double scaled_step(double value, double step, double log_f, int power) {
   return (value + step - power * log_f * value) * std::exp(power * log_f);
 }
 
-// Of a parameter of the scene.
+// Returns the power of f with which a scene parameter changes.
 int power_of_f(int index) {
   constexpr std::array<int, kCommonParameters> kOfCamera{1, 0, 0, 2, 4, 1, 1, 6};
   if (index < kCommonParameters) return kOfCamera[static_cast<std::size_t>(index)];
@@ -71,16 +72,16 @@ double BundlePatch::chi2(const BundleState& at) const {
       .squaredNorm();
 }
 
-// What a frame leaves for the way back.
+// Quantities of one frame that the back substitution needs.
 template <int kMotion>
 struct BundleNormal::Frame {
-  Eigen::Matrix<double, 6 + kMotion, Eigen::Dynamic> rows;  // the pose's step is - rows * (step of the scene, 1)
+  Eigen::Matrix<double, 6 + kMotion, Eigen::Dynamic> rows;  // step of pose and motion = -rows * (step of the scene, 1)
   std::vector<ShiftRows<kMotion>> shifts;                   // one per patch that shifts
   bool ok = true;
 };
 
 struct BundleNormal::Eliminated {
-  std::optional<Frame<0>> still;  // all rows read at once
+  std::optional<Frame<0>> still;  // global shutter
   std::optional<Frame<kMotionParameters>> rolling;
   [[nodiscard]] bool ok() const { return still ? still->ok : rolling->ok; }
 };
@@ -125,7 +126,8 @@ std::size_t BundleNormal::end_of_frame(std::size_t first) const {
   return end;
 }
 
-// Adds what is left of a frame to `scene`, whose last row and column are the right side.
+// Eliminates one frame's pose, shifts and motion. Adds the remainder to `scene`, whose last row and column are the
+// right-hand side.
 template <int kMotion>
 BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::size_t end, double damping,
                                                       Eigen::MatrixXd& scene) const {
@@ -174,8 +176,8 @@ BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::si
   return out;
 }
 
-// Moves the frame's pose, shifts and motion; returns the gradient along the whole step, halved, the scene's part
-// included.
+// Applies the step to the frame's pose, shifts and motion. Returns half the gradient along the whole step, with the
+// scene's part.
 template <int kMotion>
 double BundleNormal::substituted(std::size_t first, std::size_t end, const Frame<kMotion>& frame,
                                  const Eigen::VectorXd& moved, BundleState& to) const {
@@ -285,7 +287,8 @@ std::optional<BundleNormal::Step> BundleNormal::step(double damping) const {
   std::size_t k = 0;
   for (std::size_t first = 0; first < patches_.size(); first = end_of_frame(first))
     along += frame_substituted(first, frames[k++], moved, out.to);
-  out.gain = -along;  // chi2's gradient is twice this, and half of what it promises is lost again on the way
+  // The gradient of chi2 is 2 * along. A full step gains half of its product with the gradient.
+  out.gain = -along;
   return out;
 }
 

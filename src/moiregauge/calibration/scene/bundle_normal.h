@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bundle's normal equations. Frames know of each other only through the scene, so every frame's shifts and pose are
-// eliminated where they stand: what is left has the size of the scene, whatever the number of frames.
+// Normal equations of the bundle adjustment. Frames are connected through the scene only, so shifts and pose are
+// eliminated frame by frame. The remaining system has the size of the scene, whatever the number of frames.
 #pragma once
 
 #include <optional>
@@ -12,22 +12,23 @@
 
 namespace moiregauge::internal {
 
-// All unknowns at one place.
+// Values of all unknowns.
 struct BundleState {
   CommonNumbers common{};
   std::vector<MarkerShape> markers;
   std::vector<Pose> poses;                                // one per frame
   std::vector<std::vector<Extent<frame::Board>>> shifts;  // by frame, then site marker
-  std::vector<Motion> motions;                            // one per frame, of a rolling shutter
+  std::vector<Motion> motions;                            // one per frame, for a rolling shutter
 };
 
-// One patch of the footage.
+// One grating in one frame.
 struct BundlePatch {
   std::size_t frame;
   std::size_t marker;
-  bool shifts;  // a target that may have moved
+  bool shifts;  // true for a target that may have moved
   PatchResidual residual;
-  // Of a rolling shutter: the residual per motion otherwise than expected, and the motion's prior.
+  // Rolling shutter: derivative of the whitened residual by the motion beyond the expected one, and the prior of that
+  // motion.
   struct Rows {
     Eigen::Matrix<double, PatchResidual::kSize, kMotionParameters> by_motion;
     Eigen::Matrix<double, kMotionParameters, kMotionParameters> information;
@@ -36,35 +37,36 @@ struct BundlePatch {
   [[nodiscard]] double chi2(const BundleState& at) const;
 };
 
-// Prior of the scene's parameters: those that all markers share, then five per marker.
+// Free parameter of the scene with its prior. Order: the parameters that all markers share, then five per marker.
 struct SceneParameter {
-  int index;  // of all parameters; only those to be solved are listed
+  int index;  // among all parameters of the scene
   double mean, u;
 };
 
-// chi2 of a patch of 18 is 18 +- 6; one whose root is beyond this counts by its distance, not its square.
+// Huber's limit on sqrt(chi2) of a grating. Noise alone gives chi2 = 18 +- 6. Beyond the limit a grating counts by its
+// distance instead of its square. Chosen.
 inline constexpr double kRobustFrom = 10.0;
 [[nodiscard]] double robust(double chi2);
 
 [[nodiscard]] double& parameter(BundleState& state, int index);
 
-// Patches in the order of their frames.
+// Linearises all patches at `at`. The patches must be in the order of their frames.
 class BundleNormal {
  public:
   BundleNormal(std::span<const BundlePatch> patches, std::span<const SceneParameter> free, const BundleState& at);
 
   struct Step {
     BundleState to;
-    double gain = 0.0;  // of chi2 and priors together, to second order
+    double gain = 0.0;  // predicted fall of chi2 and priors, to second order
   };
-  // `damping`: added to every diagonal entry, as a part of it (Marquardt 1963). Nothing when it is too small for the
-  // system to be solved.
+  // Returns the damped Gauss-Newton step. `damping` is relative to the diagonal (Marquardt 1963).
+  // Fails (nothing): the damped system is not positive definite.
   [[nodiscard]] std::optional<Step> step(double damping) const;
-  // The scene held fixed, undamped: every frame's own step to where it fits best.
+  // Returns every frame's own undamped step, with the scene fixed. Fails as `step` does.
   [[nodiscard]] std::optional<BundleState> step_of_frames() const;
 
  private:
-  // Columns of the design, and behind them those of the motion.
+  // Columns of the design matrix, then those of the motion.
   template <int kMotion>
   using PatchNormal = Eigen::Matrix<double, PatchColumn::kColumns + kMotion, PatchColumn::kColumns + kMotion>;
   template <int kMotion>
@@ -81,14 +83,14 @@ class BundleNormal {
   [[nodiscard]] Eliminated frame_eliminated(std::size_t first, double damping, Eigen::MatrixXd& scene) const;
   [[nodiscard]] double frame_substituted(std::size_t first, const Eliminated& frame, const Eigen::VectorXd& moved,
                                          BundleState& to) const;
-  [[nodiscard]] Eigen::Index size() const;  // of the scene's parameters and the right side
+  [[nodiscard]] Eigen::Index size() const;  // number of scene parameters, plus one for the right-hand side
   [[nodiscard]] std::size_t end_of_frame(std::size_t first) const;
 
   std::span<const BundlePatch> patches_;
   std::span<const SceneParameter> free_;
   BundleState at_;
   std::vector<PatchNormal<0>> normal_;  // one per patch, weighted
-  // Of patches with rows: the motion's columns against all others and against themselves.
+  // For patches with a rolling shutter: products of the motion's columns with all others and with themselves.
   std::vector<Eigen::Matrix<double, kMotionParameters, PatchColumn::kColumns + kMotionParameters>> of_motion_;
 };
 

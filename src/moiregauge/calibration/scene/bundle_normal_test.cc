@@ -9,7 +9,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kFrames = 3, kMarkers = 4;  // the last one a target
+constexpr std::size_t kFrames = 3, kMarkers = 4;  // the last one is a target
 constexpr int kScene = kCommonParameters + kShapeParameters * static_cast<int>(kMarkers);
 constexpr int kOfFrame = 8;  // pose, shift
 
@@ -19,7 +19,7 @@ struct NormalCase {
   BundleState at;
 };
 
-// Prints seen from three poses, read with errors of a thousandth of a pitch.
+// Four gratings from three poses, with reading errors of a thousandth of a pitch.
 NormalCase footage() {
   std::mt19937_64 rng(11);
   std::normal_distribution<double> normal;
@@ -54,7 +54,7 @@ NormalCase footage() {
   return f;
 }
 
-// Gauss and Newton's step of all unknowns together: the scene's, then pose and shift of every frame.
+// Returns the Gauss-Newton step of all unknowns together: scene, then pose and shift of every frame.
 Eigen::VectorXd dense_step(const NormalCase& f) {
   const Eigen::Index size = kScene + kOfFrame * static_cast<Eigen::Index>(kFrames);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
@@ -89,13 +89,13 @@ Eigen::VectorXd dense_step(const NormalCase& f) {
   return scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(right)));
 }
 
-TEST(BundleNormal, TheScenesStepIsThatOfAllUnknownsTogether) {
+TEST(BundleNormal, EliminationGivesTheStepOfAllUnknowns) {
   const NormalCase f = footage();
   const Eigen::VectorXd dense = dense_step(f);
   auto step = BundleNormal(f.patches, f.free, f.at).step(0.0);
   ASSERT_TRUE(step);
   BundleState at = f.at;
-  const double log_f = dense(0) / f.at.common[0];  // other parameters scale with f, to second order of the step
+  const double log_f = dense(0) / f.at.common[0];  // steps scale with f: a second-order difference
   for (const SceneParameter& p : f.free) {
     const double moved = parameter(step->to, p.index) - parameter(at, p.index);
     EXPECT_NEAR(
@@ -111,7 +111,7 @@ TEST(BundleNormal, TheScenesStepIsThatOfAllUnknownsTogether) {
   }
 }
 
-TEST(BundleNormal, AStepGainsWhatItPromises) {
+TEST(BundleNormal, AStepGainsWhatItPredicts) {
   const NormalCase f = footage();
   const auto cost = [&](BundleState& at) {
     double sum = 0.0;

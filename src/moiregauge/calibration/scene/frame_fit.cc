@@ -14,17 +14,16 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr int kRows = PatchResidual::kSize;
-constexpr int kPasses = 4;
+constexpr int kPasses = 4;  // Gauss-Newton steps, chosen
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 template <int kColumns>
 using Jacobian = Eigen::Matrix<double, kRows, kColumns>;
 
-// Of pose and shifts (f) and the scene's parameters (g).
+// Normal equations of pose and shifts (index f) and scene parameters (index g). Index b is the readout time.
 struct Normal {
   Eigen::MatrixXd ff, fg, gg;
   Eigen::VectorXd rf;
-  // And of the readout.
   Eigen::VectorXd fb;
   double bb = 0.0, rb = 0.0;
 };
@@ -34,8 +33,8 @@ Normal empty_normal(int rows, int globals) {
           Eigen::MatrixXd::Zero(globals, globals), Eigen::VectorXd::Zero(rows), Eigen::VectorXd::Zero(rows)};
 }
 
-// Adds the patch of marker i, whose shift has two rows from `shift_row` on unless that is negative; what concerns the
-// scene only if `with_scene`.
+// Adds the grating of marker i. Its shift has two rows from `shift_row`, or none if that is negative. The scene's part
+// is added only `with_scene`.
 void add_patch(Normal& n, const PatchResidual::Design& design, std::size_t i, int shift_row, bool with_scene) {
   Jacobian<8> own;
   own << design.middleCols<6>(PatchColumn::kPose), design.middleCols<2>(PatchColumn::kShape);
@@ -59,7 +58,7 @@ void add_patch(Normal& n, const PatchResidual::Design& design, std::size_t i, in
   }
 }
 
-// What a rolling shutter adds: the motion's rows from `first` on, and the readout. `rows`: whitened.
+// Adds the rolling shutter's part: the motion from row `first`, and the readout time. `rows` are whitened.
 void add_rows(Normal& n, const RowDesign::Columns& rows, const PatchResidual::Design& design, std::size_t i,
               int shift_row, int first, bool with_scene) {
   Jacobian<8> own;
@@ -88,7 +87,7 @@ void add_rows(Normal& n, const RowDesign::Columns& rows, const PatchResidual::De
     n.fg.block<kMotionParameters, 1>(first, column(b)) += fg.col(b);
 }
 
-// Gauss and Newton's step; false when the patches do not determine it.
+// Takes a Gauss-Newton step. Returns false if the gratings do not determine it.
 bool take_step(FrameFit& fit, const Normal& n, int first_motion) {
   const Eigen::VectorXd scale = n.ff.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * n.ff * scale.asDiagonal());
@@ -107,7 +106,7 @@ bool take_step(FrameFit& fit, const Normal& n, int first_motion) {
   return true;
 }
 
-// What the fit of a frame with rows knows of them.
+// Fills the rolling shutter's fields of the result.
 void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int first) {
   fit.of_motion = Eigen::VectorXd::Zero(n.ff.rows());
   fit.of_motion.head(first) =
@@ -115,7 +114,7 @@ void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int fi
   fit.by_readout = -fit.covariance * n.fb;
   fit.readout_information = n.bb + n.fb.dot(fit.by_readout);
   fit.readout_slope = n.rb + n.rf.dot(fit.by_readout);
-  // As many degrees of freedom go as the patches tell of the motion beyond what was expected of it.
+  // Motion costs only the degrees of freedom that the gratings determine beyond its prior.
   const auto known =
       (rows.information * fit.covariance.bottomRightCorner<kMotionParameters, kMotionParameters>()).trace();
   fit.dof -= std::lround(kMotionParameters - known);

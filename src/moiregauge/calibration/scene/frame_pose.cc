@@ -10,7 +10,8 @@ namespace moiregauge::internal {
 
 namespace {
 
-// Through the four outermost points: a place to begin at. Through all where three of those are on a line.
+// Fits the homography through the four outermost points, or through all if three of the four are collinear. It only
+// starts a fit.
 std::optional<IdealFromBoard> rough_view(const std::vector<BoardPoint>& board, const std::vector<IdealPoint>& ideal) {
   std::array<std::size_t, 4> select_references{};
   const auto towards = [&](std::size_t corner, std::size_t k) {

@@ -7,9 +7,10 @@
 
 namespace moiregauge::internal {
 
-// The pose from which the scene's camera sees the prints of the frame's references where they were read, heights left
-// out: where to begin a fit. From places that a site knows to a few millimetres only, a fit can end in the mirrored
-// tilt. Nothing when they determine no homography.
+// Returns the start pose of a frame fit: the scene's camera sees the references' gratings there as read. Heights are
+// neglected.
+// From positions that are wrong by millimetres, a fit can otherwise end in the mirrored tilt.
+// Fails (nothing): the gratings determine no homography.
 [[nodiscard]] std::optional<Pose> pose_of(const Site& site, const Scene& scene, const BundleFrame& frame);
 
 }  // namespace moiregauge::internal

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// All frames of a run as the bundle takes them, made one at a time: with its information matrices a frame of five markers
-// is 16 kB, and an hour has 100 000.
+// Inputs of the bundle adjustment from all frames of a run, made one at a time. A frame with five markers is 16 kB with
+// its information matrices, and an hour has 100 000 frames.
 #pragma once
 
 #include <functional>
@@ -13,18 +13,18 @@
 
 namespace moiregauge::internal {
 
-// The part of a frame that is at hand for all of them.
+// Part of a frame that is kept in memory for all frames.
 struct FrameStart {
   long frame = 0;
   double time_s = kNotTimed;
-  Pose pose;                                // where to start
-  std::vector<Extent<frame::Board>> shift;  // of the targets, where to start; one per site marker, mm
+  Pose pose;                                // start value
+  std::vector<Extent<frame::Board>> shift;  // start values for the targets, one per site marker, mm
   std::vector<bool> has_points;             // one per site marker
 };
 
 class FrameSeries {
  public:
-  // Makes a frame with the start's pose, shift and points; always the same one.
+  // Makes frame k with the start's pose, shift and points. It returns the same frame whenever it is called.
   using Make = std::function<BundleFrame(std::size_t)>;
 
   FrameSeries() = default;

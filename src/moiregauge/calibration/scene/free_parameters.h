@@ -8,12 +8,14 @@
 
 namespace moiregauge::internal {
 
-// Which parameters a model solves; the others stay at their prior values. Without a lens f, cx and cy would only bend
-// to its absence: they are solved together. The stretch of prints has a prior of its own, and costs nothing else.
+// Returns which of the shared parameters a model solves. The others keep their prior values.
+// Without a lens f, cx and cy would bend to compensate its absence, so they are solved together with it. The stretch is
+// always free: it has its own prior.
 [[nodiscard]] constexpr std::array<bool, kCommonParameters> free_common(const SceneModel& m) {
   return {m.radial, m.radial, m.radial, m.radial, m.radial, m.tangential, m.tangential, false, true};
 }
-// A target's place has a prior, and so is solved, only where frames are known in which it rests.
+// Returns which parameters of a marker a model solves. A target's position has a prior only with rest frames. Otherwise
+// its u is 0 and it stays fixed.
 [[nodiscard]] constexpr std::array<bool, MarkerShape::kParameters> free_shape(const SceneModel& m, Role role) {
   const bool reference = role == Role::kReference;
   return {true, true, true, true, reference ? m.heights : m.depth};

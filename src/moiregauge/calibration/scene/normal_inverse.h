@@ -5,7 +5,7 @@
 
 namespace moiregauge::internal {
 
-// Of normal equations whose unknowns have units of their own: by LDL' of the matrix scaled to a diagonal of ones.
+// Returns the inverse of a normal matrix whose unknowns have different units (LDL' after scaling to a unit diagonal).
 [[nodiscard]] Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal);
 
 }  // namespace moiregauge::internal

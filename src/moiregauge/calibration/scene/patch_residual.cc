@@ -19,8 +19,9 @@ Matrix3d cross_with(const Vector3d& a) {
   return m;
 }
 
-// How print coordinates change with pixels at each of the nine, from the points themselves: the map X = (a x + b y + c)
-// / (1 + g x + h y) by linear least squares. It only weighs residuals, so its own noise does not count.
+// Returns the derivative of grating coordinates by pixels at each of the nine points, pitches/px. The map X = (a x + b
+// y + c) / (1 + g x + h y) is fitted to the points by linear least squares. It only scales residuals, so its own noise
+// does not matter.
 std::array<Matrix2d, kPatchPoints> print_per_image(const PatchFit& fit) {
   const ImagePoint middle = fit.image[kPatchPoints / 2];
   const double side = std::max(1e-300, length(fit.image.back() - fit.image.front()));
@@ -49,7 +50,7 @@ std::array<Matrix2d, kPatchPoints> print_per_image(const PatchFit& fit) {
   return out;
 }
 
-// A point of the camera's space in the picture, with the derivatives by that space and by the camera.
+// Image of a point in camera coordinates, with its derivatives by the point and by the camera.
 struct Projection {
   Vector2d image;
   Eigen::Matrix<double, 2, 3> by_point;
@@ -87,7 +88,7 @@ TurnedPose::TurnedPose(const Pose& pose)
   const Vector3d turn(pose.turn.data());
   const double angle2 = turn.squaredNorm(), angle = std::sqrt(angle2);
   const Matrix3d k = cross_with(turn), kk = k * k;
-  // Below a tenth of a radian (1 - cos a) / a^2 and (a - sin a) / a^3 are their series: the differences cancel.
+  // Below 0.1 rad use the series of (1 - cos a) / a^2 and (a - sin a) / a^3: the differences cancel.
   const bool small = angle < 0.1;
   const double one_less_cos =
       small ? 0.5 - angle2 * (1.0 / 24 - angle2 * (1.0 / 720 - angle2 / 40320)) : (1.0 - std::cos(angle)) / angle2;
@@ -105,7 +106,7 @@ PatchResidual::PatchResidual(const PatchFit& fit, const Grating& grating)
       angle_rad_(grating.angle_rad),
       pitch_mm_(grating.pitch_mm),
       pitches_per_px_(print_per_image(fit)) {
-  // Pivoted, so that an axis that the print does not show comes last, with nothing.
+  // Pivoting puts an axis that the grating does not show last, with zero weight.
   const Eigen::LDLT<PatchInformation> ldlt(fit.information);
   PatchInformation upper = ldlt.matrixU();
   upper = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal() * upper;

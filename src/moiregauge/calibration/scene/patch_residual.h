@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one formula that joins a scene to what was seen: nine points of a print, projected, against the nine pixels that
-// show them. Written for doubles and for Ceres' numbers with derivatives, and once more with its derivatives in closed
-// form, which cost far less.
+// Projection of the scene, and its residual: nine points of a grating against the nine pixels that show them. One
+// version works with doubles and with Ceres' dual numbers. Another has closed-form derivatives, which are far cheaper.
 #pragma once
 
 #include <array>
@@ -14,8 +13,7 @@
 
 namespace moiregauge::internal {
 
-// Turns v by the rotation whose axis times angle is `turn` (Rodrigues' formula; its first order where the angle is
-// nearly 0).
+// Rotates v by the rotation vector `turn`, rad (Rodrigues' formula, to first order near zero).
 template <typename T>
 std::array<T, 3> turned_by(const T* turn, const std::array<T, 3>& v) {
   using std::cos, std::sin, std::sqrt;
@@ -29,7 +27,8 @@ std::array<T, 3> turned_by(const T* turn, const std::array<T, 3>& v) {
           v[2] * c + cross[2] * s + turn[2] * along};
 }
 
-// Image of a board point: pose, then OpenCV's lens model; camera begins with f cx cy k1 k2 p1 p2 k3.
+// Projects a board point (mm) to the image (px): pose, then OpenCV's lens model. `camera` starts with f cx cy k1 k2 p1
+// p2 k3.
 template <typename T>
 std::array<T, 2> projected(const T* camera, const T* pose, const std::array<T, 3>& board) {
   auto p = turned_by(pose, {board[0], -board[1], -board[2]});
@@ -45,14 +44,15 @@ using CommonNumbers = std::array<double, kCommonParameters>;  // f cx cy k1 k2 p
 [[nodiscard]] CommonNumbers numbers_of(const Camera& camera, double stretch);
 [[nodiscard]] CommonNumbers numbers_of(const Scene& scene);
 
-// A pose as what it does to points, and how that changes with its turn: d(R v) = (left d turn) x R v.
+// Rotation matrix of a pose, with its derivative: d(R v) = (left d turn) x R v.
 struct TurnedPose {
   explicit TurnedPose(const Pose& pose);
   Eigen::Matrix3d rotation, left;
   Eigen::Vector3d shift;
 };
 
-// The columns of a patch's design: whitened residual and its derivatives. A shift has those of the place.
+// Columns of a grating's design matrix: derivatives of the whitened residual, then the residual itself. A shift has the
+// columns of the position.
 struct PatchColumn {
   static constexpr int kCommon = 0;
   static constexpr int kShape = kCommon + kCommonParameters;
@@ -61,7 +61,8 @@ struct PatchColumn {
   static constexpr int kColumns = kResidual + 1;
 };
 
-// Whitened: its squared length is chi2 of the patch, with as many degrees as its information has rank.
+// Whitened residual of one grating in one frame. Its squared length is chi2. The degrees of freedom are the rank of the
+// information.
 class PatchResidual {
  public:
   static constexpr int kSize = 2 * kPatchPoints;
@@ -91,7 +92,7 @@ class PatchResidual {
     }
     return true;
   }
-  // With nothing displaced: a reference.
+  // Overload for a reference, which has no shift.
   template <typename T>
   bool operator()(const T* common, const T* shape, const T* pose, T* residual) const {
     const T still[2]{T(0.0), T(0.0)};
@@ -103,15 +104,15 @@ class PatchResidual {
   [[nodiscard]] double chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
                             Extent<frame::Board> shift) const;
 
-  // Where print point n is, as `projected` takes it: (X, Y, Z) on the board, mm.
+  // Returns grating point n on the board: (X, Y, Z) in mm, as `projected` takes it.
   [[nodiscard]] std::array<double, 3> board(double stretch, const MarkerShape& shape, Extent<frame::Board> shift,
                                             std::size_t n) const;
-  // The residual in pitches per pixel by which point n is projected elsewhere.
+  // Returns the residual's derivative by the projected position of point n, pitches/px.
   [[nodiscard]] const Eigen::Matrix2d& pitches_per_px(std::size_t n) const { return pitches_per_px_[n]; }
   [[nodiscard]] Vector residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
                                 Extent<frame::Board> shift) const;
 
-  // Whitens: root^T root is the patch's information.
+  // Returns the whitening matrix: root^T root is the information matrix.
   [[nodiscard]] const Eigen::Matrix<double, kSize, kSize>& root() const { return root_; }
 
  private:

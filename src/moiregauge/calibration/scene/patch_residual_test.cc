@@ -19,7 +19,7 @@ const CommonNumbers kCommon{3478.0, 2059.0, 494.0, -0.04, 0.01, 4e-4, -3e-4, 2e-
 const MarkerShape kSomeShape{{0.3, -0.2, 0.004, 6e-4, 2.0}};
 const Extent<frame::Board> kShift{0.7, -1.1};
 
-// Nine points about where the camera sees the print, with information of all ranks up to `rank`.
+// Nine points near the position where the camera sees the grating. The information matrix has this rank.
 PatchFit patch(int rank) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> normal;
@@ -65,7 +65,7 @@ TEST(PatchResidual, HasTheDerivativesThatCeresFinds) {
   }
 }
 
-TEST(PatchResidual, TheRootIsThatOfAnyInformation) {
+TEST(PatchResidual, TheRootFitsInformationOfAnyRank) {
   for (const int rank : {0, 3, 9, kSize}) {
     const PatchFit fit = patch(rank);
     const PatchResidual residual(fit, kGrating);

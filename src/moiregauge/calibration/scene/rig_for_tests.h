@@ -8,9 +8,9 @@
 namespace moiregauge::internal::test {
 
 inline constexpr double kPitch = 10.0;  // mm
-inline constexpr double kNoise = 2e-4;  // pitches, of each coordinate of a point: 2 um, 0.006 px
+inline constexpr double kNoise = 2e-4;  // pitches, for each coordinate of a point: 2 um, 0.006 px
 
-// Four references and a target as on the paper's rig.
+// Four references and a target, laid out as on the paper's rig.
 inline Site rig() {
   Site site;
   const auto add = [&](Role role, double x, double y, double size) {

@@ -6,7 +6,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kDeterminedFocal = 0.1;  // u, relative
+constexpr double kDeterminedFocal = 0.1;  // largest relative u of f for a camera file; chosen
 
 }  // namespace
 

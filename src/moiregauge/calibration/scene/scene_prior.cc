@@ -8,14 +8,17 @@
 namespace moiregauge::internal {
 namespace {
 
-// Of a lens of which nothing is known: distortion at the picture's corner as a part of the half diagonal.
+// Unknown lens: u of the distortion at the corner of the image, relative to the half diagonal. Chosen to include wide
+// phone lenses.
 constexpr double kRadial = 0.05, kRadial2 = 0.02, kTangential = 0.005;
-// From a telephone's wide lens (0.7 sides) to a long one (6 sides) all are within two u.
-constexpr double kUsualFocal = 2.0;  // of the picture's larger side
-constexpr double kPrincipal = 0.02;  // of the picture's larger side
-// Of a calibrated one: focus and temperature have moved since. It is a prior, not the truth.
+// Unknown lens: prior of f, and u of the principal point, relative to the image's larger side. From a wide phone lens
+// (0.7) to a long one (6) all f are within two u. The 2 % are chosen.
+constexpr double kUsualFocal = 2.0;  // of the image's larger side
+constexpr double kPrincipal = 0.02;  // of the image's larger side
+// Given camera without u: focus and temperature may have changed since its calibration. Relative to f, L and each
+// distortion term. Chosen.
 constexpr double kCalibratedFocal = 0.005, kCalibratedPrincipal = 0.002, kCalibratedDistortion = 0.05;
-constexpr double kTargetDepth = 100.0;  // mm, where the site does not state it
+constexpr double kTargetDepth = 100.0;  // u of a target's height without `z_mm`, mm; chosen
 
 void unknown_lens(ScenePrior& prior, double side, double rho) {
   const double rho2 = rho * rho;
@@ -25,6 +28,8 @@ void unknown_lens(ScenePrior& prior, double side, double rho) {
 
 void calibrated_lens(ScenePrior& prior, double side, double rho) {
   const double rho2 = rho * rho;
+  // Least u of a distortion term at the corner of the image: 0.05 % (k1), 0.02 % (k2), 0.01 % (p1, p2) of the half
+  // diagonal. Chosen.
   const auto share = [](double value, double least) {
     return std::max(kCalibratedDistortion * std::abs(value), least);
   };
@@ -72,7 +77,7 @@ ScenePrior scene_prior(const Site& site, int width, int height, const std::optio
   else
     unknown_lens(prior, side, rho);
   const KnownTo& known = site.known_to;
-  prior.u_stretch = std::numbers::sqrt2 * known.print_scale;  // of either axis that much
+  prior.u_stretch = std::numbers::sqrt2 * known.print_scale;  // the scales of both axes are independent
   for (const Marker& marker : site.markers) {
     MarkerShape value, u;
     const bool reference = marker.role == Role::kReference;

@@ -23,14 +23,19 @@ tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutArgs& args, c
   const auto known = pattern_named(pattern);
   if (!known || *known == Pattern::kAuto)
     return usage(fmt::format(
-        "pattern: --pattern {}: choose one of grid, squares, dots, lines-x, lines-y, checkerboard, cosine", pattern));
+        "the pattern is unknown: --pattern {}: choose one of grid, squares, dots, lines-x, lines-y, checkerboard, "
+        "cosine",
+        pattern));
   request.pattern = *known;
   request.references = args.references.value_or(4);
   request.targets = args.targets.value_or(1);
   if (request.references != 4 && request.references != 6)
-    return usage(fmt::format("references: --references {}: 4, or 6 (which can check each other)", request.references));
+    return usage(
+        fmt::format("a layout has 4 or 6 references: --references {}: give 4, or 6 so that they can check each other",
+                    request.references));
   if (request.targets < 0 || request.targets > kMaxTargets)
-    return usage(fmt::format("targets: --targets {}: 0 to {}", request.targets, kMaxTargets));
+    return usage(
+        fmt::format("the number of targets is out of range: --targets {}: give 0 to {}", request.targets, kMaxTargets));
   const struct {
     const char* option;
     const std::string& text;
@@ -43,21 +48,22 @@ tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutArgs& args, c
     const auto mm = length_or(length.option, length.text, length.value);
     if (!mm) return tl::unexpected(mm.error());
     if (!length.text.empty() && !(*mm >= kMinLength_mm && *mm <= kMaxLength_mm))
-      return usage(fmt::format("length: {} {}: give one from {:g} to {:g} mm", length.option, length.text,
+      return usage(fmt::format("the length is out of range: {} {}: give {:g} to {:g} mm", length.option, length.text,
                                kMinLength_mm, kMaxLength_mm));
     length.value = *mm;
   }
   if (!args.span.empty()) {
     const auto span = size_mm(args.span);
-    if (!span) return usage(fmt::format("span: --span {}: {}", args.span, span.error()));
+    if (!span) return usage(fmt::format("the span cannot be read: --span {}: {}", args.span, span.error()));
     if (!(std::max(span->x, span->y) <= kMaxLength_mm))
-      return usage(fmt::format("span: --span {}: give up to {:g} mm each way", args.span, kMaxLength_mm));
+      return usage(
+          fmt::format("the span is too large: --span {}: give up to {:g} mm each way", args.span, kMaxLength_mm));
     request.span = *span;
   } else {
     request.span = sheet::widest_span(request, room.size);
     if (!(request.span.x > 0.0 && request.span.y > 0.0))
-      return usage(fmt::format("layout: {}: no room for prints of {:g} mm pitch: choose more room or a smaller --pitch",
-                               room.name, request.pitch_mm));
+      return usage(fmt::format("gratings of {:g} mm pitch do not fit: {}: choose a larger area or a smaller --pitch",
+                               request.pitch_mm, room.name));
   }
   return request;
 }
@@ -73,21 +79,21 @@ void add_layout_options(CLI::App& command, LayoutArgs& args) {
   command.add_option("--pitch", args.pitch, "pitch of the gratings with its unit [10mm]")->type_name("LENGTH");
   command.add_option("--pattern", args.pattern, "grid, squares, dots, lines-x, lines-y, checkerboard or cosine [grid]")
       ->type_name("NAME");
-  command.add_option("--references", args.references, "4, or 6, which can check each other [4]")->type_name("N");
-  command.add_option("--targets", args.targets, "targets, in a row at half height [1]")->type_name("N");
-  command.add_option("--span", args.span, "between the outermost circles, e.g. 760x300mm [as far as there is room]")
+  command.add_option("--references", args.references, "4, or 6 so that they can check each other [4]")->type_name("N");
+  command.add_option("--targets", args.targets, "number of targets, in a row at half height [1]")->type_name("N");
+  command.add_option("--span", args.span, "distance between the outermost circles, e.g. 760x300mm [the whole area]")
       ->type_name("WxH");
   command.add_option("--reference-size", args.reference_size, "side of a reference's grating [4 pitches]")
       ->type_name("LENGTH");
   command.add_option("--target-size", args.target_size, "side of a target's grating [6 pitches]")->type_name("LENGTH");
   command.add_option("--circle", args.circle, "diameter of the circles [2 pitches]")->type_name("LENGTH");
-  command.add_option("--site", args.site, "the markers of this site.toml instead")->type_name("FILE");
+  command.add_option("--site", args.site, "use the markers of this site.toml instead")->type_name("FILE");
 }
 
 tl::expected<double, UsageError> length_or(const char* option, const std::string& text, double otherwise) {
   if (text.empty()) return otherwise;
   const auto mm = length_mm(text);
-  if (!mm) return usage(fmt::format("length: {} {}: {}", option, text, mm.error()));
+  if (!mm) return usage(fmt::format("the length cannot be read: {} {}: {}", option, text, mm.error()));
   return *mm;
 }
 
@@ -115,7 +121,8 @@ tl::expected<Site, UsageError> site_of_layout(const LayoutArgs& args, const Room
   if (!args.site.empty()) {
     if (asks_for_a_layout(args))
       return usage(
-          "--site with a layout's options: the site file states pitch, pattern, sizes and places: leave those out");
+          "--site excludes the layout options: the site file states pitch, pattern, sizes and positions: remove those "
+          "options");
     return site_of_file(args.site);
   }
   const auto request = request_of(args, room);

@@ -5,21 +5,20 @@ namespace moiregauge::internal::cli {
 
 void add_print_scale(CLI::App& command, PrintScaleArgs& args) {
   command
-      .add_option(
-          "--print-scale", args.factor,
-          "what the sheet's rulers showed: measured over nominal length, e.g. 1.0012; or along x and y: 1.0012,0.9990")
+      .add_option("--print-scale", args.factor,
+                  "measured / nominal length of the sheet's rulers, e.g. 1.0012; along x and y: 1.0012,0.9990")
       ->type_name("FACTOR");
-  command.add_option("--u-print-scale", args.u, "its relative standard uncertainty, e.g. 0.0002 [the site's word]")
+  command.add_option("--u-print-scale", args.u, "its relative standard uncertainty, e.g. 0.0002 [the site file's]")
       ->type_name("U");
 }
 
 void add_figures(CLI::App& command, std::string& formats) {
-  command.add_option("--figures", formats, "also draw figures for a paper, into DIR/figures; more formats: pdf,svg")
+  command.add_option("--figures", formats, "also draw figures for a paper into DIR/figures; several formats: pdf,svg")
       ->type_name("pdf|svg|png");
 }
 
 void add_max_pixels(CLI::App& command, std::int64_t& max_pixels) {
-  command.add_option("--max-pixels", max_pixels, "refuse pictures of more pixels before they are decoded [64000000]")
+  command.add_option("--max-pixels", max_pixels, "refuse frames of more pixels before decoding [64000000]")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 28).description(""))
       ->type_name("N");
 }

@@ -15,7 +15,7 @@ namespace {
 
 int run(const std::string& shell, const CLI::App& app) {
   if (shell != "bash" && shell != "zsh")
-    return fail(Exit::kUsage, fmt::format("unknown shell: completion {}: choose one of bash, zsh", shell));
+    return fail(Exit::kUsage, fmt::format("the shell is unknown: completion {}: choose one of bash, zsh", shell));
   print_out(shell == "bash" ? bash_completion(app) : zsh_completion(app));
   return 0;
 }
@@ -23,10 +23,10 @@ int run(const std::string& shell, const CLI::App& app) {
 }  // namespace
 
 void add_completion(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("completion", "Print what a shell needs to complete the words of moiregauge");
+  auto* command = app.add_subcommand("completion", "Print the completion script for a shell");
   const auto shell = std::make_shared<std::string>();
   command->add_option("SHELL", *shell, "bash or zsh")->type_name("bash|zsh")->required();
-  command->group("");  // not listed
+  command->group("");  // not listed in the help
   command->callback([shell, &app, &exit_code] { exit_code = run(*shell, app); });
 }
 

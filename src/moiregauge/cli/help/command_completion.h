@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `moiregauge completion bash|zsh`: what a shell needs to complete the program's words. Not listed: packages install
-// it.
+// Adds `moiregauge completion bash|zsh`, which prints the completion script of a shell. Not listed in the help, because
+// packages install it.
 #pragma once
 
 #include <CLI/CLI.hpp>

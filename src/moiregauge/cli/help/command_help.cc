@@ -24,7 +24,7 @@ struct HelpWords {
   bool man = false;
 };
 
-// Lines longer than this are tiring to read, however wide the window is.
+// Columns. Longer lines are tiring to read on any terminal (chosen).
 constexpr std::size_t kWidest = 100;
 
 std::size_t width_of_terminal() {
@@ -37,9 +37,9 @@ int no_such_page(const std::string& word) {
   std::vector<std::string_view> known;
   for (const Page& page : pages()) known.push_back(page.name);
   const auto nearest = nearest_word(word, known);
-  return fail(Exit::kUsage, fmt::format("no such page: help {}: {}", word,
+  return fail(Exit::kUsage, fmt::format("the page does not exist: help {}: {}", word,
                                         nearest ? fmt::format("did you mean moiregauge help {}?", *nearest)
-                                                : "moiregauge help lists the commands"));
+                                                : "list the commands with moiregauge help"));
 }
 
 int run(const HelpWords& words, const CLI::App& app) {
@@ -58,10 +58,10 @@ int run(const HelpWords& words, const CLI::App& app) {
 void show_page(std::string_view name) { print_out(page_text(name, width_of_terminal())); }
 
 void add_help(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("help", "Show the page of a command, or how to begin");
+  auto* command = app.add_subcommand("help", "Show the page of a command, or the first steps");
   const auto words = std::make_shared<HelpWords>();
-  command->add_option("COMMAND", words->command, "whose page [of the program as a whole]")->type_name("NAME");
-  command->add_flag("--man", words->man, "as a man page: moiregauge help --man measure | man -l -");
+  command->add_option("COMMAND", words->command, "command to explain [the whole program]")->type_name("NAME");
+  command->add_flag("--man", words->man, "print a man page: moiregauge help --man measure | man -l -");
   command->callback([words, &app, &exit_code] { exit_code = run(*words, app); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `moiregauge help`: the page of a command.
+// Adds `moiregauge help`, which shows the page of a command.
 #pragma once
 
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal::cli {
 
-// On stdout, as wide as the terminal; of a command that has no page, nothing.
+// Prints the page as wide as the terminal. Prints nothing for a command without a page.
 void show_page(std::string_view name);
 
 void add_help(CLI::App& app, int& exit_code);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of a tree, for help, completion and error lines.
+// Lists the commands of a program, for help, completion and error messages.
 #pragma once
 
 #include <string_view>
@@ -9,10 +9,10 @@
 
 namespace moiregauge::internal::cli {
 
-// The parser's message about an option with an empty text.
+// The parser's message for an option with an empty value.
 inline constexpr std::string_view kEmptyValue = "the value is empty";
 
-// Returns the commands that help lists, in the order of the tree.
+// Returns the commands that the help lists, in the program's order.
 [[nodiscard]] inline std::vector<const CLI::App*> visible_commands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
 }

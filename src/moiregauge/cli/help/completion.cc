@@ -26,7 +26,7 @@ const CLI::Option* positional_of(const CLI::App& command) {
   return nullptr;
 }
 
-// One line of bash that fills COMPREPLY for one value.
+// Returns one line of bash that fills COMPREPLY for a value.
 std::string bash_reply(const ValueWords& value) {
   std::string kinds;
   if (value.files) kinds += " -f";
@@ -59,7 +59,7 @@ std::string bash_words(const CLI::App& command) {
                      bash_reply(positional == nullptr ? ValueWords{} : value_words(*positional)));
 }
 
-// Between single quotes, and where zsh reads [explanation] and name:message.
+// Escapes text for single quotes, and for zsh's [explanation] and name:message.
 std::string zsh_text(std::string_view text) {
   std::string out;
   for (const char c : text.substr(0, text.find('\n'))) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Completion for shells, made from the tree of options: a new option completes without anything being told of it.
+// Generates shell completion from the program's options, so that new options need no further code.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal::cli {
 
-// What may stand for an option's value, told by its type name: FILE, DIR, or the words of "on|off|auto".
+// Possible values of an option by its type name: FILE, DIR, or the words of "on|off|auto".
 struct ValueWords {
   bool files = false;
   bool folders = false;

@@ -16,7 +16,7 @@ struct Tree {
   }
 };
 
-TEST(Completion, ATypeNameTellsWhatMayStandForAValue) {
+TEST(Completion, ATypeNameDeterminesThePossibleValues) {
   Tree tree;
   EXPECT_TRUE(value_words(*tree.add("--site", "FILE")).files);
   EXPECT_TRUE(value_words(*tree.add("--out", "DIR")).folders);
@@ -25,7 +25,7 @@ TEST(Completion, ATypeNameTellsWhatMayStandForAValue) {
   EXPECT_FALSE(length.files || length.folders || !length.words.empty());
 }
 
-TEST(Completion, WhatZshReadsAsItsOwnIsQuoted) {
+TEST(Completion, SpecialCharactersOfZshAreQuoted) {
   Tree tree;
   CLI::App* command = tree.app.add_subcommand("go", "now");
   command->add_option("--it", tree.word, "of [x]: 'it'")->type_name("FILE");

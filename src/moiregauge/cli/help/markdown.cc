@@ -34,7 +34,7 @@ std::vector<std::string> cells_of(std::string_view row) {
 
 bool is_rule(std::string_view row) { return row.find_first_not_of("|-: \r") == std::string_view::npos; }
 
-// "- " and "1. "; nothing where the line begins no item.
+// Returns "-" or "1." if the line starts an item, otherwise nothing.
 std::string_view bullet_of(std::string_view line) {
   if (line.starts_with("- ")) return line.substr(0, 1);
   std::size_t digits = 0;
@@ -95,7 +95,7 @@ class Reader {
     if (!is_rule(row)) blocks_.back().rows.push_back(cells_of(row));
   }
 
-  // A line goes on with the paragraph or item before it, unless an empty line stands between.
+  // Appends the line to the previous paragraph or item, unless an empty line separates them.
   void take_words(std::string_view line, std::string_view bare) {
     const bool goes_on = is_last(BlockKind::kParagraph) || (is_last(BlockKind::kItem) && line.starts_with(' '));
     if (goes_on && !after_gap_)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Markdown that the pages of docs/cli are written in: headings, paragraphs, lists, tables, code, links.
+// Parses the subset of Markdown used in docs/cli: headings, paragraphs, lists, tables, code and links.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ enum class BlockKind { kHeading, kParagraph, kItem, kCode, kTable };
 
 struct Block {
   BlockKind kind = BlockKind::kParagraph;
-  int level = 0;                               // of a heading, 1 the highest
+  int level = 0;                               // of a heading; 1 is the highest
   std::string bullet;                          // of an item: "-", "1."
-  std::string text;                            // with its inline marks, on one line; of kCode: the lines as they stand
-  std::vector<std::vector<std::string>> rows;  // of a table; the first is its head
+  std::string text;                            // with inline marks, on one line; kCode: unchanged lines
+  std::vector<std::vector<std::string>> rows;  // of a table; the first is its header
 };
 
 [[nodiscard]] std::vector<Block> blocks_of(std::string_view markdown);
@@ -28,10 +28,11 @@ struct Span {
   std::string target;  // of a link
 };
 
-// What is open at the end of the text is taken as written.
+// Splits text into spans. A mark that is not closed is plain text.
 [[nodiscard]] std::vector<Span> spans_of(std::string_view text);
 
-// The options a page tells of: every code span that begins with a dash, in the first column of tables headed "option".
+// Returns the options described by a page: code spans starting with a dash, in the first column of tables headed
+// "option".
 [[nodiscard]] std::vector<std::string> options_told(std::string_view markdown);
 
 }  // namespace moiregauge::internal::cli

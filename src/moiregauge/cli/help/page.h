@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pages of docs/cli, which the program carries with it, as text for a terminal and as man pages.
+// Shows the pages of docs/cli, which are embedded in the program, in a terminal or as man pages.
 #pragma once
 
 #include <span>
@@ -9,23 +9,23 @@
 namespace moiregauge::internal::cli {
 
 struct Page {
-  std::string_view name;  // of the command; "moiregauge" is the page of the program as a whole
+  std::string_view name;  // command name; "moiregauge": the page of the program
   std::string_view markdown;
 };
 
-// All of docs/cli at the time of the build (cmake/EmbedPages.cmake), by name.
+// Returns all pages of docs/cli as of the build (cmake/EmbedPages.cmake), in the order of their names.
 [[nodiscard]] std::span<const Page> pages();
 
-// nullptr: no such page.
+// Returns a page, or nullptr if there is none.
 [[nodiscard]] const Page* page_named(std::string_view name);
 
-// For a terminal; `width` in columns. Empty when there is no such page.
+// Returns a page for the terminal, at most `width` columns wide. Empty if there is no such page.
 [[nodiscard]] std::string page_text(std::string_view name, std::size_t width = 100);
 
-// In man's own language, section 1; `summary` stands behind the name. Empty when there is no such page.
+// Returns a man page of section 1. `summary` follows the name. Empty if there is no such page.
 [[nodiscard]] std::string page_man(std::string_view name, std::string_view summary);
 
-// The same of Markdown that is at hand.
+// Return the same for Markdown text.
 [[nodiscard]] std::string text_of_markdown(std::string_view markdown, std::size_t width);
 [[nodiscard]] std::string man_of_markdown(std::string_view markdown, std::string_view name, std::string_view summary);
 

@@ -11,7 +11,8 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// A hyphen of a command line is a minus sign there, or copying it from a man page gives another character.
+// Escapes text for man. A hyphen must become a minus sign, because man pages show another character for it, which
+// cannot be copied to a command line.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -43,7 +44,7 @@ std::string marked_up(std::string_view marked) {
   return text;
 }
 
-// A dot or an apostrophe that begins a line would be a request.
+// Ends a line. A dot or apostrophe at its start would be a request of man, and is escaped.
 std::string line_of(const std::string& text) {
   const bool is_request = text.starts_with('.') || text.starts_with('\'');
   return (is_request ? "\\&" : "") + text + "\n";
@@ -101,7 +102,7 @@ std::string man_of_markdown(std::string_view markdown, std::string_view name, st
                                  kVersion, escaped(title), escaped(summary));
   bool has_synopsis = false, has_description = false;
   for (const Block& block : blocks_of(markdown)) {
-    if (block.kind == BlockKind::kHeading && block.level == 1) continue;  // that is NAME
+    if (block.kind == BlockKind::kHeading && block.level == 1) continue;  // the NAME section replaces it
     if (block.kind == BlockKind::kCode && !has_synopsis && !has_description) {
       text += ".SH SYNOPSIS\n.nf\n" + code_lines(block.text) + ".fi\n";
       has_synopsis = true;

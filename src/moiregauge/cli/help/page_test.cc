@@ -29,8 +29,8 @@ std::set<std::string> told_by(const Page& page) {
   return {told.begin(), told.end()};
 }
 
-// -h and --help are everybody's: the page of the program tells of them.
-TEST(Pages, EveryOptionIsToldAndNoneThatThereIsNot) {
+// Every command has -h and --help: only the program's page describes them.
+TEST(Pages, DescribeExactlyTheExistingOptions) {
   int exit_code = 0;
   const auto tree = command_tree(exit_code);
   const Page* whole = page_named("moiregauge");
@@ -46,7 +46,7 @@ TEST(Pages, EveryOptionIsToldAndNoneThatThereIsNot) {
   }
 }
 
-TEST(Pages, EveryPageIsOfACommandAndThePageOfTheProgramNamesAll) {
+TEST(Pages, EveryPageBelongsToACommandAndTheMainPageListsAll) {
   int exit_code = 0;
   const auto tree = command_tree(exit_code);
   const Page* whole = page_named("moiregauge");
@@ -69,7 +69,7 @@ TEST(Pages, TextFitsTheTerminalAndLosesNoWord) {
             "        a|b\n");
 }
 
-TEST(Pages, InAManPageADashCanBeCopiedAndADotIsNoRequest) {
+TEST(Pages, DashesCanBeCopiedFromAManPageAndDotsAreEscaped) {
   const std::string man =
       man_of_markdown("# moiregauge x\n\n    moiregauge x --a\n\n.5 of `--a`\n\n## What it is\n\n- one\n", "x", "Do x");
   EXPECT_NE(man.find(".SH NAME\nmoiregauge\\-x \\- Do x\n.SH SYNOPSIS\n.nf\nmoiregauge x \\-\\-a\n.fi\n"),

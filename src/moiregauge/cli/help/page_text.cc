@@ -10,15 +10,15 @@ namespace moiregauge::internal::cli {
 namespace {
 
 constexpr std::size_t kIndent = 2;
-constexpr std::size_t kHang = 8;  // what is said of an option, under it
+constexpr std::size_t kHang = 8;  // columns: indentation of an option's description
 
-// Columns that UTF-8 takes up; the pages use no character that is wider than one.
+// Returns the number of columns of a UTF-8 text. The pages use only characters of one column.
 std::size_t columns(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
-// Where a link leads is said when it leads out of these pages.
+// Returns the text without marks. Targets of links outside these pages are appended.
 std::string plain(std::string_view marked) {
   std::string text;
   for (const Span& span : spans_of(marked)) {
@@ -31,7 +31,7 @@ std::string plain(std::string_view marked) {
   return text;
 }
 
-// Words filled into lines; `first` begins the first line and counts for its width.
+// Breaks words into lines. `first` is the start of the first line.
 std::string filled(std::string_view words, std::size_t width, std::size_t indent, std::string first) {
   std::string text, line = std::move(first);
   bool is_empty = true;
@@ -51,7 +51,7 @@ std::string filled(std::string_view words, std::size_t width, std::size_t indent
   return text + line + "\n";
 }
 
-// A list of terms, each with what is said of it; a third column follows the second.
+// Formats a table as terms with descriptions. A third column follows the second.
 std::string table_text(const Block& table, std::size_t width) {
   const std::string head = plain(table.rows.front().front());
   std::string text = head == "option" ? "" : fmt::format("{}{}:\n", std::string(kIndent, ' '), head);

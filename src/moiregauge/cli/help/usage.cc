@@ -21,11 +21,11 @@ struct Step {
 };
 
 constexpr std::array kSteps{
-    Step{"plan", "--distance 5m --camera phone-4k", "what to expect of a camera, a distance and a layout"},
-    Step{"sheet", "", "print markers: a circle and a grating each"},
-    Step{"inspect", "clip.mp4 --pitch 10mm", "what is seen in your clip, before anything is measured"},
-    Step{"measure", "clip.mp4 --pitch 10mm", "displacement in millimetres, into the folder clip-moiregauge"},
-    Step{"simulate", "small-1xyz", "no clip at hand: draw one whose truth is known"},
+    Step{"plan", "--distance 5m --camera phone-4k", "predict the uncertainty of a set-up"},
+    Step{"sheet", "", "make marker sheets to print"},
+    Step{"inspect", "clip.mp4 --pitch 10mm", "show the markers found in one frame"},
+    Step{"measure", "clip.mp4 --pitch 10mm", "measure displacement, into the folder clip-moiregauge"},
+    Step{"simulate", "small-1xyz", "no clip yet: make one with known truth"},
 };
 
 bool is_option(const std::string& word) { return word.size() > 1 && word.front() == '-'; }
@@ -40,9 +40,9 @@ std::string unknown_option(const CLI::App& command, const std::string& word) {
   for (const CLI::Option* option : command.get_options())
     known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
   const auto nearest = nearest_word(without_dashes(word), known);
-  return fmt::format("unknown option: {} {}: {}", command.get_name(), word.substr(0, word.find('=')),
+  return fmt::format("the option is unknown: {} {}: {}", command.get_name(), word.substr(0, word.find('=')),
                      nearest ? fmt::format("did you mean --{}?", *nearest)
-                             : fmt::format("moiregauge {} -h lists the options", command.get_name()));
+                             : fmt::format("list the options with moiregauge {} -h", command.get_name()));
 }
 
 std::string unknown_command(const CLI::App& app, const std::string& word) {
@@ -50,11 +50,11 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
   for (const CLI::App* command : visible_commands(app)) known.emplace_back(command->get_name());
   const auto nearest = nearest_word(word, known);
   return fmt::format(
-      "unknown command: {}: {}", word,
-      nearest ? fmt::format("did you mean moiregauge {}?", *nearest) : "moiregauge -h lists the commands");
+      "the command is unknown: {}: {}", word,
+      nearest ? fmt::format("did you mean moiregauge {}?", *nearest) : "list the commands with moiregauge -h");
 }
 
-// "moiregauge calibrate PHOTOS --pitch LENGTH": what cannot be left out.
+// Returns the command with its required arguments: "moiregauge calibrate PHOTOS --pitch LENGTH".
 std::string required_text(const CLI::App& command) {
   std::string words = "moiregauge " + command.get_name();
   for (const CLI::Option* option : command.get_options()) {
@@ -65,7 +65,7 @@ std::string required_text(const CLI::App& command) {
   return words;
 }
 
-// Behind the last ": ", where CLI11 names the option and its value.
+// Returns the part after the last ": ", which is CLI11's option and value.
 std::string subject_of(const std::string& text) {
   const auto colon = text.rfind(": ");
   return colon == std::string::npos ? text : text.substr(colon + 2);
@@ -77,17 +77,18 @@ std::string mistake_in(const CLI::App& command, const CLI::ParseError& error) {
   if (const auto option = std::find_if(left_over.begin(), left_over.end(), is_option); option != left_over.end())
     return unknown_option(command, *option);
   if (!left_over.empty())
-    return fmt::format("a word too many: {} {}: leave it out, or put an option before it (moiregauge {} -h)", name,
-                       left_over.front(), name);
+    return fmt::format(
+        "one argument is too many: {} {}: remove it, or put its option before it (moiregauge {} -h lists them)", name,
+        left_over.front(), name);
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-    return fmt::format("something is missing: {}: {}: write {}", name, error.what(), required_text(command));
+    return fmt::format("an argument is missing: {} ({}): write {}", name, error.what(), required_text(command));
   if (std::string_view(error.what()).ends_with(kEmptyValue))
-    return fmt::format("empty value: {} {}: give it a value, or leave it out", name,
+    return fmt::format("the value is empty: {} {}: give a value, or remove the option", name,
                        std::string_view(error.what()).substr(0, std::string_view(error.what()).find(':')));
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr)
-    return fmt::format("not a number to use: {} {}: moiregauge {} -h says what it takes", name,
+    return fmt::format("the value is not a usable number: {} {}: give a number (moiregauge {} -h explains it)", name,
                        subject_of(error.what()), name);
-  return fmt::format("usage: {} {}: moiregauge {} -h says what it takes", name, error.what(), name);
+  return fmt::format("the command cannot be understood: {} {}: see moiregauge {} -h", name, error.what(), name);
 }
 
 }  // namespace
@@ -102,17 +103,19 @@ std::string first_text(const CLI::App& app) {
     const std::string line = fmt::format("moiregauge {} {}", step.command, step.words);
     text += fmt::format("  {:<48} {}\n", line, step.what);
   }
-  return text + "\nAll commands: moiregauge -h. One in full: moiregauge help measure\n";
+  return text + "\nAll commands: moiregauge -h\nThe page of one command: moiregauge help measure\n";
 }
 
 std::string usage_mistake(const CLI::App& app, const CLI::ParseError& error) {
   const auto left_over = app.remaining();
   const auto commands = app.get_subcommands();
-  if (commands.empty() && left_over.empty()) return "no command: moiregauge: moiregauge -h lists the commands";
+  if (commands.empty() && left_over.empty())
+    return "a command is missing: moiregauge: list the commands with moiregauge -h";
   if (commands.empty() && !is_option(left_over.front())) return unknown_command(app, left_over.front());
   if (!left_over.empty())
-    return fmt::format("unknown option: {}: it goes behind its command: moiregauge {} -h lists a command's options",
-                       left_over.front(), commands.empty() ? "measure" : commands.front()->get_name());
+    return fmt::format(
+        "the option comes before its command: {}: put it after the command (moiregauge {} -h lists them)",
+        left_over.front(), commands.empty() ? "measure" : commands.front()->get_name());
   return mistake_in(*commands.front(), error);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What to tell someone who typed nothing, or something the program has not.
+// Creates help for a missing or wrong command line.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace moiregauge::internal::cli {
 
-// What to type next, for `moiregauge` alone: the way from print to result, by the commands the tree has.
+// Returns the text of `moiregauge` without arguments: the steps from printing to results, for the commands that exist.
 [[nodiscard]] std::string first_text(const CLI::App& app);
 
-// One line, "what: where: what to do", about a command line that `app` has just refused. A word that is nearly one of
-// the program's names it.
+// Returns one line, "what happened: where: what to do", on the command line that `app` refused. It suggests the nearest
+// known name.
 [[nodiscard]] std::string usage_mistake(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace moiregauge::internal::cli

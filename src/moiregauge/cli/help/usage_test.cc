@@ -10,7 +10,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// What is said of words that the program must refuse before it does anything.
+// Returns the message on a command line that the parser must refuse.
 std::string told(const std::string& words) {
   int exit_code = 0;
   const auto tree = command_tree(exit_code);
@@ -29,35 +29,35 @@ TEST(UsageMistake, NamesTheNearestWord) {
   EXPECT_EQ(told("solve run --cammera=x.toml"), "unknown option: solve --cammera: did you mean --camera?");
 }
 
-TEST(UsageMistake, WhereNoWordIsNearItSaysWhereTheyAre) {
+TEST(UsageMistake, WithoutANearWordItNamesTheHelp) {
   EXPECT_EQ(told("frobnicate"), "unknown command: frobnicate: moiregauge -h lists the commands");
   EXPECT_EQ(told("measure x --frobnicate"),
             "unknown option: measure --frobnicate: moiregauge measure -h lists the options");
 }
 
-TEST(UsageMistake, WhatIsMissingIsShownInItsPlace) {
+TEST(UsageMistake, AMissingArgumentIsShownAtItsPosition) {
   EXPECT_EQ(told("calibrate a.png"),
             "something is missing: calibrate: --pitch is required: write moiregauge calibrate PHOTOS --pitch LENGTH");
   EXPECT_EQ(told("measure --pitch 10mm"),
             "something is missing: measure: INPUT is required: write moiregauge measure INPUT");
 }
 
-// The unknown option is what is wrong, even where its value has taken the place of the input.
-TEST(UsageMistake, TellsOfTheUnknownOptionBeforeWhatIsMissing) {
+// The unknown option is the mistake, even if its value was parsed as the input.
+TEST(UsageMistake, ReportsTheUnknownOptionBeforeAMissingArgument) {
   EXPECT_EQ(told("measure --pich=10mm"), "unknown option: measure --pich: did you mean --pitch?");
 }
 
-TEST(UsageMistake, AnOptionBeforeTheCommandIsSentBehindIt) {
+TEST(UsageMistake, AnOptionBeforeTheCommandIsReported) {
   EXPECT_EQ(told("--quiet measure x"),
             "unknown option: --quiet: it goes behind its command: moiregauge measure -h lists a command's options");
 }
 
-TEST(UsageMistake, ANumberMustBeOne) {
+TEST(UsageMistake, ANumberMustBeValid) {
   EXPECT_EQ(told("measure x --fps fast"),
             "not a number to use: measure --fps = fast: moiregauge measure -h says what it takes");
 }
 
-TEST(FirstWords, ShowOnlyCommandsThatThereAre) {
+TEST(FirstText, ShowsExistingCommandsOnly) {
   int exit_code = 0;
   const auto tree = command_tree(exit_code);
   const std::string words = first_text(*tree);

@@ -34,7 +34,7 @@ using Text = tl::expected<std::string, std::string>;
 Text hdf5_of(const RunTable& table, Gaps) {
   std::string bytes = displacement_h5(table);
   if (bytes.empty())
-    return tl::unexpected(std::string("cannot write: HDF5: out of memory: choose fewer rows with --time"));
+    return tl::unexpected(std::string("there is not enough memory: --format hdf5: choose fewer rows with --time"));
   return bytes;
 }
 
@@ -82,32 +82,31 @@ std::optional<std::string> output_problem(const ExportWords& words, const std::s
   const fs::file_status there = fs::symlink_status(output, error);
   if (!fs::exists(there)) return std::nullopt;
   if (!fs::is_regular_file(there))
-    return fmt::format("not a plain file: {}: it is {}, and is not replaced: choose another with -o, or - for stdout",
-                       output, fs::is_symlink(there) ? "a link" : kind_unless_plain(output));
+    return fmt::format("the output is {}, not a plain file: {}: choose another with -o, or - for stdout",
+                       fs::is_symlink(there) ? "a link" : kind_unless_plain(output), output);
   const fs::path folder = fs::path(output).has_parent_path() ? fs::path(output).parent_path() : fs::path(".");
   if (fs::equivalent(folder, words.run, error))
-    return fmt::format("part of the run: {}: it is not replaced: choose a file outside the run with -o", output);
+    return fmt::format("the output is part of the run: {}: choose a file outside the run with -o", output);
   if (words.replace) return std::nullopt;
-  return fmt::format("file exists: {}: choose another with -o, or give --replace", output);
+  return fmt::format("the output file exists: {}: choose another with -o, or give --replace", output);
 }
 
 int run(const ExportWords& words) {
   const Format* format = format_named(words.format);
   if (format == nullptr)
     return fail(Exit::kUsage,
-                fmt::format("unknown format: --format {}: choose one of wide, long, hdf5, uff58", words.format));
+                fmt::format("the format is unknown: --format {}: choose one of wide, long, hdf5, uff58", words.format));
   if (words.gaps != "refuse" && words.gaps != "split")
-    return fail(Exit::kUsage, fmt::format("gaps: --gaps {}: choose one of refuse, split", words.gaps));
+    return fail(Exit::kUsage, fmt::format("the word is unknown: --gaps {}: choose one of refuse, split", words.gaps));
   if (words.gaps != "refuse" && words.format != "uff58")
-    return fail(Exit::kUsage, fmt::format("gaps: --gaps {}: {} keeps gaps as they are: leave it out, or give --format "
-                                          "uff58",
-                                          words.gaps, words.format));
+    return fail(Exit::kUsage, fmt::format("the format {} keeps gaps: --gaps {}: remove it, or give --format uff58",
+                                          words.format, words.gaps));
   Selection selection{words.markers, {}, {}, words.only_ok};
   if (!words.time.empty()) {
     const auto range = time_range(words.time);
     if (!range)
       return fail(Exit::kUsage,
-                  fmt::format("time range: --time {}: write seconds A:B, half open, e.g. 2:8.5", words.time));
+                  fmt::format("the time range cannot be read: --time {}: write seconds A:B, half open, e.g. 2:8.5", words.time));
     selection.from_s = range->first, selection.until_s = range->second;
   }
   const std::string output = words.output.empty() ? default_output(words.run, format->ending) : words.output;
@@ -119,7 +118,7 @@ int run(const ExportWords& words) {
   if (!table) return fail(Exit::kInputUnreadable, table.error());
   if (!table->complete && !words.quiet)
     print_note(fmt::format(
-        "note: {}: the run was interrupted or its input is damaged: these are the samples there are\n", words.run));
+        "warning: the exported samples are incomplete: {} was interrupted, or its input is damaged\n", words.run));
   const auto chosen = selected(*std::move(table), selection);
   if (!chosen) return fail(Exit::kUsage, chosen.error());
   const auto bytes = format->write(*chosen, words.gaps == "split" ? Gaps::kSplit : Gaps::kRefuse);
@@ -129,7 +128,8 @@ int run(const ExportWords& words) {
     return 0;
   }
   if (const auto written = write_file_atomically(output, *bytes); !written)
-    return fail(Exit::kOutputUnwritable, fmt::format("{}: make room or choose another file with -o", written.error()));
+    return fail(Exit::kOutputUnwritable,
+                fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
   if (!words.quiet)
     print_out(fmt::format("{}: {} rows of {} target{}\n", output, chosen->samples.size(), chosen->markers.size(),
                           chosen->markers.size() == 1 ? "" : "s"));
@@ -139,23 +139,23 @@ int run(const ExportWords& words) {
 }  // namespace
 
 void add_export(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("export", "The samples of a finished run for other programs");
+  auto* command = app.add_subcommand("export", "Write the samples of a finished run for other programs");
   auto words = std::make_shared<ExportWords>();
   command->add_option("DIR", words->run, "folder that `measure` wrote")->type_name("DIR")->required();
   command->add_option("--format", words->format, "wide, long (CSV), hdf5 or uff58 [wide]")
       ->type_name("wide|long|hdf5|uff58");
   command->add_option("--markers", words->markers, "only these targets: A,B [all]")->type_name("NAMES")->delimiter(',');
   command->add_option("--time", words->time, "only these seconds, half open: A:B [all]")->type_name("A:B");
-  command->add_flag("--only-ok", words->only_ok, "numbers of rows that are not `ok` become NaN");
+  command->add_flag("--only-ok", words->only_ok, "write NaN for rows that are not `ok`");
   command
       ->add_option("--gaps", words->gaps,
-                   "uff58, which knows no gap: refuse, or split into unbroken stretches [refuse]")
+                   "uff58, which cannot hold gaps: refuse, or split into stretches without gaps [refuse]")
       ->type_name("refuse|split");
   command
       ->add_option("-o,--out", words->output,
                    "file to write, - for stdout [<run>-wide.csv, <run>.h5, ... in the current folder]")
       ->type_name("FILE");
-  command->add_flag("--replace", words->replace, "write over an older file");
+  command->add_flag("--replace", words->replace, "replace an existing file");
   command->add_flag("--quiet", words->quiet, "print nothing but errors");
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }

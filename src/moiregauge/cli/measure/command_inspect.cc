@@ -44,7 +44,7 @@ tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& arg
   if (!parsed) return tl::unexpected(parsed.error());
   if (args.frame < 0)
     return tl::unexpected(
-        UsageError{fmt::format("frame: --frame {}: give a frame of the input; the first is 0", args.frame)});
+        UsageError{fmt::format("the frame number is negative: --frame {}: give a frame of the input, the first is 0", args.frame)});
   InspectOptions options;
   if (!known.site.empty()) options.site = std::move(parsed->site);
   if (has_scale) options.pitch_mm = parsed->pitch_mm;
@@ -61,7 +61,7 @@ struct Failed {
 
 // The frame with that number; valid until the source is asked again.
 tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quiet) {
-  Progress progress("looking for the frame", quiet);
+  Progress progress("reading", quiet);
   long seen = 0;
   while (true) {
     auto frame = source.next();
@@ -70,15 +70,15 @@ tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quie
     if (!*frame) {
       if (seen == 0)
         return tl::unexpected(
-            Failed{Exit::kInputUnreadable, fmt::format("no pictures: {}: give a video or pictures", path)});
+            Failed{Exit::kInputUnreadable, fmt::format("the input has no frames: {}: give a video or images", path)});
       return tl::unexpected(
-          Failed{Exit::kUsage, fmt::format("no such frame: --frame {}: {} has {}, the first is 0", number, path,
+          Failed{Exit::kUsage, fmt::format("the selected frame does not exist: --frame {} of {}: choose from its {}, the first is 0", number, path,
                                            seen == 1 ? "1 frame" : fmt::format("{} frames", seen))});
     }
     if ((*frame)->number == number && (*frame)->damaged)
       return tl::unexpected(
           Failed{Exit::kInputUnreadable,
-                 fmt::format("damaged frame: {}, frame {}: choose another with --frame", path, number)});
+                 fmt::format("the frame is damaged: {}, frame {}: choose another with --frame", path, number)});
     if ((*frame)->number == number) return **frame;
     seen = (*frame)->number + 1;
     progress.show(seen, number + 1);
@@ -127,8 +127,8 @@ std::vector<ExpectedUncertainty> expected_of(Reference& reference, const Frame& 
 
 int report_refusal(const InspectReport& report, const std::string& output) {
   return fail(Exit::kRefused,
-              fmt::format("nothing to measure: {}, frame {}: found {}; {}: see {}/overlay.png", report.input.path,
-                          report.frame, found_in_short(report.seen), report.seen.missing, output));
+              fmt::format("{}: {}, frame {} ({}): see {}/overlay.png", report.seen.missing, report.input.path,
+                          report.frame, found_in_short(report.seen), output));
 }
 
 int run(const InspectWords& args) {
@@ -139,9 +139,7 @@ int run(const InspectWords& args) {
   const std::string output = args.measure.output.empty() ? default_output(input, "-inspect") : args.measure.output;
   if (!is_free(output, "inspect.json"))
     return fail(Exit::kUsage,
-                fmt::format("output folder is taken: {}: it holds something else than an inspection: choose "
-                            "another with -o",
-                            output));
+                fmt::format("the output folder holds other files: {}: choose another with -o", output));
   const auto source =
       open_input(input, {args.measure.fps, args.measure.sequence, args.measure.threads, args.measure.max_pixels});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);
@@ -156,7 +154,8 @@ int run(const InspectWords& args) {
   report.exit = is_usable(report.seen, has_scale) ? Exit::kMeasured : Exit::kRefused;
   if (const auto written = write_inspection(output, report, grey); !written)
     return fail(Exit::kOutputUnwritable,
-                fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
+                fmt::format("the results could not be written: {}: free space or choose another folder with -o",
+                            written.error()));
   if (args.measure.json)
     print_out(json_text(report));
   else if (!args.measure.quiet)
@@ -167,20 +166,20 @@ int run(const InspectWords& args) {
 }  // namespace
 
 void add_inspect(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("inspect", "Show everything that is seen in one frame, and who is taken for what");
+  auto* command = app.add_subcommand("inspect", "Show the markers found in one frame");
   auto args = std::make_shared<InspectWords>();
   MeasureArgs& shared = args->measure;
-  command->add_option("INPUT", shared.input, "video, picture, folder of pictures, multi-page TIFF, or printf pattern")
+  command->add_option("INPUT", shared.input, "video, image, folder of images, multi-page TIFF, or printf pattern")
       ->type_name("FILE")
       ->required();
-  command->add_option("--frame", args->frame, "which frame to look at, the first is 0 [0]")->type_name("N");
-  command->add_option("--site", shared.site, "site.toml: what is printed where")->type_name("FILE");
+  command->add_option("--frame", args->frame, "frame to inspect, the first is 0 [0]")->type_name("N");
+  command->add_option("--site", shared.site, "site.toml, the markers and their positions")->type_name("FILE");
   command->add_option("--pitch", shared.pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
-  command->add_option("--axes", shared.axes, "without a site file, x lies along: print or image [print]")
+  command->add_option("--axes", shared.axes, "without a site file, direction of x: print or image [print]")
       ->type_name("print|image");
-  command->add_option("--camera", shared.camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
-  command->add_option("--fps", shared.fps, "frames per second of a folder of pictures")->type_name("N");
+  command->add_option("--camera", shared.camera, "calibrated camera, our TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command->add_option("--fps", shared.fps, "frames per second of a folder of images")->type_name("N");
   command->add_option("-o,--out", shared.output, "output folder [<input>-inspect]")->type_name("DIR");
   add_max_pixels(*command, shared.max_pixels);
   command->add_flag("--sequence", shared.sequence, "INPUT is a printf pattern such as shot%04d.png");

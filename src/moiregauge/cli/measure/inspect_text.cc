@@ -21,7 +21,7 @@ std::string counted(std::size_t n, const char* one, const char* many) {
 }
 
 std::string and_more(std::size_t all) {
-  return all > kMaxLines ? fmt::format("  and {} more: --json lists them\n", all - kMaxLines) : "";
+  return all > kMaxLines ? fmt::format("  and {} more (--json lists them)\n", all - kMaxLines) : "";
 }
 
 std::string circle_text(const Inspection& seen) {
@@ -35,11 +35,11 @@ std::string circle_text(const Inspection& seen) {
   });
   const std::size_t dots = seen.circles.size() - listed.size();
   std::string text = fmt::format("circles: {}{}\n", seen.circles.size(),
-                                 dots > 0 ? fmt::format(", {} of them dots of a lattice", dots) : "");
+                                 dots > 0 ? fmt::format(", {} of them in a lattice", dots) : "");
   for (std::size_t i = 0; i < std::min(listed.size(), kMaxLines); ++i) {
     const InspectedCircle& c = *listed[i];
     text += fmt::format(
-        "  {:<6} at ({:.1f}, {:.1f}) px, {:.1f} px across, W = {:.3f}, {}, {:+.0f} grey levels, u = {:.3f} px\n",
+        "  {:<6} at ({:.1f}, {:.1f}) px, diameter {:.1f} px, W = {:.3f}, {}, {:+.0f} grey levels, u = {:.3f} px\n",
         name_of(seen, c.marker), c.seen.centre.x, c.seen.centre.y, c.seen.diameter_px, c.seen.circularity,
         c.seen.axis_ratio > 0.995 ? std::string("round") : fmt::format("axes 1 : {:.2f}", c.seen.axis_ratio),
         c.seen.contrast, c.seen.u_centre_px);
@@ -52,10 +52,10 @@ std::string rejected_text(const Inspection& seen) {
   const auto elsewhere = rejected_elsewhere(seen);
   const std::size_t parts = seen.rejected.size() - elsewhere.size();
   std::string text = fmt::format("rejected as circles: {}{}\n", counted(seen.rejected.size(), "outline", "outlines"),
-                                 parts > 0 ? fmt::format(", {} of them inside what was found", parts) : "");
+                                 parts > 0 ? fmt::format(", {} of them inside other markers", parts) : "");
   for (std::size_t i = 0; i < std::min(elsewhere.size(), kMaxLines); ++i) {
     const RejectedOutline& r = *elsewhere[i];
-    text += fmt::format("  {:<6} at ({:.1f}, {:.1f}) px, {:.1f} px across, W = {:.3f}: {}\n", "-", r.centre.x,
+    text += fmt::format("  {:<6} at ({:.1f}, {:.1f}) px, diameter {:.1f} px, W = {:.3f}: {}\n", "-", r.centre.x,
                         r.centre.y, r.diameter_px, r.circularity, r.why);
   }
   return text + and_more(elsewhere.size());
@@ -68,7 +68,7 @@ std::string patch_text(const Inspection& seen) {
     const PatchBound u = displacement_bound(p);
     text += fmt::format(
         "  {:<6} at ({:.1f}, {:.1f}) px: {}, {}; {:.1f} x {:.1f} pitches, modulation {:.1f}, noise {:.2f} grey "
-        "levels; by itself u = {}\n",
+        "levels; alone u = {}\n",
         name_of(seen, p.marker), p.seen.centre.x, p.seen.centre.y, pattern_text(p.seen), pitch_text(p.seen),
         p.seen.periods_x, p.seen.periods_y, p.seen.modulation, p.noise.sigma,
         both_axes(u.along_x_px, u.along_y_px, "px"));
@@ -87,15 +87,15 @@ std::string lattice_list_text(const Inspection& seen) {
 std::string identification_text(const InspectReport& report) {
   const Inspection& seen = report.seen;
   std::string notes;
-  for (const std::string& note : seen.notes) notes += fmt::format("note: {}\n", note);
-  if (!seen.reference) return fmt::format("taken for: nobody: {}\n", seen.missing) + notes;
+  for (const std::string& note : seen.notes) notes += note + "\n";
+  if (!seen.reference) return fmt::format("identified: none, {}\n", seen.missing) + notes;
   std::string references, targets;
   for (const Marker& m : seen.reference->site.markers) {
     std::string& names = m.role == Role::kReference ? references : targets;
     names += (names.empty() ? "" : " ") + m.name;
   }
   std::string text =
-      fmt::format("taken for: references {} (they must stand still), targets {}\n", references, targets) + notes;
+      fmt::format("identified: references {} (must not move), targets {}\n", references, targets) + notes;
   for (const ExpectedUncertainty& e : report.expected)
     text += fmt::format("expected: {}: {}\n", seen.reference->site.markers[e.marker].name, expected_text(seen, e));
   return text;
@@ -113,15 +113,14 @@ std::string next_after_inspect(const InspectReport& report) {
   if (!report.seen.reference) {
     return report.seen.patches.empty()
                ? ""
-               : "next: gratings alone can be measured with --method conventional, as long as the camera "
-                 "stands still\n";
+               : "next: with a fixed camera, measure the gratings with --method conventional\n";
   }
   if (report.seen.unit == BoardUnit::kPitch) return "next: give --pitch (e.g. --pitch 10mm) for millimetres\n";
   const bool is_lossy = std::any_of(report.expected.begin(), report.expected.end(),
                                     [](const ExpectedUncertainty& e) { return e.codec.x > 0.0 || e.codec.y > 0.0; });
   return fmt::format(
-      "next: look at overlay.png, then measure; u is {}, k = 1: what lens and depth add shows when the camera moves\n",
-      is_lossy ? "noise and codec" : "noise alone");
+      "next: check overlay.png, then measure. Expected u (k = 1): {} only, lens and depth are added by measure\n",
+      is_lossy ? "noise and codec" : "noise");
 }
 
 }  // namespace
@@ -134,7 +133,7 @@ std::string found_in_short(const Inspection& seen) {
 }
 
 std::string inspect_text(const InspectReport& report) {
-  return fmt::format("picture: {}, frame {}: {} x {} px, {} bits\n", report.input.path, report.frame, report.seen.width,
+  return fmt::format("image: {}, frame {}: {} x {} px, {} bits\n", report.input.path, report.frame, report.seen.width,
                      report.seen.height, report.input.bits) +
          circle_text(report.seen) + rejected_text(report.seen) + patch_text(report.seen) +
          lattice_list_text(report.seen) + identification_text(report) + scale_line(report.seen) +

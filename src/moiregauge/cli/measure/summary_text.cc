@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,18 +14,21 @@
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/io/run_dir/run_json.h"
 #include "moiregauge/observation/reference/scale_check.h"
+#include "moiregauge/report/report_text.h"
 
 namespace moiregauge::internal::cli {
 namespace {
 
-// Four points fit any homography, and a pose most of what one of them may do: that none moved is not proved.
+constexpr std::size_t kIndent = 8;  // width of "result: "
+
+// Four points fit any homography, and a pose fits most movements of one of them: the check requires more.
 std::string check_of(const Measurement& m) {
   if (m.references_verified) return "";
-  return m.reference->circles.size() <= 4 ? "; references not verified: that none moves takes six to prove"
-                                          : "; references not verified";
+  return m.reference->circles.size() <= 4 ? "; references not cross-checked: this needs 6 references (5 with --camera)"
+                                          : "; references not cross-checked";
 }
 
-// A wrong pitch shows in nothing else.
+// A wrong pitch shows nowhere else.
 std::string scale_of_run(const Reference& reference) {
   const ScaleCheck check = scale_check(reference);
   return fmt::format("scale {:.3g} mm/px, {} (check with a tape)", check.mm_per_px,
@@ -31,7 +36,11 @@ std::string scale_of_run(const Reference& reference) {
 }
 
 std::string found_line(const Measurement& m, const MeasureOptions& options) {
-  if (!m.reference) return fmt::format("found: {}", m.refusal);
+  if (!m.reference) {
+    const std::size_t frames = m.observations.size();
+    return frames > 0 ? fmt::format("found: no usable reference frame in {} frame{}", frames, frames == 1 ? "" : "s")
+                      : "found: no usable reference frame";
+  }
   const auto references = m.reference->circles.size();
   std::string targets;
   for (const TargetSummary& t : m.targets)
@@ -42,53 +51,85 @@ std::string found_line(const Measurement& m, const MeasureOptions& options) {
                      options.method->name, scale_of_run(*m.reference), check_of(m));
 }
 
-// Expanded uncertainty, k = 2, with as many digits of the result as it deserves.
-std::string axis(const char* name, double lowest, double highest, double last, double u) {
-  if (std::isnan(last) || std::isnan(u)) return fmt::format("{} not measured", name);
-  const double expanded = 2.0 * u;
-  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(expanded, 1e-6)))), 1, 6);
-  return fmt::format("{} {:+.{}f} mm (range {:+.{}f} to {:+.{}f}), U = {:.{}f} mm (k = 2)", name, last, digits, lowest,
-                     digits, highest, digits, expanded, digits);
-}
+using TableRow = std::vector<std::string>;
 
-std::string result_line(const Measurement& m, const MeasureOptions& options) {
-  std::string text;
-  for (const TargetSummary& t : m.targets) {
-    std::string counts;
-    for (const auto& [word, count] : t.status_counts)
-      counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, word);
-    // Of a refused run no number is stood by, and so none is told.
-    const std::string result = m.exit == Exit::kRefused
-                                   ? "no row to rely on"
-                                   : fmt::format("last {}; {}", axis("dx", t.lowest.x, t.highest.x, t.last.x, t.u.x),
-                                                 axis("dy", t.lowest.y, t.highest.y, t.last.y, t.u.y));
-    text += fmt::format("{}{}: {}; rows: {}", text.empty() ? "result: " : "\n        ",
-                        site_of(m, options).markers[t.marker].name, result, counts);
+// Peak to peak, rms and U of one axis, with two significant digits of U.
+void add_axis(TableRow& row, double peak_to_peak, double rms, double u) {
+  const double expanded = kCoverageFactor * u;
+  if (std::isnan(peak_to_peak) || std::isnan(expanded)) {
+    row.insert(row.end(), 3, "-");
+    return;
   }
-  return text.empty() ? "result: none" : text;
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(expanded, 1e-6)))), 1, 6);
+  for (const double value : {peak_to_peak, rms, expanded}) row.push_back(fmt::format("{:.{}f}", value, digits));
 }
 
-std::string next_after_measure(const Measurement& m, const MeasureOptions& options, const std::string& output) {
+// The first column is aligned to the left, the others to the right.
+std::string aligned(const std::vector<TableRow>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const TableRow& row : rows) {
+    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+  }
+  std::string text;
+  for (const TableRow& row : rows) {
+    text += fmt::format("\n{:{}}{:<{}}", "", kIndent, row.front(), widths.front());
+    for (std::size_t k = 1; k < row.size(); ++k) text += fmt::format("   {:>{}}", row[k], widths[k]);
+  }
+  return text;
+}
+
+// Explains the rows of a target that are not `ok`.
+std::string statuses_text(const Measurement& m, const MeasureOptions& options, const TargetSummary& target) {
+  std::map<Status, long> counts;
+  for (const Sample& sample : m.samples) {
+    if (sample.marker == target.marker && sample.status != Status::kOk) ++counts[sample.status];
+  }
+  std::string text;
+  for (const auto& [status, count] : counts)
+    text += fmt::format("\n{:{}}{}: {} row{} {} ({})", "", kIndent, site_of(m, options).markers[target.marker].name,
+                        count, count == 1 ? "" : "s", word_for(status), words_of(status).meaning);
+  return text;
+}
+
+// One row per target, the largest movement first.
+std::string result_text(const Measurement& m, const MeasureOptions& options) {
+  if (m.targets.empty()) return "result: none";
+  std::string statuses;
+  std::vector<TableRow> rows{{"target", "dx: peak to peak", "rms", "U", "dy: peak to peak", "rms", "U", "rows ok"}};
+  for (const std::size_t k : by_movement(m.targets)) {
+    const TargetSummary& t = m.targets[k];
+    TableRow row{site_of(m, options).markers[t.marker].name};
+    add_axis(row, t.peak_to_peak().x, t.rms.x, t.u.x);
+    add_axis(row, t.peak_to_peak().y, t.rms.y, t.u.y);
+    row.push_back(fmt::format("{} of {}", t.ok, t.frames));
+    rows.push_back(std::move(row));
+    statuses += statuses_text(m, options, t);
+  }
+  // A refused run has no trustworthy values, so none are printed.
+  if (m.exit == Exit::kRefused) return "result: none, no row is reliable" + statuses;
+  return fmt::format("result: displacement in mm, U with k = {:g}", kCoverageFactor) + aligned(rows) + statuses;
+}
+
+std::string next_line(const Measurement& m, const MeasureOptions& options, const std::string& output) {
   if (!m.reference)
-    return fmt::format("next: look at {}/overlay.png: it shows what was seen; correct the site file or the view",
-                       output);
-  if (!m.remedy.empty()) return "next: " + m.remedy;
-  const bool untrusted =
-      std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kUntrusted; });
-  const bool moved =
-      std::any_of(m.samples.begin(), m.samples.end(), [](const Sample& s) { return s.status == Status::kCameraMoved; });
-  if (moved) return "next: the camera moved, which `conventional` cannot take out: measure with --method two-stage";
-  if (untrusted && m.scene)
     return fmt::format(
-        "next: the references do not fit one rigid scene: {}/report.html shows from which frame on, the warnings "
-        "what is known of it",
+        "next: look at {}/overlay.png, which shows what was found, and correct the site file or the view", output);
+  if (!m.remedy.empty()) return "next: " + m.remedy;
+  const auto has = [&](Status status) {
+    return std::any_of(m.samples.begin(), m.samples.end(), [&](const Sample& s) { return s.status == status; });
+  };
+  if (has(Status::kCameraMoved)) return "next: measure with --method two-stage, because the camera moved";
+  if (has(Status::kUntrusted) && m.scene)
+    return fmt::format(
+        "next: see the warnings and {}/report.html, which shows the frames in which the references do "
+        "not fit one rigid scene",
         output);
-  if (untrusted && options.camera)
-    return "next: the references show that four points do not absorb this view although --camera is given: check that "
-           "file, or measure with --method precise";
-  if (untrusted)
-    return "next: the references show that four points do not absorb this view (lens or depth): give --camera FILE "
-           "with the lens's calibration";
+  if (has(Status::kUntrusted) && options.camera)
+    return "next: check the file of --camera, or measure with --method precise, because four points do not fit this "
+           "view";
+  if (has(Status::kUntrusted))
+    return "next: give --camera FILE with the calibrated lens, because four points do not fit this view (lens or "
+           "depth)";
   if (m.exit == Exit::kIncomplete)
     return fmt::format("next: look for the rows that are not ok in {}/displacement.csv", output);
   return fmt::format("next: open {0}/report.html in a browser; {0}/displacement.csv holds every sample", output);
@@ -97,8 +138,8 @@ std::string next_after_measure(const Measurement& m, const MeasureOptions& optio
 }  // namespace
 
 std::string summary_text(const Measurement& measurement, const MeasureOptions& options, const std::string& output) {
-  return found_line(measurement, options) + "\n" + result_line(measurement, options) + "\n" +
-         next_after_measure(measurement, options, output) + "\n";
+  return found_line(measurement, options) + "\n" + result_text(measurement, options) + "\n" +
+         next_line(measurement, options, output) + "\n";
 }
 
 int report(const Measurement& measurement, const MeasureOptions& options, const ReportArgs& args) {
@@ -113,7 +154,7 @@ int report(const Measurement& measurement, const MeasureOptions& options, const 
     if (!args.quiet) print_note(fmt::format("{}{}\n", is_note ? "" : "warning: ", warning));
   }
   if (measurement.exit == Exit::kRefused)
-    return fail(Exit::kRefused, fmt::format("refused: {}: {}: {}", args.input, measurement.refusal,
+    return fail(Exit::kRefused, fmt::format("the run is refused because {}: {}: {}", measurement.refusal, args.input,
                                             measurement.remedy.empty() ? fmt::format("see {}/overlay.png", args.output)
                                                                        : measurement.remedy));
   return static_cast<int>(measurement.exit);

@@ -13,21 +13,21 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// Beyond this f is hardly known, and an angle read with it neither.
-constexpr double kPoorlyKnown = 0.02;  // relative
-// u of the principal point by the larger side of the picture: beyond the first it is hardly known, beyond the second it could
-// be anywhere in the picture and the solution around it is meaningless.
+// Relative u of f: above it f is poorly determined, and so is an angle measured with it.
+constexpr double kPoorlyKnown = 0.02;  // (chosen)
+// u of the principal point, relative to the larger side of the image (chosen). Above the first limit it is poorly
+// determined. Above the second it could be anywhere in the image, and the solution is meaningless.
 constexpr double kPoorCentre = 0.05, kUnknownCentre = 0.2;
-constexpr double kUnknownFocalShare = 0.5;  // u of f by f: the same for the focal length
-// Views of one camera scatter about it by up to 2.0 times what a camera of their own leaves (bent boards and prints of the
-// real sets); views of mixed cameras by more.
+constexpr double kUnknownFocalShare = 0.5;  // relative u of f: the same for the focal length
+// Largest ratio of residuals with the common camera to those with a camera of the view's own. Views of one camera reach
+// 2.0 (bent boards and prints of the real sets), views of mixed cameras more.
 constexpr double kMaxMisfitRatio = 3.0;
 
 struct Parameter {
   const char* name;
   double value;
   double u;
-  bool is_held;  // found needless, or not asked for
+  bool is_held;  // not needed, or not requested
 };
 
 std::array<Parameter, kCameraParameters> parameters_of(const BoardCalibration& s) {
@@ -43,18 +43,18 @@ std::array<Parameter, kCameraParameters> parameters_of(const BoardCalibration& s
            {"k3", c.k3, s.u[7], !s.k3}}};
 }
 
-// As many digits as the uncertainty's second.
+// Formats the value with the digits of its uncertainty, which has two significant ones.
 std::string with_u(const Parameter& p) {
   const int digits = p.u > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(p.u))), 0, 9) : 5;
   return fmt::format("{:>12.{}f}   u {:.{}f}{}", p.value, digits, p.u, digits,
-                     p.is_held ? "   (not needed: held at 0)" : "");
+                     p.is_held ? "   (not needed, fixed at 0)" : "");
 }
 
 std::string view_line(const std::string& name, const CalibratedView& v, std::size_t width) {
-  if (!v.left_out.empty()) return fmt::format("{:<{}}  left out: {}\n", name, width, v.left_out);
+  if (!v.left_out.empty()) return fmt::format("{:<{}}  not used: {}\n", name, width, v.left_out);
   return fmt::format("{:<{}}  {:>5.1f} {:>8.3f} {:>9.3f} {:>7.3f} {:>10.3f} {:>7.3f}{}\n", name, width,
                      v.tilt_rad * 180.0 / kPi, v.rms_px, v.null.corners_seen, v.null.corners, v.null.lattice_seen,
-                     v.null.lattice, v.outliers > 0 ? fmt::format("   {} points left out", v.outliers) : "");
+                     v.null.lattice, v.outliers > 0 ? fmt::format("   {} points not used", v.outliers) : "");
 }
 
 struct Centre {
@@ -92,9 +92,9 @@ std::string calibrate_text(const CalibrateReport& report) {
   for (const Parameter& p : parameters_of(s)) {
     if (p.u > 0.0 || !p.is_held) text += fmt::format("  {:<3}{}\n", p.name, with_u(p));
   }
-  text += fmt::format("reprojection error: {:.3f} px rms; a point scatters by {:.3f} px", s.rms_px, s.point_px);
-  if (s.print_mm > 0.0) text += fmt::format(", the print by {:.4f} mm (the same in {} views)", s.print_mm, s.matched);
-  text += fmt::format("; ninths of the board by {:.3f} px\n", s.patch_px);
+  text += fmt::format("reprojection error: {:.3f} px rms (scatter: {:.3f} px per point", s.rms_px, s.point_px);
+  if (s.print_mm > 0.0) text += fmt::format(", {:.4f} mm of the print, the same in {} views", s.print_mm, s.matched);
+  text += fmt::format(", {:.3f} px per ninth of the board)\n", s.patch_px);
   std::size_t width = 4;
   for (const std::string& name : report.names) width = std::max(width, name.size());
   text += fmt::format("{:<{}}   tilt  rms, px   four corners, px    lattice, px\n", "", width);
@@ -107,28 +107,28 @@ std::optional<std::string> calibrate_refusal(const CalibrateReport& report, cons
   const BoardCalibration& s = report.solved;
   if (used_of(s) < 2)
     return fmt::format(
-        "one photograph does not determine a camera: {} ({} given, 1 usable): give five to fifteen of the "
-        "same board, tilted towards each side",
+        "one photograph does not determine a camera: {} ({} given, 1 usable): give five to fifteen photographs of one "
+        "board, tilted to each side",
         photos, s.views.size());
   if (const auto misfits = misfits_of(report); 3 * misfits.size() >= used_of(s))
     return fmt::format(
-        "no one camera explains the photographs: {} and {} of {} others: give photographs of one camera, "
-        "at one focus and zoom",
+        "the photographs do not fit one camera: {} and {} of {} others: give photographs of one camera with fixed "
+        "focus and zoom",
         misfits.front(), misfits.size() - 1, used_of(s) - 1);
   if (s.u[0] > kUnknownFocalShare * s.camera.fx)
     return fmt::format(
-        "the photographs do not determine the focal length: {} (u is {:.0f} % of it): add some with the "
-        "board tilted by 30 to 45 degrees, each towards another side",
+        "the photographs do not determine the focal length: {} (u is {:.0f} % of it): add photographs with the board "
+        "tilted by 30 to 45 degrees, each to another side",
         photos, 100.0 * s.u[0] / s.camera.fx);
   if (const Centre c = worse_centre(s); c.u > kUnknownCentre * larger_side(s.camera))
     return fmt::format(
-        "the photographs do not determine the principal point: {} (u of {} is {:.0f} px): add some with "
-        "the board tilted by 30 to 45 degrees, each towards another side",
+        "the photographs do not determine the principal point: {} (u of {} is {:.0f} px): add photographs with the "
+        "board tilted by 30 to 45 degrees, each to another side",
         photos, c.name, c.u);
   if (const auto fold = s.camera.fold_px(); fold && s.k3)
     return fmt::format(
-        "the solved lens folds inside the picture: {} (k3, {:.0f} px from the principal point): leave out "
-        "--k3, or add photographs with the board in the picture's corners",
+        "the solved lens folds inside the image: {} (k3, {:.0f} px from the principal point): remove --k3, or add "
+        "photographs with the board in the image corners",
         photos, *fold);
   return std::nullopt;
 }
@@ -138,27 +138,27 @@ std::vector<std::string> calibrate_warnings(const CalibrateReport& report) {
   std::vector<std::string> out;
   for (std::size_t v = 0; v < s.views.size(); ++v) {
     if (!s.views[v].left_out.empty())
-      out.push_back(fmt::format("left out: {}: {}", report.names[v], s.views[v].left_out));
+      out.push_back(fmt::format("the photograph {} was not used: {}", report.names[v], s.views[v].left_out));
   }
   if (s.u[0] > kPoorlyKnown * s.camera.fx)
     out.push_back(
-        fmt::format("f is hardly determined (u is {:.0f} % of it): add photographs with the board tilted by 30 "
-                    "to 45 degrees, each towards another side",
+        fmt::format("the focal length is uncertain (u is {:.0f} % of it). Add photographs with the board tilted by 30 "
+                    "to 45 degrees, each to another side",
                     100.0 * s.u[0] / s.camera.fx));
   if (const Centre c = worse_centre(s); c.u > kPoorCentre * larger_side(s.camera))
     out.push_back(
-        fmt::format("the principal point is hardly determined (u of {} is {:.0f} px): add photographs with the board "
-                    "tilted by 30 to 45 degrees, each towards another side",
+        fmt::format("the principal point is uncertain (u of {} is {:.0f} px). Add photographs with the board tilted by "
+                    "30 to 45 degrees, each to another side",
                     c.name, c.u));
   if (const auto fold = s.camera.fold_px(); fold && !s.k3)
     out.push_back(fmt::format(
-        "the camera is usable only within {:.0f} px of its principal point: the solved lens folds there. Add "
-        "photographs with the board in the picture's corners",
+        "the camera is usable only within {:.0f} px of its principal point, where the solved lens folds. Add "
+        "photographs with the board in the image corners",
         *fold));
   for (const std::string& name : misfits_of(report))
     out.push_back(
-        fmt::format("{} fits the common camera poorly: its board is bent or its camera is another. Check the "
-                    "photograph or leave it out",
+        fmt::format("the solved camera may be wrong: {} does not fit it (bent board or another camera). Check this "
+                    "photograph or remove it",
                     name));
   return out;
 }

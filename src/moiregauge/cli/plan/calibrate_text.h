@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `moiregauge calibrate` says: on the terminal, and in the camera file.
+// Creates the output of `moiregauge calibrate`: terminal text and camera file.
 #pragma once
 
 #include <optional>
@@ -11,21 +11,21 @@
 namespace moiregauge::internal::cli {
 
 struct CalibrateReport {
-  std::vector<std::string> names;  // of the photographs, one per view
-  std::string pattern;             // what is printed
+  std::vector<std::string> names;  // file names of the photographs, one per view
+  std::string pattern;             // pattern of the board
   BoardCalibration solved;
 };
 
 [[nodiscard]] std::string calibrate_text(const CalibrateReport& report);
 
-// Returns why the solved camera is no camera to measure with, as an error line without `error: `. `photos`: the input as
-// given. Empty: it is one.
+// Returns the reason why the solved camera is unusable, as an error line without `error: `. Empty if it is usable.
+// `photos`: the input as typed.
 [[nodiscard]] std::optional<std::string> calibrate_refusal(const CalibrateReport& report, const std::string& photos);
 
-// One line each: photographs left out, parameters that the photographs hardly determine.
+// Returns one line per excluded photograph, and per parameter that is poorly determined.
 [[nodiscard]] std::vector<std::string> calibrate_warnings(const CalibrateReport& report);
 
-// What --camera reads, with the standard uncertainties in [camera.u].
+// Returns the file for --camera, with standard uncertainties in [camera.u].
 [[nodiscard]] std::string camera_text(const CalibrateReport& report);
 
 }  // namespace moiregauge::internal::cli

@@ -34,7 +34,7 @@ struct CalibrateWords {
   bool quiet = false;
 };
 
-// Folders stand for the pictures in them.
+// Replaces folders by the images in them.
 tl::expected<std::vector<std::string>, InputError> files_of(const std::vector<std::string>& photos) {
   std::vector<std::string> files;
   for (const std::string& photo : photos) {
@@ -49,7 +49,7 @@ tl::expected<std::vector<std::string>, InputError> files_of(const std::vector<st
   }
   if (files.empty())
     return tl::unexpected(InputError{InputErrorKind::kUnreadable,
-                                     fmt::format("no pictures: {}: name photographs, or a folder that holds some",
+                                     fmt::format("there are no photographs: {}: give photographs, or a folder of them",
                                                  photos.empty() ? "calibrate" : photos.front())});
   return files;
 }
@@ -60,7 +60,7 @@ struct Photo {
 };
 
 tl::expected<std::vector<Photo>, InputError> look_at(const std::vector<std::string>& files, bool quiet) {
-  Progress progress("looking at photographs", quiet);
+  Progress progress("reading photographs", quiet);
   std::vector<Photo> photos;
   for (const std::string& file : files) {
     const auto picture = read_picture(file);
@@ -72,7 +72,7 @@ tl::expected<std::vector<Photo>, InputError> look_at(const std::vector<std::stri
   return photos;
 }
 
-// What most photographs show; another pattern is another board.
+// Returns the pattern of most photographs. Another pattern is another board.
 BoardPattern common_pattern(const std::vector<Photo>& photos) {
   std::map<BoardPattern, int> count;
   for (const Photo& photo : photos) {
@@ -85,7 +85,8 @@ BoardPattern common_pattern(const std::vector<Photo>& photos) {
 
 int run(const CalibrateWords& words) {
   const auto pitch = length_mm(words.pitch);
-  if (!pitch) return fail(Exit::kUsage, fmt::format("pitch: --pitch {}: {}", words.pitch, pitch.error()));
+  if (!pitch)
+    return fail(Exit::kUsage, fmt::format("the pitch cannot be read: --pitch {}: {}", words.pitch, pitch.error()));
   const auto files = files_of(words.photos);
   if (!files) return fail(Exit::kInputUnreadable, files.error().message);
   const auto photos = look_at(*files, words.quiet);
@@ -103,20 +104,21 @@ int run(const CalibrateWords& words) {
   }
   auto solved = calibrate_board(views, {.k3 = words.k3});
   if (!solved)
-    return fail(Exit::kRefused, fmt::format("cannot calibrate: {} ({} in all): {}: photograph one flat board of "
-                                            "dots, squares or a checkerboard, sharp and whole",
-                                            words.photos.front(), views.size(), solved.error()));
+    return fail(Exit::kRefused, fmt::format("{}: {} ({} in all): photograph one flat board of dots, squares or a "
+                                            "checkerboard, sharp and whole",
+                                            solved.error(), words.photos.front(), views.size()));
   report.solved = *std::move(solved);
   for (std::size_t i = 0; i < photos->size(); ++i) {
     const Photo& photo = (*photos)[i];
     if (photo.board && photo.board->pattern != pattern)
       report.solved.views[i].left_out =
-          fmt::format("its print is {}, the others' {}", name_of(photo.board->pattern), report.pattern);
+          fmt::format("its pattern is {}, the others show {}", name_of(photo.board->pattern), report.pattern);
   }
   if (const auto refusal = calibrate_refusal(report, words.photos.front())) return fail(Exit::kRefused, *refusal);
   if (const auto written = write_file_atomically(words.output, camera_text(report)); !written)
     return fail(Exit::kOutputUnwritable,
-                fmt::format("cannot write: {}: make room or choose another file with -o", written.error()));
+                fmt::format("the camera file could not be written: {}: free space or choose another file with -o",
+                            written.error()));
   if (words.quiet) return 0;
   for (const std::string& warning : calibrate_warnings(report)) print_note(fmt::format("warning: {}\n", warning));
   print_out(fmt::format("{}next: moiregauge measure ... --camera {}\n", calibrate_text(report), words.output));
@@ -128,15 +130,15 @@ int run(const CalibrateWords& words) {
 void add_calibrate(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("calibrate", "Solve a camera and its lens from photographs of a printed board");
   auto words = std::make_shared<CalibrateWords>();
-  command->add_option("PHOTOS", words->photos, "pictures, or folders of pictures, of one flat printed board")
+  command->add_option("PHOTOS", words->photos, "photographs of one flat printed board, or folders of them")
       ->type_name("FILE")
       ->required();
   command
-      ->add_option("--pitch", words->pitch, "pitch of the print with its unit, e.g. 10mm (checkerboard: two squares)")
+      ->add_option("--pitch", words->pitch, "pitch of the board with its unit, e.g. 10mm (checkerboard: two squares)")
       ->type_name("LENGTH")
       ->required();
   command->add_option("-o,--out", words->output, "camera file to write [camera.toml]")->type_name("FILE");
-  command->add_flag("--k3", words->k3, "solve k3 too: for lenses of very wide view");
+  command->add_flag("--k3", words->k3, "also solve k3, for very wide lenses");
   command->add_flag("--quiet", words->quiet, "print nothing but errors");
   command->callback([words, &exit_code] { exit_code = run(*words); });
 }

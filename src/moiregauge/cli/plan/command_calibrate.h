@@ -7,7 +7,7 @@ class App;
 
 namespace moiregauge::internal::cli {
 
-// `moiregauge calibrate PHOTOS... --pitch LENGTH [-o camera.toml]`
+// Adds `moiregauge calibrate PHOTOS... --pitch LENGTH [-o camera.toml]`.
 void add_calibrate(CLI::App& app, int& exit_code);
 
 }  // namespace moiregauge::internal::cli

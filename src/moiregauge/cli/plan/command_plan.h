@@ -5,7 +5,7 @@
 
 namespace moiregauge::internal::cli {
 
-// `moiregauge plan`: docs/cli/plan.md.
+// Adds `moiregauge plan` (docs/cli/plan.md).
 void add_plan(CLI::App& app, int& exit_code);
 
 }  // namespace moiregauge::internal::cli

@@ -21,7 +21,8 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// The date that a reproducible build gives its files (reproducible-builds.org); without it they have none.
+// Returns the date of a reproducible build (SOURCE_DATE_EPOCH, reproducible-builds.org). Without it the files have no
+// date.
 std::string date_of_files() {
   const char* text = std::getenv("SOURCE_DATE_EPOCH");
   if (text == nullptr) return {};
@@ -33,8 +34,9 @@ std::string date_of_files() {
 }
 
 std::string site_text(const sheet::SheetSet& set) {
-  return "# The markers of sheets.pdf. Places are where they are to hang: write here where they do (and the z_mm of a\n"
-         "# target that stands before or behind the references), and in [known_to] how well that is known.\n" +
+  return "# The markers of sheets.pdf at their planned positions. Replace them with the positions as mounted, and set "
+         "the\n"
+         "# z_mm of a target in front of the references or behind them. [known_to] states how well you measured.\n" +
          write_site(set.site);
 }
 
@@ -42,14 +44,15 @@ int run(const SheetArgs& args) {
   const auto order = parse_sheet_options(args);
   if (!order) return fail(Exit::kUsage, order.error().message);
   const auto set = sheet::sheets_of(order->site, order->page);
-  if (!set) return fail(Exit::kUsage, fmt::format("sheets: {}", set.error()));
+  if (!set) return fail(Exit::kUsage, fmt::format("the sheets cannot be laid out: sheet: {}", set.error()));
   const sheet::SheetFiles files = sheet::files_of(*set, order->ink, date_of_files());
   std::vector<NamedBytes> named{
       {"sheets.pdf", files.pdf}, {"mounting.pdf", files.plan}, {"site.toml", site_text(*set)}};
   for (const auto& [name, text] : files.svg) named.emplace_back(name + ".svg", text);
   for (const auto& [name, bytes] : named) {
     if (bytes.empty())
-      return fail(Exit::kInternalError, fmt::format("cannot draw: {}: out of memory: choose smaller paper", name));
+      return fail(Exit::kInternalError,
+                  fmt::format("{} could not be drawn: out of memory: choose a smaller --paper", name));
   }
   const auto written = write_file_set(args.output, named, args.replace ? Existing::kReplace : Existing::kRefuse);
   if (!written) return fail_output(written.error());
@@ -57,9 +60,9 @@ int run(const SheetArgs& args) {
   print_out(fmt::format("{} marker{} on {} sheet{} of {}: {}/sheets.pdf\n", set->site.markers.size(),
                         set->site.markers.size() == 1 ? "" : "s", set->sheets.size(),
                         set->sheets.size() == 1 ? "" : "s", order->page.paper.name, args.output));
-  print_out(fmt::format("places: {0}/site.toml, to take along: {0}/mounting.pdf\n", args.output));
+  print_out(fmt::format("positions: {0}/site.toml; mounting plan: {0}/mounting.pdf\n", args.output));
   print_out(fmt::format(
-      "next: print at 100 %, measure the 100 mm rulers, hang, film; moiregauge measure CLIP --site {}/site.toml\n",
+      "next: print at 100 %, check the rulers, mount and film, then run: moiregauge measure CLIP --site {}/site.toml\n",
       args.output));
   return 0;
 }
@@ -67,21 +70,21 @@ int run(const SheetArgs& args) {
 }  // namespace
 
 void add_sheet(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("sheet", "Print-ready marker sheets (PDF, SVG) with their site.toml");
+  auto* command = app.add_subcommand("sheet", "Make marker sheets to print (PDF, SVG), with their site.toml");
   auto args = std::make_shared<SheetArgs>();
   add_layout_options(*command, args->layout);
   command->add_option("--paper", args->paper, "A0 to A5, letter, legal, tabloid, or a size such as 300x400mm [A4]")
       ->type_name("SIZE");
   command->add_option("--orientation", args->orientation, "auto, portrait or landscape [auto]")->type_name("WORD");
-  command->add_flag("--separate", args->separate, "one marker a sheet, even where all fit on one");
-  command->add_flag("--inverted", args->inverted, "light lines on dark (circles stay dark)");
-  command->add_option("--ink", args->ink_percent, "how dark, per cent of black [100]")->type_name("PERCENT");
+  command->add_flag("--separate", args->separate, "put every marker on a sheet of its own");
+  command->add_flag("--inverted", args->inverted, "print light lines on dark (circles remain dark)");
+  command->add_option("--ink", args->ink_percent, "darkness of the ink, per cent of black [100]")->type_name("PERCENT");
   command
       ->add_option("--gamma", args->gamma,
-                   "cosine: 1 for video cameras and telephones, 2.2 for cameras with linear output [1]")
+                   "of a cosine grating: 1 for video cameras and phones, 2.2 for cameras with linear output [1]")
       ->type_name("G");
   command->add_option("-o,--out", args->output, "folder to write [sheets]")->type_name("DIR");
-  command->add_flag("--replace", args->replace, "take the place of an earlier set in DIR");
+  command->add_flag("--replace", args->replace, "replace an earlier set in DIR");
   command->add_flag("--quiet", args->quiet, "print nothing but errors");
   command->callback([args, &exit_code] { exit_code = run(*args); });
 }

@@ -5,7 +5,7 @@
 
 namespace moiregauge::internal::cli {
 
-// `moiregauge sheet`: docs/cli/sheet.md.
+// Adds `moiregauge sheet` (docs/cli/sheet.md).
 void add_sheet(CLI::App& app, int& exit_code);
 
 }  // namespace moiregauge::internal::cli

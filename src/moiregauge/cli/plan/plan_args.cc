@@ -17,9 +17,9 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-constexpr double kLayoutShare = 0.8;  // of the picture, where no span is given: the rest is for the camera's turning
+constexpr double kLayoutShare = 0.8;  // of the image, without --span; the rest allows for camera rotation
 
-// A telephone's: most of its frames are predicted from others.
+// A telephone's codec: most of its frames are predicted from others.
 constexpr Quantiser kUsualCodec{kUsualStep, true};
 
 std::optional<double> number_of(std::string_view text) {
@@ -29,7 +29,7 @@ std::optional<double> number_of(std::string_view text) {
   return value;
 }
 
-// "4104x1012"
+// Reads "4104x1012".
 std::optional<std::pair<int, int>> pixels_of(const std::string& text) {
   const auto cross = text.find('x');
   if (cross == std::string::npos) return std::nullopt;
@@ -40,14 +40,14 @@ std::optional<std::pair<int, int>> pixels_of(const std::string& text) {
   return std::pair{static_cast<int>(*w), static_cast<int>(*h)};
 }
 
-// "0.5mm@5Hz": amplitude by `amplitude_of`, then hertz.
+// Reads "0.5mm@5Hz": an amplitude by `amplitude_of`, then the frequency in Hz.
 template <typename Amplitude>
 std::optional<Swing> swing_from(const std::string& text, Amplitude amplitude_of) {
   const auto at = text.find('@');
   if (at == std::string::npos || text.size() < at + 4 || text.substr(text.size() - 2) != "Hz") return std::nullopt;
   const auto frequency = number_of(std::string_view(text).substr(at + 1, text.size() - at - 3));
   const std::optional<double> amplitude = amplitude_of(text.substr(0, at));
-  constexpr double kMaxAmplitude = 1e5;  // mm or rad
+  constexpr double kMaxAmplitude = 1e5;  // mm or rad, for finite arithmetic (chosen)
   constexpr double kMaxFrequency_hz = 1e6;
   if (!frequency || !amplitude || *frequency > kMaxFrequency_hz || *amplitude > kMaxAmplitude) return std::nullopt;
   return Swing{*amplitude, *frequency};
@@ -66,7 +66,7 @@ std::optional<double> rad_of(const std::string& text) {
 
 using Done = tl::expected<void, UsageError>;
 
-// The camera's size and focal length in pixels, from a name, a file, or numbers.
+// Sets the camera's size and focal length (px) from a name, a file or numbers.
 Done choose_camera(const PlanArgs& args, PlanOrder& order) {
   Camera& camera = order.setup.camera;
   double pixel_mm = 0.0, fov_deg = args.fov_deg.value_or(0.0);
@@ -82,40 +82,46 @@ Done choose_camera(const PlanArgs& args, PlanOrder& order) {
     } else if (std::filesystem::exists(args.camera)) {
       const auto read = read_camera(args.camera);
       if (!read) return usage(mistakes_in("camera file", args.camera, read.error()));
-      if (read->width <= 0) return usage(fmt::format("camera file: {}: no width and height: state them", args.camera));
+      if (read->width <= 0)
+        return usage(fmt::format("the camera file has no image size: {}: add width and height to it", args.camera));
       if (!args.focal.empty() || args.fov_deg || !args.resolution.empty())
-        return usage("a camera file with --focal, --fov or --resolution: the file states them: leave those out");
+        return usage(
+            "--camera FILE excludes --focal, --fov and --resolution: the file states them: remove those options");
       camera = *read;
       return {};
     } else {
-      return usage(
-          fmt::format("unknown camera: --camera {}: a camera file, or one of {}", args.camera, camera_names()));
+      return usage(fmt::format("the camera is unknown: --camera {}: give a camera file, or one of {}", args.camera,
+                               camera_names()));
     }
   }
   if (!args.resolution.empty()) {
     const auto size = pixels_of(args.resolution);
-    if (!size) return usage(fmt::format("resolution: --resolution {}: write pixels, e.g. 4096x2160", args.resolution));
-    // A telephone's other video mode shows the same view; a sensor read in part has the same pixels.
+    if (!size)
+      return usage(
+          fmt::format("the resolution cannot be read: --resolution {}: write pixels, e.g. 4096x2160", args.resolution));
+    // Another video mode of a telephone has the same field of view. A sensor that is partly read has the same pixel
+    // size.
     camera.width = size->first, camera.height = size->second;
   }
   if (camera.width == 0)
     return usage(
-        "no camera: plan: give --camera NAME, or --resolution 4096x2160 with --fov 60 or --pixel 3.45um --focal 12mm");
+        "the camera is missing: plan: give --camera NAME, or --resolution 4096x2160 with --fov 60 or --pixel 3.45um "
+        "--focal 12mm");
   const auto pixel = length_or("--pixel", args.pixel, pixel_mm);
   if (!pixel) return tl::unexpected(pixel.error());
   const auto focal = length_or("--focal", args.focal, 0.0);
   if (!focal) return tl::unexpected(focal.error());
-  if (*focal > 0.0 && args.fov_deg) return usage("--focal and --fov together: either tells the lens: leave one out");
+  if (*focal > 0.0 && args.fov_deg)
+    return usage("--focal and --fov exclude each other: both state the lens: give one of them");
   if (*focal > 0.0 && !(*pixel > 0.0))
-    return usage("--focal without --pixel: how large are the sensor's pixels: give e.g. --pixel 3.45um, or --fov");
+    return usage("the pixel size is missing: --focal: add e.g. --pixel 3.45um, or give --fov instead");
   if (*focal > 0.0) {
     camera.fx = *focal / *pixel;
   } else if (fov_deg > 0.0 && fov_deg < 170.0) {
     camera.fx = 0.5 * camera.width / std::tan(0.5 * radians_from_degrees(fov_deg));
   } else {
     return usage(
-        "no lens: plan: give --focal 12mm (with --pixel, unless the camera is named), or --fov, degrees across the "
-        "width");
+        "the lens is missing: plan: give --focal 12mm (with --pixel, unless the camera is named), or --fov in degrees");
   }
   camera.fy = camera.fx;
   camera.cx = 0.5 * (camera.width - 1), camera.cy = 0.5 * (camera.height - 1);
@@ -132,7 +138,7 @@ Done choose_numbers(const PlanArgs& args, RecordingSetup& setup) {
                  {"--fps", args.fps, 1e-6, 1e6}};
   for (const auto& number : numbers) {
     if (!(number.value >= number.low && number.value <= number.high))
-      return usage(fmt::format("number: {} {:g}: from {:g} to {:g}, choose one between", number.option, number.value,
+      return usage(fmt::format("the number is out of range: {} {:g}: give {:g} to {:g}", number.option, number.value,
                                number.low, number.high));
   }
   setup.noise_sigma = args.noise;
@@ -147,12 +153,13 @@ Done choose_numbers(const PlanArgs& args, RecordingSetup& setup) {
   for (const auto& time : times) {
     if (time.text.empty()) continue;
     const auto seconds = duration_s(time.text);
-    if (!seconds) return usage(fmt::format("time: {} {}: {}", time.option, time.text, seconds.error()));
+    if (!seconds)
+      return usage(fmt::format("the time cannot be read: {} {}: {}", time.option, time.text, seconds.error()));
     time.value = *seconds;
   }
   if (args.exposure.empty()) setup.exposure_s = 0.25 / setup.fps;
   if (setup.exposure_s > 1.0 / setup.fps * (1.0 + 1e-9))
-    return usage(fmt::format("exposure: --exposure {}: longer than a frame of {:g} frames/s lasts: give less",
+    return usage(fmt::format("the exposure is longer than a frame: --exposure {} at {:g} frames/s: give a shorter time",
                              args.exposure, setup.fps));
   return {};
 }
@@ -162,14 +169,15 @@ Done choose_swings(const PlanArgs& args, RecordingSetup& setup) {
     setup.target_swing = swing_from(args.vibration, mm_of);
     if (!setup.target_swing)
       return usage(
-          fmt::format("vibration: --vibration {}: write amplitude and frequency, e.g. 0.5mm@5Hz", args.vibration));
+          fmt::format("the vibration cannot be read: --vibration {}: write amplitude and frequency, e.g. 0.5mm@5Hz",
+                      args.vibration));
   }
   if (!args.camera_vibration.empty()) {
     setup.camera_swing = swing_from(args.camera_vibration, rad_of);
     if (!setup.camera_swing)
-      return usage(
-          fmt::format("camera's vibration: --camera-vibration {}: write amplitude and frequency, e.g. 0.01deg@10Hz",
-                      args.camera_vibration));
+      return usage(fmt::format(
+          "the vibration cannot be read: --camera-vibration {}: write amplitude and frequency, e.g. 0.01deg@10Hz",
+          args.camera_vibration));
   }
   return {};
 }
@@ -178,7 +186,7 @@ Done choose_layout(const PlanArgs& args, RecordingSetup& setup) {
   const double scale = px_per_mm(setup);
   auto site = site_of_layout(
       args.layout,
-      {"the picture", {kLayoutShare * setup.camera.width / scale, kLayoutShare * setup.camera.height / scale}});
+      {"the image", {kLayoutShare * setup.camera.width / scale, kLayoutShare * setup.camera.height / scale}});
   if (!site) return tl::unexpected(site.error());
   int references = 0, targets = 0;
   for (const Marker& marker : site->markers) {
@@ -186,17 +194,19 @@ Done choose_layout(const PlanArgs& args, RecordingSetup& setup) {
     (marker.role == Role::kReference ? references : targets) += 1;
     const double height = marker.z_mm.value_or(0.0);
     if (!(height < setup.distance_mm))
-      return usage(fmt::format("heights: '{}': it stands behind the camera: give more --distance", marker.name));
+      return usage(fmt::format("the marker is behind the camera: '{}': give a larger --distance", marker.name));
     const double pitch = marker.grating->pitch_mm * px_per_mm(setup, height);
     if (!(pitch >= 2.5))
       return usage(
-          fmt::format("pitch: '{}': {:.2g} px in the picture, under 2.5 nothing can be measured: choose a larger "
-                      "--pitch or go nearer",
+          fmt::format("the pitch is too fine to measure: '{}', {:.2g} px in the image (2.5 is the minimum): choose a "
+                      "larger --pitch or move closer",
                       marker.name, pitch));
   }
   if (references < 4 || targets < 1)
-    return usage(fmt::format("layout: {} references and {} targets with gratings: it takes four and one: add some",
-                             references, targets));
+    return usage(
+        fmt::format("the site has too few markers: {} references and {} targets with gratings: add markers, "
+                    "four references and one target at least",
+                    references, targets));
   setup.site = *std::move(site);
   return {};
 }
@@ -205,13 +215,14 @@ Done choose_layout(const PlanArgs& args, RecordingSetup& setup) {
 
 tl::expected<PlanOrder, UsageError> parse_plan_options(const PlanArgs& args) {
   PlanOrder order;
-  if (args.distance.empty()) return usage("no distance: plan: give --distance from camera to prints, e.g. 5m");
+  if (args.distance.empty())
+    return usage("the distance is missing: plan: give --distance from the camera to the markers, e.g. 5m");
   const auto distance = length_or("--distance", args.distance, 0.0);
   if (!distance) return tl::unexpected(distance.error());
   order.setup.distance_mm = *distance;
   if (const auto done = choose_camera(args, order); !done) return tl::unexpected(done.error());
   if (args.lossless && args.compressed)
-    return usage("--lossless and --compressed together: the recording is one of them: leave one out");
+    return usage("--lossless and --compressed exclude each other: plan: give one of them");
   if (args.lossless) order.setup.codec = {};
   if (args.compressed) order.setup.codec = kUsualCodec;
   for (const auto step : {choose_numbers, choose_swings, choose_layout}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of `moiregauge plan`, and what they mean.
+// Parses the arguments of `moiregauge plan`.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace moiregauge::internal::cli {
 
-// As typed.
+// Arguments as typed.
 struct PlanArgs {
   LayoutArgs layout;
   std::string distance, camera, resolution, pixel, focal, exposure, readout, vibration, camera_vibration;
@@ -24,9 +24,9 @@ struct PlanArgs {
 
 struct PlanOrder {
   RecordingSetup setup;
-  std::string camera_name;    // of the table, or the file; empty: told in numbers
+  std::string camera_name;    // of the table, or the file; empty: stated in numbers
   std::string camera_source;  // of the table
-  bool rolls_untold = false;  // a rolling shutter whose readout nobody stated
+  bool rolls_untold = false;  // a rolling shutter without a stated readout time
 };
 
 [[nodiscard]] tl::expected<PlanOrder, UsageError> parse_plan_options(const PlanArgs& args);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kLabel = 12, kWidth = 100;
 
-// A label and its sentence, broken between words.
+// Formats a label and its sentence, with line breaks between words.
 std::string line(const std::string& label, const std::string& words) {
   std::string text = fmt::format("{:<{}}", label, kLabel), rest = words;
   while (rest.size() > kWidth) {
@@ -48,8 +48,8 @@ std::string camera_text(const PlanOrder& order) {
 
 std::string scale_text(const RecordingSetup& s) {
   const double scale = px_per_mm(s);
-  return fmt::format("{:.3g} mm/px at {:.3g} m; the picture shows {:.3g} x {:.3g} m", 1.0 / scale,
-                     0.001 * s.distance_mm, 0.001 * s.camera.width / scale, 0.001 * s.camera.height / scale);
+  return fmt::format("{:.3g} mm/px at {:.3g} m; field of view {:.3g} x {:.3g} m", 1.0 / scale, 0.001 * s.distance_mm,
+                     0.001 * s.camera.width / scale, 0.001 * s.camera.height / scale);
 }
 
 std::string print_text(const RecordingSetup& s) {
@@ -61,7 +61,7 @@ std::string print_text(const RecordingSetup& s) {
     mm.include(m.grating->pitch_mm);
     px.include(m.grating->pitch_mm * px_per_mm(s, m.z_mm.value_or(0.0)));
   }
-  return fmt::format("{} references, {} target{}; pitch {} = {} (8 to 30 are good)", references, targets,
+  return fmt::format("{} references, {} target{}; pitch {} = {} (8 to 30 px are good)", references, targets,
                      targets == 1 ? "" : "s", mm.words("mm"), px.words("px"));
 }
 
@@ -69,20 +69,21 @@ std::string codec_text(const RecordingSetup& s) {
   double worst = 0.0;
   for (const PlannedTarget& t : planned_targets(s)) worst = std::fmax(worst, std::fmax(t.codec.x, t.codec.y));
   return fmt::format(
-      "compressed video, a typical quantiser of {:.3g} grey levels: {} of u are the codec's. Record raw or lossless "
-      "(--lossless) to avoid it",
-      s.codec.step, length_text(worst));
+      "compression causes {} of u (typical quantisation step, {:.3g} grey levels). Record raw or lossless (--lossless) "
+      "to avoid this",
+      length_text(worst), s.codec.step);
 }
 
 std::string blur_text(const RecordingSetup& s) {
   const PlannedBlur blur = planned_blur(s);
   if (!s.target_swing && !s.camera_swing)
-    return fmt::format("exposure {:.3g} ms; give --vibration 0.5mm@5Hz or --camera-vibration 0.01deg@10Hz to see it",
+    return fmt::format("unknown (exposure {:.3g} ms); give --vibration 0.5mm@5Hz or --camera-vibration 0.01deg@10Hz",
                        1000.0 * s.exposure_s);
-  std::string words = fmt::format("exposure {:.3g} ms:", 1000.0 * s.exposure_s);
-  if (s.target_swing) words += fmt::format(" the target's vibration {:.2g} px", blur.target_px);
-  if (s.camera_swing) words += fmt::format("{} the camera's {:.2g} px", s.target_swing ? "," : "", blur.camera_px);
-  return words + ", at its fastest";
+  std::string words;
+  if (s.target_swing) words += fmt::format("{:.2g} px by the target's vibration", blur.target_px);
+  if (s.camera_swing)
+    words += fmt::format("{}{:.2g} px by the camera's vibration", s.target_swing ? ", " : "", blur.camera_px);
+  return words + fmt::format(", at its fastest (exposure {:.3g} ms)", 1000.0 * s.exposure_s);
 }
 
 std::string motion_text(const RecordingSetup& s) {
@@ -91,27 +92,27 @@ std::string motion_text(const RecordingSetup& s) {
     if (m.grating && m.role == Role::kTarget) pitch = std::min(pitch, m.grating->pitch_mm);
   }
   return fmt::format(
-      "half a pitch, {:.3g} mm, from frame to frame ({:.3g} mm/s at {:g} frames/s); more where the print's outline "
-      "shows",
+      "up to half a pitch, {:.3g} mm, per frame ({:.3g} mm/s at {:g} frames/s); more if the grating's edge is visible",
       0.5 * pitch, 0.5 * pitch * s.fps, s.fps);
 }
 
 std::string shutter_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
-  if (order.rolls_untold) return "rolling, readout not told: give --readout";
-  if (!(s.readout_s > 0.0)) return "all rows at once";
+  if (order.rolls_untold) return "rolling, readout time unknown: give --readout";
+  if (!(s.readout_s > 0.0)) return "global, all image rows at once";
   const ShutterError e = shutter_error(s);
-  std::string words = fmt::format("rolling: {:.3g} ms between a target's row and a reference's", 1000.0 * e.lag_s);
-  if (s.camera_swing) words += fmt::format("; the camera's vibration is worth {}", length_text(e.camera_mm));
-  if (s.target_swing) words += fmt::format("; the target moves {} meanwhile", length_text(e.target_mm));
+  std::string words = fmt::format("rolling, up to {:.3g} ms between target and references", 1000.0 * e.lag_s);
+  if (s.camera_swing) words += fmt::format("; in that time the camera's vibration adds {}", length_text(e.camera_mm));
+  if (s.target_swing) words += fmt::format("; the target moves {} in that time", length_text(e.target_mm));
   return words;
 }
 
 std::string rotation_text(const RecordingSetup& s) {
   const TurningRoom room = turning_room(s);
-  if (room.pan < 0.0) return "a marker is outside the picture as it is";
-  return fmt::format("before a marker leaves the picture: pan {:.2g}, tilt {:.2g}, roll {:.2g} deg to either side",
-                     degrees_from_radians(room.pan), degrees_from_radians(room.tilt), degrees_from_radians(room.roll));
+  if (room.pan < 0.0) return "none: a marker is outside the image";
+  return fmt::format(
+      "the camera may pan by {:.2g}, tilt by {:.2g} and roll by {:.2g} deg before a marker leaves the image",
+      degrees_from_radians(room.pan), degrees_from_radians(room.tilt), degrees_from_radians(room.roll));
 }
 
 std::string uncertainty_table(const RecordingSetup& s) {
@@ -125,9 +126,9 @@ std::string uncertainty_table(const RecordingSetup& s) {
                 {length_text(t.u.x), length_text(t.u.y), length_text(t.full_bound.x), length_text(t.full_bound.y),
                  length_text(t.phase_bound.x), length_text(t.phase_bound.y)});
   return text +
-         line("", fmt::format("dx, dy: {}, one frame against another, as measure will state it; bound: of one frame, "
-                              "every edge counted; phase: of one frame, fundamentals alone",
-                              s.codec.is_lossless() ? "noise alone" : "noise and codec"));
+         line("", fmt::format("dx, dy: plan with these ({}, between two frames). bound, phase: theoretical limits of "
+                              "one frame, for experts",
+                              s.codec.is_lossless() ? "noise only" : "noise and codec"));
 }
 
 using Json = nlohmann::ordered_json;
@@ -141,17 +142,17 @@ std::string plan_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
   std::string text = line("camera", camera_text(order)) + line("scale", scale_text(s)) + line("prints", print_text(s));
   text += uncertainty_table(s);
-  text +=
-      line("on top",
-           fmt::format("{:.2g} % of the displacement, until the prints' rulers are told (--print-scale of measure); "
-                       "what lens and places add shows when the camera moves",
-                       100.0 * s.site.known_to.print_scale));
+  text += line(
+      "on top",
+      fmt::format("{:.2g} % of the displacement for the print scale, less once you measure the rulers (--print-scale). "
+                  "Lens and position errors are added during measurement",
+                  100.0 * s.site.known_to.print_scale));
   if (!s.codec.is_lossless()) text += line("codec", codec_text(s));
   text += line("blur", blur_text(s)) + line("motion", motion_text(s)) + line("shutter", shutter_text(order)) +
           line("turns", rotation_text(s));
   const auto advice = advice_for(s, order.rolls_untold);
   for (const std::string& words : advice) text += line("advice", words);
-  if (advice.empty()) text += line("advice", "none: go and film");
+  if (advice.empty()) text += line("advice", "none: the set-up is ready to film");
   return text;
 }
 

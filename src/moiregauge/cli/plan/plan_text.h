@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan as lines to read, and as JSON.
+// Formats a plan as text and as JSON.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of `moiregauge sheet`, and what they mean.
+// Parses the arguments of `moiregauge sheet`.
 #pragma once
 
 #include <optional>
@@ -7,14 +7,14 @@
 
 #include <tl/expected.hpp>
 
-#include "moiregauge/cli/common/layout_args.h"
 #include "moiregauge/app/measure_options.h"
+#include "moiregauge/cli/common/layout_args.h"
 #include "moiregauge/sheet/print_path.h"
 #include "moiregauge/sheet/sheet_set.h"
 
 namespace moiregauge::internal::cli {
 
-// As typed.
+// Arguments as typed.
 struct SheetArgs {
   LayoutArgs layout;
   std::string paper = "A4", orientation = "auto";

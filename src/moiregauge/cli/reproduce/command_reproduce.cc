@@ -30,7 +30,8 @@ struct ReproduceWords {
   bool quiet = false;
 };
 
-// Before minutes of measuring, not after them. The old table goes first: a folder that has one is whole.
+// Checks the folder before minutes of measuring. Replaces the old table first: a folder with a finished table is
+// complete.
 Written make_ready(const fs::path& output) {
   std::error_code error;
   fs::create_directories(output, error);
@@ -59,7 +60,7 @@ Written write_figures(const std::vector<FigureJob>& jobs, const ReproduceWords& 
 
 int fail_to_write(const std::string& why) {
   return fail(Exit::kOutputUnwritable,
-              fmt::format("cannot write: {}: make room or choose another folder with -o", why));
+              fmt::format("the results could not be written: {}: free space or choose another folder with -o", why));
 }
 
 tl::expected<std::vector<CellRun>, std::string> measured(const ReproducePlan& plan, bool quiet) {
@@ -72,21 +73,20 @@ int run(const ReproduceWords& words) {
   const fs::path output = words.output;
   if (!is_free(output, "table.md")) {
     return fail(Exit::kUsage,
-                fmt::format("folder in use: {}: it holds something else than a reproduction; choose another with -o",
-                            output.string()));
+                fmt::format("the output folder holds other files: {}: choose another with -o", output.string()));
   }
   if (const auto ready = make_ready(output); !ready) return fail_to_write(ready.error());
   ReproducePlan plan = words.quick ? quick_plan() : paper_plan();
   plan.threads = words.threads;
   const auto cells = measured(plan, words.quiet);
-  if (!cells) return fail(Exit::kInternalError, fmt::format("internal error: {}: please report it", cells.error()));
+  if (!cells) return fail(Exit::kInternalError, fmt::format("the program failed: {}: report this", cells.error()));
   const std::string table = reproduce_table(plan, *cells, words.quick);
   const auto written = write_figures(figure_jobs(plan, *cells), words).and_then([&] {
     return write_file_atomically((output / "table.md").string(), table);
   });
   if (!written) return fail_to_write(written.error());
   print_out(table);
-  if (!words.quiet) print_note(fmt::format("Table and figures in {}\n", output.string()));
+  if (!words.quiet) print_note(fmt::format("table and figures are in {}\n", output.string()));
   return 0;
 }
 
@@ -97,8 +97,8 @@ void add_reproduce(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("reproduce", "Repeat the paper's section 3 on simulated recordings: table and figures");
   command->add_option("-o,--out", words->output, "folder to write [reproduced]")->type_name("DIR");
-  command->add_flag("--quick", words->quick, "the small rig and a few frames: seconds instead of minutes");
-  command->add_option("--threads", words->threads, "threads [all]; never changes a number")
+  command->add_flag("--quick", words->quick, "use the small rig and a few frames (seconds instead of minutes)");
+  command->add_option("--threads", words->threads, "number of threads, never changes a number [all]")
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));

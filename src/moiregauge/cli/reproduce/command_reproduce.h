@@ -5,8 +5,7 @@
 
 namespace moiregauge::internal::cli {
 
-// Adds `moiregauge reproduce` (docs/cli/reproduce.md). The exit code of a run is left in exit_code, which must outlive
-// app.
+// Adds `moiregauge reproduce` (docs/cli/reproduce.md). A run stores its exit code in exit_code, which must outlive app.
 void add_reproduce(CLI::App& app, int& exit_code);
 
 }  // namespace moiregauge::internal::cli

@@ -55,8 +55,8 @@ Expected<Scenario> scenario_of(const SimulateArgs& args) {
   if (auto known = simulator::built_in(args.scenario)) {
     scenario = *std::move(known);
   } else if (!fs::is_regular_file(args.scenario)) {
-    return tl::unexpected(
-        fmt::format("no such scenario: {}: name a TOML file or one of moiregauge simulate --list", args.scenario));
+    return tl::unexpected(fmt::format(
+        "the scenario does not exist: {}: give a TOML file or a name of moiregauge simulate --list", args.scenario));
   } else {
     auto read = read_scenario(args.scenario);
     if (!read)
@@ -65,13 +65,13 @@ Expected<Scenario> scenario_of(const SimulateArgs& args) {
   }
   for (const std::string& setting : args.settings) {
     if (auto applied = apply_setting(scenario, setting); !applied) {
-      return tl::unexpected(fmt::format("bad setting: --set {}: {}", setting, applied.error()));
+      return tl::unexpected(fmt::format("the setting is not valid: --set {}: {}", setting, applied.error()));
     }
   }
   if (args.seed) scenario.seed = *args.seed;
   if (args.frames) scenario.frames = *args.frames;
   if (auto problem = simulator::problem_with(scenario)) {
-    return tl::unexpected(fmt::format("bad scenario: {}: {}", args.scenario, *problem));
+    return tl::unexpected(fmt::format("the scenario is not valid: {}: {}", args.scenario, *problem));
   }
   return scenario;
 }
@@ -85,17 +85,18 @@ Expected<void> clear(const fs::path& output, bool for_video) {
   return {};
 }
 
-// What --codec, --quality and --gop ask for.
+// Returns the video format of --codec, --quality and --gop.
 Expected<std::optional<VideoFormat>> video_of(const SimulateArgs& args, const Scenario& scenario) {
   if (args.codec.empty()) {
     if (args.quality || args.gop)
-      return tl::unexpected(std::string("--quality and --gop belong to a video: add --codec"));
+      return tl::unexpected(std::string("--quality and --gop apply to videos: simulate: add --codec"));
     return std::nullopt;
   }
   const auto codec = codec_named(args.codec);
   if (!codec)
-    return tl::unexpected(fmt::format("no such codec: --codec {}: choose one of ffv1, x264, mjpeg", args.codec));
-  if (args.gop && *codec != VideoCodec::kX264) return tl::unexpected(std::string("--gop is for x264: leave it out"));
+    return tl::unexpected(fmt::format("the codec is unknown: --codec {}: choose one of ffv1, x264, mjpeg", args.codec));
+  if (args.gop && *codec != VideoCodec::kX264)
+    return tl::unexpected(std::string("--gop applies to x264: simulate: remove it"));
   VideoFormat format{*codec, args.quality};
   format.is_linear = simulator::stores_light(scenario);
   format.gop = args.gop.value_or(format.gop);
@@ -103,11 +104,11 @@ Expected<std::optional<VideoFormat>> video_of(const SimulateArgs& args, const Sc
   format.height = scenario.camera.height;
   format.bits = scenario.sensor.bits;
   format.fps = scenario.sensor.fps;
-  if (const auto problem = problem_with(format)) return tl::unexpected("bad --codec: " + *problem);
+  if (const auto problem = problem_with(format)) return tl::unexpected(*problem);
   return format;
 }
 
-// The truth comes last: a folder with truth.csv in it is whole.
+// Writes the truth last: a folder with truth.csv is complete.
 Expected<void> write_simulation(const Scenario& scenario, const PicturesPlan& plan, const fs::path& output) {
   return clear(output, plan.video.has_value())
       .and_then([&] { return write_text((output / "truth-camera.toml").string(), truth_camera_toml(scenario)); })
@@ -116,7 +117,7 @@ Expected<void> write_simulation(const Scenario& scenario, const PicturesPlan& pl
       .and_then([&] { return write_text((output / "truth.csv").string(), truth_csv(scenario)); });
 }
 
-// "rig-0.1x" is a name, not a file with an extension.
+// Returns the folder's name. A built-in name such as "rig-0.1x" has no file extension.
 fs::path default_folder(const std::string& scenario) {
   const bool is_built_in = simulator::built_in(scenario).has_value();
   return (is_built_in ? scenario : fs::path(scenario).stem().string()) + "-simulated";
@@ -128,7 +129,7 @@ int run(const SimulateArgs& args) {
     return 0;
   }
   if (args.scenario.empty())
-    return fail(Exit::kUsage, "no scenario: simulate: name one of moiregauge simulate --list or a file");
+    return fail(Exit::kUsage, "the scenario is missing: simulate: give a file or a name of moiregauge simulate --list");
   const auto scenario = scenario_of(args);
   if (!scenario) return fail(Exit::kUsage, scenario.error());
   const auto video = video_of(args, *scenario);
@@ -136,8 +137,7 @@ int run(const SimulateArgs& args) {
   const fs::path output = args.output.empty() ? default_folder(args.scenario) : fs::path(args.output);
   if (!is_free(output, "truth-camera.toml")) {
     return fail(Exit::kUsage,
-                fmt::format("folder in use: {}: it holds something else than a simulation; choose another with -o",
-                            output.string()));
+                fmt::format("the output folder holds other files: {}: choose another with -o", output.string()));
   }
   const PicturesPlan plan{
       .video = *video,
@@ -148,10 +148,11 @@ int run(const SimulateArgs& args) {
   const InterruptGuard guard;
   if (const auto written = write_simulation(*scenario, plan, output); !written) {
     if (interrupted())
-      return fail(Exit::kInterrupted, fmt::format("{}: {}: what is there is not whole: the same command begins anew",
+      return fail(Exit::kInterrupted, fmt::format("{}: {} is incomplete: repeat the command to start again",
                                                   written.error(), output.string()));
     return fail(Exit::kOutputUnwritable,
-                fmt::format("cannot write: {}: make room or choose another folder with -o", written.error()));
+                fmt::format("the recording could not be written: {}: free space or choose another folder with -o",
+                            written.error()));
   }
   if (!args.quiet) print_out(fmt::format("{} frames of {} in {}\n", scenario->frames, scenario->name, output.string()));
   return 0;
@@ -161,26 +162,25 @@ int run(const SimulateArgs& args) {
 
 void add_simulate(CLI::App& app, int& exit_code) {
   const auto args = std::make_shared<SimulateArgs>();
-  CLI::App* command = app.add_subcommand("simulate", "Draw a recording with known truth");
+  CLI::App* command = app.add_subcommand("simulate", "Make a recording with known truth");
   command->add_option("SCENARIO", args->scenario, "built-in name (see --list) or TOML file")->type_name("FILE");
   command->add_option("-o,--out", args->output, "folder to write [SCENARIO-simulated]")->type_name("DIR");
-  command->add_option("--set", args->settings, "override one value, as in lens.k1=-0.0225; may be given again")
+  command->add_option("--set", args->settings, "override one value, e.g. lens.k1=-0.0225 (repeatable)")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1);
-  command->add_option("--seed", args->seed, "another draw of the noise [1]")->type_name("N");
-  command->add_option("--frames", args->frames, "stop after so many frames")->type_name("N");
-  command->add_option("--codec", args->codec, "write a video, not pictures: ffv1 (lossless), x264 or mjpeg")
+  command->add_option("--seed", args->seed, "seed of the random noise [1]")->type_name("N");
+  command->add_option("--frames", args->frames, "number of frames [the scenario's]")->type_name("N");
+  command->add_option("--codec", args->codec, "write a video instead of images: ffv1 (lossless), x264 or mjpeg")
       ->type_name("ffv1|x264|mjpeg");
   command->add_option("--quality", args->quality, "x264: rate factor, 0 to 51 [23]; mjpeg: quantiser, 2 to 31 [3]")
       ->type_name("N");
-  command->add_option("--gop", args->gop, "x264: frames between key frames at most [250]; 1: key frames only")
-      ->type_name("N");
-  command->add_option("--threads", args->threads, "threads [all]; never changes a byte")
+  command->add_option("--gop", args->gop, "x264: maximum key frame interval [250]; 1: key frames only")->type_name("N");
+  command->add_option("--threads", args->threads, "number of threads, never changes a byte [all]")
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
-  command->add_flag("--markers-only", args->markers_only, "draw the markers' windows, the rest one flat grey");
+  command->add_flag("--markers-only", args->markers_only, "draw only the markers, on flat grey");
   command->add_flag("--list", args->list, "list the built-in scenarios");
   command->add_flag("--quiet", args->quiet, "print nothing but errors");
   command->callback([args, &exit_code] { exit_code = run(*args); });

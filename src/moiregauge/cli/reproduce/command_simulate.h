@@ -5,7 +5,7 @@
 
 namespace moiregauge::internal::cli {
 
-// Registers `moiregauge simulate`; running it sets exit_code.
+// Adds `moiregauge simulate`. A run sets exit_code.
 void add_simulate(CLI::App& app, int& exit_code);
 
 }  // namespace moiregauge::internal::cli

@@ -16,7 +16,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// The first two lenses: none, and the least.
+// The first two lenses: no distortion, and the smallest.
 constexpr std::size_t kLensesShown = 2;
 
 figure::SeriesFigure series_of(const ReproducePlan& plan, const std::vector<CellRun>& cells, std::size_t index) {
@@ -31,7 +31,7 @@ figure::SeriesFigure series_of(const ReproducePlan& plan, const std::vector<Cell
     f.true_mm.push_back(truth(scenario, frame, *target).dy_mm);
     f.camera_deg.push_back(scenario.mount.rotation_x.at(time));
   }
-  // Drawn from where the target stood in the reference frame, so that it lies on the truth.
+  // Adds the target's displacement in the reference frame, so that the curve coincides with the truth.
   const double offset = truth(scenario, which.reference_frame, *target).dy_mm;
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     figure::MethodCurves curves{.method = std::string(kMethods[m].name), .lenses = {}};

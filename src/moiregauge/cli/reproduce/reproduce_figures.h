@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The counterparts of the paper's figures, and the error against rotation, from simulated pictures and what was
-// measured.
+// Creates the paper's figures and the error against rotation, from simulated images and their measurements.
 #pragma once
 
 #include <functional>
@@ -12,13 +11,13 @@
 
 namespace moiregauge::internal::cli {
 
-// A figure still to be made: making it may take seconds, and its pictures live only while it is drawn.
+// A figure to be made later, because it may take seconds and its images need memory only while it is drawn.
 struct FigureJob {
-  std::string name;  // "fig02": the paper's number; a figure the paper has not is named in words
+  std::string name;  // "fig02": the paper's number; figures that are not in the paper have names
   std::function<figure::FigureFiles()> make;
 };
 
-// The jobs refer to plan and cells.
+// Returns the jobs. They refer to `plan` and `cells`.
 [[nodiscard]] std::vector<FigureJob> figure_jobs(const ReproducePlan& plan, const std::vector<CellRun>& cells);
 
 }  // namespace moiregauge::internal::cli

@@ -17,17 +17,17 @@ namespace {
 
 using simulator::Scenario;
 
-constexpr double kTilt_deg = 20.0;  // the paper's Figure 4
-constexpr int kHeldSide_px = 200;   // the paper's crops
+constexpr double kTilt_deg = 20.0;  // paper, Figure 4
+constexpr int kHeldSide_px = 200;   // side of the paper's crops
 constexpr double kBetweenShots_s = 3.0;
 
-// A reference frame and the frames that are looked at with it, whole, without a lens.
+// A reference frame and the frames measured against it, without lens distortion.
 class CaseFilm {
  public:
   explicit CaseFilm(const ReproduceCase& which)
       : scenario_(scenario_of(which, {})), first_(render8(scenario_, which.reference_frame)) {
     auto made = make_reference({first_.view(), 8}, simulator::site_of(scenario_), Camera{}, {});
-    if (!made) throw std::logic_error(which.scenario + " without a reference frame: " + made.error().message);
+    if (!made) throw std::logic_error(which.scenario + " has no reference frame: " + made.error().message);
     reference_ = *std::move(made);
     follower_ = std::make_unique<Follower>(reference_);
   }
@@ -37,7 +37,7 @@ class CaseFilm {
     (void)follower_->follow(reference_, seen);
     return seen;
   }
-  // The largest displacement left in a reference's grating when it is read by that view, px.
+  // Returns the largest displacement in a reference grating when measured with this view, px.
   double residual_px(const Image<std::uint8_t>& picture, const IdealFromBoard& view) {
     double largest = 0.0;
     for (std::size_t i = 0; i < reference_.site.markers.size(); ++i) {
@@ -61,7 +61,7 @@ class CaseFilm {
   PatchWorkspace work_;
 };
 
-// Room outside of the picture is white.
+// Returns a crop. Parts outside the image are white.
 Image<std::uint8_t> cut(const Image<std::uint8_t>& picture, figure::Part part) {
   Image<std::uint8_t> out(part.width, part.height, 255);
   for (int y = std::max(0, -part.y); y < std::min(part.height, picture.height() - part.y); ++y) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures that show pictures: simulated, looked at by the two-stage method, drawn.
+// Draws the figures with images: simulated, and measured by the two-stage method.
 #pragma once
 
 #include "moiregauge/cli/reproduce/reproduce_run.h"

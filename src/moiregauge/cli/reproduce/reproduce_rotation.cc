@@ -10,7 +10,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// From the one end of the swing to the other, as the paper counts: 8 degrees are -4 to 4.
+// Returns the range of the rotation in degrees, as counted in the paper: -4 to 4 are 8 degrees.
 double swing_deg(const simulator::Scenario& scenario, const simulator::Track& track) {
   double low = track.at(0.0), high = low;
   for (long frame = 0; frame < scenario.frames; ++frame) {

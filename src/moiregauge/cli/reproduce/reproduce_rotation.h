@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the figure of error against camera rotation shows, from the runs of a plan.
+// Collects the data for the figure of error against camera rotation from the runs of a plan.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace moiregauge::internal::cli {
 
-// Of every case, lens and method.
+// Returns the errors of every case, lens and method.
 [[nodiscard]] figure::RotationFigure rotation_of(const ReproducePlan& plan, const std::vector<CellRun>& cells);
 
 }  // namespace moiregauge::internal::cli

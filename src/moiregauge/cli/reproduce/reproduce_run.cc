@@ -24,7 +24,7 @@ GreyPicture grey(const simulator::Picture& picture, const Scenario& scenario) {
   return {simulator::view_of(picture), scenario.sensor.bits};
 }
 
-// One method on its way through the frames.
+// State of one method while it processes the frames.
 struct Walk {
   const Method* method;
   Follower follower;
@@ -69,14 +69,14 @@ ReproducePlan paper_plan() {
   return {.cases = {{"rig-0.1x", "0.1° about x", 0.02, 0, 12, 0, 0},
                     {"rig-1x", "1° about x", 0.248, 0, 13, 0, 0},
                     {"rig-1xyz", "1° about x, y and z", 0.311, 0, 14, 8, 200},
-                    // Against the frame in which the camera faces the board, as the paper did.
+                    // Reference: the frame in which the camera faces the board, as in the paper.
                     {"rig-8xyz", "8° about x, y and z", 1.861, 80, 15, 10, 700}},
-          // Distortion at the corner of the sensor, 2317 px from its centre.
+          // k1 by the distortion at the corner of the sensor, 2317 px from its centre.
           .lenses = {{"no distortion", 0.0}, {"lens −1 %", -0.0225}, {"lens −2 %", -0.0451}, {"lens −3 %", -0.0676}},
           .step = 2};
 }
 
-// There is no 8 degree case: it would leave the small rig's picture.
+// Without the case of 8 degrees, in which markers leave the image of the small rig.
 ReproducePlan quick_plan() {
   return {.cases = {{"small-0.1x", "0.1° about x", 0.02, 0, 12, 0, 0},
                     {"small-1x", "1° about x", 0.248, 0, 13, 0, 0},
@@ -94,7 +94,7 @@ Scenario scenario_of(const ReproduceCase& which, const ReproduceLens& lens) {
 tl::expected<CellRun, std::string> run_cell(const ReproduceCase& which, const ReproduceLens& lens, long step) {
   const Scenario scenario = scenario_of(which, lens);
   const auto first = shot(scenario, which.reference_frame);
-  // No lens is told to the instrument: the paper knew of none.
+  // Without a known lens, as in the paper.
   auto reference = make_reference(grey(first, scenario), simulator::site_of(scenario), Camera{}, {});
   if (!reference) return tl::unexpected(which.scenario + ": " + reference.error().message);
   reference->seen.frame = which.reference_frame;

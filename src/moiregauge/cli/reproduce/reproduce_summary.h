@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run of errors in two numbers, for the table and for the figure against rotation.
+// Summarises the errors of a run, for the table and for the figure of error against rotation.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 namespace moiregauge::internal::cli {
 
 struct ErrorSummary {
-  double rms = 0.0, largest = 0.0;  // in the unit of the values; NaN of no number at all
-  std::size_t lost = 0;             // values that are no number; they count for nothing above
+  double rms = 0.0, largest = 0.0;  // unit of the values; NaN without any value
+  std::size_t lost = 0;             // values that are not finite; excluded above
 };
 [[nodiscard]] ErrorSummary summary_of(const std::vector<double>& values);
 

@@ -8,7 +8,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-TEST(ErrorSummary, OfAnErrorThatNeverChangesIsThatError) {
+TEST(ErrorSummary, OfAConstantErrorIsThatError) {
   const ErrorSummary summary = summary_of({-0.2, 0.2, -0.2});
   EXPECT_NEAR(summary.rms, 0.2, 1e-15);
   EXPECT_EQ(summary.largest, 0.2);
@@ -21,7 +21,7 @@ TEST(ErrorSummary, LostFramesNeitherHideTheLargestNorDiluteTheRms) {
   EXPECT_EQ(summary.lost, 2U);
 }
 
-TEST(ErrorSummary, ARunWithoutANumberIsNotOneWithoutAnError) {
+TEST(ErrorSummary, WithoutValuesIsNotZero) {
   for (const auto& run : {std::vector<double>{}, std::vector<double>{std::nan("")}}) {
     EXPECT_TRUE(std::isnan(summary_of(run).rms));
     EXPECT_TRUE(std::isnan(summary_of(run).largest));

@@ -11,7 +11,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// Three digits that count, down to a tenth of a micrometre.
+// Formats mm with three significant digits, but at most four decimals.
 std::string millimetres(double value) {
   if (!(value > 0.0)) return "0";
   const int digits = std::clamp(2 - static_cast<int>(std::floor(std::log10(value))), 0, 4);
@@ -20,13 +20,14 @@ std::string millimetres(double value) {
 
 std::string errors(const MethodRun& run) {
   const ErrorSummary summary = summary_of(run.error_mm);
-  if (summary.lost == run.error_mm.size()) return "no number";
+  if (summary.lost == run.error_mm.size()) return "not measured";
   std::string text = fmt::format("{} ({})", millimetres(summary.rms), millimetres(summary.largest));
   if (summary.lost > 0) text += fmt::format("; {} of {} frames lost", summary.lost, run.error_mm.size());
   return text;
 }
 
-// Of the default method: the conventional one does not follow the target, so its budget speaks of other pixels.
+// Returns the bound of the default method. The conventional method does not track the target, so its budget applies to
+// other pixels.
 std::string bound(const CellRun& cell) {
   for (const MethodRun& run : cell.methods) {
     const ErrorSummary summary = summary_of(run.bound_mm);
@@ -39,8 +40,8 @@ std::string bound(const CellRun& cell) {
 
 std::string reproduce_table(const ReproducePlan& plan, const std::vector<CellRun>& cells, bool quick) {
   std::string text =
-      "Error of dy, mm: rms (largest) over the run, against the simulator's truth since the reference frame.\n";
-  if (quick) text += "Quick: the small rig and a few frames; not the paper's.\n";
+      "Error of dy in mm: rms (largest) over the run, relative to the simulator's truth since the reference frame.\n";
+  if (quick) text += "Quick: the small rig and a few frames, not the paper's rig.\n";
   text += "\n| case | lens | paper |";
   std::string rule = "\n|---|---|---|";
   for (const Method& method : kMethods) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `reproduce` measured beside what the paper reports, as Markdown.
+// Returns the errors measured by `reproduce` next to those of the paper, as Markdown.
 #pragma once
 
 #include <string>

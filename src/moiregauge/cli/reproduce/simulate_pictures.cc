@@ -21,7 +21,7 @@ namespace {
 using simulator::Scenario;
 using Written = tl::expected<void, std::string>;
 
-// Keeps the first error, which stops the rest.
+// Keeps the first error, which stops the other threads.
 class FirstProblem {
  public:
   void note(const Written& written) {
@@ -44,7 +44,7 @@ class FirstProblem {
 
 Written stopped(long done, long all) { return tl::unexpected(fmt::format("stopped at frame {} of {}", done, all)); }
 
-// Grey levels that are light are said to be.
+// Tags images whose grey levels are proportional to light.
 PngTone tone_of(const Scenario& scenario) {
   return simulator::stores_light(scenario) ? PngTone::kLinear : PngTone::kUnstated;
 }
@@ -57,7 +57,7 @@ using ShotPointer = std::shared_ptr<Shot>;
 using tbb::filter_mode;
 using tbb::make_filter;
 
-// Draws frames next to each other; what a camera makes of one with the help of those before it follows in order.
+// Draws frames in parallel. Camera processing that depends on earlier frames follows in order.
 class ShotMaker {
  public:
   ShotMaker(const Scenario& scenario, const PicturesPlan& plan, const FirstProblem& problem)
@@ -92,7 +92,7 @@ class ShotMaker {
 
 constexpr std::size_t kInFlight = 16;
 
-// Packing a PNG takes longer than drawing it.
+// Writes PNG files in parallel, because packing one takes longer than drawing it.
 Written write_frames(const Scenario& scenario, const PicturesPlan& plan, const std::string& folder) {
   Progress progress("simulating", plan.quiet);
   std::mutex mutex;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a simulated recording goes: a folder of pictures or a video.
+// Writes a simulated recording to an image folder or a video.
 #pragma once
 
 #include <optional>
@@ -13,13 +13,13 @@
 namespace moiregauge::internal::cli {
 
 struct PicturesPlan {
-  std::optional<VideoFormat> video;  // nothing: DIR/frames/%06d.png
+  std::optional<VideoFormat> video;  // none: DIR/frames/%06d.png
   simulator::Area area = simulator::Area::kWholeFrame;
   int threads = 0;
   bool quiet = false;
 };
 
-// Draws every frame into the folder. An error reads "path: why". Bytes do not depend on the number of threads.
+// Draws every frame into the folder. Fails with the path and the reason. Files do not depend on the number of threads.
 [[nodiscard]] tl::expected<void, std::string> write_pictures(const simulator::Scenario& scenario,
                                                              const PicturesPlan& plan, const std::string& folder);
 

@@ -26,8 +26,8 @@ extern char** environ;
 namespace moiregauge::internal {
 namespace {
 
-// Before main(): glibc hands the program's words to constructors. Stands in this file so that whoever links start()
-// links it too. Never returns in the child, so nothing of the program's own runs there.
+// Runs before main(): glibc passes the program's arguments to constructors. It is in this file so that every program
+// that links start() links it too. It never returns in the child, so none of the program's own code runs there.
 __attribute__((constructor)) void become_the_child(int count, char** words) {
   if (count != 3 || std::string_view(words[1]) != wire::kChildMode) return;
   std::int64_t max_pixels = 0;
@@ -37,7 +37,7 @@ __attribute__((constructor)) void become_the_child(int count, char** words) {
   ::_exit(sane ? decode_child(max_pixels) : 2);
 }
 
-// Out of the way of the child's fixed numbers, which the spawn below fills one after the other.
+// Returns a copy of the descriptor above the child's fixed numbers, which spawn() assigns one after the other.
 int moved_up(int file) { return ::fcntl(file, F_DUPFD_CLOEXEC, 16); }
 
 int spawn(pid_t& process, const std::string& program, int input, int memory, int socket, std::string max_pixels) {
@@ -51,7 +51,7 @@ int spawn(pid_t& process, const std::string& program, int input, int memory, int
   std::string name = "moiregauge";
   std::string mode = wire::kChildMode;
   char* words[] = {name.data(), mode.data(), max_pixels.data(), nullptr};
-  // An interrupt from the keyboard is for the parent to answer; the child ends when the parent closes the socket.
+  // The parent handles an interrupt from the keyboard. The child ends when the parent closes the socket.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -105,8 +105,8 @@ std::string ChildProcess::last_words() {
   while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
   }
   process_ = -1;
-  if (WIFSIGNALED(status)) return fmt::format("video decoder stopped (signal {})", WTERMSIG(status));
-  return fmt::format("video decoder stopped (exit code {})", WEXITSTATUS(status));
+  if (WIFSIGNALED(status)) return fmt::format("the video decoder stopped (signal {})", WTERMSIG(status));
+  return fmt::format("the video decoder stopped (exit code {})", WEXITSTATUS(status));
 }
 
 tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milliseconds watchdog) {
@@ -120,21 +120,21 @@ tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milli
     if (ready > 0) break;
     ::kill(process_, SIGKILL);
     return tl::unexpected(
-        fmt::format("video decoder stopped (silent for {} s)", std::chrono::duration<double>(watchdog).count()));
+        fmt::format("the video decoder stopped (silent for {} s)", std::chrono::duration<double>(watchdog).count()));
   }
   wire::Record record;
   ssize_t got = ::recv(socket_, &record, sizeof record, 0);
-  // A child that ended with our releases unread resets the connection, which is reported once and before the records
-  // it had sent: they still count.
+  // A child that exits with unread releases resets the connection. The reset is reported once, before the records it
+  // sent, which still count.
   if (got < 0 && errno == ECONNRESET) got = ::recv(socket_, &record, sizeof record, 0);
   if (got == sizeof record) return record;
-  ::kill(process_, SIGKILL);  // it may have closed the socket only; SIGKILL leaves an earlier death as it was
+  ::kill(process_, SIGKILL);  // the child may only have closed the socket; after an earlier death SIGKILL has no effect
   return tl::unexpected(last_words());
 }
 
 void ChildProcess::release(int slot) const {
   const wire::Release release{slot};
-  // A child that is gone cannot use the slot; receive() reports it.
+  // A dead child cannot use the slot, and receive() reports its death.
   static_cast<void>(::send(socket_, &release, sizeof release, MSG_NOSIGNAL | MSG_DONTWAIT));
 }
 

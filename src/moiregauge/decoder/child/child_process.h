@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The decoding child as the parent sees it.
+// Starts and controls the decoding child process.
 //
-// Decoders are the most attacked code there is, and a crash of one must cost frames, not a measurement. So they run in
-// a child that holds one input, one piece of memory and one socket. The child is our own program executed anew with
-// `--decode-child`: a plain fork() of a program with threads may only execute anew or die. It turns off into decoding
-// before main(), in a constructor, so every program linked with this module can be its own child: the command, each
-// test program, under sanitizers too.
+// Decoders are the most attacked code in the program, and their crash must cost frames, not a measurement. So they run
+// in a child that has one input, one shared memory and one socket.
+// The child is the same program, executed again with `--decode-child`, because a forked program with threads may only
+// call exec or exit. It starts decoding before main(), in a constructor. So every program linked with this module can
+// be its own child, including test programs and sanitizer builds.
 #pragma once
 
 #include <sys/types.h>
@@ -24,18 +24,18 @@ namespace moiregauge::internal {
 
 class ChildProcess {
  public:
-  // `input` stays the caller's; no picture of it with more than `max_pixels` is decoded. The error says why no child
-  // could be started.
+  // Starts a child. `input` remains the caller's. The child decodes no image of more than `max_pixels`. Fails with the
+  // reason.
   [[nodiscard]] static tl::expected<ChildProcess, std::string> start(const std::string& program, int input,
                                                                      std::int64_t max_pixels);
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
-  ~ChildProcess();  // kills it if it still runs
+  ~ChildProcess();  // kills the child if it is running
 
-  // The next record, or how the child was lost: silent for longer than the watchdog allows, or dead.
+  // Returns the next record. Fails if the child is silent for longer than `watchdog` or has died.
   [[nodiscard]] tl::expected<wire::Record, std::string> receive(std::chrono::milliseconds watchdog);
   void release(int slot) const;
-  // The pixels, once kOpened has come; nothing when the memory is not what the record promises.
+  // Maps the pixels. Call it after kOpened. Returns null if the memory is smaller than the record states.
   [[nodiscard]] const std::byte* map(std::size_t bytes);
 
  private:

@@ -18,8 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A decoder that says a word, lets the parent release slots that it never hears of, says another and is gone.
-TEST(ChildProcess, WhatAChildSaidBeforeItsEndIsHeardThoughItLeftReleasesUnread) {
+// A decoder that sends a warning, ignores the slots that the parent releases, sends its end and exits.
+TEST(ChildProcess, RecordsBeforeItsExitAreReceivedDespiteUnreadReleases) {
   const TestFolder folder;
   const std::string program = folder / "decoder";
   {
@@ -39,7 +39,7 @@ TEST(ChildProcess, WhatAChildSaidBeforeItsEndIsHeardThoughItLeftReleasesUnread) 
   ASSERT_TRUE(first) << first.error();
   EXPECT_EQ(first->kind, wire::Kind::kWarning);
   child->release(0);
-  std::this_thread::sleep_for(600ms);  // by now it has closed the socket
+  std::this_thread::sleep_for(600ms);  // now it has closed the socket
   const auto last = child->receive(5s);
   ASSERT_TRUE(last) << last.error();
   EXPECT_EQ(last->kind, wire::Kind::kEnd);

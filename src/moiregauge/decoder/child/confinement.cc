@@ -16,7 +16,7 @@
 #include "moiregauge/decoder/child/wire.h"
 
 #ifndef __has_feature
-#define __has_feature(x) 0  // clang's way to say which sanitizer is on
+#define __has_feature(x) 0  // clang's test for sanitizers
 #endif
 
 namespace moiregauge::internal {
@@ -24,7 +24,7 @@ namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || __has_feature(address_sanitizer) || \
     __has_feature(thread_sanitizer)
-constexpr bool kSanitized = true;  // their shadow of the address space is terabytes of data
+constexpr bool kSanitized = true;  // their shadow memory is terabytes of address space
 #else
 constexpr bool kSanitized = false;
 #endif
@@ -46,10 +46,10 @@ class Filter {
   void add(std::uint32_t action, int call, Conditions... conditions) {
     if (problem_ == 0) problem_ = seccomp_rule_add(rules_.get(), action, call, sizeof...(conditions), conditions...);
   }
-  // 0, or a negative error number.
+  // Returns 0, or a negative error number.
   [[nodiscard]] int load() {
     if (rules_ == nullptr) return -ENOMEM;
-    if (problem_ == 0) problem_ = seccomp_attr_set(rules_.get(), SCMP_FLTATR_CTL_TSYNC, 1);  // every thread there is
+    if (problem_ == 0) problem_ = seccomp_attr_set(rules_.get(), SCMP_FLTATR_CTL_TSYNC, 1);  // for all threads
     return problem_ == 0 ? seccomp_load(rules_.get()) : problem_;
   }
 
@@ -63,7 +63,7 @@ scmp_arg_cmp bits(unsigned index, std::uint64_t mask, std::uint64_t value) {
   return {index, SCMP_CMP_MASKED_EQ, mask, value};
 }
 
-// The three things the child holds.
+// Allows access to the child's three descriptors.
 void allow_its_files(Filter& filter) {
   filter.allow(SCMP_SYS(pread64), argument(0, wire::kInputFile));
   filter.allow(SCMP_SYS(lseek), argument(0, wire::kInputFile));
@@ -73,28 +73,28 @@ void allow_its_files(Filter& filter) {
   filter.allow(SCMP_SYS(recvfrom), argument(0, wire::kSocket));
 }
 
-// The sanitizers print what they find, and try through a pipe whether an address can be read.
+// Sanitizers print reports and use a pipe to test whether an address is readable.
 void allow_sanitizers(Filter& filter) {
   filter.allow(SCMP_SYS(write), scmp_arg_cmp{0, SCMP_CMP_NE, STDOUT_FILENO, 0});
   for (const int call : {SCMP_SYS(pipe), SCMP_SYS(pipe2), SCMP_SYS(read), SCMP_SYS(close), SCMP_SYS(readlink)})
     filter.allow(call);
 }
 
-// Memory that never becomes code.
+// Allows memory that is never executable.
 void allow_memory(Filter& filter) {
   filter.allow(SCMP_SYS(mmap), bits(2, PROT_EXEC, 0));
   filter.allow(SCMP_SYS(mprotect), bits(2, PROT_EXEC, 0));
   for (const int call : {SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(brk)}) filter.allow(call);
 }
 
-// The decoder's threads, and what the C library does for them.
+// Allows the decoder's threads and the calls that the C library makes for them.
 void allow_threads(Filter& filter) {
   constexpr std::uint64_t kThread = 0x00010000;  // CLONE_THREAD
   filter.allow(SCMP_SYS(clone), bits(0, kThread, kThread));
   filter.add(SCMP_ACT_KILL_PROCESS, SCMP_SYS(clone), bits(0, kThread, 0));
-  filter.add(SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3));  // its flags cannot be seen from here; glibc then takes clone
+  filter.add(SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3));  // its flags are not visible here; glibc then uses clone
   filter.allow(SCMP_SYS(prctl), argument(0, PR_SET_NAME));
-  filter.allow(SCMP_SYS(tgkill), argument(0, static_cast<std::uint64_t>(::getpid())));  // abort()
+  filter.allow(SCMP_SYS(tgkill), argument(0, static_cast<std::uint64_t>(::getpid())));  // for abort()
   for (const int call :
        {SCMP_SYS(futex), SCMP_SYS(set_robust_list), SCMP_SYS(rseq), SCMP_SYS(sigaltstack), SCMP_SYS(rt_sigaction),
         SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn), SCMP_SYS(restart_syscall), SCMP_SYS(sched_yield),
@@ -122,11 +122,11 @@ void forbid_what_only_intruders_do(Filter& filter) {
 void limit_resources(std::int64_t max_pixels) {
   constexpr std::uint64_t kGibibyte = std::uint64_t{1} << 30;
   const auto pixels = static_cast<std::uint64_t>(max_pixels);
-  constexpr int kPipe = kSanitized ? 2 : 0;  // files: see allow_sanitizers
+  constexpr int kPipe = kSanitized ? 2 : 0;  // descriptors: see allow_sanitizers
   limit(RLIMIT_NOFILE, wire::kFirstUnusedFile + kPipe);
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_FSIZE, wire::memory_limit(max_pixels));  // of the shared memory: a file to the kernel
-  // H.264 keeps up to 17 pictures of 1.5 bytes a pixel, and some tables; few streams need half of it.
+  limit(RLIMIT_FSIZE, wire::memory_limit(max_pixels));  // the shared memory is a file to the kernel
+  // H.264 keeps up to 17 images of 1.5 bytes per pixel, and some tables. The limit is about twice as much.
   if (!kSanitized) limit(RLIMIT_DATA, kGibibyte + 48 * pixels);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the decoding child may still do once it has begun to look at the input: read it, compute, fill the shared memory
-// and talk to its parent. Everything else is refused by the kernel, whatever a decoder is talked into.
+// Confines the decoding child before it reads the input. It may read the input, compute, write the shared memory and
+// talk to its parent. The kernel refuses everything else, even if a decoder is compromised.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace moiregauge::internal {
 
-// No further file, no core dump, and memory in proportion to the largest picture allowed.
+// Limits resources: no further file, no core dump, and memory in proportion to the largest image allowed.
 //
-// There is no limit on processor time: a run may take hours, and a decoder that works without a word is the watchdog's
-// business (video_source.h). There is none on processes either: it counts all that the user runs, threads too, and the
-// filter below knows a thread from a process.
+// There is no limit on processor time, because a run may take hours, and the watchdog kills a silent decoder
+// (video_source.h). There is none on processes either, because that limit counts threads and all processes of the user.
+// The filter below distinguishes threads from processes.
 void limit_resources(std::int64_t max_pixels);
 
-// The filter of system calls (seccomp), for all threads and for good. Calls that an honest library makes in passing
-// (to open a file, to ask for its status) fail with EPERM; those that only an intruder makes (to execute, to fork, to
-// open a socket, to signal others) end the process with SIGSYS. The sanitizers get a few calls more.
-// Returns why the kernel would not have it: the child is then held by limit_resources alone.
+// Installs the filter of system calls (seccomp) for all threads, irrevocably.
+// Calls that a library may make (open a file, read its status) fail with EPERM. Calls that only an intruder makes
+// (execute, fork, open a socket, signal others) end the process with SIGSYS. Sanitizers may make some more calls.
+// Returns the reason if the kernel refuses the filter. Then only limit_resources confines the child.
 [[nodiscard]] std::optional<std::string> filter_system_calls();
 
 }  // namespace moiregauge::internal

@@ -21,7 +21,7 @@ namespace {
 constexpr int kDone = 42;
 constexpr int kRefused = 43;
 
-// What becomes of a process that does this behind the filter: its exit code, or minus the signal that ended it.
+// Runs a function in a child process with the filter. Returns its exit code, or minus the signal that ended it.
 int fate_of(const std::function<bool()>& deed, bool filtered = true) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -60,8 +60,8 @@ bool has_memory_and_threads() {
   return text[0] == 'y';
 }
 
-// Every deed succeeds without the filter, so that it is the filter that stops it.
-TEST(Confinement, WhatNoDecoderNeedsIsStoppedByTheKernel) {
+// Each action succeeds without the filter, so the filter is what stops it.
+TEST(Confinement, TheKernelStopsActionsThatNoDecoderNeeds) {
   for (const auto deed : {opens_a_file, writes_to_the_terminal, makes_code, turns_data_into_code}) {
     EXPECT_EQ(fate_of(deed, false), kDone);
     EXPECT_EQ(fate_of(deed), kRefused);
@@ -74,13 +74,13 @@ TEST(Confinement, WhatNoDecoderNeedsIsStoppedByTheKernel) {
   EXPECT_EQ(fate_of(executes), -SIGSYS);
 }
 
-TEST(Confinement, MemoryAndThreadsAreThere) { EXPECT_EQ(fate_of(has_memory_and_threads), kDone); }
+TEST(Confinement, MemoryAndThreadsAreAllowed) { EXPECT_EQ(fate_of(has_memory_and_threads), kDone); }
 
-TEST(Confinement, AnAbortIsStillAnAbort) {
+TEST(Confinement, AbortStillWorks) {
   EXPECT_EQ(fate_of([]() -> bool { std::abort(); }), -SIGABRT);
 }
 
-TEST(Confinement, NoFurtherFileCanBeOpenedWhateverTheFilterDoes) {
+TEST(Confinement, NoFurtherFileCanBeOpenedEvenWithoutTheFilter) {
   EXPECT_EQ(fate_of(
                 [] {
                   limit_resources(1'000'000);

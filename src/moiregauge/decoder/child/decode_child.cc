@@ -27,9 +27,9 @@ namespace {
 using wire::Kind;
 using wire::Record;
 
-// What every frame of the stream must look like.
+// Properties that every frame of the stream must have.
 struct Shape {
-  int width = 0;  // as stored
+  int width = 0;  // px, as stored
   int height = 0;
   int format = -1;
   LumaLayout layout;
@@ -44,7 +44,7 @@ class Child {
 
  private:
   void send(const Record& record) const {
-    if (::send(wire::kSocket, &record, sizeof record, MSG_NOSIGNAL) != sizeof record) ::_exit(0);  // nobody listens
+    if (::send(wire::kSocket, &record, sizeof record, MSG_NOSIGNAL) != sizeof record) ::_exit(0);  // no parent
   }
   int fail(const VideoProblem& problem);
   void warn(const std::string& text) const;
@@ -62,7 +62,7 @@ class Child {
   std::byte* memory_ = nullptr;
   std::size_t slot_bytes_ = 0;
   std::deque<int> free_;
-  std::vector<std::byte> upright_;  // the stored picture before it is turned
+  std::vector<std::byte> upright_;  // the stored image before rotation
   std::int64_t number_ = 0;
   double start_s_ = 0.0;
   DamageMargin<Record> margin_;
@@ -95,7 +95,7 @@ tl::expected<void, VideoProblem> Child::settle_shape(const VideoStream& stream) 
   if (!layout) {
     const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));
     return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported,
-                                       fmt::format("no luma in pixels of kind {}", name ? name : "?"),
+                                       fmt::format("pixels of the format {} have no luma", name ? name : "?"),
                                        "convert the video to grey or YUV"});
   }
   if (frame.width <= 0 || frame.height <= 0 || frame.width > max_pixels_ / frame.height)
@@ -104,7 +104,7 @@ tl::expected<void, VideoProblem> Child::settle_shape(const VideoStream& stream) 
   return {};
 }
 
-// Sized once and sealed, so that the parent can read it without fearing that it shrinks under its eyes.
+// Sets the size once and seals it, so that the memory cannot shrink while the parent reads it.
 bool Child::make_slots(const VideoStream& stream) {
   const bool lies = shape_.rotation_deg % 180 != 0;
   Record opened;
@@ -136,7 +136,7 @@ bool Child::make_slots(const VideoStream& stream) {
 int Child::free_slot() {
   if (free_.empty()) {
     wire::Release release;
-    if (::recv(wire::kSocket, &release, sizeof release, 0) != sizeof release) ::_exit(0);  // the parent has closed
+    if (::recv(wire::kSocket, &release, sizeof release, 0) != sizeof release) ::_exit(0);  // the parent has ended
     return release.slot;
   }
   const int slot = free_.front();
@@ -159,7 +159,8 @@ void Child::write_picture(const AVFrame& frame, std::byte* out) {
     turned(reinterpret_cast<std::uint16_t*>(out));
 }
 
-// Behind the picture; turned with it, which is right to a block where the picture does not end with one.
+// Writes the block quantisers after the pixels. They are rotated with the image, exact to one block if the image size
+// is no multiple of a block.
 void Child::write_quantiser(const StreamQuantiser& quantiser, std::byte* out, Record& record) {
   record.quantiser_step = quantiser.whole().step;
   record.predicted = quantiser.whole().predicted ? 1 : 0;
@@ -184,21 +185,23 @@ void Child::send_frame(const VideoStream& stream, bool lost) {
   if (number_ == 0) start_s_ = stream.time_s();
   if (!lost && !warned_fields_ && stream.frame().interlaced_frame != 0) {
     warned_fields_ = true;
-    warn("the video is interlaced: the odd and even lines of a frame were seen at different times");
+    warn(
+        "moving targets are less certain: the video is interlaced (odd and even image rows at different times). "
+        "Record progressive video");
   }
   Record record;
   record.kind = Kind::kFrame;
   record.slot = free_slot();
   std::byte* out = memory_ + static_cast<std::size_t>(record.slot) * slot_bytes_;
   if (lost) {
-    std::memset(out, 0, slot_bytes_);  // nothing of an older frame may pass for this one
+    std::memset(out, 0, slot_bytes_);  // must not show an older frame
   } else {
     write_picture(stream.frame(), out);
     write_quantiser(stream.quantiser(), out, record);
   }
   record.number = number_++;
   record.time_s = stream.time_s() - start_s_;
-  // A frame without a time, where others have one, has lost its head.
+  // A frame without a time has lost its header, if other frames have times.
   const bool timeless = std::isnan(record.time_s) && !std::isnan(start_s_);
   record.damaged = lost || stream.damaged() || timeless ? wire::kDamaged : wire::kSound;
   if (const auto old = margin_.put(record, record.damaged != wire::kSound)) send_frame(old->first, old->second);
@@ -211,10 +214,10 @@ int Child::run(const std::optional<std::string>& unfiltered) {
   while (true) {
     const Decoded decoded = stream.next();
     if (decoded == Decoded::kEnd && memory_ == nullptr)
-      return fail({InputErrorKind::kDamaged, "no frame can be decoded", "record or copy the video again"});
+      return fail({InputErrorKind::kDamaged, "no frame can be decoded", "copy the video again from the camera"});
     if (decoded == Decoded::kEnd) {
       if (const auto problem = stream.end_problem(number_)) {
-        margin_.spoil_around();  // who cut the file need not have cut between frames
+        margin_.spoil_around();  // a truncated file may end within a frame
         return fail(*problem);
       }
       break;
@@ -230,13 +233,15 @@ int Child::run(const std::optional<std::string>& unfiltered) {
     if (memory_ == nullptr) {
       if (const auto settled = settle_shape(stream); !settled) return fail(settled.error());
       if (!make_slots(stream))
-        return fail({InputErrorKind::kUnreadable, "no memory for the pictures", "free some memory"});
-      if (unfiltered) warn(fmt::format("this system cannot hold the decoder back from system calls ({})", *unfiltered));
+        return fail({InputErrorKind::kUnreadable, "there is not enough memory for the frames", "free memory"});
+      if (unfiltered)
+        warn(fmt::format("note: the decoder runs without its system call filter, which this system lacks ({})",
+                         *unfiltered));
     } else if (frame.width != shape_.width || frame.height != shape_.height || frame.format != shape_.format) {
       return fail({InputErrorKind::kDamaged,
-                   fmt::format("frame size changed {}x{} -> {}x{} at frame {}", shape_.width, shape_.height,
+                   fmt::format("the frame size changes from {}x{} to {}x{} at frame {}", shape_.width, shape_.height,
                                frame.width, frame.height, number_),
-                   "what came before counts; measure the parts one by one"});
+                   "split the video (earlier frames are valid)"});
     }
     send_frame(stream, false);
   }

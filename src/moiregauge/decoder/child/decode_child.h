@@ -5,8 +5,8 @@
 
 namespace moiregauge::internal {
 
-// The whole life of the decoding child: reads the input on its descriptor, writes pictures into the shared memory and
-// records into the socket (wire.h). No picture of more than `max_pixels` is decoded. Returns the exit code.
+// Runs the decoding child: reads the input from its descriptor, writes images to the shared memory and records to the
+// socket (wire.h). Decodes no image of more than `max_pixels`. Returns the exit code.
 [[nodiscard]] int decode_child(std::int64_t max_pixels);
 
 }  // namespace moiregauge::internal

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What parent and decoding child say to each other: records of fixed size over a socket that keeps them whole
-// (SOCK_SEQPACKET), pixels in slots of shared memory. The child is not trusted: the parent checks every number.
+// Protocol of parent and decoding child: records of fixed size over a socket that keeps them whole (SOCK_SEQPACKET),
+// and pixels in slots of shared memory. The child is not trusted: the parent checks every number.
 #pragma once
 
 #include <algorithm>
@@ -21,9 +21,10 @@ inline constexpr int kSocket = 5;
 inline constexpr int kFirstUnusedFile = 6;
 
 inline constexpr const char* kChildMode = "--decode-child";
-inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;  // whatever --max-pixels says
+inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;  // px, upper limit of --max-pixels
 inline constexpr int kMaxSlots = 8;
-// The parent looks at one picture, three wait in the child for what is decoded after them (margin.h), one is written.
+// Smallest number of slots: the parent reads one image, three wait in the child for later frames (margin.h), one is
+// written.
 inline constexpr int kFewestSlots = 5;
 
 enum class Kind : std::int32_t { kOpened, kFrame, kWarning, kEnd, kFailed };
@@ -38,7 +39,7 @@ inline void put(Text& text, const std::string& value) {
 }
 inline std::string get(const Text& text) { return {text.begin(), std::find(text.begin(), text.end(), '\0')}; }
 
-// Child to parent.
+// A message from child to parent.
 struct Record {
   Kind kind = Kind::kEnd;
   // kOpened
@@ -48,53 +49,54 @@ struct Record {
   std::int32_t rotation_deg = 0;
   std::int32_t slots = 0;
   std::int64_t frames = -1;
-  double fps = 0.0;  // NaN: not known
+  double fps = 0.0;  // frames/s; NaN: unknown
   // kFrame
   std::int32_t slot = 0;
-  std::int32_t damaged = 0;  // kSound, kSpoilt (near a damaged one), kDamaged
+  std::int32_t damaged = 0;  // kSound, kSpoilt (near a damaged frame) or kDamaged
   std::int64_t number = 0;
   double time_s = 0.0;
-  double quantiser_step = 0.0;  // grey levels; 0: lossless, NaN: not known
+  double quantiser_step = 0.0;  // grey levels; 0: lossless, NaN: unknown
   std::int32_t predicted = 0;
-  std::int32_t has_blocks = 0;  // the slot holds their quantisers behind its pixels
+  std::int32_t has_blocks = 0;  // the slot holds block quantisers after its pixels
   // kFailed
   std::int32_t error = 0;  // an InputErrorKind
-  // kOpened: the tone curve of its grey levels
+  // kOpened: tone curve of the grey levels
   std::int32_t tone_kind = 0;  // a ToneCurve::Kind
   std::int32_t tone_is_tagged = 0;
   std::int32_t is_full_range = 1;
   double tone_gamma = 1.0;
-  Text what{};    // kOpened: the codec; kWarning, kFailed: what is wrong
-  Text advice{};  // kFailed: what to do
+  Text what{};    // kOpened: codec; kWarning, kFailed: problem
+  Text advice{};  // kFailed: remedy
 };
 static_assert(std::is_trivially_copyable_v<Record>);
 
-// Parent to child: this slot may be written again.
+// A message from parent to child: this slot may be written again.
 struct Release {
   std::int32_t slot = 0;
 };
 
 [[nodiscard]] inline std::size_t word_bytes(int bits) { return bits > 8 ? 2 : 1; }
 
-// Where in a slot the quantisers of its picture's blocks are.
+// Returns the bytes of an image's pixels. The quantisers of its blocks follow in the slot.
 [[nodiscard]] inline std::size_t picture_bytes(int width, int height, int bits) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * word_bytes(bits);
 }
 
-// Bytes of one slot: whole pages.
+// Returns the bytes of one slot, rounded up to whole pages.
 [[nodiscard]] inline std::size_t slot_bytes(int width, int height, int bits) {
   const auto blocks = static_cast<std::size_t>(blocks_across(width)) * static_cast<std::size_t>(blocks_across(height));
   return (picture_bytes(width, height, bits) + blocks + 4095) / 4096 * 4096;
 }
 
+// Memory for all slots, unless the smallest number of slots needs more (chosen).
 inline constexpr std::size_t kEnoughBytes = std::size_t{256} << 20;
 
-// How many slots: large pictures get fewer.
+// Returns the number of slots: large images have fewer.
 [[nodiscard]] inline int slots_for(std::size_t bytes_of_one) {
   return static_cast<int>(std::clamp<std::size_t>(kEnoughBytes / bytes_of_one, kFewestSlots, kMaxSlots));
 }
 
-// The most that all slots take together, of pictures with so many pixels.
+// Returns the largest memory of all slots for images of `max_pixels`.
 [[nodiscard]] inline std::uint64_t memory_limit(std::int64_t max_pixels) {
   return std::max<std::uint64_t>(kEnoughBytes, kFewestSlots * (2 * static_cast<std::uint64_t>(max_pixels) + 4096));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bits of a NAL unit, most significant first (ITU-T H.265, 7.2 and 9.2).
+// Reads bits of a NAL unit, most significant first (ITU-T H.265, 7.2 and 9.2).
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace moiregauge::internal {
 
-// Behind the end there are zeros, and `good` is false from then on.
+// After the end it returns zeros, and good() is false from then on.
 class BitReader {
  public:
-  // Copies the unit without its emulation prevention bytes (7.4.2: 00 00 03), at most `max_bytes` of it.
+  // Copies at most `max_bytes` of the unit, without its emulation prevention bytes (7.4.2: 00 00 03).
   BitReader(std::span<const std::uint8_t> unit, std::size_t max_bytes) {
     int zeros = 0;
     for (std::size_t k = 0; k < unit.size() && bytes_.size() < max_bytes; ++k) {
@@ -26,13 +26,13 @@ class BitReader {
   }
   [[nodiscard]] bool good() const { return good_; }
   [[nodiscard]] bool flag() { return bits(1) != 0; }
-  // u(n), n up to 32.
+  // Reads u(n), n up to 32.
   [[nodiscard]] std::uint32_t bits(int count) {
     std::uint64_t value = 0;
     for (int k = 0; k < count; ++k) value = value << 1 | next();
     return static_cast<std::uint32_t>(value);
   }
-  // ue(v), at most `max`: a larger one is an error and reads as 0.
+  // Reads ue(v). A value above `max` is an error and returns 0.
   [[nodiscard]] int number(int max) {
     int zeros = 0;
     while (zeros < 32 && good_ && next() == 0) ++zeros;
@@ -40,7 +40,7 @@ class BitReader {
     const std::uint64_t value = (std::uint64_t{1} << zeros) - 1 + bits(zeros);
     return value > static_cast<std::uint64_t>(max) ? fail() : static_cast<int>(value);
   }
-  // se(v), its magnitude at most `max`.
+  // Reads se(v). A magnitude above `max` is an error and returns 0.
   [[nodiscard]] int signed_number(int max) {
     const int value = number(2 * max);
     return value % 2 == 0 ? -value / 2 : (value + 1) / 2;

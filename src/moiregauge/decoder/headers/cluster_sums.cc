@@ -15,7 +15,7 @@ namespace {
 
 struct Head {
   std::uint64_t identity = 0;
-  std::uint64_t begin = 0;  // of what the element holds
+  std::uint64_t begin = 0;  // offset of the content
   std::optional<std::uint64_t> size;
 };
 
@@ -37,7 +37,7 @@ std::optional<Head> head_at(const ReadAt& read, std::uint64_t place) {
   for (std::size_t i = 0; i < number; ++i) *head.size = *head.size << 8U | bytes[name + i];
   const std::uint64_t all_ones = (std::uint64_t{1} << (7 * number)) - 1;
   *head.size &= all_ones;
-  if (*head.size == all_ones) head.size.reset();  // not known when it was written
+  if (*head.size == all_ones) head.size.reset();  // unknown when it was written
   return head;
 }
 
@@ -69,7 +69,7 @@ bool ClusterSums::agree_up_to(std::uint64_t place) {
 bool ClusterSums::agrees(std::uint64_t begin, std::uint64_t end) const {
   std::array<std::uint8_t, 6> first{};
   if (end - begin < first.size() || read_(begin, first) != first.size()) return true;
-  if (first[0] != 0xBF || first[1] != 0x84) return true;  // no sum
+  if (first[0] != 0xBF || first[1] != 0x84) return true;  // no check sum
   const std::uint32_t stated = std::uint32_t{first[2]} | std::uint32_t{first[3]} << 8U |
                                std::uint32_t{first[4]} << 16U | std::uint32_t{first[5]} << 24U;
   const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE_LE);
@@ -78,7 +78,7 @@ bool ClusterSums::agrees(std::uint64_t begin, std::uint64_t end) const {
   for (std::uint64_t place = begin + first.size(); place < end;) {
     const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), end - place));
     const std::size_t got = read_(place, std::span(block).first(wanted));
-    if (got == 0) return true;  // cut off: others say so
+    if (got == 0) return true;  // truncated: reported elsewhere
     sum = av_crc(table, sum, block.data(), got);
     place += got;
   }

@@ -29,7 +29,7 @@ std::string bytes_of_video(const TestFolder& folder, const std::string& name) {
   return text_of(folder / name);
 }
 
-TEST(ClusterSums, AWholeFileAgreesAndOneFlippedBitDoesNot) {
+TEST(ClusterSums, ACompleteFileAgreesAndAFlippedBitDoesNot) {
   const TestFolder folder;
   const std::string whole = bytes_of_video(folder, "a.mkv");
   EXPECT_TRUE(agree(whole));
@@ -40,7 +40,7 @@ TEST(ClusterSums, AWholeFileAgreesAndOneFlippedBitDoesNot) {
   }
 }
 
-TEST(ClusterSums, WhatHasNoSumsIsNeverWrong) {
+TEST(ClusterSums, AFileWithoutCheckSumsAlwaysAgrees) {
   const TestFolder folder;
   std::string other = bytes_of_video(folder, "a.avi");
   EXPECT_TRUE(agree(other));

@@ -13,18 +13,18 @@ namespace {
 // Types of NAL units (Table 7-1).
 constexpr int kLastSlice = 21, kFirstRandomAccess = 16, kLastRandomAccess = 23, kIdrWithLeading = 19, kIdr = 20;
 constexpr int kSequenceSet = 33, kPictureSet = 34;
-// Slice headers are short, parameter sets seldom longer than a hundred bytes.
+// Slice headers are shorter, and parameter sets rarely exceed 100 bytes (chosen).
 constexpr std::size_t kMaxHeaderBytes = 4096;
 constexpr int kMaxSets = 64, kMaxNeighbours = 16, kMaxLongTerm = 32, kMaxReferences = 15;
 constexpr int kMinParameter = -48, kMaxParameterOf8Bits = 51;
-constexpr int kLargest = 1 << 24;  // of counts that have no tighter bound
+constexpr int kLargest = 1 << 24;  // limit of numbers without a tighter one
 enum SliceType { kB = 0, kP = 1, kI = 2 };
 
 // Ceil(Log2(count)).
 int bits_for(int count) { return count <= 1 ? 0 : static_cast<int>(std::bit_width(static_cast<unsigned>(count - 1))); }
 
 void skip_profile_tier_level(BitReader& bits, int sub_layers) {
-  bits.skip(88 + 8);  // general_profile_space ... general_level_idc
+  bits.skip(88 + 8);  // general_profile_space to general_level_idc
   std::array<bool, 8> has_profile{}, has_level{};
   const auto count = static_cast<std::size_t>(sub_layers - 1);
   for (std::size_t k = 0; k < count; ++k) has_profile[k] = bits.flag(), has_level[k] = bits.flag();
@@ -47,7 +47,7 @@ void skip_scaling_lists(BitReader& bits) {
   }
 }
 
-// 7.3.6.3, for the pictures of one layer.
+// 7.3.6.3, for the images of one layer.
 void skip_weights(BitReader& bits, bool has_chroma, std::span<const int> references) {
   (void)bits.number(7);
   if (has_chroma) (void)bits.signed_number(7);
@@ -65,7 +65,7 @@ void skip_weights(BitReader& bits, bool has_chroma, std::span<const int> referen
 
 }  // namespace
 
-// 7.3.7 and 7.4.8: the set itself, or one predicted from an earlier one.
+// 7.3.7 and 7.4.8: an explicit set, or one predicted from an earlier one.
 std::optional<HevcHeaders::PictureSet> HevcHeaders::read_set(BitReader& bits, const std::vector<PictureSet>& before,
                                                              bool in_slice) {
   PictureSet set;
@@ -82,7 +82,7 @@ std::optional<HevcHeaders::PictureSet> HevcHeaders::read_set(BitReader& bits, co
       const int delta = (k < from.size() ? from[k].delta_poc : 0) + by;
       if (kept && delta != 0) set.push_back({delta, used});
     }
-    // In order of 7-61 and 7-62: those before from the nearest on, then those after.
+    // Order of 7-61 and 7-62: earlier images from the nearest on, then later ones.
     std::stable_sort(set.begin(), set.end(), [](Neighbour a, Neighbour b) {
       return (a.delta_poc > 0) != (b.delta_poc > 0) ? a.delta_poc < 0 : std::abs(a.delta_poc) < std::abs(b.delta_poc);
     });
@@ -100,7 +100,7 @@ std::optional<HevcHeaders::PictureSet> HevcHeaders::read_set(BitReader& bits, co
   return set;
 }
 
-// 7.3.2.2, as far as slice headers depend on it.
+// Reads 7.3.2.2, as far as slice headers depend on it.
 void HevcHeaders::read_sequence(BitReader& bits) {
   Sequence s;
   bits.skip(4);
@@ -115,7 +115,7 @@ void HevcHeaders::read_sequence(BitReader& bits) {
   if (bits.flag()) {
     for (int k = 0; k < 4; ++k) (void)bits.number(1 << 16);
   }
-  (void)bits.number(8), (void)bits.number(8);  // depths of luma and chroma
+  (void)bits.number(8), (void)bits.number(8);  // luma and chroma depths
   s.poc_bits = 4 + bits.number(12);
   const bool all_layers = bits.flag();
   for (int k = all_layers ? 0 : sub_layers - 1; k < sub_layers; ++k) {
@@ -151,7 +151,7 @@ void HevcHeaders::read_sequence(BitReader& bits) {
   if (bits.good()) sequences_[id] = std::move(s);
 }
 
-// 7.3.2.3, up to lists_modification_present_flag.
+// Reads 7.3.2.3 up to lists_modification_present_flag.
 void HevcHeaders::read_picture(BitReader& bits) {
   Picture p;
   const auto id = static_cast<std::size_t>(bits.number(static_cast<int>(pictures_.size()) - 1));
@@ -190,7 +190,7 @@ void HevcHeaders::read_picture(BitReader& bits) {
   if (bits.good()) pictures_[id] = p;
 }
 
-// The pictures that the slice's own may be predicted from, NumPicTotalCurr (7-55).
+// Returns the number of images that the slice may be predicted from, NumPicTotalCurr (7-55).
 std::optional<int> HevcHeaders::count_neighbours(BitReader& bits, const Sequence& sequence) {
   bits.skip(sequence.poc_bits);
   PictureSet set;
@@ -243,7 +243,7 @@ void HevcHeaders::skip_prediction(BitReader& bits, const Picture& picture, Predi
   (void)bits.number(4);
 }
 
-// 7.3.6.1, up to slice_qp_delta.
+// Reads 7.3.6.1 up to slice_qp_delta.
 std::optional<HevcQuantiser> HevcHeaders::read_slice(BitReader& bits, int unit_type) const {
   const bool is_first = bits.flag();
   if (unit_type >= kFirstRandomAccess && unit_type <= kLastRandomAccess) bits.skip(1);
@@ -251,7 +251,7 @@ std::optional<HevcQuantiser> HevcHeaders::read_slice(BitReader& bits, int unit_t
   if (!picture || !sequences_[picture->sequence]) return std::nullopt;
   const Sequence& sequence = *sequences_[picture->sequence];
   if (!is_first) {
-    if (picture->has_dependent_slices && bits.flag()) return std::nullopt;  // continues the slice before
+    if (picture->has_dependent_slices && bits.flag()) return std::nullopt;  // continues the previous slice
     bits.skip(sequence.address_bits);
   }
   bits.skip(picture->extra_bits);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The quantisers of HEVC pictures, read from the stream's own headers (ITU-T H.265, 7.3), because libavcodec does not
-// report them. Runs in the child only; a stream that is wrong gives no quantiser, never an error.
+// Reads the quantisers of HEVC images from the stream's headers (ITU-T H.265, 7.3), because libavcodec does not report
+// them. Runs in the child only. An invalid stream gives no quantiser, never an error.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace moiregauge::internal {
 
 class BitReader;
 
-// One picture's SliceQpY (7-54), that of its coarsest slice, on the scale of 8-bit grey levels (-48 to 51).
+// SliceQpY (7-54) of the coarsest slice of an image, on the scale of 8-bit grey levels (-48 to 51).
 struct HevcQuantiser {
   int parameter = 0;
   bool varies = false;  // blocks may differ from their slice (cu_qp_delta_enabled_flag)
@@ -23,11 +23,11 @@ class HevcHeaders {
  public:
   // Reads the parameter sets before the first packet: hvcC (ISO/IEC 14496-15) or start codes (Annex B).
   void read_extradata(std::span<const std::uint8_t> bytes);
-  // Reads one packet, which is one picture. Returns none if no slice header in it can be read.
+  // Reads one packet, which is one image. Returns nothing if no slice header can be read.
   [[nodiscard]] std::optional<HevcQuantiser> read_packet(std::span<const std::uint8_t> bytes);
 
  private:
-  // A picture that others are predicted from, and whether this picture is.
+  // A reference image, and whether the current image uses it.
   struct Neighbour {
     int delta_poc = 0;
     bool used = false;
@@ -40,7 +40,7 @@ class HevcHeaders {
     int poc_bits = 4;
     std::vector<PictureSet> sets;
     bool has_long_term = false;
-    std::vector<bool> long_term_used;  // of the pictures that the sequence lists
+    std::vector<bool> long_term_used;  // for the long-term images listed in the sequence
     bool has_temporal_vectors = false;
     bool has_sao = false;
   };
@@ -54,10 +54,10 @@ class HevcHeaders {
     bool weighted = false, weighted_both_ways = false;
     bool modifies_lists = false;
   };
-  // The fields of a predicted picture's slice before its quantiser.
+  // Properties that determine the fields between slice start and quantiser.
   struct Prediction {
     bool both_ways = false, has_chroma = false, uses_vectors = false;
-    int neighbours = 0;  // pictures that it may be predicted from
+    int neighbours = 0;  // number of reference images
   };
 
   void read_unit(std::span<const std::uint8_t> unit, std::optional<HevcQuantiser>& out);
@@ -72,7 +72,7 @@ class HevcHeaders {
 
   std::array<std::optional<Sequence>, 16> sequences_;
   std::array<std::optional<Picture>, 64> pictures_;
-  int length_bytes_ = 0;  // 0: start codes
+  int length_bytes_ = 0;  // bytes per length field; 0: start codes
 };
 
 }  // namespace moiregauge::internal

@@ -23,7 +23,7 @@ std::vector<std::uint8_t> stream(const TestFolder& folder) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(BitReader, ReadsExpGolombNumbersAndLeavesOutEmulationPrevention) {
+TEST(BitReader, ReadsExpGolombNumbersAndSkipsEmulationPrevention) {
   // 1 | 010 | 011 | 00100 | 00101 -> 0 1 2 3 4; then 00 00 (03) 01
   const std::uint8_t bytes[] = {0b10100110, 0b01000010, 0b10000000, 0x00, 0x00, 0x03, 0x01};
   BitReader bits(bytes, 100);
@@ -42,7 +42,7 @@ TEST(BitReader, ANumberBeyondItsBoundIsAnError) {
   EXPECT_FALSE(bits.good());
 }
 
-TEST(HevcHeaders, AStreamThatIsCutHasNoOtherQuantiser) {
+TEST(HevcHeaders, ATruncatedStreamGivesTheSameQuantiserOrNone) {
   const TestFolder folder;
   const auto whole = stream(folder);
   ASSERT_GT(whole.size(), 100u);
@@ -57,10 +57,10 @@ TEST(HevcHeaders, AStreamThatIsCutHasNoOtherQuantiser) {
   EXPECT_TRUE(headers.read_packet(whole).has_value());
 }
 
-TEST(HevcHeaders, WithoutParameterSetsNothingIsKnown) {
+TEST(HevcHeaders, WithoutParameterSetsThereIsNoQuantiser) {
   const TestFolder folder;
   auto bytes = stream(folder);
-  for (std::size_t k = 0; k + 4 < bytes.size(); ++k) {  // every picture parameter set becomes a unit of no meaning
+  for (std::size_t k = 0; k + 4 < bytes.size(); ++k) {  // turns every picture parameter set into an unknown unit
     if (bytes[k] == 0 && bytes[k + 1] == 0 && bytes[k + 2] == 1 && (bytes[k + 3] >> 1 & 63) == 34)
       bytes[k + 3] = 63 << 1;
   }

@@ -34,14 +34,14 @@ bool is_text(const std::array<std::uint8_t, N>& bytes, std::size_t at, std::stri
 Size sum(std::uint64_t a, std::uint64_t b) { return b > kMax - a ? Size() : Size(a + b); }
 
 Size size_by_boxes(const ReadAt& read, std::uint64_t file_bytes) {
-  constexpr int kMaxBoxes = 1 << 20;  // a fragment a second for twelve days
+  constexpr int kMaxBoxes = 1 << 20;  // 12 days of one fragment per second
   std::uint64_t offset = 0;
   for (int boxes = 0; offset < file_bytes; ++boxes) {
     if (boxes == kMaxBoxes) return std::nullopt;
     const auto head = bytes_at<8>(read, offset);
-    if (!head) return sum(offset, 8);  // cut within the head of a box
+    if (!head) return sum(offset, 8);  // truncated within a box header
     std::uint64_t size = big_endian(std::span(*head).first(4));
-    if (size == 0) return std::nullopt;  // to the end of the file, wherever that is
+    if (size == 0) return std::nullopt;  // extends to the end of the file
     if (size == 1) {
       const auto large = bytes_at<8>(read, offset + 8);
       if (!large) return sum(offset, 16);
@@ -54,7 +54,7 @@ Size size_by_boxes(const ReadAt& read, std::uint64_t file_bytes) {
   return offset;
 }
 
-// The number of variable length at `offset`, which is moved behind it; nothing where it says "unknown".
+// Returns the number of variable length at `offset`, and moves `offset` after it. Returns nothing for "unknown".
 Size ebml_size(const ReadAt& read, std::uint64_t& offset) {
   std::array<std::uint8_t, 8> bytes{};
   const std::size_t got = read(offset, bytes);
@@ -68,7 +68,7 @@ Size ebml_size(const ReadAt& read, std::uint64_t& offset) {
 }
 
 Size size_by_segment(const ReadAt& read) {
-  std::uint64_t offset = 4;  // behind the identity of the EBML head
+  std::uint64_t offset = 4;  // after the identity of the EBML header
   const Size head = ebml_size(read, offset);
   if (!head || *head > 4096) return std::nullopt;
   offset += *head;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a video file is by its own account. A copy that was cut off is mostly as good as whole to a decoder, which
-// takes the end of the file for the end of the film; the outermost structure of the container knows better.
+// Reads the length that a video file states. Decoders accept a truncated copy, because they cannot distinguish the end
+// of the file from the end of the video. The outermost structure of the container shows it.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,13 @@
 
 namespace moiregauge::internal {
 
-// Fills `out` from `offset` on, as far as the file goes; gives the number of bytes.
+// Fills `out` from `offset` on, up to the end of the file. Returns the number of bytes.
 using ReadAt = std::function<std::size_t(std::uint64_t offset, std::span<std::uint8_t> out)>;
 
-// Bytes that a file with this beginning must have, at least: of an mp4 or mov by its boxes (ISO/IEC 14496-12, 4.2), of
-// a Matroska file by its segment (RFC 8794, RFC 9559), of an AVI by its RIFF chunks, of an MPEG transport stream whole
-// packets of 188 bytes. Nothing where it is no such file or does not say (a recording that was never closed).
+// Returns the smallest number of bytes that the file must have by its own structure. Sources: boxes of mp4 and mov
+// (ISO/IEC 14496-12, 4.2), the segment of Matroska (RFC 8794, RFC 9559), RIFF chunks of AVI. An MPEG transport stream
+// has whole packets of 188 bytes.
+// Returns nothing for other files, and for recordings that were never closed.
 [[nodiscard]] std::optional<std::uint64_t> stated_size(const ReadAt& read, std::uint64_t file_bytes);
 
 }  // namespace moiregauge::internal

@@ -22,7 +22,7 @@ std::optional<std::uint64_t> stated(const std::string& bytes) {
       bytes.size());
 }
 
-TEST(StatedSize, AWholeFileIsAsLongAsItSaysAndACutOneIsNot) {
+TEST(StatedSize, OnlyACompleteFileHasItsStatedSize) {
   const TestFolder folder;
   for (const char* name : {"a.mp4", "a.mov", "a.mkv", "a.avi", "a.ts"}) {
     const std::string make = fmt::format(
@@ -40,7 +40,7 @@ TEST(StatedSize, AWholeFileIsAsLongAsItSaysAndACutOneIsNot) {
   }
 }
 
-TEST(StatedSize, WhatSaysNothingStatesNothing) {
+TEST(StatedSize, OtherFilesStateNoSize) {
   using namespace std::string_literals;
   EXPECT_EQ(stated(""), std::nullopt);
   EXPECT_EQ(stated("a text of some length"), std::nullopt);

@@ -15,22 +15,25 @@ extern "C" {
 namespace moiregauge::internal {
 namespace {
 
-// An allowance: parameters by which a print's blocks may be coarser than their slice. Only decoding gives the blocks' own.
+// Allowance: parameters by which a grating's blocks may be coarser than their slice (chosen). Only decoding gives the
+// blocks' own.
 constexpr int kCoarserBlocks = 3;
 
-// VP9's table of luma steps, in eighths of a grey level: near enough to 8 % (a step's uncertainty is far larger).
+// Returns the luma step of VP9 in grey levels. The approximation of its table is accurate to 8 %, which is far below a
+// step's uncertainty.
 double step_of_vp9(int index) {
   const double eighths = index < 100 ? index + 8.0 : 108.0 * std::exp2((index - 100) / 38.0);
   return eighths / 8.0;
 }
 
-// Lossless blocks of H.264: nothing is transformed (7.4.2.1.1, qpprime_y_zero_transform_bypass_flag).
+// Returns true for lossless blocks of H.264, which are not transformed (7.4.2.1.1,
+// qpprime_y_zero_transform_bypass_flag).
 bool is_bypassed(const AVCodecContext& decoder, int parameter) {
   return parameter <= 0 && decoder.profile == FF_PROFILE_H264_HIGH_444_PREDICTIVE;
 }
 
-// In grey levels of 8 bits. The scale is H.264's (H.265, 8.6.2); where blocks differ, adaptive quantisation makes those coarser
-// that have contrast, as a print has.
+// Returns the step in 8-bit grey levels. The scale is that of H.264 (H.265, 8.6.2). If blocks differ, adaptive
+// quantisation makes blocks with contrast coarser, such as those of a grating.
 double step_of_hevc(const std::optional<HevcQuantiser>& quantiser) {
   if (!quantiser) return kUnknownStep;
   return step_of_parameter(quantiser->parameter + (quantiser->varies ? kCoarserBlocks : 0));
@@ -44,7 +47,7 @@ double step_of_block(const AVCodecContext& decoder, const AVVideoEncParams& all,
     case AV_VIDEO_ENC_PARAMS_H264:
       return is_bypassed(decoder, parameter) ? 0.0 : step_of_parameter(std::clamp(parameter, 0, kMaxParameter));
     case AV_VIDEO_ENC_PARAMS_MPEG2:
-      return 2.0 * std::clamp(parameter, 1, 62);  // flat tables; the usual ones are coarser in what is fine only
+      return 2.0 * std::clamp(parameter, 1, 62);  // flat tables; the usual ones are coarser at high frequencies only
     default:
       return kUnknownStep;
   }
@@ -56,7 +59,7 @@ std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
 
 using JpegTables = std::array<std::optional<std::array<std::uint16_t, 64>>, 4>;
 
-// A DQT segment holds one table after the other (ITU-T T.81, B.2.4.1).
+// Reads the tables of a DQT segment, which follow one another (ITU-T T.81, B.2.4.1).
 void read_tables(std::span<const std::uint8_t> segment, JpegTables& tables) {
   while (!segment.empty()) {
     const bool wide = segment[0] >> 4 != 0;

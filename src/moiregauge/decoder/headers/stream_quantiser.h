@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How coarsely a stream's codec rounded each frame, as far as the stream says. Runs in the child only.
+// Determines the codec's quantisation step of each frame, as far as the stream states it. Runs in the child only.
 //
-// H.264, VP9 and the MPEGs report the parameter of every block; Motion JPEG carries its tables in every packet; lossless
-// codecs lose nothing. HEVC's slice headers are read here, because libavcodec does not report them. The step of AV1 and
-// others is not known.
+// H.264, VP9 and MPEG codecs report the parameter of every block. Motion JPEG has its tables in every packet, and
+// lossless codecs lose nothing. HEVC's slice headers are read here, because libavcodec does not report them. The step
+// of AV1 and others is unknown.
 #pragma once
 
 #include <array>
@@ -20,18 +20,18 @@ extern "C" {
 
 namespace moiregauge::internal {
 
-// The luma's quantisation table of a JPEG: its step, NaN if none is found before the picture's data.
+// Returns the step of a JPEG's luma table. Returns NaN if there is no table before the image data.
 [[nodiscard]] double step_of_jpeg(std::span<const std::uint8_t> bytes);
 
 class StreamQuantiser {
  public:
-  // Before the decoder is opened.
+  // Requests the parameters from the decoder. Call it before the decoder is opened.
   static void ask(AVCodecContext& decoder);
-  // After it is opened.
+  // Reads the parameter sets. Call it after the decoder is opened.
   void begin(const AVCodecContext& decoder);
-  // `number` counts packets; a frame has that of the packet it was coded in.
+  // Reads the step of packet `number`. A frame has the step of the packet in which it was coded.
   void note_packet(const AVCodecContext& decoder, const AVPacket& packet, std::int64_t number);
-  // The frame that came last; `blocks` has one byte per block of 16 px, rows packed, or none.
+  // Reads the step of the last frame. Then blocks() has one byte per block of 16 px, rows packed, or is empty.
   void note_frame(const AVCodecContext& decoder, const AVFrame& frame, std::int64_t number);
   [[nodiscard]] Quantiser whole() const { return whole_; }
   [[nodiscard]] const std::vector<std::uint8_t>& blocks() const { return blocks_; }
@@ -41,7 +41,7 @@ class StreamQuantiser {
   std::vector<std::uint8_t> blocks_;
   double packet_step_ = kUnknownStep;
   HevcHeaders hevc_;
-  // Steps of the last packets by their number, for a decoder that reorders frames (by 16 at most) and runs in threads.
+  // Steps of the last packets by their number. Decoders reorder frames (by at most 16) and use threads.
   std::array<double, 128> steps_{};
 };
 

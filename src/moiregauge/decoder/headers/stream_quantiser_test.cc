@@ -14,7 +14,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Stripes that move on from frame to frame, so that blocks are coded in each; 16-bit words above 8 bits.
+// Stripes that move between frames, so that blocks are coded in each. 16-bit words above 8 bits.
 std::string moving_stripes(const TestFolder& folder, const std::string& name, int bits, const std::string& how) {
   constexpr int kWidth = 96, kHeight = 64, kFrames = 6;
   std::ofstream out(folder / "raw", std::ios::binary);
@@ -33,7 +33,7 @@ std::string moving_stripes(const TestFolder& folder, const std::string& name, in
   return folder / name;
 }
 
-// Of every frame.
+// Returns the quantiser of every frame.
 std::vector<Quantiser> quantisers(const std::string& path) {
   const auto source = open_video(path, {}, {});
   if (!source) {
@@ -48,7 +48,7 @@ std::vector<Quantiser> quantisers(const std::string& path) {
   }
 }
 
-TEST(StreamQuantiser, H264TellsTheStepItWasGiven) {
+TEST(StreamQuantiser, H264ReportsItsStep) {
   const TestFolder folder;
   for (const int parameter : {18, 30, 42}) {
     const auto path = moving_stripes(
@@ -63,14 +63,14 @@ TEST(StreamQuantiser, H264TellsTheStepItWasGiven) {
   }
 }
 
-TEST(StreamQuantiser, ALongerWordHasALongerStep) {
+TEST(StreamQuantiser, MoreBitsScaleTheStep) {
   const TestFolder folder;
   const auto path = moving_stripes(folder, "a.mkv", 10,
                                    "-c:v libx264 -qp 30 -bf 0 -x264-params ipratio=1:aq-mode=0 -pix_fmt yuv420p10le");
   for (const Quantiser& q : quantisers(path)) EXPECT_DOUBLE_EQ(q.step, 4.0 * step_of_parameter(30 - 12));
 }
 
-// With B pictures and several slices: headers have all their parts, and frames leave the decoder in another order.
+// B images and several slices: headers contain all their fields, and frames leave the decoder in another order.
 TEST(StreamQuantiser, HevcHasTheStepOfItsSlices) {
   const TestFolder folder;
   const char* kinds[] = {"yuv420p", "yuv422p10le", "yuv444p"};
@@ -105,10 +105,10 @@ TEST(StreamQuantiser, EveryHevcFrameHasItsOwnStep) {
   for (const std::size_t other : {1, 2, 4, 5}) EXPECT_DOUBLE_EQ(all[other].step, step_of_parameter(30));
 }
 
-TEST(StreamQuantiser, MotionJpegHasItsTablesStep) {
+TEST(StreamQuantiser, MotionJpegHasTheStepOfItsTable) {
   const TestFolder folder;
   double last = 0.0;
-  for (const int quality : {2, 4, 8, 16}) {  // ffmpeg's tables are proportional to it, entries rounded down
+  for (const int quality : {2, 4, 8, 16}) {  // ffmpeg's tables are proportional to it, with entries rounded down
     const auto all =
         quantisers(moving_stripes(folder, "a.avi", 8, fmt::format("-c:v mjpeg -q:v {} -pix_fmt yuvj420p", quality)));
     ASSERT_EQ(all.size(), 6u);
@@ -118,7 +118,7 @@ TEST(StreamQuantiser, MotionJpegHasItsTablesStep) {
     }
     last = all.front().step;
   }
-  EXPECT_NEAR(last, 46.0, 4.0);  // 16 / 8 of MPEG-1's entries of 16 to 27, 23 rms
+  EXPECT_NEAR(last, 46.0, 4.0);  // 16 / 8 times MPEG-1's entries of 16 to 27, 23 rms
 }
 
 TEST(StreamQuantiser, LosslessStreamsLoseNothing) {
@@ -129,13 +129,13 @@ TEST(StreamQuantiser, LosslessStreamsLoseNothing) {
   }
 }
 
-TEST(StreamQuantiser, WhatAStreamKeepsToItselfIsNotKnown) {
+TEST(StreamQuantiser, AnUnstatedStepIsUnknown) {
   const TestFolder folder;
   for (const Quantiser& q : quantisers(moving_stripes(folder, "a.mkv", 8, "-c:v jpeg2000 -pix_fmt gray")))
     EXPECT_TRUE(std::isnan(q.step));
 }
 
-TEST(StreamQuantiser, ATornHeadOfAJpegIsNotKnown) {
+TEST(StreamQuantiser, ATruncatedJpegHeaderGivesAnUnknownStep) {
   const std::vector<std::uint8_t> nothing{0xff, 0xd8, 0xff, 0xdb, 0x00, 0x43, 0x00, 0x10};
   for (std::size_t n = 0; n <= nothing.size(); ++n) EXPECT_TRUE(std::isnan(step_of_jpeg(std::span(nothing).first(n))));
 }

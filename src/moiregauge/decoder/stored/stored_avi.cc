@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// AVI with one stream, uncompressed video: RIFF chunks of a name, a length and as many bytes (OpenDML files hold
-// several RIFFs). The index is not needed: the frames stand one behind the other.
+// Reads AVI files with one stream of uncompressed video. RIFF chunks have a name, a length and that number of bytes
+// (OpenDML files contain several RIFFs). Frames follow one another, so the index is not needed.
 #include <numeric>
 
 #include "moiregauge/decoder/stored/stored_video.h"
@@ -24,13 +24,13 @@ constexpr std::uint32_t name(const char (&text)[5]) {
 
 struct Chunk {
   std::uint32_t name = 0;
-  std::uint32_t list = 0;  // of RIFF and LIST: what they hold
-  std::size_t begin = 0;   // of its bytes, behind the list's name
+  std::uint32_t list = 0;  // RIFF and LIST: their content type
+  std::size_t begin = 0;   // offset of its bytes, after the list's name
   std::size_t size = 0;
   std::size_t next = 0;
 };
 
-// Nothing when it is not all there.
+// Returns nothing if the chunk is incomplete.
 std::optional<Chunk> chunk_at(Bytes file, std::size_t at, std::size_t end) {
   if (end - at < 8) return std::nullopt;
   Chunk chunk{u32_at(file, at), 0, at + 8, u32_at(file, at + 4), 0};
@@ -121,7 +121,7 @@ class Avi {
   Bytes file_;
   StoredVideo video_;
   std::uint32_t fourcc_ = 0;
-  std::size_t promised_ = 0;  // frames, by the stream's head
+  std::size_t promised_ = 0;  // number of frames by the stream header
   int streams_ = 0;
   bool has_format_ = false;
 };

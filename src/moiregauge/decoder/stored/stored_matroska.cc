@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Matroska with one track, uncompressed video: EBML elements of an id, a length and as many bytes.
+// Reads Matroska files with one track of uncompressed video. EBML elements have an id, a length and that number of
+// bytes.
 #include <string_view>
 
 #include "moiregauge/decoder/stored/stored_video.h"
@@ -15,22 +16,23 @@ constexpr std::uint64_t kHead = 0x1A45DFA3, kSegment = 0x18538067, kInfo = 0x154
                         kTrackType = 0x83, kCodec = 0x86, kVideo = 0xE0, kWidth = 0xB0, kHeight = 0xBA,
                         kInterlaced = 0x9A, kColourSpace = 0x2EB524, kClusterTime = 0xE7, kSimpleBlock = 0xA3,
                         kBlockGroup = 0xA0, kBlock = 0xA1;
-// What changes the meaning of pictures or times: compressed blocks, other clocks, discarded parts, spheres, operations.
+// Elements that change the meaning of images or times: compressed blocks, other clocks, discarded parts, projections,
+// operations.
 constexpr std::uint64_t kNotUnderstood[] = {0x6D80, 0x23314F, 0x537F, 0x56AA, 0x75A2, 0x7670, 0xE2, 0x75A1};
 }  // namespace id
 
 struct Element {
   std::uint64_t id = 0;
-  std::size_t begin = 0;  // of its bytes
+  std::size_t begin = 0;  // offset of its bytes
   std::size_t size = 0;
   [[nodiscard]] std::size_t end() const { return begin + size; }
 };
 
-// A number of 1 to 8 bytes, its length given by the leading zeros of the first.
+// A number of 1 to 8 bytes. The leading zeros of the first byte give its length.
 struct Vint {
   std::uint64_t value = 0;
   std::size_t bytes = 0;
-  bool unknown = false;  // all ones: a length that was not known when it was written
+  bool unknown = false;  // all ones: a length unknown when it was written
 };
 
 std::optional<Vint> vint_at(Bytes file, std::size_t at, std::size_t end, bool keep_marker) {
@@ -143,7 +145,7 @@ class Matroska {
     if (!track || track->value != track_ || block.size < track->bytes + 3 || !cluster_time_) return false;
     const std::size_t at = block.begin + track->bytes;
     const auto byte = [&](std::size_t k) { return std::to_integer<unsigned>(file_[at + k]); };
-    if ((byte(2) & 0x06U) != 0) return false;  // several frames in one
+    if ((byte(2) & 0x06U) != 0) return false;  // several frames in one block
     const std::size_t begin = at + 3;
     const auto pixels = stored_pixels(fourcc_, video_.width, video_.height, block.end() - begin, RowGroups::kPacked);
     if (!pixels) return false;

@@ -25,7 +25,7 @@ class StoredSource final : public FrameSource {
     if (!mapped_.file->is_whole()) {
       return tl::unexpected(InputError{
           InputErrorKind::kDamaged,
-          fmt::format("the file was cut short while it was measured: {} at frame {}: measure it when it is complete",
+          fmt::format("the file became shorter during the measurement: {} at frame {}: measure it when it is complete",
                       info_.path, number_)});
     }
     if (at > 0) mapped_.let_go(at - 1);
@@ -67,7 +67,7 @@ std::optional<MappedVideo> map_video(const std::string& path) {
   if (!file) return std::nullopt;
   auto video = stored_video(file->bytes());
   if (!video || !file->is_whole()) return std::nullopt;
-  file->let_go(file->bytes());  // the heads of all frames
+  file->let_go(file->bytes());  // releases the headers of all frames
   return MappedVideo{std::move(file), std::move(*video)};
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of an uncompressed video straight from the file's pages: nothing is copied, and what no window looks at is
-// never read.
+// Reads frames of an uncompressed video in place, without a copy. Pages that no measurement accesses are never read.
 #pragma once
 
 #include <memory>
@@ -17,14 +16,14 @@ struct MappedVideo {
   std::shared_ptr<const MappedFile> file;
   StoredVideo video;
   [[nodiscard]] LumaView luma(std::size_t frame) const;
-  void let_go(std::size_t frame) const;  // its pixels have been looked at
+  void let_go(std::size_t frame) const;  // releases the pages of a frame
 };
 
-// Null unless every picture lies in the file as it was.
+// Maps a video. Returns nothing unless every image is stored uncompressed in the file.
 [[nodiscard]] std::optional<MappedVideo> map_video(const std::string& path);
 
-// `info` as the decoder gives it for the same file.
-// fails      next(): kDamaged (the file is cut short while it is measured)
+// Creates a source. `info` is the decoder's for the same file.
+// next() fails with kDamaged if the file is truncated during the measurement.
 [[nodiscard]] std::unique_ptr<FrameSource> stored_source(MappedVideo video, InputInfo info,
                                                          const InputOptions& options);
 

@@ -35,7 +35,7 @@ std::optional<PixelKind> kind_of(std::uint32_t fourcc) {
     default:
       break;
   }
-  // ffmpeg's own for more than 8 bits: Y 1 0 bits is grey, Y 3 11 bits is 4:2:0.
+  // ffmpeg's codes for more than 8 bits: 'Y' '1' 0 bits is grey, 'Y' '3' 11 bits is 4:2:0.
   const int bits = static_cast<int>(fourcc >> 24U);
   if (bits < 9 || bits > 16) return std::nullopt;
   if ((fourcc & 0xffffffU) == tag('Y', '1', 0, 0)) return PixelKind{Planes::kGrey, bits};

@@ -19,7 +19,7 @@ namespace {
 
 using test::ffmpeg;
 
-// 12 moving pictures, 25 a second.
+// Writes 12 different images at 25 frames/s.
 std::string video(const TestFolder& folder, const std::string& name, const std::string& pixels,
                   const std::string& size = "48x32", const std::string& more = "") {
   ffmpeg(fmt::format("-f lavfi -i testsrc2=s={}:r=25:d=0.48 -c:v rawvideo -pix_fmt {} {} {}", size, pixels, more,
@@ -51,7 +51,7 @@ void expect_same_grey(const LumaView& a, const LumaView& b, const std::string& w
       a);
 }
 
-// Frame by frame what the decoder gives for the same file, number, time and every grey level.
+// Checks number, time and every grey level against the decoder.
 void expect_same_frames(const std::string& path) {
   const auto mapped = opened_mapped(path, true), decoded = opened_mapped(path, false);
   ASSERT_TRUE(mapped && decoded);
@@ -79,7 +79,7 @@ void put_u32(std::string& bytes, std::size_t at, std::size_t value) {
   for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<char>(static_cast<std::uint8_t>(value >> (8 * k)));
 }
 
-TEST(StoredVideo, WhatLiesInTheFileIsWhatTheDecoderGives) {
+TEST(StoredVideo, FramesInPlaceEqualDecodedFrames) {
   const TestFolder folder;
   for (const char* name : {"a.avi", "a.mkv"}) {
     for (const char* pixels : {"gray", "yuv420p", "nv12"}) {
@@ -101,7 +101,7 @@ std::string element(std::uint64_t id, int id_bytes, const std::string& body) {
   return big_endian(id, id_bytes) + '\x01' + big_endian(body.size(), 7) + body;
 }
 
-// Three grey pictures of 48 x 32 words, each beginning at an even place of the file, or an odd one.
+// Three grey images of 48 x 32 words, each at an even or odd file offset.
 std::string matroska_of_words(unsigned bits, bool even) {
   const std::string picture = element(0xB0, 1, big_endian(48, 1)) + element(0xBA, 1, big_endian(32, 1)) +
                               element(0x2EB524, 3, big_endian(0x59310000U | bits, 4));
@@ -114,7 +114,7 @@ std::string matroska_of_words(unsigned bits, bool even) {
   std::string cluster = element(0xE7, 1, big_endian(0, 1));
   for (unsigned n = 0; n < 3; ++n) {
     const std::size_t at = head.size() + 12 + about.size() + 12 + cluster.size() + 13;
-    if ((at % 2 == 0) != even) cluster += element(0xEC, 1, "");  // nine bytes of nothing
+    if ((at % 2 == 0) != even) cluster += element(0xEC, 1, "");  // nine bytes of padding
     std::string words;
     for (unsigned k = 0; k < 48 * 32; ++k) {
       const unsigned grey = (k * 7 + n * 13) % (1U << bits);
@@ -125,7 +125,7 @@ std::string matroska_of_words(unsigned bits, bool even) {
   return head + element(0x18538067, 4, about + element(0x1F43B675, 4, cluster));
 }
 
-TEST(StoredVideo, PicturesOfMoreThanEightBitsAreWordsAtEvenPlaces) {
+TEST(StoredVideo, ImagesAboveEightBitsMustStartAtEvenOffsets) {
   const TestFolder folder;
   for (const unsigned bits : {10U, 12U, 16U}) {
     put_text(folder / "a.mkv", matroska_of_words(bits, true));
@@ -139,7 +139,7 @@ TEST(StoredVideo, PicturesOfMoreThanEightBitsAreWordsAtEvenPlaces) {
   }
 }
 
-TEST(StoredVideo, NoDecoderIsLeftBehindAndTheFileItselfIsShown) {
+TEST(StoredVideo, FramesAreReadInPlaceWithoutADecoder) {
   const TestFolder folder;
   const std::string path = video(folder, "a.avi", "gray");
   const auto source = opened_mapped(path, true);
@@ -150,7 +150,7 @@ TEST(StoredVideo, NoDecoderIsLeftBehindAndTheFileItselfIsShown) {
   EXPECT_EQ(second - first, 48 * 32 + 8) << "one picture and the head of the next chunk";
 }
 
-TEST(StoredVideo, OddSizesAndTimesAreThoseOfTheDecoder) {
+TEST(StoredVideo, OddSizesAndTimesEqualTheDecoders) {
   const TestFolder folder;
   for (const char* size : {"46x31", "47x33", "45x32"}) {
     for (const char* name : {"a.avi", "a.mkv"}) {
@@ -161,12 +161,12 @@ TEST(StoredVideo, OddSizesAndTimesAreThoseOfTheDecoder) {
   expect_same_frames(video(folder, "gaps.mkv", "gray", "48x32", "-vf select='not(between(n\\,3\\,6))' -vsync vfr"));
 }
 
-TEST(StoredVideo, OfSeveralRiffsEveryFrameIsFound) {
+TEST(StoredVideo, FramesOfAllRiffsAreFound) {
   const TestFolder folder;
   std::string bytes = text_of(video(folder, "a.avi", "gray"));
   const std::size_t whole = bytes.size();
   const std::size_t movie = bytes.find("LIST", bytes.find("strf")), first = bytes.find("00dc", movie);
-  std::string more = "RIFF....AVIXLIST....movi" + bytes.substr(first, 3 * (48 * 32 + 8));  // as OpenDML goes on
+  std::string more = "RIFF....AVIXLIST....movi" + bytes.substr(first, 3 * (48 * 32 + 8));  // continuation as in OpenDML
   put_u32(more, 4, more.size() - 8);
   put_u32(more, 16, more.size() - 20);
   bytes += more;
@@ -179,7 +179,7 @@ TEST(StoredVideo, OfSeveralRiffsEveryFrameIsFound) {
   EXPECT_EQ(found->ticks[14], 14);
 }
 
-TEST(StoredVideo, WhatIsNotPlainIsLeftToTheDecoder) {
+TEST(StoredVideo, OtherLayoutsAreDecoded) {
   const TestFolder folder;
   for (const char* pixels : {"yuyv422", "bgr24", "yuv422p"}) {
     const std::string path = video(folder, "a.avi", pixels);
@@ -193,7 +193,7 @@ TEST(StoredVideo, WhatIsNotPlainIsLeftToTheDecoder) {
   EXPECT_FALSE(map_video(folder / "packed.mkv"));
 }
 
-TEST(StoredVideo, AFileCutShortKeepsTheFramesBeforeTheCut) {
+TEST(StoredVideo, ATruncatedFileKeepsEarlierFrames) {
   const TestFolder folder;
   for (const char* name : {"a.avi", "a.mkv"}) {
     const std::string whole = text_of(video(folder, name, "gray"));
@@ -205,7 +205,7 @@ TEST(StoredVideo, AFileCutShortKeepsTheFramesBeforeTheCut) {
   }
 }
 
-TEST(StoredVideo, AFileThatShrinksUnderOurEyesEndsThereInOneSentence) {
+TEST(StoredVideo, AFileTruncatedWhileReadEndsTheInput) {
   const TestFolder folder;
   const std::string path = video(folder, "a.avi", "gray", "256x256");
   const auto source = opened_mapped(path, true);
@@ -222,7 +222,7 @@ TEST(StoredVideo, AFileThatShrinksUnderOurEyesEndsThereInOneSentence) {
   EXPECT_FALSE(source->next()) << "an error stays";
 }
 
-// Whatever the bytes say, nothing outside the file is spoken of.
+// Checks that no offset is outside the file, whatever its bytes are.
 void expect_inside(const std::string& bytes) {
   const auto found = stored_video(bytes_of(bytes));
   if (!found) return;
@@ -233,7 +233,7 @@ void expect_inside(const std::string& bytes) {
   for (const std::size_t at : found->frames) ASSERT_LE(at + picture, bytes.size());
 }
 
-TEST(StoredVideo, EveryCutAndEveryWrongByteStaysInsideTheFile) {
+TEST(StoredVideo, TruncatedAndCorruptFilesGiveNoOffsetOutside) {
   const TestFolder folder;
   for (const char* name : {"a.avi", "a.mkv"}) {
     const std::string whole = text_of(video(folder, name, "gray", "16x4"));
@@ -248,7 +248,7 @@ TEST(StoredVideo, EveryCutAndEveryWrongByteStaysInsideTheFile) {
   }
 }
 
-TEST(StoredPixels, ASizeThatNoPictureOfTheKindHasIsRefused) {
+TEST(StoredPixels, ASizeThatNoImageOfTheFormatHasIsRefused) {
   constexpr std::uint32_t kY800 = 0x30303859, kI420 = 0x30323449;
   EXPECT_EQ(stored_pixels(kY800, 6, 2, 12, RowGroups::kPacked)->row_bytes, 6U);
   EXPECT_EQ(stored_pixels(kY800, 6, 2, 16, RowGroups::kFourBytes)->row_bytes, 8U);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time of a frame in an AVI, which is its number. Where data is lost libav counts on as if nothing were missing;
-// the index at the file's end knows by place which frame a chunk is.
+// Determines the time of a frame in an AVI, which is its number. After a loss libav continues the count as if nothing
+// were missing. The index at the file's end gives the frame number of a chunk by its position.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -13,9 +13,9 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::int64_t kChunkHead = 8;  // bytes; an index names the head, a packet what follows it
+constexpr std::int64_t kChunkHead = 8;  // bytes; an index contains the chunk's start, a packet that of its data
 
-// The entry of the chunk at `place`, were the index in order of place, as it is.
+// Returns the entry of the chunk at `place`. The index is in order of position.
 const AVIndexEntry* entry_at(AVStream* stream, std::int64_t place) {
   int low = 0, high = avformat_index_get_entries_count(stream);
   while (low < high) {
@@ -29,7 +29,7 @@ const AVIndexEntry* entry_at(AVStream* stream, std::int64_t place) {
   return entry != nullptr && entry->pos == place ? entry : nullptr;
 }
 
-// Do whole chunks (of sound, of indices, padding) lead from one place to the other?
+// Returns true if complete chunks (sound, index, padding) fill the range between the two offsets.
 bool chunks_lead(const ReadAt& read, std::uint64_t from, std::uint64_t to) {
   for (int chunks = 0; from < to && chunks < 1000; ++chunks) {
     std::array<std::uint8_t, 8> head{};
@@ -46,7 +46,8 @@ bool chunks_lead(const ReadAt& read, std::uint64_t from, std::uint64_t to) {
 
 }  // namespace
 
-// A packet that the index does not know is the next one if whole chunks lead to it; else none can say which it is.
+// Corrects the packet's number. A packet missing in the index is the next one if complete chunks precede it. Otherwise
+// its number is unknown.
 bool VideoStream::note_count() {
   if (std::strcmp(container_->iformat->name, "avi") != 0 || packet_->pos < 0 || packet_->dts == AV_NOPTS_VALUE)
     return true;
@@ -54,7 +55,7 @@ bool VideoStream::note_count() {
   if (packets_ == 1) has_places_ = has_places_ && entry != nullptr;
   const std::int64_t head = packet_->pos - kChunkHead;
   const bool follows =
-      packets_ == 1 || head < chunk_end_ ||  // chunks out of order: libav goes by the index
+      packets_ == 1 || head < chunk_end_ ||  // chunks out of order: libav follows the index
       chunks_lead(reader_of(file_), static_cast<std::uint64_t>(chunk_end_), static_cast<std::uint64_t>(head));
   chunk_end_ = packet_->pos + packet_->size + packet_->size % 2;
   if (!has_places_) entry = nullptr;
@@ -63,8 +64,8 @@ bool VideoStream::note_count() {
     damage_.complaint(packets_);
   }
   if (entry == nullptr && !follows) {
-    tear_ = VideoProblem{InputErrorKind::kDamaged, "data is missing, and an AVI has no times to go on by",
-                         "copy it again; what came before counts"};
+    tear_ = VideoProblem{InputErrorKind::kDamaged, "data is missing, and an AVI file has no times",
+                         "copy it again (earlier frames are valid)"};
     return false;
   }
   packet_->dts += count_shift_;

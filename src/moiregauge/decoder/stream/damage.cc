@@ -12,11 +12,12 @@ extern "C" {
 namespace moiregauge::internal {
 namespace {
 
-std::atomic<long> errors{0};  // libav has one log for the whole process, and the process is the child's own
+std::atomic<long> errors{0};  // libav has one log per process, and this process only decodes
 
 thread_local std::vector<std::int64_t> places;
 
-// `source` is what complains: nothing, or a struct that begins with a pointer to its class.
+// Returns the container reader if it logged the message. `source` is null or a struct that begins with a pointer to its
+// class.
 const AVFormatContext* reader_of(void* source) {
   if (source == nullptr || *static_cast<const AVClass**>(source) != avformat_get_class()) return nullptr;
   const auto* container = static_cast<const AVFormatContext*>(source);

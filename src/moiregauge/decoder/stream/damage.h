@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which frames to distrust. The flags of libav cover a quarter of the frames that really differ; what it complains
-// about in its log, carried on to the next key frame, covers nearly all. (Bit flips inside MJPEG stay silent: nothing
-// here sees them.)
+// Determines which frames are damaged. libav's flags cover only a quarter of the frames that differ. Errors in its log,
+// extended to the next key frame, cover nearly all. Bit errors inside MJPEG images remain undetected here.
 #pragma once
 
 #include <algorithm>
@@ -10,15 +9,15 @@
 
 namespace moiregauge::internal {
 
-// Error lines libav has logged in this process so far. Counted by the log callback, which any thread may call.
+// Returns the number of error lines logged by libav in this process. Any thread may log.
 [[nodiscard]] long errors_logged();
-// Where in the file the reader of the container stood at each of its own error lines, in order; takes them. Its lines
-// come while the container is probed, long before the packets there are handed out. Of the thread that reads only.
+// Returns the file positions of the container reader at each of its own error lines, in order, and clears them. It logs
+// them while probing, long before the packets there are delivered. Call it in the reading thread only.
 [[nodiscard]] std::vector<std::int64_t> places_of_complaints();
-// Makes libav count instead of print.
+// Makes libav count errors instead of printing them.
 void count_log_errors();
 
-// Packets in the order of decoding, numbered from 1. A frame leans on the packets since its last key packet.
+// Packets in decoding order, numbered from 1. A frame depends on all packets since its last key packet.
 class Damage {
  public:
   void key_packet(std::int64_t packet) { keys_.push_back(packet); }

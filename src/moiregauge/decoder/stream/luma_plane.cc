@@ -12,7 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "samples are read as little-endian words");
 
-// One sample of one component, in its low bits.
+// Returns one sample of one component, in the low bits.
 template <typename Grey>
 Grey sample_at(const std::uint8_t* at, const AVComponentDescriptor& part, bool big_endian) {
   if constexpr (sizeof(Grey) == 1) {
@@ -60,7 +60,7 @@ std::optional<LumaLayout> luma_layout(AVPixelFormat format) {
   constexpr std::uint64_t kNoLuma = AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_PAL |
                                     AV_PIX_FMT_FLAG_BITSTREAM | AV_PIX_FMT_FLAG_FLOAT;
   if (described == nullptr || (described->flags & kNoLuma) != 0) return std::nullopt;
-  if (std::strncmp(described->name, "xyz", 3) == 0) return std::nullopt;  // CIE XYZ passes for YUV in its descriptor
+  if (std::strncmp(described->name, "xyz", 3) == 0) return std::nullopt;  // the descriptor of CIE XYZ looks like YUV
   LumaLayout layout;
   layout.parts = (described->flags & AV_PIX_FMT_FLAG_RGB) != 0 ? 3 : 1;
   if (described->nb_components < layout.parts) return std::nullopt;

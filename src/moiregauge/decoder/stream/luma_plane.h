@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The luma of a decoded frame at its native depth, wherever the pixel format keeps it.
+// Copies the luma of a decoded frame at its native depth, for any pixel format.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ struct LumaLayout {
   std::array<AVComponentDescriptor, 3> part{};
 };
 
-// Read off the format's descriptor, not a list of names. Nothing for palettes, Bayer mosaics, floating point, hardware
-// surfaces, fewer than 8 bits: none of these has a luma plane as stored.
+// Returns the layout by the format's descriptor. Returns nothing for formats without a stored luma plane: palettes,
+// Bayer mosaics, floating point, hardware surfaces, fewer than 8 bits.
 [[nodiscard]] std::optional<LumaLayout> luma_layout(AVPixelFormat format);
 
-// Writes the frame's luma, rows packed, 8-bit words for 8 bits and 16-bit words above; range as stored.
+// Writes the luma with packed rows, as 8-bit words for 8 bits and 16-bit words above. The range stays as stored.
 void copy_luma(const AVFrame& frame, const LumaLayout& layout, std::byte* out);
 
 }  // namespace moiregauge::internal

@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// A frame of 2 x 1 pixels whose first plane holds these bytes.
+// A frame of 2 x 1 px whose first plane has these bytes.
 struct TinyFrame {
   AVFrame* frame = av_frame_alloc();
   TinyFrame(AVPixelFormat format, const std::vector<std::uint8_t>& bytes) {
@@ -38,7 +38,7 @@ std::vector<Grey> luma_of(AVPixelFormat format, const std::vector<std::uint8_t>&
 using Words = std::vector<std::uint16_t>;
 using Bytes = std::vector<std::uint8_t>;
 
-TEST(LumaPlane, LumaInTheHighBitsComesDown) {
+TEST(LumaPlane, LumaInTheHighBitsIsShiftedDown) {
   EXPECT_EQ(luma_layout(AV_PIX_FMT_P010LE)->bits, 10);
   EXPECT_EQ(luma_of<std::uint16_t>(AV_PIX_FMT_P010LE, {0x40, 0x00, 0xc0, 0xff}), (Words{1, 1023}));
 }
@@ -48,7 +48,7 @@ TEST(LumaPlane, WordsOfEitherByteOrderGiveTheSameLevels) {
   EXPECT_EQ(luma_of<std::uint16_t>(AV_PIX_FMT_GRAY12BE, {0x02, 0x34, 0x0f, 0xff}), (Words{0x234, 4095}));
 }
 
-TEST(LumaPlane, LumaBetweenTheColoursIsPickedOut) {
+TEST(LumaPlane, InterleavedLumaIsExtracted) {
   EXPECT_EQ(luma_of<std::uint8_t>(AV_PIX_FMT_YUYV422, {16, 99, 235, 98}), (Bytes{16, 235}));
   EXPECT_EQ(luma_of<std::uint8_t>(AV_PIX_FMT_UYVY422, {99, 16, 98, 235}), (Bytes{16, 235}));
 }
@@ -59,7 +59,7 @@ TEST(LumaPlane, RedAndBlueAreNotMixedUp) {
   EXPECT_EQ(luma_of<std::uint8_t>(AV_PIX_FMT_BGR0, {50, 100, 200, 9, 0, 0, 0, 0})[0], luma);
 }
 
-TEST(LumaPlane, WhatKeepsNoLumaIsRefused) {
+TEST(LumaPlane, FormatsWithoutLumaAreRefused) {
   for (const AVPixelFormat format : {AV_PIX_FMT_PAL8, AV_PIX_FMT_BAYER_RGGB8, AV_PIX_FMT_RGB565LE, AV_PIX_FMT_XYZ12LE,
                                      AV_PIX_FMT_GRAYF32LE, AV_PIX_FMT_MONOWHITE, AV_PIX_FMT_VAAPI, AV_PIX_FMT_NONE}) {
     EXPECT_FALSE(luma_layout(format)) << format;

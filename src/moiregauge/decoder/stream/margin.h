@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames near a damaged one. What a decoder complains about may sit in a picture shown a little earlier or later than
-// the one it was decoding, because pictures are shown in another order than they are stored.
+// Marks frames near a damaged one. Frames are displayed and stored in different order, so a decoder's error may concern
+// a frame displayed slightly earlier or later.
 #pragma once
 
 #include <deque>
@@ -10,13 +10,13 @@
 
 namespace moiregauge::internal {
 
-// Holds every frame back until the three after it have come; a damaged one spoils three on either side.
+// Delays every frame until the next three have arrived. A damaged frame spoils three on either side.
 template <typename Item>
 class DamageMargin {
  public:
   static constexpr int kFrames = 3;
 
-  // Takes the next frame; gives the one that is old enough, if there is one, with its verdict.
+  // Adds the next frame. Returns the oldest one, once four wait, and true if it is spoilt.
   [[nodiscard]] std::optional<std::pair<Item, bool>> put(Item item, bool damaged) {
     if (damaged) spoil_around();
     const bool spoilt = damaged || to_spoil_ > 0;
@@ -28,13 +28,13 @@ class DamageMargin {
     return oldest;
   }
 
-  // Damage between the frame before and the one to come, such as data that gave no frame at all.
+  // Marks damage between the last frame and the next one, such as data that gave no frame.
   void spoil_around() {
     for (auto& [waiting, spoilt] : waiting_) spoilt = true;
     to_spoil_ = kFrames;
   }
 
-  // At the end: all that wait, in order.
+  // Returns all waiting frames in order. Call it at the end.
   [[nodiscard]] std::vector<std::pair<Item, bool>> rest() {
     std::vector<std::pair<Item, bool>> all(std::make_move_iterator(waiting_.begin()),
                                            std::make_move_iterator(waiting_.end()));

@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// 'x' is damaged on the way in, '|' damage between two frames; on the way out all that is spoilt by it.
+// Input: 'x' is a damaged frame, '|' is damage between frames. Output: 'x' for every spoilt frame.
 std::string through(const std::string& frames) {
   DamageMargin<std::size_t> margin;
   std::string out;

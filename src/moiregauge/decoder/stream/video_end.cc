@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is the end of the file the end of the film?
+// Decides whether the video is complete at the end of the file.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,8 @@ bool is_kind(const AVFormatContext& container, std::string_view name) {
   return std::string_view(container.iformat->name).find(name) != std::string_view::npos;
 }
 
-// The length of the film as its container states it; NaN where that is a guess of libav from the end of the file.
+// Returns the length of the video as stated by its container. Returns NaN if libav estimated it from the end of the
+// file.
 double stated_s(const AVFormatContext& container, const AVStream& stream) {
   if (container.duration_estimation_method == AVFMT_DURATION_FROM_STREAM) {
     if (stream.duration > 0) return static_cast<double>(stream.duration) * av_q2d(stream.time_base);
@@ -26,11 +27,11 @@ double stated_s(const AVFormatContext& container, const AVStream& stream) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-// Matroska's writers count the stated length from 0 or from the first picture. A film that begins later, and does not
-// reach beyond the stated length as counted from 0, is one of the former.
+// Returns the stated length from the first image on. Matroska writers count it from 0 or from the first image. It is
+// counted from 0 if the video starts later and its end is within the stated length.
 double stated_from_begin_s(const AVFormatContext& container, const AVStream& stream, double began_s, double end_s) {
   const double stated = stated_s(container, stream);
-  constexpr double kMatroskaRounding = 2e-3;  // s
+  constexpr double kMatroskaRounding = 2e-3;  // s: time stamps in Matroska are rounded to 1 ms
   const bool counts_from_zero = is_kind(container, "matroska") && began_s > 0.0 && stated >= began_s &&
                                 began_s + end_s <= stated + kMatroskaRounding;
   return counts_from_zero ? stated - began_s : stated;
@@ -43,20 +44,21 @@ bool VideoStream::is_cut() const {
   return stated && *stated > static_cast<std::uint64_t>(file_bytes_);
 }
 
-// Complete is a film with all the frames its container counts, or where it counts none, with all the time it states;
-// what is missing behind that (an index) is no loss. Stated time is that of the longest stream, so beside sound, with
-// nothing else amiss, too little of it proves nothing.
+// A video is complete if it has all frames that its container counts, or all of the stated time if it counts none.
+// Missing data after that (an index) is no loss.
+// The stated time is that of the longest stream. If there is sound and no other sign of damage, a shorter video proves
+// nothing.
 std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
   if (tear_)
-    return VideoProblem{tear_->kind, fmt::format("input ends at frame {}: {}", shown, tear_->what), tear_->advice};
+    return VideoProblem{tear_->kind, fmt::format("the input ends at frame {} ({})", shown, tear_->what), tear_->advice};
   const double rate = fps();
   const double frame_s = rate > 0.0 ? 1.0 / rate : 0.0;
-  constexpr double kRounding = 2e-3;  // s: Matroska counts milliseconds
+  constexpr double kRounding = 2e-3;  // s: time stamps in Matroska are rounded to 1 ms
   const double end_s = reached_ ? static_cast<double>(*reached_ - *began_) * av_q2d(stream_->time_base) : 0.0;
   const double began_s = reached_ ? static_cast<double>(*began_) * av_q2d(stream_->time_base) : 0.0;
   const double stated = stated_from_begin_s(*container_, *stream_, began_s, end_s);
   const long counted = frames();
-  // An AVI numbers its frames by their time, and leaves out those that repeat the one before.
+  // An AVI numbers frames by their time, and omits frames that repeat the previous one.
   const bool by_time = is_kind(*container_, "avi") && reached_.has_value();
   const bool frames_missing = counted >= 0 && std::max(by_time ? *reached_ : 0, packets_) < counted;
   const bool complete = counted >= 0 ? !frames_missing : end_s + 0.5 * frame_s + kRounding >= stated;
@@ -64,30 +66,32 @@ std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
   const bool too_short = container_->nb_streams == 1 && counted < 0 && end_s + 1.5 * frame_s + kRounding < stated;
   if (last_packet_corrupt_ || frames_missing || too_short || (!complete && (complained || is_cut()))) {
     const long of = counted >= 0 ? counted : frame_s > 0.0 && stated > 0.0 ? std::lround(stated * rate) : -1;
-    std::string text = fmt::format("input ends at frame {}", shown);
+    std::string text = fmt::format("the input ends at frame {}", shown);
     if (of >= shown) text += fmt::format(" of {}{}", counted >= 0 ? "" : "about ", of);
     const double of_s =
         counted >= 0 && frame_s > 0.0 ? std::max(stated, static_cast<double>(counted) * frame_s) : stated;
     text += of_s >= end_s ? fmt::format(" ({:.2f} s of {:.2f} s)", end_s, of_s) : fmt::format(" ({:.2f} s)", end_s);
-    return VideoProblem{InputErrorKind::kDamaged, text, "copy it again; what came before counts"};
+    return VideoProblem{InputErrorKind::kDamaged, text, "copy it again (earlier frames are valid)"};
   }
   if (!sums_agree_) {
-    return VideoProblem{InputErrorKind::kDamaged, "a check sum of the video is wrong: its data is damaged",
-                        "copy it again; frames may be wrong that are not marked"};
+    return VideoProblem{InputErrorKind::kDamaged,
+                        "frames may be wrong without a mark, because a checksum of the video is wrong",
+                        "copy it again"};
   }
   if (header_complained_ || (complained && !is_cut())) {
-    return VideoProblem{InputErrorKind::kDamaged, "the container of the video is damaged",
-                        "copy it again; doubt the times of its frames"};
+    return VideoProblem{InputErrorKind::kDamaged,
+                        "the times may be wrong, because the container of the video is damaged", "copy it again"};
   }
-  // An mp4 states its length twice: of the stream, and as an edit list shows it; its times must add up to one of them.
+  // An mp4 states its length twice: the stream's, and that of its edit list. The times must match one of them.
   const double edited = static_cast<double>(container_->duration) / AV_TIME_BASE;
   const double slack = 1.5 * frame_s + kRounding;
   if (is_kind(*container_, "mp4") && stated > 0.0 && counted == packets_ && std::fabs(end_s - stated) > slack &&
       std::fabs(end_s - edited) > slack) {
     return VideoProblem{
         InputErrorKind::kDamaged,
-        fmt::format("the times of the frames end at {:.2f} s, the video states {:.2f} s", end_s, stated),
-        "copy it again; doubt the times of its frames"};
+        fmt::format("the times may be wrong, because they end at {:.2f} s and the video states {:.2f} s", end_s,
+                    stated),
+        "copy it again"};
   }
   return std::nullopt;
 }

@@ -28,19 +28,20 @@ ReadAt reader_of(int file) {
 }
 
 VideoProblem too_many_pixels(int width, int height, std::int64_t max_pixels) {
-  return {
-      InputErrorKind::kUnsupported,
-      fmt::format("image {}x{} exceeds the limit of {:g} Mpx", width, height, static_cast<double>(max_pixels) / 1e6),
-      "raise --max-pixels if it is right"};
+  return {InputErrorKind::kUnsupported,
+          fmt::format("the frame size {}x{} exceeds the limit of {:g} Mpx", width, height,
+                      static_cast<double>(max_pixels) / 1e6),
+          "raise --max-pixels if the size is correct"};
 }
 
 namespace {
 
-// Containers of one file. No playlists, no concatenations, no picture sequences: those name other files.
+// Containers that consist of one file. Playlists, concatenations and image sequences are excluded, because they name
+// other files.
 constexpr const char* kContainers = "mov,matroska,avi,mpegts,yuv4mpegpipe";
-constexpr int kReadBlock = 1 << 18;  // bytes
+constexpr int kReadBlock = 1 << 18;  // bytes (chosen)
 
-// What the file is instead, by libav's own judgement of its first bytes; empty: it has none.
+// Returns libav's guess of the file's format by its first bytes, or an empty text.
 std::string found_instead(int file) {
   std::array<std::uint8_t, 2048 + AVPROBE_PADDING_SIZE> bytes{};
   const std::size_t size = reader_of(file)(0, std::span(bytes).first(2048));
@@ -57,18 +58,18 @@ VideoProblem no_video(int file) {
   const std::string found = found_instead(file);
   if (found.starts_with("mov,mp4")) {
     return {InputErrorKind::kDamaged, "the video has no index (the recording was cut off)",
-            "try a repair tool; nothing is measured"};
+            "try a repair tool for this kind of file"};
   }
-  const std::string first = found.substr(0, found.find(','));  // libav lists a format's names
+  const std::string first = found.substr(0, found.find(','));  // libav lists all names of a format
   const bool is_allowed = std::string_view(kContainers).find(first) != std::string_view::npos;
   return {InputErrorKind::kUnsupported,
           found == "text" || is_allowed
-              ? fmt::format("no video{}", first.empty() ? "" : fmt::format(" (found: {})", first))
-              : fmt::format("input type '{}' is not allowed", first),
-          "give a whole mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of pictures"};
+              ? fmt::format("the input is not a video{}", first.empty() ? "" : fmt::format(" (it is {})", first))
+              : fmt::format("the input type '{}' is not allowed", first),
+          "give a complete mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of images"};
 }
 
-// Decoders count whole blocks, of which a picture need not fill the last.
+// Decoders count whole blocks, and an image need not fill the last one.
 std::int64_t decoders_limit(std::int64_t max_pixels) { return 2 * max_pixels + 65536; }
 
 std::optional<VideoProblem> size_problem(const AVFormatContext& container, std::int64_t max_pixels) {
@@ -116,14 +117,14 @@ tl::expected<std::unique_ptr<VideoStream>, VideoProblem> VideoStream::open(int f
   std::unique_ptr<VideoStream> stream(new VideoStream);
   stream->file_ = file;
   stream->max_pixels_ = max_pixels;
-  // The parent reads by place too, so the descriptor's own position is nobody's.
+  // The parent reads at offsets too, so the descriptor's own position is unused.
   stream->file_bytes_ = ::lseek(file, 0, SEEK_END);
   if (auto problem = stream->open_container()) return tl::unexpected(std::move(*problem));
   if (!stream->open_decoder()) {
-    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "no decoder for " + stream->codec(),
+    return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported, "there is no decoder for " + stream->codec(),
                                        "convert the video to H.264 or FFV1"});
   }
-  // FFV1 has sums of its own in every slice.
+  // FFV1 has its own check sums in every slice.
   if (stream->stream_->codecpar->codec_id != AV_CODEC_ID_FFV1) stream->sums_.emplace(reader_of(file));
   stream->errors_seen_ = errors_logged();
   return stream;
@@ -151,10 +152,10 @@ std::optional<VideoProblem> VideoStream::open_container() {
   container_->format_whitelist = av_strdup(kContainers);
   container_->protocol_whitelist = av_strdup("");
   if (avformat_open_input(&container_, "", nullptr, nullptr) < 0) return no_video(file_);
-  // Read with the head of an AVI; what libav adds to it later is its own count.
+  // Read before libav adds its own count to the index of an AVI.
   has_places_ = container_->nb_streams > 0 && avformat_index_get_entries_count(container_->streams[0]) > 0;
   header_complained_ = !places_of_complaints().empty();
-  // Some containers name the size in their heads, others in the stream, of which probing decodes a little.
+  // Some containers state the size in their header, others in the stream, which probing partly decodes.
   if (auto problem = size_problem(*container_, max_pixels_)) return problem;
   if (!look_into_streams(container_, max_pixels_)) return no_video(file_);
   if (auto problem = size_problem(*container_, max_pixels_)) return problem;
@@ -166,7 +167,7 @@ std::optional<VideoProblem> VideoStream::open_container() {
     if (container_->streams[i] != stream_) container_->streams[i]->discard = AVDISCARD_ALL;
   }
   if ((stream_->disposition & AV_DISPOSITION_ATTACHED_PIC) != 0)
-    return no_video(file_);  // the cover of a piece of music
+    return no_video(file_);  // cover image of an audio file
   return std::nullopt;
 }
 
@@ -175,13 +176,13 @@ bool VideoStream::open_decoder() {
   decoder_ = codec == nullptr ? nullptr : avcodec_alloc_context3(codec);
   if (decoder_ == nullptr || avcodec_parameters_to_context(decoder_, stream_->codecpar) < 0) return false;
   decoder_->pkt_timebase = stream_->time_base;
-  // Slices, not frames, in parallel: a complaint then belongs to the packet just sent.
-  // H.264 gets one thread: with more, libav leaves out the search for macroblocks that nothing decoded, which is how
-  // most damaged pictures are known; and cameras put a picture into one slice.
+  // Threads share slices, not frames, so that an error belongs to the packet just sent.
+  // H.264 has one thread. With more, libav does not check for undecoded macroblocks, which reveal most damaged images.
+  // Cameras write one slice per image anyway.
   decoder_->thread_type = FF_THREAD_SLICE;
   decoder_->thread_count = codec->id == AV_CODEC_ID_H264 ? 1 : 0;
   decoder_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_AGGRESSIVE;
-  decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // marked by us, not swallowed: the others keep their numbers
+  decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // output and marked here, so that other frames keep their numbers
   StreamQuantiser::ask(*decoder_);
   decoder_->max_pixels = decoders_limit(max_pixels_);
   if (avcodec_open2(decoder_, codec, nullptr) < 0) return false;
@@ -202,7 +203,7 @@ bool VideoStream::read_packet() {
     av_packet_unref(packet_);
     read = av_read_frame(container_, packet_);
   } while (read >= 0 && packet_->stream_index != stream_->index);
-  if (read < 0) {  // a complaint about the end says nothing about the packets that came
+  if (read < 0) {  // an error at the end says nothing about earlier packets
     last_read_complained_ = read != AVERROR_EOF || errors_logged() != before;
     errors_seen_ = errors_logged();
     return false;
@@ -219,7 +220,7 @@ bool VideoStream::read_packet() {
   return true;
 }
 
-// A complaint of the probe is about the first packet behind its place in the file.
+// Assigns an error of the probe to the first packet after its file position.
 void VideoStream::take_early_complaints() {
   if (early_complaints_.empty() || packet_->pos < 0) return;
   const auto behind = std::remove_if(early_complaints_.begin(), early_complaints_.end(),
@@ -245,7 +246,8 @@ bool VideoStream::send_packet() {
   return false;
 }
 
-// An AVI has no times but the count of its frames, and of those that wait in the decoder at its end libav forgets that.
+// Reads the time of a frame. An AVI has no times but the frame count, which libav loses for frames that wait in the
+// decoder at the end.
 void VideoStream::note_time() {
   const bool is_counted = std::strcmp(container_->iformat->name, "avi") == 0 && timestamp_ != AV_NOPTS_VALUE;
   const bool is_timeless = frame_->best_effort_timestamp == AV_NOPTS_VALUE;
@@ -308,8 +310,8 @@ tl::expected<int, VideoProblem> VideoStream::rotation_deg() const {
   const double quarters = std::round(clockwise / 90.0);
   if (!(mirror > 0.0) || !(std::fabs(clockwise - 90.0 * quarters) < 0.5)) {
     return tl::unexpected(VideoProblem{InputErrorKind::kUnsupported,
-                                       "the picture is mirrored or turned askew by its display tag",
-                                       "store it upright or in quarter turns"});
+                                       "the display tag mirrors the image, or rotates it by other than 90 degrees",
+                                       "store the video upright or rotated by multiples of 90 degrees"});
   }
   return ((static_cast<int>(quarters) % 4 + 4) % 4) * 90;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One video stream of one open file, decoded frame by frame. Runs in the child only.
+// Decodes one video stream of one open file, frame by frame. Runs in the child only.
 #pragma once
 
 #include <cstdint>
@@ -32,33 +32,34 @@ struct VideoProblem {
 enum class Decoded { kFrame, kLost, kEnd };
 
 [[nodiscard]] VideoProblem too_many_pixels(int width, int height, std::int64_t max_pixels);
-// `file` by place, whatever else reads it.
+// Returns a function that reads `file` at an offset, independent of other readers.
 [[nodiscard]] ReadAt reader_of(int file);
 
 class VideoStream {
  public:
-  // Reads through `file` alone: libav gets no name and no protocol, and every further opening is refused. No picture of
-  // more than `max_pixels` is decoded, nor memory taken for one.
+  // Opens a stream. libav gets no name and no protocol, so it reads `file` only, and cannot open other files. Images
+  // above `max_pixels` are not decoded, and no memory is allocated for them.
   [[nodiscard]] static tl::expected<std::unique_ptr<VideoStream>, VideoProblem> open(int file, std::int64_t max_pixels);
   VideoStream(const VideoStream&) = delete;
   VideoStream& operator=(const VideoStream&) = delete;
   ~VideoStream();
 
-  // kFrame: frame() holds the next one. kLost: a packet gave none; is_place_known(): it would have been the next.
+  // Decodes the next frame. kFrame: frame() holds it. kLost: a packet gave none, which would have been the next frame
+  // if is_place_known().
   [[nodiscard]] Decoded next();
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
   [[nodiscard]] bool is_place_known() const { return decoder_->has_b_frames == 0; }
   [[nodiscard]] bool damaged() const { return damaged_; }
   [[nodiscard]] const StreamQuantiser& quantiser() const { return quantiser_; }  // of frame()
-  [[nodiscard]] double time_s() const;  // of the frame or the lost packet, in the stream's own count; NaN: none
-  // After kEnd: why the file is less than it says it is, `shown` frames having come out of it. Nothing when it is
-  // whole, or when nothing in it tells.
+  [[nodiscard]] double time_s() const;  // s, time of the frame or the lost packet in the stream's own count; NaN: none
+  // Returns the reason why the file is incomplete, or nothing. `shown` frames came out of it. Call it after kEnd. Some
+  // truncated files cannot be detected.
   [[nodiscard]] std::optional<VideoProblem> end_problem(long shown) const;
 
-  [[nodiscard]] long frames() const;  // -1: the container does not say
-  [[nodiscard]] double fps() const;   // NaN: not known
+  [[nodiscard]] long frames() const;  // -1: not stated
+  [[nodiscard]] double fps() const;   // NaN: unknown
   [[nodiscard]] std::string codec() const;
-  // Clockwise quarters that show the picture upright; an error when it is mirrored or askew.
+  // Returns the clockwise rotation (a multiple of 90) that shows the image upright. Fails if it is mirrored or oblique.
   [[nodiscard]] tl::expected<int, VideoProblem> rotation_deg() const;
 
  private:
@@ -77,7 +78,7 @@ class VideoStream {
   int file_ = -1;
   std::int64_t max_pixels_ = 0;
   std::int64_t file_bytes_ = 0;
-  std::int64_t position_ = 0;  // bytes; ours, as the descriptor's own may be shared
+  std::int64_t position_ = 0;  // bytes; separate, because the descriptor's own may be shared
   AVFormatContext* container_ = nullptr;
   AVIOContext* bytes_ = nullptr;
   AVCodecContext* decoder_ = nullptr;
@@ -87,20 +88,20 @@ class VideoStream {
   Damage damage_;
   std::optional<ClusterSums> sums_;
   bool sums_agree_ = true;
-  std::vector<std::int64_t> early_complaints_;  // places in the file, of complaints made while probing
+  std::vector<std::int64_t> early_complaints_;  // file positions of errors while probing
   bool header_complained_ = false;
   StreamQuantiser quantiser_;
   long errors_seen_ = 0;
   std::int64_t packets_ = 0;
-  std::optional<std::int64_t> began_;    // of all packets, in the stream's own count: the earliest time,
-  std::optional<std::int64_t> reached_;  // the end of the latest
-  std::int64_t chunk_end_ = 0;           // of an AVI: where the last packet ended,
-  std::int64_t count_shift_ = 0;         // how many frames libav did not see,
-  bool has_places_ = false;              // and whether its index knows places
-  std::optional<VideoProblem> tear_;     // reading ended there
+  std::optional<std::int64_t> began_;    // of all packets, in the stream's own count: earliest time,
+  std::optional<std::int64_t> reached_;  // end of the latest
+  std::int64_t chunk_end_ = 0;           // AVI only: end of the last packet,
+  std::int64_t count_shift_ = 0;         // number of frames that libav missed,
+  bool has_places_ = false;              // true if its index has positions
+  std::optional<VideoProblem> tear_;     // reading ended here
   bool draining_ = false;
-  bool last_packet_corrupt_ = false;   // by the reader's own word: cut off, mostly
-  bool last_read_complained_ = false;  // about the end
+  bool last_packet_corrupt_ = false;   // the reader's flag: usually truncated
+  bool last_read_complained_ = false;  // error at the end
   bool damaged_ = false;
   std::int64_t timestamp_ = AV_NOPTS_VALUE;
 

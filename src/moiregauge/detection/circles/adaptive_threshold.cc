@@ -7,9 +7,9 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-constexpr int kBlockTiles = 4;  // parts are cut along blocks of so many tiles
+constexpr int kBlockTiles = 4;  // tiles per side of a block; the image is cut into parts along blocks
 
-// Which blocks have a tile above 0.
+// Flag per block: 1 if one of its tiles has a threshold above 0.
 struct BusyBlocks {
   int columns = 0, rows = 0;
   std::vector<std::uint8_t> busy;
@@ -34,7 +34,7 @@ struct Run {
   int begin = 0, end = 0;
 };
 
-// The runs of true among from .. to - 1.
+// Returns the intervals within [from, to) on which is_busy is true.
 template <typename IsBusy>
 std::vector<Run> runs(int from, int to, IsBusy is_busy) {
   std::vector<Run> out;
@@ -46,7 +46,7 @@ std::vector<Run> runs(int from, int to, IsBusy is_busy) {
   return out;
 }
 
-// In blocks. Cuts along empty rows and columns of blocks until there are none.
+// Splits `box` (in blocks) along empty rows and columns of blocks until none is left.
 void cut(const BusyBlocks& blocks, const PicturePart& box, std::vector<PicturePart>& out) {
   const auto row_is_busy = [&](int y) {
     for (int x = box.x; x < box.x + box.width; ++x) {
@@ -85,7 +85,7 @@ std::vector<PicturePart> parts_of(const BusyBlocks& blocks, const GreyView& pict
   return parts;
 }
 
-// The extremes of the tile rows in hand: above, here, below.
+// Ring buffer of the extremes of three tile rows: above, current, below.
 class RowsInHand {
  public:
   explicit RowsInHand(int strips) : stride_(static_cast<std::size_t>(strips * kStripTiles) + 2 * kMargin) {
@@ -103,7 +103,7 @@ class RowsInHand {
   }
 
  private:
-  static constexpr std::size_t kMargin = 1;  // tiles to either side that say nothing
+  static constexpr std::size_t kMargin = 1;  // tiles to either side with neutral extremes (255, 0)
   [[nodiscard]] std::uint8_t* at(std::vector<std::uint8_t>& rows, int tile_y) const {
     return rows.data() + static_cast<std::size_t>((tile_y + 3) % 3) * stride_ + kMargin;
   }

@@ -19,7 +19,7 @@ GreyView view_of(const cv::Mat& picture) {
   return {picture.data, picture.cols, picture.rows, static_cast<std::ptrdiff_t>(picture.step)};
 }
 
-// Flat paper with a few dark and light patches on it, speckled.
+// Paints flat paper with 0 to 5 uniform patches and noise of 0 to 7 grey levels.
 cv::Mat paper_with_patches(int width, int height, std::mt19937_64& rng) {
   const auto below = [&rng](int n) { return static_cast<int>(rng() % static_cast<unsigned>(n)); };
   cv::Mat picture(height, width, CV_8U, cv::Scalar(100 + below(100)));
@@ -48,7 +48,7 @@ int smoothed(const cv::Mat& picture, int x, int y) {
   return sum / 16;
 }
 
-// Threshold of the tile in which the pixel is, from the pixels of its neighbourhood one by one.
+// Returns the threshold of a tile by its definition, pixel by pixel.
 int threshold_at(const cv::Mat& smooth, int tile_x, int tile_y) {
   int low = 255, high = 0;
   for (int y = std::max(0, 4 * tile_y - 4); y < std::min(smooth.rows, 4 * tile_y + 8); ++y) {
@@ -90,8 +90,8 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
-// Sizes round those of tiles, blocks and strips, and any others.
-TEST(DarkParts, AreWhatTheWholePictureHasOnEverySimdTarget) {
+// The widths include the sizes of tiles, blocks and strips and their neighbours.
+TEST(DarkParts, EqualTheThresholdedWholeImageOnEverySimdTarget) {
   std::mt19937_64 rng(kDarkPartsSeed);
   for (const int width : {8, 9, 31, 255, 256, 257, 287, 288, 289, 300, 545}) {
     const int height = 8 + static_cast<int>(rng() % 120);
@@ -106,7 +106,7 @@ TEST(DarkParts, AreWhatTheWholePictureHasOnEverySimdTarget) {
   ASSERT_TRUE(use_simd_target(simd_targets().front()));
 }
 
-TEST(DarkParts, StandATileApartAndLeaveThePaperOut) {
+TEST(DarkParts, AreSeparateAndExcludeThePaper) {
   cv::Mat picture(200, 600, CV_8U, cv::Scalar(180));
   picture(cv::Rect(40, 60, 30, 30)).setTo(cv::Scalar(40));
   picture(cv::Rect(400, 60, 30, 30)).setTo(cv::Scalar(40));
@@ -140,7 +140,7 @@ TEST(Halved, IsTheMeanOfTwoByTwoOnEverySimdTarget) {
   ASSERT_TRUE(use_simd_target(simd_targets().front()));
 }
 
-TEST(TileSums, AreThoseOfTheSmallestAndLargestWholeTileOnEverySimdTarget) {
+TEST(TileSums, EqualTheSmallestAndLargestWholeTileOnEverySimdTarget) {
   std::mt19937_64 rng(kDarkPartsSeed);
   for (const int width : {4, 11, 127, 128, 130, 260}) {
     const cv::Mat picture = paper_with_patches(width, 8, rng);

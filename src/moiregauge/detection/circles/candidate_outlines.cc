@@ -14,16 +14,16 @@ namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kOutlineLevels = 4;  // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
-// Of 255: below it a neighbourhood is flat; more than the range of 5 DN noise, smoothed.
+// Grey levels of 8 bits. A neighbourhood with a smaller range is flat: noise of 5 grey levels has less after smoothing.
 constexpr int kMinOutlineContrast = 14;
-constexpr double kFilledShare = 0.5;     // of full scale: a picture of more range is not stretched
-constexpr double kMinRangeShare = 0.1;   // of full scale: a picture of less range is not stretched further (noise)
-constexpr double kMinLevelDiameter = 5;  // px of a level: fewer do not make an outline
-constexpr double kMaxLevelDiameter = 110;
-constexpr double kMinCircularity = 0.62;  // of the digitised outline; far below 0.84 since chain code errs by 5 - 10 %
-constexpr double kMinAxisRatio = 0.3;     // rounder than any circle W > 0.84 can pass (0.5)
+constexpr double kFilledShare = 0.5;       // of full scale: an image with a larger range is not stretched (chosen)
+constexpr double kMinRangeShare = 0.1;     // of full scale: limits the stretching of noise (chosen)
+constexpr double kMinLevelDiameter = 5;    // px at the scale of the level: smaller discs have no usable outline
+constexpr double kMaxLevelDiameter = 110;  // px at the scale of the level; larger discs are left to coarser levels
+constexpr double kMinCircularity = 0.62;   // of the digitised outline; far below 0.84: chain code errs by 5 to 10 %
+constexpr double kMinAxisRatio = 0.3;      // of the bounding box; an ellipse with W > 0.84 has more than 0.5
 
-// cv::Mat has no read-only form; it is only read here.
+// Wraps the view without a copy. cv::Mat has no read-only form; callers must not write to it.
 template <typename Grey>
 cv::Mat mat_of(const ImageView<Grey>& view) {
   void* pixels = const_cast<void*>(static_cast<const void*>(view.data));
@@ -40,11 +40,11 @@ struct Range {
   [[nodiscard]] bool fills(double scale) const { return high - low > kFilledShare * scale; }
 };
 
-// Of whole 4 x 4 means in 8 bits, and of no more of them than it takes to see that they fill the scale: all over the
-// picture first, as a marker is higher than a few rows.
+// Returns the range of the 4 x 4 means of an 8-bit image. Stops as soon as the range fills the scale. Reads every
+// eighth row of tiles first, because a marker is higher than a few rows.
 Range range_of_tiles(const cv::Mat& picture) {
   constexpr int kStep = 8;
-  // Halves to the even side, as cv::resize has them.
+  // Rounds halves to even, as cv::resize does.
   const auto mean = [](int sum) { return (sum + 7 + (sum >> 4) % 2) >> 4; };
   const int rows = picture.rows / kTilePx;
   TileSums sums;
@@ -58,7 +58,7 @@ Range range_of_tiles(const cv::Mat& picture) {
   return range;
 }
 
-// That of 4 x 4 means, so that hot pixels have no say and a few small dark discs do.
+// Returns the range of the 4 x 4 means: hot pixels do not change it, small discs do.
 Range range_of(const cv::Mat& picture) {
   if (picture.depth() == CV_8U && picture.cols % kTilePx == 0 && picture.rows % kTilePx == 0)
     return range_of_tiles(picture);
@@ -70,7 +70,7 @@ Range range_of(const cv::Mat& picture) {
   return range;
 }
 
-// The picture in 8 bits, stretched so that its range counts whatever its depth.
+// Returns the image in 8 bits, stretched so that thresholds mean the same for every bit depth and exposure.
 cv::Mat eight_bit(const cv::Mat& picture) {
   const Range range = range_of(picture);
   const double full = picture.depth() == CV_8U ? 255.0 : std::max(1023.0, range.high);
@@ -85,8 +85,8 @@ cv::Mat eight_bit(const LumaView& luma) {
   return std::visit([](const auto& view) { return eight_bit(mat_of(view)); }, luma);
 }
 
-// Length of an 8-connected outline by chain code: 0.948 per straight and 1.340 per diagonal step, unbiased over all
-// directions (Proffitt and Rosen 1979).
+// Returns the length in px of an 8-connected outline by chain code: 0.948 per straight and 1.340 per diagonal step.
+// These weights are unbiased over all directions (Proffitt and Rosen 1979).
 double chain_length(const std::vector<cv::Point>& outline) {
   int straight = 0, diagonal = 0;
   for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -102,7 +102,7 @@ struct Moments {
   Eigen::Matrix2d covariance;
 };
 
-// Green's formula over the polygon through the pixel centres.
+// Returns the area moments of the polygon through the pixel centres (Green's theorem).
 Moments moments_of(const std::vector<cv::Point>& outline) {
   const cv::Moments m = cv::moments(outline);
   Moments out;
@@ -114,22 +114,24 @@ Moments moments_of(const std::vector<cv::Point>& outline) {
 }
 
 struct LevelOutline {
-  cv::Point start;  // its first pixel, rows from top to bottom
+  cv::Point start;  // px of the level, the first pixel in row order
   CandidateOutline candidate;
 };
 
-// Empty: hopelessly long or ragged, or of another size.
+// Returns the ellipse of an outline in px of the full-size image. Empty if it is too long, too ragged or has another
+// size.
 std::optional<CandidateOutline> candidate_of(const std::vector<cv::Point>& outline, double scale,
                                              DiameterRange level_px) {
   const auto n = static_cast<double>(outline.size());
-  // A digitised circle has about 2.83 outline pixels per pixel of diameter, an ellipse or a ragged circle up to twice.
+  // A digitised circle has about 2.83 outline pixels per px of diameter, an ellipse or a ragged circle up to twice
+  // that.
   if (n < 2.0 * level_px.min_px || n > 6.0 * level_px.max_px) return std::nullopt;
   const cv::Rect box = cv::boundingRect(outline);
   if (std::min(box.width, box.height) < kMinAxisRatio * std::max(box.width, box.height)) return std::nullopt;
   const Moments moments = moments_of(outline);
   if (moments.area <= 0.0) return std::nullopt;
-  // The polygon runs through pixel centres, so half a pixel inside (outer outline) or outside (hole) the true edge: W
-  // is computed of the polygon itself, whose length the chain code gives.
+  // The polygon through pixel centres is half a pixel inside (outer outline) or outside (hole) the true edge. W uses
+  // area and length of that same polygon.
   const double length = chain_length(outline);
   const double circularity = 4.0 * CV_PI * moments.area / (length * length);
   if (circularity < kMinCircularity) return std::nullopt;
@@ -142,8 +144,8 @@ std::optional<CandidateOutline> candidate_of(const std::vector<cv::Point>& outli
   return CandidateOutline{ellipse, std::min(circularity, 1.0)};
 }
 
-// Lowest first, as the outlines of the whole picture at once would come: of two candidates at one place the first is
-// the one that is fitted, whatever parts the picture fell into.
+// Adds the outlines of one level, lowest in the image first. This is OpenCV's order for the whole image. Only the first
+// of two candidates at one position is fitted, so this order makes the result independent of the parts.
 void add_outlines(const GreyView& level, const TileThresholds& thresholds, double scale, DiameterRange level_px,
                   std::vector<CandidateOutline>& out) {
   std::vector<LevelOutline> found;
@@ -173,12 +175,12 @@ std::vector<CandidateOutline> candidate_outlines(const LumaView& luma, DiameterR
   for (int i = 0; i < kOutlineLevels; ++i) {
     const double scale = std::pow(2.0, i);
     if (std::min(level.width, level.height) < 8 || diameters.max_px / scale < kMinLevelDiameter) break;
-    if (diameters.min_px / scale > kMaxLevelDiameter / 2.0) {  // the next scale sees all of them
+    if (diameters.min_px / scale > kMaxLevelDiameter / 2.0) {  // the next level covers the whole range
       half = halved(level);
     } else {
       const TileThresholds thresholds =
           tile_thresholds(level, kMinOutlineContrast, i + 1 < kOutlineLevels ? &half : nullptr);
-      // A quarter of slack: the outline is only thresholded, the size is judged on the sub-pixel one.
+      // 25 % of slack for the thresholded outline. The limits apply to the sub-pixel outline later.
       const DiameterRange sizes{std::max(0.75 * diameters.min_px / scale, kMinLevelDiameter),
                                 std::min(1.25 * diameters.max_px / scale, kMaxLevelDiameter)};
       add_outlines(level, thresholds, scale, sizes, out);

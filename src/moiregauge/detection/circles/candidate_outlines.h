@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where circles might be: outlines of a locally thresholded picture at several scales. Nothing here is sub-pixel; each
-// candidate only says where to look closer.
+// Candidates for circles: outlines of an adaptively thresholded image at several scales. Their positions are good to
+// about a pixel and only start the sub-pixel fit.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@
 namespace moiregauge::internal::markers_detail {
 
 struct CandidateOutline {
-  Ellipse ellipse;           // from the outline's area moments, picture coordinates
-  double circularity = 0.0;  // W of the digitised outline, perimeter by weighted chain code: good to a few per cent
+  Ellipse ellipse;           // px of the full-size image, from the outline's area moments
+  double circularity = 0.0;  // W of the digitised outline, perimeter by weighted chain code (error 5 to 10 %)
 };
 
 struct DiameterRange {
@@ -20,8 +20,8 @@ struct DiameterRange {
   double max_px = 0.0;
 };
 
-// Outlines whose size lies in the range and that are not hopelessly long or ragged, both polarities, finest scale
-// first. The same circle is usually there once per scale.
+// Returns the outlines with a size in the range (+-25 %) that are neither long nor ragged, of both polarities, finest
+// scale first. One circle usually appears once per scale. Returns none for an image below 8 px.
 [[nodiscard]] std::vector<CandidateOutline> candidate_outlines(const LumaView& luma, DiameterRange diameters);
 
 }  // namespace moiregauge::internal::markers_detail

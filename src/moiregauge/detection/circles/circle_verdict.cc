@@ -11,11 +11,12 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-// rms distance from the ellipse: a square has 0.052 of its equivalent diameter, a hexagon 0.017, a roughly printed disc
-// 0.01; the pixel share is for discs of 10 px, sharpened by a camera or rough by a pixel of the print.
-constexpr double kMaxResidualShare = 0.02;
-constexpr double kMaxResidualPx = 0.15;
-constexpr double kMinContrastInNoise = 3.0;  // of the fit's residual: below, the disc is not there
+// Limits of the rms distance from the ellipse, added in quadrature. A square has 0.052 of its equivalent diameter, a
+// hexagon 0.017, a roughly printed disc 0.01. The limit in px is for discs of about 10 px, which sharpening in the
+// camera or a pixel of the printer makes rough.
+constexpr double kMaxResidualShare = 0.02;   // of the diameter
+constexpr double kMaxResidualPx = 0.15;      // px
+constexpr double kMinContrastInNoise = 3.0;  // of the rms residual: a disc of less contrast may be noise (chosen)
 
 std::string two_decimals(const char* before, double value, const char* between, double limit) {
   char text[96];
@@ -23,20 +24,20 @@ std::string two_decimals(const char* before, double value, const char* between, 
   return text;
 }
 
-// Why an outline is no circle; empty when it is one.
+// Returns the reason for rejecting an outline; empty if it is a circle.
 std::string problem_with(const TracedOutline& traced, const CircleOptions& options, double ellipse_slack) {
   const double diameter = traced.ellipse.diameter();
   if (!traced.problem.empty()) return traced.problem;
   if (diameter < options.min_diameter_px)
-    return two_decimals("diameter ", diameter, " px, need ", options.min_diameter_px);
+    return two_decimals("too small, diameter ", diameter, " px of at least ", options.min_diameter_px);
   if (diameter > options.max_diameter_px)
-    return two_decimals("diameter ", diameter, " px, limit ", options.max_diameter_px);
+    return two_decimals("too large, diameter ", diameter, " px of at most ", options.max_diameter_px);
   if (!(traced.circularity > options.min_circularity)) {
-    return two_decimals("W = ", traced.circularity, ", need > ", options.min_circularity);
+    return two_decimals("not round enough, W = ", traced.circularity, " of at least ", options.min_circularity);
   }
   const double limit = ellipse_slack * std::hypot(kMaxResidualShare * diameter, kMaxResidualPx);
   if (traced.residual_px > limit)
-    return two_decimals("not an ellipse: off by ", traced.residual_px, " px rms, limit ", limit);
+    return two_decimals("not an ellipse, residual ", traced.residual_px, " px rms of at most ", limit);
   return {};
 }
 
@@ -49,11 +50,11 @@ CircleVerdict judge_circle(const LumaView& luma, const Ellipse& start, const Cir
   if (!verdict.why.empty()) return verdict;
   const auto fitted = fit_disc(luma, traced);
   if (!fitted) {
-    verdict.why = "its grey levels fit no disc";
+    verdict.why = "its grey levels are not those of a disc";
     return verdict;
   }
   if (std::abs(traced.contrast) < kMinContrastInNoise * fitted->residual) {
-    verdict.why = "lost in noise";
+    verdict.why = "too faint for the noise";
     return verdict;
   }
   const double diameter = fitted->ellipse.diameter();

@@ -17,12 +17,14 @@ using markers_detail::CandidateOutline;
 using markers_detail::CircleVerdict;
 using markers_detail::judge_circle;
 
-constexpr double kSameCentreShare = 0.25;      // of the diameter: two candidates at one place,
-constexpr double kSameDiameterShare = 0.2;     // of about one size, are one outline seen at two scales
-constexpr double kRejectedWorthNaming = 0.55;  // W below which nobody would have called it a circle
-constexpr std::size_t kMaxRejectedNamed = 64;
+// Two candidates are one outline, found at two scales, if centres and diameters differ by less (shares of the
+// diameter).
+constexpr double kSameCentreShare = 0.25;
+constexpr double kSameDiameterShare = 0.2;
+constexpr double kRejectedWorthNaming = 0.55;  // W; a less circular outline does not help the user (chosen)
+constexpr std::size_t kMaxRejectedNamed = 64;  // limits the report
 
-// Known places, found again by their neighbourhood.
+// Set of centres and diameters with a fast search by position.
 class Places {
  public:
   explicit Places(double cell_px) : cell_px_(cell_px) {}
@@ -73,7 +75,7 @@ class Search {
       return std::pair(a.centre.y, a.centre.x) < std::pair(b.centre.y, b.centre.x);
     };
     std::sort(found_.circles.begin(), found_.circles.end(), by_row);
-    // What one scale refused another may have found.
+    // An outline rejected at one scale may be a circle at another.
     std::erase_if(found_.rejected, [this](const RejectedOutline& r) {
       return known_.has({r.centre.x, r.centre.y}, r.diameter_px);
     });
@@ -85,7 +87,7 @@ class Search {
 
  private:
   void refuse(const CandidateOutline& candidate, const CircleVerdict& verdict) {
-    // Rays see corners only as far as they reach: the digitised outline knows better when it is worse.
+    // Rays have a limited reach and may miss corners. The smaller of the two values is then the better one.
     const double circularity = std::min(verdict.circularity, candidate.circularity);
     if (circularity < kRejectedWorthNaming) return;
     const double diameter = candidate.ellipse.diameter();
@@ -125,7 +127,7 @@ CircleSearch find_circles(const LumaView& luma, const CircleOptions& options) {
 
 std::vector<DetectedCircle> find_circles_near(const LumaView& luma, ImagePoint predicted, double diameter_px,
                                               double reach_px, const CircleOptions& options) {
-  constexpr double kSizeSlack = 1.5;  // between two frames a circle does not grow or shrink more
+  constexpr double kSizeSlack = 1.5;  // largest ratio of diameters between two frames (chosen)
   const double half = reach_px + diameter_px + 4.0;
   const int x0 = std::max(0, static_cast<int>(std::floor(std::clamp(predicted.x - half, 0.0, 1e6))));
   const int y0 = std::max(0, static_cast<int>(std::floor(std::clamp(predicted.y - half, 0.0, 1e6))));

@@ -19,7 +19,7 @@ using test::picture;
 using test::Scene;
 
 constexpr std::uint64_t kCirclesSeed = 20240611;
-constexpr double kCentreGoal = 0.005;  // px, noise-free: a hundredth of the noise of one edge pixel
+constexpr double kCentreGoal = 0.005;  // px, largest error of the centre without noise (chosen)
 
 CircleSearch search_of(const Disc& disc, const Scene& scene) {
   std::mt19937_64 rng(kCirclesSeed);
@@ -77,13 +77,14 @@ TEST(CircleCentre, ScattersUnderNoiseAsMuchAsItsStandardUncertaintySays) {
       squares += std::pow(circles[0].centre.x - disc.x, 2) + std::pow(circles[0].centre.y - disc.y, 2);
       stated += std::pow(circles[0].u_centre_px, 2);
     }
-    // Two coordinates per trial: the ratio's standard error is 1 / sqrt(4 n); allow 4, and 5 % for the fit's model.
+    // The ratio has a relative standard error of 1 / sqrt(4 n), for two coordinates per trial. The limit is 4 of these,
+    // plus 5 % for the model of the fit.
     EXPECT_NEAR(std::sqrt(squares / 2.0 / stated), 1.0, 0.05 + 4.0 / std::sqrt(4.0 * kTrials))
         << "seed " << kCirclesSeed;
   }
 }
 
-TEST(CircleCentre, IsTheSameWhetherSoughtInTheWholePictureOrNearAPrediction) {
+TEST(CircleCentre, IsTheSameInTheWholeImageAndNearAPrediction) {
   const Disc disc{64.3, 63.8, 40.0, 0.35, 0.4};
   std::mt19937_64 rng(kCirclesSeed);
   const auto image = picture<std::uint8_t>(grey_levels(coverage(disc, {}), {}), 128, 1.0, 2.0, rng);
@@ -106,7 +107,7 @@ TEST(Circularity, IsThatOfTheTrueEllipseNotOfItsPixels) {
   }
 }
 
-TEST(Circularity, SquaresAreNotCirclesAtAnyTurnAndSize) {
+TEST(Circularity, SquaresAreNotCirclesAtAnyRotationAndSize) {
   std::mt19937_64 rng(kCirclesSeed);
   for (const double side : {8.0, 12.0, 25.0, 50.0}) {
     for (double turn = 0.0; turn < 1.6; turn += 0.2) {
@@ -137,10 +138,10 @@ TEST(FindCircles, ADiscInsideARingIsFoundAndSoAreTheRingsTwoEdges) {
   EXPECT_LT(std::hypot(circles[0].centre.x - 64.3, circles[0].centre.y - 63.9), kCentreGoal);
 }
 
-// A marker is a speck on a large sheet: wherever it lies among the tiles and scales of the search, it is found, and
-// where the search near a prediction finds it.
-TEST(FindCircles, TheSmallestDiscIsFoundAtEveryPlaceOfALargePicture) {
-  constexpr int kPlaces = 6;  // a pixel apart and a little, over tiles and blocks
+// A small disc must be found at any position relative to the tiles and scales of the search. The search near a
+// prediction must give the same centre.
+TEST(FindCircles, ASmallDiscIsFoundAtEveryPositionOfALargeImage) {
+  constexpr int kPlaces = 6;  // per axis, 1.17 px apart: covers a tile of 4 px at different fractions of a pixel
   for (const bool light_disc : {false, true}) {
     for (int i = 0; i < kPlaces * kPlaces; ++i) {
       Scene scene;
@@ -163,11 +164,11 @@ TEST(FindCircles, TheSmallestDiscIsFoundAtEveryPlaceOfALargePicture) {
   }
 }
 
-TEST(FindCircles, ADiscCutOffByThePicturesEdgeIsNotReported) {
+TEST(FindCircles, ADiscCutOffByTheEdgeOfTheImageIsNotReported) {
   EXPECT_TRUE(search_of({3.0, 64.0, 30.0, 0.0, 0.0}, {}).circles.empty());
 }
 
-TEST(FindCircles, AnEmptyNoisyPictureHasNoCircles) {
+TEST(FindCircles, AnEmptyNoisyImageHasNoCircles) {
   std::mt19937_64 rng(kCirclesSeed);
   const auto image = picture<std::uint8_t>(std::vector<double>(128 * 128, 120.0), 128, 1.0, 3.0, rng);
   EXPECT_TRUE(find_circles(LumaView(image.view()), {}).circles.empty()) << "seed " << kCirclesSeed;

@@ -10,22 +10,23 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-constexpr double kMinBand = 2.0;       // px to either side of the edge
-constexpr double kMaxBand = 6.0;       // px
-constexpr double kBandInBlurs = 3.0;   // beyond three sigma a pixel knows nothing of the edge
-constexpr double kBandShare = 0.3;     // of the minor axis: neighbours may be close
-constexpr double kMinDiscBlur = 0.25;  // px: a box pixel alone has 0.29
-constexpr double kMaxBlur = 4.0;       // px
-constexpr double kMaxStray = 0.5;      // px from the traced centre
-constexpr std::size_t kMaxPixels = 6000;
+constexpr double kMinBand = 2.0;          // px to either side of the edge
+constexpr double kMaxBand = 6.0;          // px
+constexpr double kBandInBlurs = 3.0;      // sigma: pixels farther from the edge hold no information about it
+constexpr double kBandShare = 0.3;        // of the minor axis: keeps neighbouring markers out
+constexpr double kMinDiscBlur = 0.25;     // px, sigma: a box pixel alone has 0.29
+constexpr double kMaxBlur = 4.0;          // px, sigma (chosen)
+constexpr double kMaxStray = 0.5;         // px from the traced centre (chosen)
+constexpr std::size_t kMaxPixels = 6000;  // limits the time of the fine passes
 
-// The same disc must have the same centre however the outline was traced (in a window, in the whole picture, from 8 or
-// 16 bits): the last passes run to convergence on a band of pixels that forgets the trace, being laid on a coarse grid.
+// One disc must have one centre, for any traced outline (in a window or the whole image, from 8 or 16 bits). The fine
+// passes therefore converge on a band whose ellipse is rounded to a coarse grid, which is the same for all traces.
 constexpr double kSnap = 0.25;  // px
 constexpr int kCoarsePasses = 2;
 constexpr int kFinePasses = 4;
 
-// lighter level and its slopes across the unit circle; q; sigma (relative); k0 .. k4 of Ellipse::corrected
+// Order: lighter level, its two slopes across the unit circle, q, sigma (relative step), k0 .. k4 of
+// Ellipse::corrected.
 constexpr int kDiscParameters = 10;
 using DiscVector = Eigen::Matrix<double, kDiscParameters, 1>;
 using DiscNormal = Eigen::Matrix<double, kDiscParameters, kDiscParameters>;
@@ -52,7 +53,7 @@ std::vector<BandPixel> band_of(const ImageView<Grey>& view, const Ellipse& ellip
   const int x1 = std::min(view.width - 1, static_cast<int>(ellipse.centre.x() + half.x()) + 1);
   const int y0 = std::max(0, static_cast<int>(ellipse.centre.y() - half.y()));
   const int y1 = std::min(view.height - 1, static_cast<int>(ellipse.centre.y() + half.y()) + 1);
-  // Most pixels of the box lie far inside or in its corners: for them the root need not be taken.
+  // Most pixels of the box are far from the edge. The test on squares avoids their square root.
   constexpr double kRounding = 1e-9;
   const double share = width / shape.minor_px;
   const double most = (1.0 + share) * (1.0 + share) * (1.0 + kRounding);
@@ -106,7 +107,7 @@ DiscSums sums_of_band(const std::vector<BandPixel>& band, const DiscState& s, st
     const double plane = s.light + s.slope_x * u.x() + s.slope_y * u.y();
     const double rest = 1.0 - s.q * darkness;
     const double residual = pixel.grey - plane * rest;
-    // d(darkness) = -bell dz; the outline moved outwards by k lessens the distance by k rho_local.
+    // d(darkness) = -bell dz. Moving the outline outwards by k radii lowers the distance by k * per_px.
     const double by_outline = -plane * s.q * bell * side / s.sigma * per_px;
     const double c = u.x() / rho, sn = u.y() / rho;
     j << rest, rest * u.x(), rest * u.y(), -plane * darkness, -plane * s.q * bell * z, by_outline, by_outline * c,
@@ -119,7 +120,7 @@ DiscSums sums_of_band(const std::vector<BandPixel>& band, const DiscState& s, st
   return sums;
 }
 
-// One Gauss-Newton step; empty when it makes no sense.
+// Applies one Gauss-Newton step. Empty if the step is not finite or moves the outline by more than half a radius.
 std::optional<DiscVector> improve_disc(const DiscSums& sums, DiscState& s) {
   const Eigen::LDLT<DiscNormal> solver(DiscNormal(sums.normal.selfadjointView<Eigen::Lower>()));
   const DiscVector step = solver.solve(sums.right);
@@ -146,7 +147,7 @@ std::optional<FittedDisc> fit_in(const ImageView<Grey>& view, const TracedOutlin
   std::vector<BandPixel> band = band_of(view, s.ellipse, s.sigma);
   if (band.size() < 3 * kDiscParameters) return std::nullopt;
   const std::size_t coarse = 1 + band.size() / 400;
-  for (int pass = 0; pass < kCoarsePasses; ++pass) {  // the first steps need direction, not precision
+  for (int pass = 0; pass < kCoarsePasses; ++pass) {  // about 400 pixels suffice for the first steps
     if (!improve_disc(sums_of_band(band, s, coarse), s)) return std::nullopt;
   }
   band = band_of(view, snapped(s.ellipse), std::ceil(s.sigma / kSnap) * kSnap);
@@ -158,7 +159,7 @@ std::optional<FittedDisc> fit_in(const ImageView<Grey>& view, const TracedOutlin
     sums = sums_of_band(band, s, fine);
     const auto step = improve_disc(sums, s);
     if (!step) return std::nullopt;
-    gain = sums.right.dot(*step);  // by which the last step lessened the sum of squares, to first order
+    gain = sums.right.dot(*step);  // reduction of the sum of squares by this step, to first order
   }
   if ((s.ellipse.centre - outline.ellipse.centre).norm() > kMaxStray) return std::nullopt;
   const double freedom = static_cast<double>(sums.pixels) - kDiscParameters;

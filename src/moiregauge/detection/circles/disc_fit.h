@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sub-pixel centre of a disc: least squares of the grey levels in the band round its edge.
+// Sub-pixel centre of a disc: least squares fit to the grey levels in a band around its edge.
 //
-// Model: the lighter side is a plane of grey (shading), the darker side the same plane times 1 - q (paint reflects a
-// share of the light that falls on it), and between the two an error function of the distance from the ellipse, of
-// width sigma (lens and pixel). Symmetric about the centre, so errors of the model itself do not move it.
+// Model: the lighter side is a plane of grey levels (shading). The darker side is the same plane times 1 - q, because
+// ink reflects a fixed share of the light. The transition is an error function of the distance from the ellipse, of
+// width sigma (blur of lens and pixel). The model is symmetric about the centre, so its own errors do not move the
+// centre.
 #pragma once
 
 #include <optional>
@@ -16,12 +17,13 @@ namespace moiregauge::internal::markers_detail {
 
 struct FittedDisc {
   Ellipse ellipse;
-  double u_centre_px = 0.0;  // standard uncertainty of each coordinate, from the fit's own residual
+  double u_centre_px = 0.0;  // px, standard uncertainty (k = 1) of each coordinate, from the residual of the fit
   double residual = 0.0;     // grey levels, rms
-  double blur_px = 0.0;
+  double blur_px = 0.0;      // px, sigma of the edge
 };
 
-// Empty when the fit runs away from the traced outline.
+// Fits the disc model, starting from the traced outline. Empty if the fit diverges, has too few pixels or moves more
+// than 0.5 px from the traced centre.
 [[nodiscard]] std::optional<FittedDisc> fit_disc(const LumaView& luma, const TracedOutline& outline);
 
 }  // namespace moiregauge::internal::markers_detail

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // the scalar one too: it is what the others are compared with
+#define HWY_COMPILE_ALL_ATTAINABLE  // includes the scalar target, to which the tests compare the others
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moiregauge/detection/circles/radial_profile.cc"
 #include <hwy/foreach_target.h>
@@ -22,11 +22,11 @@ constexpr int kLanes = static_cast<int>(hn::MaxLanes(Real()));
 
 constexpr int kMax = 32;  // samples of a ray
 
-// In lots: what one pass stores the next loads some time after, when it is there.
+// Intermediate values of all samples. Separate passes over arrays avoid a wait for each store before its load.
 struct Samples {
-  alignas(64) double fx[kMax], fy[kMax];      // from the upper left of the four pixels round it
-  alignas(64) std::int32_t x[kMax], y[kMax];  // that one's place
-  alignas(64) std::int32_t level[4][kMax];    // upper left, upper right, lower left, lower right
+  alignas(64) double fx[kMax], fy[kMax];      // px from the upper left of the four neighbouring pixels
+  alignas(64) std::int32_t x[kMax], y[kMax];  // px, position of that upper left pixel
+  alignas(64) std::int32_t level[4][kMax];    // grey levels: upper left, upper right, lower left, lower right
 };
 
 template <typename Grey>
@@ -46,7 +46,7 @@ HWY_INLINE void place(const ImageView<Grey>& view, const RaySteps& ray, Samples&
   }
 }
 
-// Not of what a lot has beyond the last sample: it may lie outside the picture.
+// Reads only the valid samples. The rest of the last vector may be outside the image.
 template <typename Grey>
 HWY_INLINE void look(const ImageView<Grey>& view, int samples, Samples& s) {
   for (int j = 0; j < samples; ++j) {
@@ -101,7 +101,8 @@ std::uint32_t Rises(const double* profile, int samples, double level, double sig
   return bits & ((std::uint32_t{1} << (samples - 1)) - 1);
 }
 
-// The largest of those that no more than half are below: comparisons without a branch, as few numbers sort slowly.
+// Returns the largest value that has at most count / 2 smaller ones. Comparisons without branches are faster than a
+// sort for so few values.
 double Median(const double* values, int count) {
   const Real d;
   const auto half = hn::Set(d, count / 2), one = hn::Set(d, 1.0), end = hn::Set(d, count);

@@ -50,7 +50,7 @@ void expect_definition(const Image<Grey>& picture, const RaySteps& ray) {
   ASSERT_TRUE(use_simd_target(simd_targets().front()));
 }
 
-// Up to the last row and column of pixels.
+// The second ray reaches the last row and column of pixels.
 TEST(RayProfile, IsBilinearToTheLastBitOnEverySimdTarget) {
   for (int samples = 2; samples <= 25; ++samples) {
     const RaySteps oblique{20.3, 19.1, 0.6, -0.8, -3.7, 0.5, samples},
@@ -66,7 +66,7 @@ TEST(RayProfile, RisesWhereItCrossesTheLevelFromBelow) {
   std::mt19937_64 rng(kRaySeed);
   for (int samples = 2; samples <= 25; ++samples) {
     Profile profile{};
-    for (double& grey : profile) grey = static_cast<double>(rng() % 5);  // often on the level itself
+    for (double& grey : profile) grey = static_cast<double>(rng() % 5);  // often equal to the level
     for (const double sign : {1.0, -1.0}) {
       std::uint32_t truth = 0;
       for (int j = 0; j + 1 < samples; ++j) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Discs for the tests, rendered from their geometry alone: nothing here is shared with the detector.
+// Renders discs for tests from their geometry. Shares no code with the detector.
 #pragma once
 
 #include <algorithm>
@@ -17,27 +17,28 @@ struct Disc {
   double x = 0.0, y = 0.0;  // px, centre of the ellipse
   double diameter = 30.0;   // px, major axis
   double tilt_rad = 0.0;    // minor / major = cos(tilt)
-  double turn_rad = 0.0;    // of the major axis
+  double turn_rad = 0.0;    // direction of the major axis, from image x towards image y
 };
 
 struct Scene {
-  int size = 128;
-  double psf_px = 0.7;  // sigma of the lens; the pixel's box comes on top
-  double paper = 170.0, ink = 40.0;
-  double shading = 0.0;  // relative change of the light across the picture
+  int size = 128;                    // px, width and height
+  double psf_px = 0.7;               // px, sigma of the lens blur, without the box of the pixel
+  double paper = 170.0, ink = 40.0;  // grey levels
+  double shading = 0.0;              // relative change of the light across the image
 };
 
-// Integral of the normal distribution function.
+// Returns the integral of the normal distribution function up to z.
 inline double ramp(double z) {
   return z * 0.5 * std::erfc(-z * std::sqrt(0.5)) + std::exp(-0.5 * z * z) / std::sqrt(kTwoPi);
 }
 
-// Share of a blurred box pixel at distance a that lies beyond an edge.
+// Returns the share of a blurred box pixel beyond an edge, for its centre at distance a (px).
 inline double beyond_edge(double a, double sigma) {
   return sigma * (ramp((a + 0.5) / sigma) - ramp((a - 0.5) / sigma));
 }
 
-// Coverage of every pixel: exact along x (Gauss and box over each chord), midpoint rule of 1/20 px along y.
+// Returns the share of each pixel inside the disc. Exact along x (Gaussian and box over each chord); midpoint rule with
+// steps of 1/20 px along y.
 inline std::vector<double> coverage(const Disc& disc, const Scene& scene) {
   const double a = 0.5 * disc.diameter, b = a * std::cos(disc.tilt_rad), c = std::cos(disc.turn_rad),
                s = std::sin(disc.turn_rad);

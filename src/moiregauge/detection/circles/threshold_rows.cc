@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // the scalar one too: it is what the others are compared with
+#define HWY_COMPILE_ALL_ATTAINABLE  // includes the scalar target, to which the tests compare the others
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moiregauge/detection/circles/threshold_rows.cc"
 #include <hwy/foreach_target.h>
@@ -16,13 +16,13 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Word = hn::CappedTag<std::uint16_t, 32>;
-using Byte = hn::Rebind<std::uint8_t, Word>;  // as many of them as words
+using Byte = hn::Rebind<std::uint8_t, Word>;  // as many lanes as Word
 using Words = hn::Vec<Word>;
 constexpr int kWords = static_cast<int>(hn::MaxLanes(Word()));
-constexpr int kColumns = kStripPx + 32;  // a strip, a column to either side, and what is read beyond
+constexpr int kColumns = kStripPx + 32;  // px: a strip, one column to either side, and the rest of the last vector
 constexpr std::uint16_t kMaxSum = 16 * 255;
 
-// Six rows of a strip from the column before its first on: those of a tile and one to either side.
+// Six rows of a strip (those of a tile, one above, one below), starting one column before the strip.
 struct StripRows {
   const std::uint8_t* row[kTilePx + 2];
   std::uint8_t copy[kTilePx + 2][kColumns];
@@ -30,7 +30,7 @@ struct StripRows {
 
 int mirrored(int i, int count) { return i < 0 ? -i : i < count ? i : std::max(0, 2 * count - 2 - i); }
 
-// Rows of the picture itself, or copies with mirrored columns where the strip is at its edge.
+// Points `strip` to the rows of the image, or to copies with mirrored columns if the strip touches the image's edge.
 void take_rows(const GreyView& picture, int x0, int tile_y, StripRows& strip) {
   const int before = x0 - 1, columns = std::min(kColumns, picture.width + 1 - before);
   const bool inside = before >= 0 && before + kColumns <= picture.width;
@@ -69,7 +69,7 @@ HWY_INLINE Words sixteenfold(const std::uint16_t* sums) {
   return hn::Add(hn::Add(hn::LoadU(d, sums), hn::LoadU(d, sums + 2)), hn::Add(middle, middle));
 }
 
-// Sums of sixteen as grey levels.
+// Divides weighted sums (total weight 16) by 16, rounded, and stores them as bytes.
 HWY_INLINE void store_means(Words sums, std::uint8_t* out) {
   const Words mean = hn::ShiftRight<4>(hn::Add(sums, hn::Set(Word(), 8)));
   hn::StoreU(hn::TruncateTo(Byte(), mean), Byte(), out);

@@ -16,35 +16,36 @@ namespace {
 
 constexpr int kMaxRays = 96;
 constexpr int kMinRays = 24;
-constexpr double kRaysPerPixel = 1.5;  // of diameter: outline points 2 px apart, so that noise does not lengthen it
+constexpr double kRaysPerPixel = 1.5;  // rays per px of diameter: points 2 px apart, so that noise adds little length
 constexpr double kRayStep = 0.5;       // px along a ray
-constexpr double kMinReach = 2.5;      // px to either side of the edge: past the blur of a sharp lens
-constexpr double kMaxReach = 6.0;      // px: no further than needed, neighbours may be close
+constexpr double kMinReach = 2.5;      // px to either side of the edge: more than the blur of a sharp lens
+constexpr double kMaxReach = 6.0;      // px: keeps neighbouring markers out
 constexpr double kReachShare = 0.22;   // of the diameter
-constexpr double kMaxMissing = 0.08;   // share of rays without an edge: dirt is forgiven, a corner's neighbour is not
+constexpr double kMaxMissing = 0.08;   // share of rays without an edge: tolerates dirt, but no touching object (chosen)
 constexpr int kMaxRounds = 7;
-constexpr double kSettled = 0.003;  // px, movement of the outline between two rounds
-constexpr double kMaxGrowth = 1.6;  // from the candidate's size, either way
-constexpr int kMaxSamples = 4 * 6 + 1;
-constexpr int kProfile = (kMaxSamples / kRayLanes + 2) * kRayLanes;  // a lot more, as crossings are sought pairwise
+constexpr double kSettled = 0.003;      // px, movement of the outline between two rounds at convergence
+constexpr double kMaxGrowth = 1.6;      // ratio to the candidate's diameter, either way (chosen)
+constexpr int kMaxSamples = 4 * 6 + 1;  // 2 kMaxReach / kRayStep + 1
+// Samples: one vector more than needed, because a crossing compares each sample with the next one.
+constexpr int kProfile = (kMaxSamples / kRayLanes + 2) * kRayLanes;
 
 struct Ray {
-  Eigen::Vector2d unit;  // on the unit circle
-  double length = 0.0;   // px from the centre to the ellipse
-  double inside = 0.0;   // grey levels at the two ends
-  double outside = 0.0;
-  std::array<double, kProfile> profile{};
-  std::optional<double> edge;  // px beyond the ellipse
-  double slope = 0.0;          // grey levels per px at the edge
+  Eigen::Vector2d unit;                    // on the unit circle
+  double length = 0.0;                     // px from the centre to the ellipse
+  double inside = 0.0;                     // grey level at the inner end
+  double outside = 0.0;                    // grey level at the outer end
+  std::array<double, kProfile> profile{};  // grey levels along the ray
+  std::optional<double> edge;              // px beyond the ellipse
+  double slope = 0.0;                      // grey levels per px at the edge
 };
 
 struct Round {
   std::vector<Ray> rays;
-  int samples = 0;
-  double reach = 0.0;
+  int samples = 0;     // per ray
+  double reach = 0.0;  // px to either side of the ellipse
 };
 
-// Of one number per ray.
+// Median of one value per ray, in an array of fixed size.
 class Numbers {
  public:
   void add(double value) { values_[count_++] = value; }
@@ -58,7 +59,7 @@ class Numbers {
 };
 
 void aim_rays(std::size_t count, std::vector<Ray>& rays) {
-  if (rays.size() == count) return;  // as in the round before
+  if (rays.size() == count) return;  // directions depend on the count only
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = kTwoPi * static_cast<double>(i) / static_cast<double>(count);
@@ -84,7 +85,7 @@ bool sample(const ImageView<Grey>& view, const Ellipse& ellipse, Round& round) {
     const Eigen::Vector2d direction = spoke / ray.length;
     const RaySteps steps{ellipse.centre.x(),       ellipse.centre.y(), direction.x(), direction.y(),
                          ray.length - round.reach, kRayStep,           round.samples};
-    if (!inside(steps, 0) || !inside(steps, round.samples - 1)) return false;  // so all between them are
+    if (!inside(steps, 0) || !inside(steps, round.samples - 1)) return false;  // both ends inside: all are inside
     sample_ray(view, steps, ray.profile.data());
     ray.inside = 0.5 * (ray.profile[0] + ray.profile[1]);
     const auto last = static_cast<std::size_t>(round.samples - 1);
@@ -93,7 +94,7 @@ bool sample(const ImageView<Grey>& view, const Ellipse& ellipse, Round& round) {
   return true;
 }
 
-// The crossing of half-way that is nearest to the ellipse, going from inside to outside.
+// Finds the crossing of `level` nearest to the ellipse, in the direction from inside to outside.
 void find_edge(Ray& ray, const Round& round, double step, double level) {
   ray.edge.reset();
   const double sign = step > 0.0 ? 1.0 : -1.0;
@@ -108,8 +109,9 @@ void find_edge(Ray& ray, const Round& round, double step, double level) {
   }
 }
 
-// Half-way is each ray's own, so that shading does not shift the outline, but within reason, so that a neighbour
-// touching one ray does not.
+// Finds the edge on all rays and returns the number of rays without one. Each ray has its own mid-level, so that
+// shading does not shift the outline. The level is limited, so that an object at the end of one ray does not shift it
+// either.
 int find_edges(Round& round, TracedOutline& out) {
   Numbers inside, outside, slopes;
   for (const Ray& ray : round.rays) {
@@ -155,8 +157,8 @@ Correction correction_of(const Round& round) {
   return normal.ldlt().solve(right);
 }
 
-// Eq. (6) on the polygon through the edges. A regular n-gon inscribed in a circle has W = (pi / n) / tan(pi / n) < 1:
-// that factor is the sampling's, not the outline's, and is taken out.
+// Computes W (paper Eq. 6) of the polygon through the edges. A regular n-gon inscribed in a circle has
+// W = (pi / n) / tan(pi / n) < 1. The result is divided by this factor, which is caused by the sampling.
 void judge(const Round& round, const Correction& k, TracedOutline& out) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(round.rays.size());
@@ -185,7 +187,7 @@ TracedOutline trace(const ImageView<Grey>& view, const Ellipse& start) {
   Round round;
   for (int i = 0; i < kMaxRounds; ++i) {
     if (!sample(view, out.ellipse, round)) {
-      out.problem = "cut off by the picture's edge";
+      out.problem = "cut off by the image edge";
       return out;
     }
     const int missing = find_edges(round, out);
@@ -196,12 +198,12 @@ TracedOutline trace(const ImageView<Grey>& view, const Ellipse& start) {
     const Correction k = correction_of(round);
     judge(round, k, out);
     const double moved = k.norm() * 0.5 * out.ellipse.diameter();
-    // Far from the outline the correction is not small against 1 and must not turn the ellipse inside out.
+    // Far from the outline the correction is not small, and a full step could invert the ellipse.
     out.ellipse = out.ellipse.corrected(k * std::min(1.0, 0.4 / k.norm()));
     const double growth = out.ellipse.diameter() / start.diameter();
     if (growth > kMaxGrowth || growth < 1.0 / kMaxGrowth ||
         (out.ellipse.centre - start.centre).norm() > 0.5 * start.diameter()) {
-      out.problem = "no outline where the threshold saw one";
+      out.problem = "no clear outline";
       out.circularity = 0.0;
       return out;
     }

@@ -12,15 +12,15 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kSeriesPasses = 2;  // before the lattice moves: without a series it has no slope to follow
+constexpr int kSeriesPasses = 2;  // before the lattice passes: without a series the lattice has no gradient
 constexpr int kLatticePasses = 5;
 constexpr int kUnknowns = 8;  // of the lattice: phases, k, q
-// 1 sigma of q, per px: tan(tilt) / focal length. A wide lens of 1000 px at 45 degrees. It holds back q where a few
-// pixels cannot tell it.
+// Per px, 1 sigma of the prior on q = tan(tilt) / focal length: a wide lens of 1000 px at 45 degrees. The prior limits
+// q if the pixels do not determine it.
 constexpr double kLikelyPerspective = 1e-3;
 
 struct LatticePixel {
-  Eigen::Vector2d x;  // from the lattice's origin
+  Eigen::Vector2d x;  // px from the lattice's origin
   double grey = 0.0;
   double weight = 0.0;
 };
@@ -46,8 +46,8 @@ class PixelPicker {
   std::vector<LatticePixel> out_;
 };
 
-// Every pixel of a small box; of a large one about as many as are asked for, one strewn into each cell of a raster: a
-// regular choice would be in step with the print.
+// Returns all pixels of a small box, and about `most` stratified pixels of a large one. A regular choice would alias
+// with the grating.
 std::vector<LatticePixel> pixels_in(const Image<float>& grey, const PhiBox& box, const Eigen::Matrix2d& to_phi,
                                     const Lattice& lattice, std::size_t most) {
   const Eigen::Matrix2d from_phi = to_phi.inverse();
@@ -71,7 +71,7 @@ std::vector<LatticePixel> pixels_in(const Image<float>& grey, const PhiBox& box,
     low = low.cwiseMin(Eigen::Vector2d(p.x, p.y));
     high = high.cwiseMax(Eigen::Vector2d(p.x, p.y));
   }
-  if (!((high - low).prod() < 16.0 * static_cast<double>(most) + 1000.0)) return {};  // too slanted to be a print
+  if (!((high - low).prod() < 16.0 * static_cast<double>(most) + 1000.0)) return {};  // too oblique for a grating
   for (int y = static_cast<int>(std::ceil(low.y())); y <= high.y(); ++y) {
     for (int x = static_cast<int>(std::ceil(low.x())); x <= high.x(); ++x)
       picker.pick(x, y, from_phi * lattice.phi({static_cast<double>(x), static_cast<double>(y)}));
@@ -95,7 +95,7 @@ struct Wave {
 };
 Wave operator*(Wave a, Wave b) { return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s}; }
 
-// cos and sin of every harmonic's angle at one place.
+// Cosine and sine of all harmonics at one position, by products of the fundamentals.
 class Waves {
  public:
   explicit Waves(const Eigen::Vector2d& phi) {
@@ -115,9 +115,9 @@ class Waves {
   std::array<std::array<Wave, kHighestOrder + 1>, 2> powers_;
 };
 
-// One pass over the pixels: what the series leaves, told to the series and to the lattice. Under the Hann weight over
-// two periods or more the harmonics are orthogonal to 2 %, and a few passes take care of that; so no large system is
-// solved.
+// One pass over the pixels: sums of the residuals for the series and for the lattice. Under the Hann weight over two
+// periods or more, the harmonics are orthogonal within 2 %. A few passes therefore replace the solution of one large
+// system.
 class Pass {
  public:
   Pass(const std::vector<LatticePixel>& pixels, LatticeModel& model) : model_(model) {
@@ -126,14 +126,14 @@ class Pass {
     for (const LatticePixel& p : pixels) add(p);
   }
   void update_series() {
-    // Mean square of a cosine: a half.
+    // The mean square of a cosine is 1/2, hence the factor 2.
     model_.coefficients[0] += series_[0] / weight_;
     const Eigen::Index rest = series_.size() - 1;
     model_.coefficients.tail(rest) += 2.0 / weight_ * series_.tail(rest);
     model_.sigma = std::sqrt(0.5) * model_.coefficients.tail(rest).norm();
     model_.slope += light_.ldlt().solve(light_right_);
   }
-  // False when the pixels do not tell.
+  // Returns false if the pixels do not determine the lattice.
   bool update_lattice(bool perspective) {
     Lattice& l = model_.lattice;
     std::vector<Eigen::Index> unknowns{0, 2, 3};
@@ -162,7 +162,8 @@ class Pass {
     if (!solved.allFinite()) return false;
     Eigen::Matrix<double, kUnknowns, 1> step = Eigen::Matrix<double, kUnknowns, 1>::Zero();
     for (Eigen::Index i = 0; i < n; ++i) step[unknowns[static_cast<std::size_t>(i)]] = solved[i];
-    // The phases (0 and 1) are the series' own: they stand here only so that k and q do not take their part.
+    // The phases (unknowns 0 and 1) belong to the series. They are solved here, and ignored, to decouple them from k
+    // and q.
     l.k.row(0) += step.segment<2>(2).transpose();
     if (l.lines)
       l.k.row(1) << -l.k(0, 1), l.k(0, 0);

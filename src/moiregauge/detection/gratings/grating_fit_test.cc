@@ -14,7 +14,7 @@ Image<float> floats(const Image<std::uint8_t>& from) {
   return out;
 }
 
-// A print of squares of pitch 20.3 px, and a lattice that is 2 % off it to begin with.
+// Returns a start for the fit: the lattice of the grating with a pitch error of 2 %.
 LatticeModel begun(const testing::PaintedPrint& print) {
   LatticeModel model;
   model.lattice.origin = print.centre;
@@ -22,12 +22,12 @@ LatticeModel begun(const testing::PaintedPrint& print) {
   return model;
 }
 
-// Noise of 1.5 on an amplitude a of 34 grey levels over n = 61 x 61 px: a phase is known to sqrt(2 / n) 1.5 / a rad, a
-// slope over three periods to sqrt(12) / (3 turns) of that, 1.9 times more under the Hann weight: 4e-4 of the pitch, 4
-// sigma.
+// Relative, 4 sigma. The noise is 1.5 grey levels, the amplitude a = 34, the area n = 61 x 61 px. A phase then has
+// u = sqrt(2 / n) 1.5 / a rad. A slope over three periods has sqrt(12) / (3 * 2 pi) of that. The Hann weight makes it
+// 1.9 times larger: 4e-4 of the pitch.
 constexpr double kPitchTolerance = 1.6e-3;
 
-TEST(LatticeFit, ThePitchOfThreePeriodsIsToldToTheNoisesBound) {
+TEST(LatticeFit, ThePitchOfThreePeriodsReachesTheBoundOfTheNoise) {
   testing::PaintedPrint print;
   print.k = testing::lattice(20.3, 0.2);
   print.half_x = print.half_y = 1.5;
@@ -42,8 +42,8 @@ TEST(LatticeFit, ThePitchOfThreePeriodsIsToldToTheNoisesBound) {
   EXPECT_GT(model.explained(), 0.9);
 }
 
-// Every pixel is asked: strewn ones would leave the fourth and higher harmonics as noise, 4e-4 of the pitch here.
-TEST(LatticeFit, TheSlantOfAPrintIsTold) {
+// Uses all pixels: with stratified points the fourth and higher harmonics would act as noise, 4e-4 of the pitch here.
+TEST(LatticeFit, ThePerspectiveOfAGratingIsFitted) {
   testing::PaintedPrint print;
   print.centre = {110, 110};
   print.k = testing::lattice(20.3, -0.1);
@@ -59,10 +59,10 @@ TEST(LatticeFit, TheSlantOfAPrintIsTold) {
   EXPECT_LT((model.lattice.q - print.q).norm(), 0.02 * print.q.norm());
   EXPECT_LT((model.lattice.k - print.k).norm() / print.k.norm(), 2e-4);
   const Eigen::Vector2d s(4.0, -3.0);
-  EXPECT_LT((model.lattice.phi(model.lattice.at(s)) - s).norm(), 1e-9);  // there and back
+  EXPECT_LT((model.lattice.phi(model.lattice.at(s)) - s).norm(), 1e-9);  // round trip
 }
 
-TEST(LatticeFit, ASlopeOfLightIsNoPartOfThePrint) {
+TEST(LatticeFit, ASlopeOfLightIsNoPartOfTheGrating) {
   testing::PaintedPrint print;
   print.k = testing::lattice(20.0, 0.0);
   print.half_x = print.half_y = 4.0;

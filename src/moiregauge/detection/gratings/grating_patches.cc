@@ -12,13 +12,13 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxAttempts = 500;      // of the best seeds, in a picture full of things that repeat
-constexpr std::size_t kMaxThinAttempts = 100;  // each takes about 2 ms
-// Smoothing keeps 0.6 of a pitch's fundamental and 0.1 of its second harmonic.
+constexpr std::size_t kMaxAttempts = 500;      // seeds; limits the time in an image with many periodic objects (chosen)
+constexpr std::size_t kMaxThinAttempts = 100;  // seeds; each takes about 2 ms
+// Pitch divided by sigma of the smoothing, which keeps 0.6 of the fundamental and 0.1 of the second harmonic.
 constexpr double kPitchesPerSigma = 6.0;
-constexpr double kEdge_px = 1.0;  // the last strip that belongs may be cut by the edge, and the lattice is not exact
+constexpr double kEdge_px = 1.0;  // margin: the edge may cut the last strip, and the lattice has a small error
 
-// In grey levels of 8 bits, whatever the depth.
+// Returns the image in grey levels of 8 bits, for any bit depth.
 Image<float> grey_of(const LumaView& luma, int bits) {
   Image<float> out(width_of(luma), height_of(luma));
   const auto scale = static_cast<float>(std::ldexp(1.0, 8 - bits));
@@ -34,7 +34,7 @@ Image<float> grey_of(const LumaView& luma, int bits) {
   return out;
 }
 
-// Gaussian copies of a picture, made when they are first used, by steps of 1.4 in sigma.
+// Copies of an image smoothed by Gaussians, computed at first use. Sigma has steps of a factor 1.4.
 class SmoothedPictures {
  public:
   explicit SmoothedPictures(const Image<float>& grey) : grey_(grey) {}
@@ -82,7 +82,7 @@ DetectedPatch seen_patch(const GrownPatch& grown) {
   patch.pattern = grown.pattern;
   patch.modulation = std::max(grown.model.amplitude(1, 0), grown.model.amplitude(0, 1));
   patch.noise = grown.model.residual;
-  // The series' mean against the middle of its extremes.
+  // The mean is above the mid-level if less than half of the area is dark.
   double low = 1e9, high = -1e9;
   for (int i = 0; i < 256; ++i) {
     const double grey = grown.model.grey(Eigen::Vector2d(i % 16, i / 16) / 16.0);
@@ -93,7 +93,7 @@ DetectedPatch seen_patch(const GrownPatch& grown) {
   return patch;
 }
 
-// Which side of the line a -> b the point is on, and how far.
+// Returns the signed distance in px of p from the line a -> b; positive on the right-hand side in the image (y down).
 double beside(ImagePoint a, ImagePoint b, ImagePoint p) {
   const auto ab = b - a, ap = p - a;
   return (ab.x * ap.y - ab.y * ap.x) / std::max(length(ab), 1e-12);
@@ -141,7 +141,8 @@ std::vector<DetectedPatch> find_grating_patches(const LumaView& luma, const Grat
       const Grown grown = grow(seed);
       if (grown.outcome == Growth::kNoLattice) continue;
       const DetectedPatch patch = seen_patch(grown.patch);
-      // If two overlap, the first is the print, because its seed was purer. The other is a harmonic or a piece of it.
+      // If two overlap, the first is the grating, because its seed had the higher score. The other is a harmonic or a
+      // piece of it.
       const bool keeps =
           grown.outcome == Growth::kPatch &&
           std::none_of(patches.begin(), patches.end(), [&](const DetectedPatch& p) { return overlap(p, patch); });

@@ -32,14 +32,14 @@ std::vector<DetectedPatch> seen(const PaintedPrint& print, double fade = 0.0) {
   return patches_in(picture);
 }
 
-// The outline stays inside the print by the pixel it keeps clear and another for the strip that decides, on either
-// side; a white gap at the print's edge looks like paper, so squares and dots may seem to reach half a pitch farther.
+// Checks the extent along one axis. The outline may end 2.5 px inside the grating on either side: its margin of 1 px
+// and the last strips. White gaps look like paper, so squares and dots may seem to reach `gap` (half a pitch) farther.
 void expect_extent(double periods, double half, double pitch_px, double gap) {
   EXPECT_GT(periods, 2.0 * half - 2.0 * (2.5 / pitch_px)) << half;
   EXPECT_LT(periods, 2.0 * (half + gap)) << half;
 }
 
-TEST(GratingPatches, APatchReachesAsFarAsItsPrint) {
+TEST(GratingPatches, APatchReachesAsFarAsItsGrating) {
   const PaintedPrint print = squares();
   const auto found = seen(print);
   ASSERT_EQ(found.size(), 1U);
@@ -51,7 +51,7 @@ TEST(GratingPatches, APatchReachesAsFarAsItsPrint) {
   EXPECT_LT(found[0].k_y.y, 0.0);  // upwards
 }
 
-TEST(GratingPatches, FadingLightDoesNotEndAPrint) {
+TEST(GratingPatches, FadingLightDoesNotEndAGrating) {
   const auto even = seen(squares()), faded = seen(squares(), 0.7);
   ASSERT_EQ(even.size(), 1U);
   ASSERT_EQ(faded.size(), 1U);
@@ -73,7 +73,7 @@ TEST(GratingPatches, ACheckerboardRepeatsByTwoSquares) {
   }
 }
 
-TEST(GratingPatches, LinesAreNamedByTheAxisTheyShow) {
+TEST(GratingPatches, LinesAreNamedByTheAxisAlongWhichTheGreyLevelVaries) {
   PaintedPrint print = squares();
   print.ink = [](double x, double) { return testing::square_wave(x); };
   auto found = seen(print);
@@ -85,7 +85,7 @@ TEST(GratingPatches, LinesAreNamedByTheAxisTheyShow) {
   EXPECT_EQ(found[0].pattern, Pattern::kLinesY);
 }
 
-TEST(GratingPatches, WhatIsCoveredIsLeftOut) {
+TEST(GratingPatches, ThePatchExcludesTheCoveredPartOfAGrating) {
   const PaintedPrint print = squares();
   auto picture = testing::blank(256, 256);
   testing::paint(print, picture);
@@ -108,7 +108,7 @@ TEST(GratingPatches, RoughnessIsNoGrating) {
     }
   }
   EXPECT_TRUE(patches_in(picture).empty());
-  // And it hides none.
+  // A grating on the rough surface is still found.
   for (int y = 40; y < 224; ++y)
     std::fill(picture.row(y).begin() + 56, picture.row(y).begin() + 200, std::uint8_t{210});
   testing::paint(squares(), picture);
@@ -129,11 +129,11 @@ TEST(GratingElements, DotsBeyondTheOutlineAreStillDots) {
       circles.push_back(c);
     }
   }
-  DetectedCircle marker;  // as large as two dots, half a pitch out of step
+  DetectedCircle marker;  // twice the diameter of a dot, half a pitch off the raster
   marker.centre = print.centre + ImageExtent{11.0, 7.0 * 22.0};
   marker.diameter_px = 22.0;
   circles.push_back(marker);
-  DetectedPatch patch;  // only the middle of the print was found
+  DetectedPatch patch;  // covers only the middle of the grating
   const Eigen::Matrix2d px = print.k.inverse();
   const auto corner = [&](double x, double y) {
     const Eigen::Vector2d p = px * Eigen::Vector2d(x, y);

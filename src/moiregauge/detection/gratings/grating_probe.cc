@@ -11,7 +11,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kSide = 16;    // places along each axis
+constexpr std::size_t kSide = 16;    // sample points along each axis
 constexpr double kProbeReach = 1.1;  // periods
 constexpr int kMaxTerms = 9;         // mean, (1, 0), (0, 1), (1, 1), (1, -1)
 
@@ -63,7 +63,7 @@ double explained_by(const LatticeSeed& seed, const Image<float>& grey) {
     sums.noalias() += row * row.transpose();
   }
   const double count = sums(0, 0), greys = sums(0, kMaxTerms);
-  // Half of the core beyond the picture's edge is too little to judge by.
+  // Fewer than half of the sample points are inside the image: too few for a decision.
   if (count < 0.5 * kSide * kSide) return 0.0;
   const double variation = sums(kMaxTerms, kMaxTerms) - greys * greys / count;
   Eigen::MatrixXd normal = sums.topLeftCorner(terms, terms);
@@ -121,7 +121,7 @@ double explained_by_thin_lines(const LatticeSeed& seed, const Image<float>& grey
     if (second.norm() < kMinProbedSecond * first.norm()) return 0.0;
     strongest = std::max(strongest, first.norm());
   }
-  // Two harmonics of one size make four products of which the norm is twice that.
+  // Harmonics (1, 1) and (1, -1) of amplitude a give four product terms with a norm of 2 a.
   if (0.5 * profile.tail<4>().norm() > kMaxProbedDiagonal * strongest) return 0.0;
   const double left = sums(kThinTerms, kThinTerms) - profile.dot(right);
   return variation > 0.0 ? std::clamp(1.0 - left / variation, 0.0, 1.0) : 0.0;

@@ -15,18 +15,18 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kTile = 32;              // pixels of the level
-constexpr double kLowestBin = 1.9;     // fewer periods in a tile are not a lattice yet; the next level sees them
-constexpr double kHighestBin = 6.4;    // finer ones belong to the level before
-constexpr double kFinestBin = 13.5;    // but for the first level: 2.4 px
-constexpr double kLobe = 1.7;          // bins, the main lobe of the window
-constexpr double kPairShare = 0.25;    // of the spectrum, that two fundamentals must hold
-constexpr double kLinesShare = 0.5;    // and one
-constexpr double kMinExplained = 0.4;  // of a tile's grey levels
-// Thin lines spread their power over many harmonics, so that the plain probe may see less than it requires.
+constexpr int kTile = 32;              // px at the scale of the level
+constexpr double kLowestBin = 1.9;     // periods per tile; coarser lattices are left to the next level
+constexpr double kHighestBin = 6.4;    // periods per tile; finer lattices are found at the previous level
+constexpr double kFinestBin = 13.5;    // periods per tile at the first level: a pitch of 2.4 px
+constexpr double kLobe = 1.7;          // bins, half width of the window's main lobe
+constexpr double kPairShare = 0.25;    // smallest share of the spectrum's power in two fundamentals (chosen)
+constexpr double kLinesShare = 0.5;    // smallest share in one fundamental (chosen)
+constexpr double kMinExplained = 0.4;  // share of the variance; rejects most rough surfaces (grating_probe.h)
+// Share of the variance. Thin lines spread their power over many harmonics, so the plain model may explain less.
 constexpr double kMinPlainOfThin = 0.2;
-constexpr double kMinThinExplained = 0.5;
-constexpr double kSecondShare = 0.15;  // of the first's power, that makes a second one of it
+constexpr double kMinThinExplained = 0.5;  // share of the variance (grating_probe.h)
+constexpr double kSecondShare = 0.15;      // of the first fundamental's power: a weaker peak is no second one (chosen)
 
 Image<float> halved(const Image<float>& from) {
   Image<float> out(from.width() / 2, from.height() / 2);
@@ -48,10 +48,10 @@ const std::array<float, kTile>& hann_window() {
   return weights;
 }
 
-// Half of the power spectrum: fy = -16..15 by row, fx = 0..16 by column.
+// Half of a tile's power spectrum: rows fy = -16..15, columns fx = 0..16.
 class Spectrum {
  public:
-  // False when the tile is flat.
+  // Computes the spectrum of the tile at (x0, y0). Returns false if the tile is flat.
   bool of(const Image<float>& grey, int x0, int y0, double least_variance) {
     const auto& w = hann_window();
     double sum = 0.0, squares = 0.0, weight = 0.0;
@@ -88,7 +88,7 @@ class Spectrum {
     if (fx < 0) fx = -fx, fy = -fy;
     return std::abs(fy) >= kTile / 2 || fx > kTile / 2 ? 0.0 : power_[index(fx, fy)];
   }
-  // Power and centroid of the lobe about a peak.
+  // Returns power and centroid (bins) of the 3 x 3 bins around a peak.
   [[nodiscard]] std::pair<double, Eigen::Vector2d> lobe(Eigen::Vector2i peak) const {
     double sum = 0.0;
     Eigen::Vector2d centroid(0, 0);
@@ -101,7 +101,7 @@ class Spectrum {
     }
     return {sum, centroid / sum};
   }
-  // Share of all power that lies about the places given, each bin counted once.
+  // Returns the share of the total power in the 3 x 3 bins around the given places. Each bin counts once.
   [[nodiscard]] double share_about(std::span<const Eigen::Vector2d> places) const {
     std::vector<std::size_t> bins;
     for (const Eigen::Vector2d& f : places) {
@@ -120,7 +120,7 @@ class Spectrum {
     for (const std::size_t i : bins) sum += (is_single(i) ? 1.0 : 0.5) * power_[i];
     return sum / total_;
   }
-  // The strongest peak that passes: what merely leans against a stronger low frequency, an edge's, is none.
+  // Returns the strongest local maximum that passes. The flank of a stronger low frequency (an edge) is no maximum.
   template <typename Passes>
   [[nodiscard]] std::optional<Eigen::Vector2i> strongest(Passes passes) const {
     std::optional<Eigen::Vector2i> best;
@@ -145,7 +145,7 @@ class Spectrum {
     }
     return true;
   }
-  // A bin that stands for itself and its mirror image; the first and the last column hold both.
+  // Returns true for a bin without its mirror image in the array. The first and the last column contain both.
   static bool is_single(std::size_t i) { return i % (kTile / 2 + 1) != 0 && i % (kTile / 2 + 1) != kTile / 2; }
   static std::size_t index(int fx, int fy) { return static_cast<std::size_t>((fy + kTile / 2) * (kTile / 2 + 1) + fx); }
   cv::Mat tile_ = cv::Mat(kTile, kTile, CV_32F);
@@ -159,7 +159,7 @@ std::optional<LatticeSeed> seed_of(const Spectrum& spectrum, double highest_bin)
   if (!first) return std::nullopt;
   const auto [power1, k1] = spectrum.lobe(*first);
   if (k1.norm() < kLowestBin || k1.norm() > highest_bin) return std::nullopt;
-  // Perspective and oblique views bring the second one off square, never near the first.
+  // A perspective or oblique view changes angle and ratio of the fundamentals, but not beyond these limits (chosen).
   const auto second = spectrum.strongest([&k = k1](const Eigen::Vector2d& f) {
     const double ratio = f.norm() / k.norm();
     return ratio > 0.6 && ratio < 1.6 && std::abs(f.dot(k)) < 0.5 * f.norm() * k.norm() && f.norm() > kLobe;
@@ -179,7 +179,7 @@ std::optional<LatticeSeed> seed_of(const Spectrum& spectrum, double highest_bin)
   return seed;
 }
 
-// Seeds of one level that no neighbouring tile beats.
+// Adds the seeds of one level that have the highest score among their neighbouring tiles.
 void add_level(const Image<float>& grey, int scale, double min_modulation, std::vector<LatticeSeed>& out) {
   const int hop = scale == 1 ? 8 : 6;
   const int across = (grey.width() - kTile) / hop + 1, down = (grey.height() - kTile) / hop + 1;

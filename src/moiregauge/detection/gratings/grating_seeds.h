@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a picture is locally periodic: spectra of small tiles at several scales.
+// Detects locally periodic regions of an image by the spectra of small tiles at several scales.
 #pragma once
 
 #include <vector>
@@ -11,12 +11,12 @@
 
 namespace moiregauge::internal {
 
-// A tile whose spectrum is one lattice.
+// Tile with the spectrum of one lattice.
 struct LatticeSeed {
   ImagePoint centre;         // px
   Eigen::Vector2d k1{0, 0};  // fundamental harmonics, cycles per px
   Eigen::Vector2d k2{0, 0};  // zero: lines only
-  double score = 0.0;        // share of the grey levels' variance about the centre that it explains
+  double score = 0.0;        // share of the grey levels' variance around the centre that the lattice explains
 };
 
 // Seeds by the kind of print, each list best first.
@@ -25,8 +25,8 @@ struct LatticeSeeds {
   std::vector<LatticeSeed> thin_lines;  // grids of lines thinner than a third of the pitch; some are in `plain` too
 };
 
-// Finds the tile of each neighbourhood that is a lattice and hardly anything else. min_modulation: grey levels, below
-// which a tile counts as flat.
+// Finds, in each neighbourhood of tiles, the tile with the purest lattice. `min_modulation` is in grey levels: a tile
+// with an rms below half of it counts as flat.
 [[nodiscard]] LatticeSeeds find_lattice_seeds(const Image<float>& grey, double min_modulation);
 
 }  // namespace moiregauge::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints painted into a picture through a projective lattice: the truth that the search for gratings is judged by.
+// Gratings painted into an image through a projective lattice: the truth for the tests of the detection.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@
 
 namespace moiregauge::internal::testing {
 
-// Pitches s of the print at px p: s = k x / (1 + q . x), x from `centre`, where s = 0.
+// Position s in pitches at image point p: s = k x / (1 + q . x), with x = p - centre in px.
 struct PaintedPrint {
-  ImagePoint centre{100, 100};
-  Eigen::Matrix2d k = Eigen::Matrix2d::Identity() / 20.0;  // rows: along the print's x (rightwards) and y (upwards)
-  Eigen::Vector2d q{0, 0};
+  ImagePoint centre{100, 100};                                                     // px
+  Eigen::Matrix2d k = Eigen::Matrix2d::Identity() / 20.0;                          // per px; rows: x right, y up
+  Eigen::Vector2d q{0, 0};                                                         // per px
   double half_x = 2.0, half_y = 2.0;                                               // pitches
-  std::function<double(double, double)> ink = [](double, double) { return 1.0; };  // 0 paper to 1 black, of s
+  std::function<double(double, double)> ink = [](double, double) { return 1.0; };  // 0 (paper) to 1 (black) at s
 };
 
 inline double square_wave(double s) { return std::abs(std::remainder(s, 1.0)) < 0.25 ? 1.0 : 0.0; }
@@ -41,13 +41,14 @@ inline Eigen::Matrix2d lattice(double pitch_px, double angle_rad) {
   return k / pitch_px;
 }
 
-// White paper, 210 on 40 grey levels, every pixel the mean of 6 x 6 points.
+// Returns white paper of 210 grey levels.
 inline Image<std::uint8_t> blank(int width, int height) {
   Image<std::uint8_t> picture(width, height);
   for (int y = 0; y < height; ++y) std::fill(picture.row(y).begin(), picture.row(y).end(), std::uint8_t{210});
   return picture;
 }
 
+// Paints the grating with ink of 40 grey levels. Each pixel is the mean of 6 x 6 points.
 inline void paint(const PaintedPrint& print, Image<std::uint8_t>& picture) {
   constexpr int kFine = 6;
   for (int y = 0; y < picture.height(); ++y) {
@@ -64,7 +65,7 @@ inline void paint(const PaintedPrint& print, Image<std::uint8_t>& picture) {
   }
 }
 
-// Gaussian noise, and light that falls by `fade` from the left edge to the right one.
+// Adds Gaussian noise (sigma in grey levels, fixed seed) and light that falls by the share `fade` from left to right.
 inline void expose(Image<std::uint8_t>& picture, double sigma, double fade = 0.0) {
   std::mt19937 rng(7);
   std::normal_distribution<double> noise(0.0, sigma);

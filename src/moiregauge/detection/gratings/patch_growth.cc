@@ -9,17 +9,17 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kCore = 1.1;      // fundamental periods each way from the seed: a print of three, the seed a bit aside
-constexpr double kCore_px = 8.0;   // and as much of the seed's tile as its window has looked at
-constexpr double kStranger = 0.6;  // rms misfit of a strip, in the pattern's own rms, that is no longer the print
-constexpr double kStretch = 1.4;   // growth between two fits: so far an affine lattice tells where to look
-constexpr double kMaxBack = 0.5;   // pitches
-constexpr double kFinestHarmonic_px = 2.2;
-constexpr double kMaxInStrip = 64.0;          // points that judge a strip
-constexpr int kMaxRounds = 16;                // 2 kCore kStretch^16: more periods than any picture has
-constexpr std::size_t kSeedPixels = 600;      // tell whether a seed is worth growing
-constexpr std::size_t kGrowingPixels = 1600;  // tell where the next strip is
-constexpr std::size_t kFinalPixels = 20000;   // all of a marker: only then do the finest harmonics cancel
+constexpr double kCore = 1.1;      // fundamental periods each way from the seed: fits a grating of three periods
+constexpr double kCore_px = 8.0;   // px, smallest half width of the core: the effective window of the seed's tile
+constexpr double kStranger = 0.6;  // smallest rms residual of a strip off the grating, relative to the pattern (chosen)
+constexpr double kStretch = 1.4;   // growth of one side between two fits: the lattice extrapolates no farther (chosen)
+constexpr double kMaxBack = 0.5;   // pitches, largest inward move of a side
+constexpr double kFinestHarmonic_px = 2.2;    // px, shortest period of a harmonic that pixels can resolve
+constexpr double kMaxInStrip = 64.0;          // points per strip
+constexpr int kMaxRounds = 16;                // each may double the box: enough for any image
+constexpr std::size_t kSeedPixels = 600;      // enough to decide whether a seed is a lattice
+constexpr std::size_t kGrowingPixels = 1600;  // enough to place the next strip
+constexpr std::size_t kFinalPixels = 20000;   // all pixels of most markers: then the finest harmonics cancel
 // Second harmonic of thin lines, relative to the first: cos(pi d) for lines of share d of the pitch, 0.5 at a third.
 constexpr double kMinSecondOfThin = 0.4;
 // Harmonic (1, 1) of thin lines, relative to the first: 0.18 for a share of 0.16, 0.41 at a third. Dots have more.
@@ -31,8 +31,8 @@ int order_for(const Lattice& lattice) {
   return std::clamp(static_cast<int>(1.0 / (finest * kFinestHarmonic_px)), 1, kHighestOrder);
 }
 
-// Crossed lines thinner than a third of the pitch. Their harmonics (2, 0) and (0, 2), which a checkerboard lacks, are
-// nearly as large as the fundamentals.
+// Returns true for crossed lines thinner than a third of the pitch. Their harmonics (2, 0) and (0, 2) are nearly as
+// large as the fundamentals; a checkerboard has none.
 bool has_thin_lines(const LatticeModel& model) {
   const double x = model.amplitude(1, 0), y = model.amplitude(0, 1);
   return !model.lattice.lines && model.amplitude(2, 0) > kMinSecondOfThin * x &&
@@ -40,9 +40,9 @@ bool has_thin_lines(const LatticeModel& model) {
          std::max(model.amplitude(1, 1), model.amplitude(1, -1)) < kMaxDiagonalOfThin * std::max(x, y);
 }
 
-// The product of square waves has harmonic (1, 1) of its fundamentals' size; on a checkerboard, whose fundamentals lie
-// on the diagonals, it vanishes and (2, 1) does not. A crossed cosine has neither; nor has a checkerboard too fine for
-// its (2, 1) to reach the pixels.
+// kYes if the fundamentals are the diagonals of a checkerboard. There the harmonic (1, 1) vanishes and (2, 1) does not.
+// A product of square waves has a (1, 1) of 0.6 times its fundamentals. A crossed cosine has neither, nor has a
+// checkerboard too fine for the pixels to resolve its (2, 1): kUnclear.
 enum class Diagonal { kNo, kYes, kUnclear };
 
 Diagonal is_checkerboard(const LatticeModel& model) {
@@ -62,7 +62,7 @@ bool is_cosine(const LatticeModel& model) {
   return order_for(model.lattice) > 2 && (model.lattice.lines || is_checkerboard(model) == Diagonal::kUnclear);
 }
 
-// Turns the print's axes so that x is the one nearest to the picture's horizontal, rightwards, and y goes up.
+// Orders and signs the grating's axes: x is nearest to the image's horizontal and points right, y points up.
 Eigen::Matrix2d oriented(const Eigen::Matrix2d& to_phi, const Lattice& lattice) {
   Eigen::Matrix2d out = to_phi;
   const Eigen::Matrix2d k = to_phi.inverse() * lattice.k;
@@ -85,14 +85,14 @@ Pattern pattern_of(const LatticeModel& model, const Eigen::Matrix2d& to_phi, boo
   return is_cosine(model) ? Pattern::kCosine : Pattern::kAuto;
 }
 
-// Pitches per px along the print's axes.
+// Returns the pitches per px along the grating's axes.
 Eigen::Matrix2d per_px(const GrownPatch& patch) { return patch.to_phi.inverse() * patch.model.lattice.k; }
 
 Eigen::Vector2d extent_of_box(const GrownPatch& patch) { return patch.box.high - patch.box.low; }
 
 double area_px(const GrownPatch& patch) { return extent_of_box(patch).prod() / std::abs(per_px(patch).determinant()); }
 
-// The same lattice told from the middle of its box.
+// Moves the origin of the lattice to the middle of its box, for a well-conditioned fit.
 void recentre(GrownPatch& patch) {
   Lattice& l = patch.model.lattice;
   const Eigen::Vector2d middle = 0.5 * (patch.box.low + patch.box.high), phi = patch.to_phi * middle;
@@ -105,8 +105,8 @@ void recentre(GrownPatch& patch) {
   patch.box.high -= middle;
 }
 
-// Two periods of one print under any usable perspective: neither far apart nor nearly parallel, and on the pixels'
-// scale.
+// Returns true if the lattice may be a grating in a usable perspective. The periods exceed 2 px and differ by less than
+// a factor of 2.5, and the axes are not nearly parallel.
 bool is_sound(const GrownPatch& patch) {
   const Eigen::Matrix2d& k = patch.model.lattice.k;
   const double first = k.row(0).norm(), second = k.row(1).norm();
@@ -120,8 +120,8 @@ bool fit_patch(const Image<float>& grey, GrownPatch& patch, std::size_t most_pix
   return fit_lattice(grey, patch.box, patch.to_phi, options, patch.model) && is_sound(patch);
 }
 
-// A side of the box while it moves. Along it, grey = base + slope t + gain * (model's variation), t from 0 to 1: what
-// light that changes over the print makes of the model, from the last pitch inside.
+// A moving side of the box. Along it, grey = base + slope t + gain * (series without mean), with t from 0 to 1. The
+// three parameters follow light that changes over the grating. They are learned from the last pitch inside the side.
 class Side {
  public:
   Side(const Image<float>& grey, const GrownPatch& patch, int axis, bool high)
@@ -147,7 +147,7 @@ class Side {
     const bool sane = light.allFinite() && light[2] > 0.3 && light[2] < 3.0;
     light_ = sane ? light : Eigen::Vector3d(patch_.model.coefficients[0], 0.0, 1.0);
   }
-  // The strip at `edge` pitches, one pixel wide and as long as the box: is it still the print?
+  // Returns true if the strip at `edge` pitches (as long as the box) is inside the image and matches the model.
   [[nodiscard]] bool belongs(double edge) const {
     double squares = 0.0;
     int count = 0;
@@ -159,7 +159,7 @@ class Side {
   }
 
  private:
-  // visit(t, the model's variation, grey level) at the strip's points that lie in the picture.
+  // Calls visit(t, series without mean, grey level) for the strip's points inside the image.
   template <typename Visit>
   void walk(double edge, Visit visit) const {
     for (int i = 0; i < points_; ++i) {
@@ -193,8 +193,9 @@ bool is_taken(const GrownPatch& patch, const GrowthLimits& limits) {
   return false;
 }
 
-// Moves one side outwards by pixels until the next two strips are strange or the box has grown by kStretch; or inwards,
-// when the seed stood so near the print's edge that its core reached beyond.
+// Moves one side outwards by steps of 1 px until two successive strips do not match or the box has grown by kStretch.
+// Moves it inwards, by kMaxBack at most, if the core around a seed near the edge reaches beyond the grating.
+// Returns true if the side moved.
 bool grow_side(const Image<float>& grey, GrownPatch& patch, int axis, bool high) {
   double& edge = high ? patch.box.high[axis] : patch.box.low[axis];
   const double start = edge, most = (kStretch - 1.0) * extent_of_box(patch)[axis];
@@ -221,9 +222,9 @@ bool grow(const Image<float>& grey, GrownPatch& patch) {
   return any;
 }
 
-// Grown from the core with the print's axes along the fundamentals or along their diagonals.
+// Grows the core with the grating's axes along the fundamentals or along their diagonals.
 Grown grown(const Image<float>& grey, GrownPatch patch, bool diagonal, const GrowthLimits& limits) {
-  // Inside the diamond of the diagonals when those are the fundamentals'.
+  // A box along the diagonals must be inside the core: half its size in pitches.
   if (diagonal) patch.box = {0.5 * patch.box.low, 0.5 * patch.box.high};
   patch.to_phi = print_axes(patch.model.lattice, diagonal);
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -231,7 +232,7 @@ Grown grown(const Image<float>& grey, GrownPatch patch, bool diagonal, const Gro
     if (!grow(grey, patch)) break;
     if (is_taken(patch, limits)) return {Growth::kTaken, patch};
     if (fit_patch(grey, patch) && patch.model.explained() >= limits.min_explained) continue;
-    patch = before;  // beyond this a lattice on a plane no longer follows the print
+    patch = before;  // the larger box no longer fits a lattice on a plane
     break;
   }
   if (extent_of_box(patch).minCoeff() < limits.min_periods || patch.model.sigma < limits.min_sigma)
@@ -242,7 +243,7 @@ Grown grown(const Image<float>& grey, GrownPatch patch, bool diagonal, const Gro
   return {Growth::kPatch, patch};
 }
 
-// A box of a few periods about the seed.
+// Returns a box of a few periods around the seed.
 GrownPatch core_at(const LatticeSeed& seed) {
   GrownPatch core;
   Lattice& lattice = core.model.lattice;
@@ -264,14 +265,14 @@ bool has_moved(const GrownPatch& patch, const LatticeSeed& seed) {
 
 Grown grow_patch(const Image<float>& grey, const LatticeSeed& seed, const GrowthLimits& limits) {
   GrownPatch core = core_at(seed);
-  // The fundamentals alone find the lattice from farther away; the whole series then makes it sharp.
+  // A fit of the fundamentals alone converges from farther away. The whole series then refines it.
   if (!fit_lattice(grey, core.box, core.to_phi, {1, false, kSeedPixels}, core.model) || !is_sound(core)) return {};
   if (!fit_patch(grey, core) || core.model.explained() < limits.min_explained) return {};
   if (has_moved(core, seed)) return {};
   if (is_taken(core, limits)) return {Growth::kTaken, core};
   const Diagonal diagonal = is_checkerboard(core.model);
   if (diagonal != Diagonal::kUnclear) return grown(grey, core, diagonal == Diagonal::kYes, limits);
-  // A sheet is cut along its print's axes: along these the rectangle that fits it is the larger.
+  // Sheets are cut along the grating's axes, so the rectangle along the true axes is the larger one.
   const Grown straight = grown(grey, core, false, limits), turned = grown(grey, core, true, limits);
   if (straight.outcome != Growth::kPatch || turned.outcome != Growth::kPatch)
     return turned.outcome == Growth::kPatch ? turned : straight;
@@ -288,7 +289,7 @@ Grown grow_thin_lines(const Image<float>& grey, const SmoothedPicture& smoothed_
   if (!fit_patch(smoothed, core) || core.model.explained() < limits.min_explained || has_moved(core, seed)) return {};
   GrowthLimits thin = limits;
   thin.min_periods = std::max(limits.min_periods, kMinThinPeriods);
-  thin.min_sigma = 0.0;  // smoothing takes most of it; the picture itself decides below
+  thin.min_sigma = 0.0;  // smoothing lowers the modulation; the limit is applied to `grey` below
   Grown out = grown(smoothed, core, false, thin);
   if (out.outcome != Growth::kPatch) return out;
   if (!fit_patch(grey, out.patch, kFinalPixels) || !has_thin_lines(out.patch.model)) return {};

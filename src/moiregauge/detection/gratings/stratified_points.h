@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places that are spread evenly but in step with no print.
+// Sample points that cover an area evenly but are not periodic: a regular raster would alias with a grating.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace moiregauge::internal::markers_detail {
 
-// 0 to 1, without any pattern in n (the finaliser of SplitMix64).
+// Returns a pseudo-random number in [0, 1) for n (finaliser of SplitMix64, Steele et al. 2014).
 [[nodiscard]] inline double stratified_points(std::uint64_t n) {
   n = (n + 1) * 0x9E3779B97F4A7C15U;
   n = (n ^ (n >> 30U)) * 0xBF58476D1CE4E5B9U;
@@ -17,7 +17,7 @@ namespace moiregauge::internal::markers_detail {
   return std::ldexp(static_cast<double>((n ^ (n >> 31U)) >> 11U), -53);
 }
 
-// The i-th of side x side places in the unit square, one in each cell of a raster.
+// Returns the i-th of side x side points in the unit square: one point at random in each cell of a raster.
 [[nodiscard]] inline Eigen::Vector2d strewn_in_square(std::size_t i, std::size_t side) {
   const Eigen::Vector2d cell(static_cast<double>(i % side), static_cast<double>(i / side));
   return (cell + Eigen::Vector2d(stratified_points(2 * i), stratified_points(2 * i + 1))) / static_cast<double>(side);

@@ -12,29 +12,30 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-// Spread of what a circle tells about the map: print and lens (a few per cent over a picture), and the pixel.
-constexpr double kScaleSpread = 0.025;   // relative
-constexpr double kScaleSpreadPx = 0.25;  // px of diameter
-constexpr double kShapeSpread = 0.03;    // of ln(major / minor)
-constexpr double kShapeSpreadPx = 0.35;  // px of diameter
-constexpr double kLensSpread = 0.015;    // of the layout's size in the picture, positions
-constexpr double kPositionSlack = 0.05;  // of the layout's size: farther off is another circle
-constexpr double kPositionSlackPx = 3.0;
-constexpr double kPositionSpreads = 3.0;      // of the places stated in the site, allowed beside it
-constexpr double kMaxMisfitPerCircle = 15.0;  // size, and two of shape: three numbers of unit spread; beyond 1 in 500
-constexpr double kMissing = 25.0;             // misfit of a reference that is not seen (five spreads)
-constexpr double kDistanceSlack = 0.25;       // of a distance measured in neighbouring circles' sizes: perspective
-constexpr double kMaxSizeSpan = 2.2;          // sizes stated or not: the far side of a board is not smaller than this
-constexpr double kMinTilt = 0.4;              // axis ratio of the map: the paper's W ends at 0.5
-constexpr double kMaxScaleSpan = 2.0;         // across the references: more is no camera view of a board in focus
+// Standard deviations of the local scale and shape given by one ellipse, for printing, lens (a few per cent over an
+// image) and pixels. Relative and px terms are added in quadrature.
+constexpr double kScaleSpread = 0.025;        // relative
+constexpr double kScaleSpreadPx = 0.25;       // px of diameter
+constexpr double kShapeSpread = 0.03;         // of ln(major / minor)
+constexpr double kShapeSpreadPx = 0.35;       // px of diameter
+constexpr double kLensSpread = 0.015;         // of the layout's size in the image: positions without lens correction
+constexpr double kPositionSlack = 0.05;       // of the layout's size in the image: a circle farther away is another one
+constexpr double kPositionSlackPx = 3.0;      // px, added to the relative slack
+constexpr double kPositionSpreads = 3.0;      // coverage factor k of the stated positions, added to the slack
+constexpr double kMaxMisfitPerCircle = 15.0;  // chi-squared with 3 degrees of freedom: exceeded once in 500
+constexpr double kMissing = 25.0;             // misfit of a missing reference: five standard deviations (chosen)
+constexpr double kDistanceSlack = 0.25;       // relative, of a distance measured in diameters: effect of perspective
+constexpr double kMaxSizeSpan = 2.2;          // largest ratio of two diameters in px, per stated diameter (perspective)
+constexpr double kMinTilt = 0.4;       // smallest axis ratio of the map; a circle with W > 0.84 has more than 0.5
+constexpr double kMaxScaleSpan = 2.0;  // largest ratio of scales across the references (perspective)
 constexpr std::size_t kMaxTries = 3'000'000;  // partial assignments, about a second
 constexpr std::size_t kMaxBases = 15;         // sets of four references that start a search
 
-// The local metric that a seen ellipse gives: lengths in units of the circle's stated radius.
+// Local metric given by a detected ellipse.
 struct Gauge {
-  Eigen::Vector2d centre;
-  Eigen::Matrix2d px_from_board;  // up to a rotation: px per mm (or per radius when no size is stated)
-  Eigen::Matrix2d board_from_px;
+  Eigen::Vector2d centre;         // px
+  Eigen::Matrix2d px_from_board;  // px per mm (per diameter if no size is stated), up to a rotation
+  Eigen::Matrix2d board_from_px;  // its inverse
 };
 
 Gauge gauge_of(const DetectedCircle& circle, double diameter_mm) {
@@ -49,14 +50,14 @@ Gauge gauge_of(const DetectedCircle& circle, double diameter_mm) {
   return gauge;
 }
 
-// Distance on the board of two circles, as their sizes tell it: the geometric mean takes out perspective to first
-// order.
+// Returns the distance of two circles on the board, measured in their diameters. The geometric mean of both metrics
+// removes perspective to first order.
 double gauged_distance(const Gauge& a, const Gauge& b) {
   const Eigen::Vector2d d = b.centre - a.centre;
   return std::sqrt((a.board_from_px * d).norm() * (b.board_from_px * d).norm());
 }
 
-// ln(major / minor) as a vector of twice the axis' direction, so that round has no direction.
+// Returns ln(major / minor) as a vector at twice the angle of the major axis. A round shape gives the zero vector.
 Eigen::Vector2d elongation(const Eigen::Matrix2d& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(symmetric);
   const double log_ratio = std::log(solver.eigenvalues()[1] / std::max(solver.eigenvalues()[0], 1e-12));
@@ -100,7 +101,7 @@ class Searcher {
 
  private:
   [[nodiscard]] double size_of(std::size_t reference) const {
-    return sizes_stated_ ? references_[reference].diameter_mm : 1.0;  // not stated: taken as equal, of unknown size
+    return sizes_stated_ ? references_[reference].diameter_mm : 1.0;  // not stated: equal and unknown
   }
 
   [[nodiscard]] bool distances_agree(const std::array<std::size_t, 4>& base, const std::array<std::size_t, 4>& picked,
@@ -172,8 +173,8 @@ class Searcher {
     return h.has_value();
   }
 
-  // Seen from the front (no mirror image: board y is up, picture y down, so the determinant is negative), from one side
-  // of the horizon, with no more tilt and perspective than a camera that sees round circles can have.
+  // Returns true for a possible map of a camera: a front view, references on one side of the horizon, limited tilt and
+  // perspective. In a front view the determinant is negative, because y is up on the board and down in the image.
   [[nodiscard]] bool plausible_view(Assignment& a) const {
     double smallest = 1e300, largest = 0.0, sign = 0.0;
     BoardPoint middle;
@@ -184,14 +185,14 @@ class Searcher {
       sign = w;
       const Matrix2 j = a.image_from_board.jacobian(r.centre);
       if (!(j.determinant() < 0.0)) return false;
-      // r + 1 / r of the axis ratio r is the squared norm over the determinant; it falls with r.
+      // The squared norm divided by |determinant| is r + 1 / r for an axis ratio r, and falls with r.
       if (j.squaredNorm() > (kMinTilt + 1.0 / kMinTilt) * -j.determinant()) return false;
       smallest = std::min(smallest, std::sqrt(-j.determinant()));
       largest = std::max(largest, std::sqrt(-j.determinant()));
       middle = middle + (1.0 / static_cast<double>(references_.size())) * (r.centre - BoardPoint{});
     }
     const Matrix2 j = a.image_from_board.jacobian(middle);
-    a.roll_rad = std::atan2(-j(1, 0) - j(0, 1), j(0, 0) - j(1, 1));  // of diag(1, -1) J, its nearest rotation
+    a.roll_rad = std::atan2(-j(1, 0) - j(0, 1), j(0, 0) - j(1, 1));  // rotation nearest to diag(1, -1) J
     return largest < kMaxScaleSpan * smallest;
   }
 
@@ -223,13 +224,13 @@ class Searcher {
     }
   }
 
-  // ln(seen / expected diameter)
+  // Returns ln(detected / expected diameter).
   [[nodiscard]] double size_misfit(const Assignment& a, std::size_t r, std::size_t circle) const {
     const double scale = std::sqrt(-a.image_from_board.jacobian(references_[r].centre).determinant());
     return std::log(seen_[circle].diameter_px / (scale * size_of(r)));
   }
 
-  // Sums the evidence; false when some circle speaks against the assignment.
+  // Sums the squared residuals into a.misfit. Returns false if one circle exceeds its limit.
   [[nodiscard]] bool weigh(Assignment& a) const {
     std::vector<double> sizes(references_.size(), 0.0);
     double common = 0.0, circles = 0.0;
@@ -263,14 +264,14 @@ class Searcher {
     return true;
   }
 
-  // How far the map round a reference may be stretched one way because its place and its neighbour's are hardly known.
+  // Returns the relative uncertainty of the map's scale near a reference, from the uncertainty of the stated positions.
   [[nodiscard]] double map_spread(std::size_t r) const {
     double spacing = 1e300;
     for (const auto& q : references_) {
       const double away = length(q.centre - references_[r].centre);
       if (away > 0.0) spacing = std::min(spacing, away);
     }
-    constexpr double kPerspective = 1.3;  // what the errors of the four corners feign adds
+    constexpr double kPerspective = 1.3;  // factor for the apparent perspective caused by errors of the four corners
     return kPerspective * std::sqrt(2.0) * position_mm_ / spacing;
   }
 

@@ -10,12 +10,11 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kCautious = 0.5;  // pitches that a print may reach beyond its patch's outline
-// Pitches, from where the neighbour should be: lens and slant change little in one.
-constexpr double kElementStep = 0.2;
-constexpr double kOneElement = 0.2;  // relative difference of neighbours' diameters
+constexpr double kCautious = 0.5;     // pitches that a grating may extend beyond its patch's outline
+constexpr double kElementStep = 0.2;  // pitches from the predicted neighbour: lens and tilt change little in one pitch
+constexpr double kOneElement = 0.2;   // largest relative difference of the diameters of neighbours
 
-// px per pitch, along the print's x and y.
+// Returns the steps of one pitch along the grating's x and y, in px.
 std::array<ImageExtent, 2> steps_of(const DetectedPatch& patch) {
   Eigen::Matrix2d k;
   k << patch.k_x.x, patch.k_x.y, patch.k_y.x, patch.k_y.y;
@@ -23,7 +22,7 @@ std::array<ImageExtent, 2> steps_of(const DetectedPatch& patch) {
   return {ImageExtent{px(0, 0), px(1, 0)}, ImageExtent{px(0, 1), px(1, 1)}};
 }
 
-// Marks the circles inside the patch, and from each of them on its neighbours one pitch away, as far as there are any.
+// Marks the circles inside the patch, and repeatedly all neighbours one pitch away from a marked circle.
 void mark(const DetectedPatch& patch, std::span<const DetectedCircle> circles, std::vector<bool>& is_element) {
   const auto steps = steps_of(patch);
   const double pitch_px = 0.5 * (length(steps[0]) + length(steps[1]));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Circles that are dots of a print, not markers.
+// Removes circles that are dots of a grating and no markers.
 #pragma once
 
 #include <span>
@@ -10,8 +10,9 @@
 
 namespace moiregauge::internal {
 
-// The circles that are no elements of a grating: neither inside its outline, nor in step with those inside where the
-// print goes on beyond it (a sheet partly covered, or cut along other lines than its print's).
+// Returns the circles that are no elements of a grating. Elements are the circles inside a patch's outline (plus half a
+// pitch) and those that continue its lattice beyond the outline. A grating extends beyond its patch if it is partly
+// covered, or if its sheet is not cut along the grating's axes.
 [[nodiscard]] std::vector<DetectedCircle> without_elements(std::span<const DetectedCircle> circles,
                                                            std::span<const DetectedPatch> patches);
 

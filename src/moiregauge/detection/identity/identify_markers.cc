@@ -17,15 +17,15 @@ using markers_detail::AssignmentSearch;
 using markers_detail::find_assignments;
 using markers_detail::ReferenceCircle;
 
-constexpr double kDecisive = 12.0;  // difference of misfit that tells two assignments apart (1 in 400 by chance)
-constexpr double kSameRoll = 0.05;  // rad: two turns of one layout this near to each other in roll are a tie
-constexpr double kOtherTurn = 0.3;  // rad of roll: less is the same turn of the layout, seen through other outlines
-constexpr double kSamePlaceShare = 0.25;  // of the diameter: concentric outlines (disc in a ring) are one place
-constexpr std::size_t kCrowd = 40;        // circles of one size: a printed pattern of dots, not references
-constexpr double kCrowdSize = 0.15;       // relative, what "one size" means
-constexpr double kTargetReach = 0.1;      // of the layout's size in the picture: how far a target may be from its place
-constexpr double kTargetSize = 0.2;       // relative
-constexpr double kTravelShare = 0.05;     // of the layout's size: travel that weighs as one spread when none is stated
+constexpr double kDecisive = 12.0;  // difference of misfit that decides: a likelihood ratio of exp(6) = 400
+constexpr double kSameRoll = 0.05;  // rad: two rotations of one layout with a smaller difference of |roll| are a tie
+constexpr double kOtherTurn = 0.3;  // rad of roll: a smaller difference is the same rotation, by other outlines
+constexpr double kSamePlaceShare = 0.25;  // of the diameter: concentric outlines (disc in a ring) have one position
+constexpr std::size_t kCrowd = 40;        // circles of one size: more are a printed pattern of dots (chosen)
+constexpr double kCrowdSize = 0.15;       // relative difference of diameters within one size
+constexpr double kTargetReach = 0.1;   // of the layout's size in the image: largest distance from the stated position
+constexpr double kTargetSize = 0.2;    // relative difference from the stated diameter
+constexpr double kTravelShare = 0.05;  // of the layout's size: movement that counts as one standard deviation
 
 struct References {
   std::vector<std::size_t> marker;
@@ -50,7 +50,7 @@ std::string text_of(const char* format, Values... values) {
   return text;
 }
 
-// Circles that are one of very many of their size.
+// Returns a flag per circle: true if more than kCrowd circles have its size.
 std::vector<bool> crowd_of(const std::vector<DetectedCircle>& circles) {
   std::vector<double> sizes;
   for (const DetectedCircle& c : circles) sizes.push_back(c.diameter_px);
@@ -65,7 +65,7 @@ std::vector<bool> crowd_of(const std::vector<DetectedCircle>& circles) {
 }
 
 bool same_places(const Assignment& a, const Assignment& b, const std::vector<DetectedCircle>& seen) {
-  // As sets: each circle of a has one of b at its place, whichever reference it plays.
+  // Compares sets of positions, without regard to which reference a circle is assigned to.
   const auto at_a_place_of = [&](int i, const Assignment& other) {
     return std::any_of(other.circle_of_reference.begin(), other.circle_of_reference.end(), [&](int k) {
       if (k < 0) return false;
@@ -83,11 +83,11 @@ bool other_turn(const Assignment& a, const Assignment& b) {
 
 struct Ranked {
   const Assignment* assignment = nullptr;
-  double cost = 0.0;      // misfit, and travel in later frames
-  double distance = 0.0;  // from upright (rad) or from before (px): decides between turns of one set
+  double cost = 0.0;      // misfit, plus movement in later frames
+  double distance = 0.0;  // from upright (rad) or from the previous frame (px): decides between rotations of one set
 };
 
-// The best set of circles, and of its turns the nearest one. Null, with the reason, when there is no telling.
+// Returns the best set of circles in its nearest rotation. Null, with the reason, if two solutions are equally good.
 const Assignment* decide(std::vector<Ranked> ranked, const std::vector<DetectedCircle>& seen, double same_distance,
                          const char* nearest_to, std::string& reason) {
   std::stable_sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) { return a.cost < b.cost; });
@@ -98,11 +98,11 @@ const Assignment* decide(std::vector<Ranked> ranked, const std::vector<DetectedC
     if (r.cost > best.cost + kDecisive) break;
     if (!same_places(*r.assignment, *best.assignment, seen)) {
       reason =
-          text_of("two sets of circles fit the layout equally well (misfit %.1f and %.1f, need a difference > %.0f)",
+          text_of("two sets of circles fit the layout equally well (residuals %.1f and %.1f, minimum difference %.0f)",
                   best.cost, r.cost, kDecisive);
       return nullptr;
     }
-    // Only another turn competes by its distance; a concentric outline at the same place has to fit better.
+    // Only another rotation competes by its distance. A concentric outline at the same position must fit better.
     if (other_turn(*r.assignment, *chosen->assignment) && r.distance < chosen->distance) chosen = &r;
   }
   for (const Ranked& r : ranked) {
@@ -110,13 +110,14 @@ const Assignment* decide(std::vector<Ranked> ranked, const std::vector<DetectedC
     if (next == nullptr || r.distance < next->distance) next = &r;
   }
   if (next != nullptr && next->distance - chosen->distance < same_distance) {
-    reason = text_of("two turns of the layout are equally near to %s", nearest_to);
+    reason = text_of("two rotations of the layout are equally close to %s", nearest_to);
     return nullptr;
   }
   return chosen->assignment;
 }
 
-// The circle of a target: the nearest one of its size to where the layout has it; targets move, so within a wide reach.
+// Assigns to each target the nearest circle of its size within reach_px of its stated position. The reach is wide,
+// because targets move.
 void add_targets(const Site& site, const std::vector<DetectedCircle>& seen, double reach_px, Identified& out) {
   for (std::size_t m = 0; m < site.markers.size(); ++m) {
     const Marker& marker = site.markers[m];
@@ -151,7 +152,7 @@ using Distance = std::function<double(const Assignment&)>;
 
 struct Preference {
   std::function<bool(std::size_t, std::size_t)> may_be;
-  Distance distance;         // from upright or from before
+  Distance distance;         // from upright or from the previous frame
   double distance_unit = 0;  // 0: distance does not add to the cost
   double same_distance = 0;  // a difference below this is a tie
   const char* nearest_to = "";
@@ -166,11 +167,11 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
   const auto fail = [&](int found, std::string reason) {
     return tl::unexpected(IdentityFailure{found, std::max(4, n), best_rejected, std::move(reason)});
   };
-  if (n < 4) return fail(n, text_of("the site has %d reference circles, needs 4", n));
+  if (n < 4) return fail(n, text_of("the site has %d reference circles instead of 4 or more", n));
   if (seen.size() < 4) {
     const auto found = static_cast<int>(seen.size());
     return fail(found,
-                text_of("found %d of %d reference circles (%s)", found, n, best_rejected_outline(search).c_str()));
+                text_of("only %d of %d reference circles were found (%s)", found, n, best_rejected_outline(search).c_str()));
   }
   const std::vector<bool> crowd = crowd_of(seen);
   AssignmentSearch options =
@@ -180,10 +181,10 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
     options = find_assignments(references.circles, seen, site.known_to.position_mm, prefer.may_be);
   }
   if (options.gave_up)
-    return fail(4, text_of("too many look-alikes among %zu circles to tell the references", seen.size()));
+    return fail(4, text_of("the references cannot be identified, because too many of %zu circles look alike", seen.size()));
   if (options.assignments.empty()) {
     return fail(std::min(static_cast<int>(seen.size()), n - 1),
-                text_of("no four of the %zu circles found fit the site's layout (%s)", seen.size(),
+                text_of("no four of the %zu circles found fit the layout of the site (%s)", seen.size(),
                         best_rejected_outline(search).c_str()));
   }
   std::vector<Ranked> ranked;
@@ -209,8 +210,8 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
 std::string best_rejected_outline(const CircleSearch& search) {
   const auto best = std::max_element(search.rejected.begin(), search.rejected.end(),
                                      [](const auto& a, const auto& b) { return a.circularity < b.circularity; });
-  if (best == search.rejected.end()) return "no other outline is nearly a circle";
-  return "best rejected outline: " + best->why;
+  if (best == search.rejected.end()) return "no other outline is almost a circle";
+  return "best rejected outline " + best->why;
 }
 
 tl::expected<Identified, IdentityFailure> identify_first(const Site& site, const CircleSearch& search) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is who: which seen circle belongs to which marker of the site.
+// Identification: assigns detected circles to the markers of the site.
 #pragma once
 
 #include <span>
@@ -14,33 +14,32 @@
 
 namespace moiregauge::internal {
 
-// Index into `seen` for every marker of the site that has a circle; -1 where it is not seen.
 struct Identified {
-  std::vector<int> circle_of_marker;                        // one per site marker
+  std::vector<int> circle_of_marker;  // per marker of the site: index into the detected circles; -1: none
   Homography<frame::Image, frame::Board> image_from_board;  // from the identified reference circles
 };
 
 struct IdentityFailure {
-  int found = 0;
-  int needed = 4;
-  double best_rejected_circularity = 0.0;
-  std::string reason;  // "found 3 of 4 reference circles (...)", "two assignments fit equally: ..."
+  int found = 0;                           // reference circles
+  int needed = 4;                          // reference circles
+  double best_rejected_circularity = 0.0;  // W; 0 if no outline was rejected
+  std::string reason;                      // "found 3 of 4 reference circles (...)", "two assignments fit equally: ..."
 };
 
-// What came nearest to being one more circle, and why it is none: "best rejected outline: W = 0.81, need > 0.84".
+// Returns the most circular rejected outline and the reason: "best rejected outline: W = 0.81, need > 0.84".
 [[nodiscard]] std::string best_rejected_outline(const CircleSearch& search);
 
-// First frame: all reference circles at once from the site's layout. Of the assignments that fit (reprojection of every
-// reference within tolerance, diameters, no mirror image) the one nearest to upright (board x along picture x, board y up);
-// look-alike circles elsewhere must not matter; two sets that fit equally well are a failure, never a guess.
+// Identifies the markers in the first frame by the site's layout. Assignments must agree in positions, diameters and
+// shapes and must not be mirror images. Returns the one nearest to upright (board x along image x, board y up).
+// Fails: fewer than four reference circles fit, too many false candidates, or two solutions that fit equally well.
 [[nodiscard]] tl::expected<Identified, IdentityFailure> identify_first(const Site& site, const CircleSearch& search);
 
-// Later frames: `previous` gives where each marker's circle was (nullopt: not seen); the assignment nearest to it that fits
-// the layout as well.
 struct PreviousCircles {
   Homography<frame::Image, frame::Board> image_from_board;
-  double max_travel_px = 0.0;  // how far a circle may have gone; 0: anywhere, take the nearest consistent set
+  double max_travel_px = 0.0;  // px, largest movement of a circle between the frames; 0: no limit
 };
+// Identifies the markers in a later frame: the assignment that fits the layout and is nearest to the previous
+// positions. Fails as identify_first.
 [[nodiscard]] tl::expected<Identified, IdentityFailure> identify_next(const Site& site, const CircleSearch& search,
                                                                       const PreviousCircles& previous);
 

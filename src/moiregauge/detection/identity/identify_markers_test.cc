@@ -28,7 +28,7 @@ Site flat_site(double half_width_mm, double half_height_mm) {
   return site;
 }
 
-// A camera of 4000 px focal length before the board; angles in degrees.
+// Returns the view of a camera with a focal length of 4000 px; angles in degrees.
 ImageFromBoard oblique_view(double pitch, double yaw, double roll, double distance_mm) {
   const Eigen::Matrix3d turn = (Eigen::AngleAxisd(radians_from_degrees(pitch), Eigen::Vector3d::UnitX()) *
                                 Eigen::AngleAxisd(radians_from_degrees(yaw), Eigen::Vector3d::UnitY()) *
@@ -61,7 +61,7 @@ CircleSearch seen_in(const ImageFromBoard& view, const Site& site) {
 
 const std::vector<int> kInOrder{0, 1, 2, 3};
 
-TEST(Identity, IsRightOrRefusedAmongLookAlikesAndEllipses) {
+TEST(Identity, IsRightOrRefusedAmongFalseCandidatesAndEllipses) {
   std::mt19937_64 rng(kIdentitySeed);
   std::uniform_real_distribution<double> share(-0.5, 0.5);
   int right = 0;
@@ -91,14 +91,14 @@ TEST(Identity, IsRightOrRefusedAmongLookAlikesAndEllipses) {
 
 TEST(Identity, AMirrorImageIsNotTheBoard) {
   Site site = flat_site(200, 60);
-  site.markers[0].circle->centre.x = -150;  // no symmetry left
+  site.markers[0].circle->centre.x = -150;  // removes all symmetries
   ImageFromBoard view = oblique_view(5, -10, 8, 1500);
   const Matrix3 flip = Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal();
   EXPECT_FALSE(identify_first(site, seen_in(ImageFromBoard(flip * view.matrix()), site)));
   EXPECT_TRUE(identify_first(site, seen_in(view, site)));
 }
 
-TEST(Identity, ARectangleIsReadTheWayUpThatIsNearestToUpright) {
+TEST(Identity, ARectangleIsIdentifiedInTheRotationNearestToUpright) {
   const Site site = flat_site(100, 100);
   const auto who = identify_first(site, seen_in(oblique_view(0, 0, 35, 900), site));
   ASSERT_TRUE(who);
@@ -108,7 +108,7 @@ TEST(Identity, ARectangleIsReadTheWayUpThatIsNearestToUpright) {
   EXPECT_NE(no_telling.error().reason.find("equally near to upright"), std::string::npos);
 }
 
-TEST(Identity, LaterFramesFollowTheBoardPastHalfAQuarterTurn) {
+TEST(Identity, LaterFramesFollowTheBoardBeyondARotationOf45Degrees) {
   const Site site = flat_site(100, 100);
   PreviousCircles previous{oblique_view(0, 0, 40, 900), 0.0};
   const auto who = identify_next(site, seen_in(oblique_view(0, 0, 52, 900), site), previous);
@@ -116,7 +116,7 @@ TEST(Identity, LaterFramesFollowTheBoardPastHalfAQuarterTurn) {
   EXPECT_EQ(who->circle_of_marker, kInOrder);
 }
 
-TEST(Identity, AnUnusedLookAlikeSetIsARefusalNotAGuess) {
+TEST(Identity, ASecondSetThatFitsEquallyWellIsRefused) {
   const Site site = flat_site(100, 60);
   const ImageFromBoard view = oblique_view(0, 0, 0, 1500);
   CircleSearch search = seen_in(view, site);
@@ -131,7 +131,7 @@ TEST(Identity, AnUnusedLookAlikeSetIsARefusalNotAGuess) {
   EXPECT_EQ(later->circle_of_marker, kInOrder);
 }
 
-TEST(Identity, AMissingReferenceIsSaidWithTheBestOutlineThatFailed) {
+TEST(Identity, AMissingReferenceIsReportedWithTheBestRejectedOutline) {
   const Site site = flat_site(100, 60);
   CircleSearch search = seen_in(oblique_view(0, 0, 0, 1500), site);
   search.circles.pop_back();

@@ -9,10 +9,9 @@
 namespace moiregauge::internal {
 namespace {
 
-// As in assignments.cc: a circle this share of the layout's size away is another circle; diameters that differ by more
-// than four spreads of 2.5 % and a quarter of a pixel on eight are distinguished.
-constexpr double kSamePlace = 0.05;
-constexpr double kSameDiameter = 0.15;  // of ln(diameter)
+// Tolerances of the identification, as in assignments.cc.
+constexpr double kSamePlace = 0.05;     // of the layout's size: a circle farther away is another one
+constexpr double kSameDiameter = 0.15;  // of ln(diameter): 4 standard deviations (2.5 %, and 0.25 px for 8 px)
 
 bool are_alike(const Circle& a, const Circle& b) {
   return !(a.diameter_mm > 0.0) || !(b.diameter_mm > 0.0) ||
@@ -20,7 +19,7 @@ bool are_alike(const Circle& a, const Circle& b) {
 }
 
 struct ReferenceLayout {
-  std::vector<Circle> circles;  // about their middle
+  std::vector<Circle> circles;  // mm, relative to the middle of their bounding box
   double size_mm = 0.0;
 };
 
@@ -60,10 +59,11 @@ std::optional<std::string> symmetry_note(const Site& site) {
   };
   add(-1.0, 1.0, "mirrored");
   add(1.0, -1.0, "upside-down");
-  add(-1.0, -1.0, "half-turned");
+  add(-1.0, -1.0, "half-rotated");
   if (hidden.empty()) return std::nullopt;
   return "note: a " + hidden +
-         " picture would pass unnoticed: the reference circles look the same in it. Make one of them 1.25 times larger";
+         " image cannot be recognised, because the reference circles look the same in it. Make one of them 1.25 times "
+         "larger";
 }
 
 }  // namespace moiregauge::internal

@@ -8,8 +8,8 @@
 
 namespace moiregauge::internal {
 
-// Returns a note if the reference circles and their diameters map onto themselves, within what identification
-// distinguishes, by a mirror image or a half turn. No picture of such a layout shows whether it was mirrored or turned.
+// Returns a note if a mirror image or a half turn maps the reference circles onto themselves, within the tolerance of
+// the identification. An image of such a layout does not show whether it was mirrored or rotated.
 [[nodiscard]] std::optional<std::string> symmetry_note(const Site& site);
 
 }  // namespace moiregauge::internal

@@ -22,15 +22,15 @@ TEST(LayoutSymmetry, ARectangleOfEqualCirclesHidesEveryFlip) {
   EXPECT_EQ(note->rfind("note: a mirrored or upside-down or half-turned picture would pass unnoticed", 0), 0U) << *note;
 }
 
-TEST(LayoutSymmetry, OneCircleOfAnotherSizeShowsThemAll) {
+TEST(LayoutSymmetry, OneCircleOfAnotherSizeRevealsEveryFlip) {
   Site site = rectangle_of_circles();
   site.markers[0].circle->diameter_mm = 25.0;
   EXPECT_FALSE(symmetry_note(site));
-  site.markers[0].circle->diameter_mm = 21.0;  // 5 %: identification cannot see it
+  site.markers[0].circle->diameter_mm = 21.0;  // 5 %: within the tolerance of the identification
   EXPECT_TRUE(symmetry_note(site));
 }
 
-TEST(LayoutSymmetry, OneCircleOutOfLineShowsThemAll) {
+TEST(LayoutSymmetry, OneCircleOutOfLineRevealsEveryFlip) {
   Site site = rectangle_of_circles();
   site.markers[3].circle->centre.x -= 120.0;
   EXPECT_FALSE(symmetry_note(site));

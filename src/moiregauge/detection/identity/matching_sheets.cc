@@ -10,24 +10,25 @@
 namespace moiregauge::internal {
 namespace {
 
-// Of one template, seen at up to 40 deg: a grating's lattice is known at its own centre, its circle is a few pitches
-// away.
-constexpr double kSameSize = 0.12;      // of the circle's diameter, relative
-constexpr double kSameDistance = 0.12;  // of the distance of the two centres, relative
-constexpr double kPlaceSpread = 0.4;    // pitches: how well a patch's centre is known when its edge is not seen sharply
-constexpr double kExtentSpread = 0.8;   // pitches: an outline is cautious by up to half a pitch on either side
-constexpr double kRound = 0.10;         // of ln(major / minor) on the plane: perspective between grating and circle
+// Tolerances for sheets of one template, viewed at up to 40 degrees. They cover the perspective between a grating's
+// centre, where its lattice is known, and its circle a few pitches away.
+constexpr double kSameSize = 0.12;      // relative, of the circle's diameter
+constexpr double kSameDistance = 0.12;  // relative, of the distance of the two centres
+constexpr double kPlaceSpread = 0.4;    // pitches: error of a patch's centre if its edge is not sharp
+constexpr double kExtentSpread = 0.8;   // pitches: an outline may end half a pitch inside the grating on either side
+constexpr double kRound = 0.10;         // of ln(major / minor) on the plane
 
-// A circle and a grating as the grating counts: in its own pitches.
+// A circle and its grating, measured in pitches of the grating.
 struct Pair {
   LikeSheet sheet;
-  double diameter = 0.0, distance = 0.0;
-  double shorter = 0.0, longer = 0.0;  // the grating's sides
+  double diameter = 0.0, distance = 0.0;  // pitches
+  double shorter = 0.0, longer = 0.0;     // pitches, sides of the grating
   bool dark = true;
-  double edge_px = 0.0;  // from the circle's centre to the grating's edge, in the picture
+  double edge_px = 0.0;  // px, from the circle's centre to the grating's edge
 };
 
-// Pitches per px; of lines, which show one of them, the other is taken as equal and square to it.
+// Returns the lattice in pitches per px. A line grating determines one axis; the other is assumed equal and square to
+// it.
 Eigen::Matrix2d lattice_of(const DetectedPatch& p) {
   Eigen::Matrix2d k;
   k << p.k_x.x, p.k_x.y, p.k_y.x, p.k_y.y;
@@ -38,7 +39,7 @@ Eigen::Matrix2d lattice_of(const DetectedPatch& p) {
 
 bool shows_the_plane(const DetectedPatch& p) { return p.pattern != Pattern::kLinesX && p.pattern != Pattern::kLinesY; }
 
-// Diameters of the circle along its axes on the grating's plane, in pitches, larger first.
+// Returns the diameters of the circle along its axes on the grating's plane, in pitches, larger first.
 Eigen::Vector2d on_plane(const DetectedCircle& circle, const DetectedPatch& patch) {
   const double c = std::cos(circle.angle_rad), s = std::sin(circle.angle_rad);
   const double major = circle.diameter_px / std::sqrt(circle.axis_ratio), minor = major * circle.axis_ratio;
@@ -62,7 +63,7 @@ std::optional<Pair> pair_of(const DetectedCircle& circle, const DetectedPatch& p
   return pair;
 }
 
-// Each circle and each grating with the one nearest to it of the other kind, where that is mutual.
+// Pairs circles and gratings by increasing distance; each circle and each grating is in one pair at most.
 std::vector<Pair> nearest_pairs(std::span<const DetectedCircle> circles, std::span<const DetectedPatch> patches) {
   std::vector<Pair> all;
   for (std::size_t i = 0; i < circles.size(); ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Circles that stand beside a grating of their own, all in the same way: sheets printed from one template. A look-alike
-// circle has no grating beside it, or stands to one as no other does.
+// Detects sheets printed from one template: circles with a grating next to each, all in the same relative position. A
+// false candidate has no grating next to it, or one in another relative position.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,22 @@
 namespace moiregauge::internal {
 
 struct LikeSheet {
-  std::size_t circle = 0;
-  std::size_t patch = 0;
+  std::size_t circle = 0;  // index into the circles
+  std::size_t patch = 0;   // index into the patches
 };
 
-// How far a grating's edge may be from the circle it belongs to, in diameters of the circle.
+// Largest distance of a grating's edge from the centre of its circle, in diameters of the circle (chosen).
 inline constexpr double kGratingReach = 3.0;
 
-inline constexpr double kRoundPx = 0.7;  // px of diameter: two spreads of a seen circle's shape
+inline constexpr double kRoundPx = 0.7;  // px of diameter: two standard deviations of a detected circle's shape
 
-// ln(major / minor) of the circle on the grating's plane, as the grating's lattice shows it: 0 where the circle is
-// round and on that plane. Of lines, which do not show the plane, 0.
+// Returns ln(major / minor) of the circle on the grating's plane, by the grating's lattice. It is 0 for a circle that
+// is round and on that plane. Returns 0 for a line grating, which does not determine the plane.
 [[nodiscard]] double out_of_round(const DetectedCircle& circle, const DetectedPatch& patch);
 
-// The largest set of circles, each with the grating nearest to it, that agree in the circle's size and contrast and in
-// the grating's extent and distance, all counted in pitches of that grating, which takes the view out. Only circles
-// that are round where the grating's lattice is square lie on its plane. Fewer than two that agree are no set: empty.
+// Returns the largest set of circles, each with its nearest grating, that agree in size, polarity, distance and extent
+// of the grating. Sizes are measured in pitches of that grating, which removes the perspective. Circles that are not
+// round on the grating's plane are excluded. Empty if fewer than two agree.
 [[nodiscard]] std::vector<LikeSheet> matching_sheets(std::span<const DetectedCircle> circles,
                                                      std::span<const DetectedPatch> patches);
 

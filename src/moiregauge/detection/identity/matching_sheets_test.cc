@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPitch = 20.0;  // px
 
-// A grating of 3 x 3 pitches, face on.
+// Returns a square grating of `periods` pitches per side in a front view.
 DetectedPatch grating(ImagePoint centre, double periods = 3.0) {
   DetectedPatch p;
   p.centre = centre;
@@ -43,7 +43,7 @@ struct SheetScene {
   std::vector<DetectedPatch> patches;
 };
 
-// Four sheets, each with a circle 56 px beside its grating, and a target in the middle.
+// Returns four sheets, each with a circle 56 px from the centre of its grating, and a target in the middle.
 SheetScene rig() {
   SheetScene s;
   for (const ImagePoint c : {ImagePoint{250, 170}, {750, 170}, {250, 340}, {750, 340}}) {
@@ -59,12 +59,12 @@ bool has(const std::vector<DetectedCircle>& circles, ImagePoint centre) {
                      [&](const DetectedCircle& c) { return length(c.centre - centre) < 1.0; });
 }
 
-TEST(LikeSheets, FourCirclesBesideGratingsOfOneKindAreASet) {
+TEST(LikeSheets, FourCirclesNextToGratingsOfOneKindAreASet) {
   const SheetScene s = rig();
   EXPECT_EQ(matching_sheets(s.circles, s.patches).size(), 4U);
 }
 
-TEST(LikeSheets, LookAlikesWithoutAGratingAreNotAmongTheOutermost) {
+TEST(LikeSheets, FalseCandidatesWithoutAGratingAreNotAmongTheOutermost) {
   SheetScene s = rig();
   for (const ImagePoint c : {ImagePoint{30, 30}, {990, 30}, {990, 480}, {30, 480}}) s.circles.push_back(circle(c));
   const auto select_references = outermost_circles(s.circles, s.patches);
@@ -74,9 +74,9 @@ TEST(LikeSheets, LookAlikesWithoutAGratingAreNotAmongTheOutermost) {
   EXPECT_TRUE(has(select_references.circles, {750, 340}));
 }
 
-TEST(LikeSheets, ALookAlikeBesideTheTargetStandsToItAsNoOtherDoes) {
+TEST(LikeSheets, AFalseCandidateNextToTheTargetHasAnotherRelativePosition) {
   SheetScene s = rig();
-  s.circles.push_back(circle({500, 80}));  // 175 px from its centre, where a reference has 56
+  s.circles.push_back(circle({500, 80}));  // 175 px from the centre of the target; a reference has 56 px
   const auto sheets = matching_sheets(s.circles, s.patches);
   ASSERT_EQ(sheets.size(), 4U);
   for (const LikeSheet& sheet : sheets) EXPECT_NE(sheet.patch, 4U);
@@ -89,8 +89,8 @@ TEST(LikeSheets, AnEllipseIsNoCircleOfThatPlane) {
   EXPECT_NEAR(out_of_round(s.circles[0], s.patches[0]), -std::log(0.7), 1e-12);
 }
 
-// A board tilted by 40 deg about y: circles and lattices narrow together.
-TEST(LikeSheets, ACircleSeenAtAnAngleIsRoundOnItsOwnPlane) {
+// On a board tilted by 40 degrees about y, circles and lattices are narrower by the same factor.
+TEST(LikeSheets, ACircleViewedAtAnAngleIsRoundOnItsOwnPlane) {
   const double narrow = std::cos(radians_from_degrees(40.0));
   SheetScene s = rig();
   for (DetectedCircle& c : s.circles) {
@@ -108,7 +108,7 @@ TEST(LikeSheets, ACircleSeenAtAnAngleIsRoundOnItsOwnPlane) {
   EXPECT_EQ(matching_sheets(s.circles, s.patches).size(), 4U);
 }
 
-TEST(LikeSheets, WhereAReferenceIsMissingALookAlikeIsAGuess) {
+TEST(LikeSheets, TwoFalseCandidatesForAMissingReferenceAreDoubtful) {
   SheetScene s = rig();
   s.circles.erase(s.circles.begin());
   s.circles.push_back(circle({60, 60}));
@@ -117,7 +117,7 @@ TEST(LikeSheets, WhereAReferenceIsMissingALookAlikeIsAGuess) {
   EXPECT_TRUE(outermost_circles(s.circles, s.patches).doubtful);
 }
 
-TEST(LikeSheets, BareCirclesRoundThreeSheetsAreReferencesAndTheSheetsTargets) {
+TEST(LikeSheets, BareCirclesAroundThreeSheetsAreReferencesAndTheSheetsTargets) {
   SheetScene s;
   for (const ImagePoint c : {ImagePoint{30, 30}, {990, 30}, {990, 480}, {30, 480}, {510, 20}})
     s.circles.push_back(circle(c));

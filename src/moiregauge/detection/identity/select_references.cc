@@ -11,15 +11,15 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kOneSize = 0.25;       // relative; perspective makes far ones smaller
-constexpr double kConcentric = 0.3;     // of the diameter
+constexpr double kOneSize = 0.25;       // of ln(diameter): effect of perspective
+constexpr double kConcentric = 0.3;     // of the diameter, largest distance of concentric circles
 constexpr double kNearHull = 0.5;       // diameters
-constexpr double kFarOutOfRound = 0.2;  // ln(major / minor)
+constexpr double kFarOutOfRound = 0.2;  // of ln(major / minor); perspective causes 0.13, see is_round_on_some_plane
 constexpr std::size_t kEnough = 4;      // references
 
 double cross(ImagePoint o, ImagePoint a, ImagePoint b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }
 
-// Andrew's monotone chain; counter-clockwise in a y-up sense, without repeats.
+// Returns the convex hull without repeated points (Andrew's monotone chain, 1979).
 std::vector<ImagePoint> hull_of(std::vector<ImagePoint> p) {
   std::sort(p.begin(), p.end(), [](ImagePoint a, ImagePoint b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
   std::vector<ImagePoint> hull;
@@ -35,8 +35,8 @@ std::vector<ImagePoint> hull_of(std::vector<ImagePoint> p) {
   return hull;
 }
 
-// As a circle that stands on the plane of one of the gratings. Far from a grating perspective turns the plane a little:
-// at 40 deg of tilt, 8 deg aside in the picture, by 0.13 of ln(major / minor).
+// Returns true for a circle that is round on the plane of one of the gratings, or if there are no gratings. Perspective
+// changes the shape far from a grating: ln(major / minor) is 0.13 at 40 degrees of tilt, 8 degrees away in the image.
 bool is_round_on_some_plane(const DetectedCircle& c, std::span<const DetectedPatch> patches) {
   return patches.empty() || std::any_of(patches.begin(), patches.end(), [&](const DetectedPatch& p) {
            return out_of_round(c, p) < std::hypot(kFarOutOfRound, kRoundPx / c.diameter_px);
@@ -50,7 +50,7 @@ std::vector<DetectedCircle> outer_candidates(std::span<const DetectedCircle> cir
   return out;
 }
 
-// Those of c's size, one at each place.
+// Returns the circles of c's size, one per position: that of the highest contrast.
 std::vector<DetectedCircle> like(const DetectedCircle& c, const std::vector<DetectedCircle>& all) {
   std::vector<DetectedCircle> out;
   for (const DetectedCircle& o : all) {
@@ -66,7 +66,7 @@ std::vector<DetectedCircle> like(const DetectedCircle& c, const std::vector<Dete
   return out;
 }
 
-// Those on the hull of all.
+// Returns the circles on or near the hull of all.
 std::vector<DetectedCircle> round_all(const std::vector<DetectedCircle>& circles) {
   std::vector<ImagePoint> places;
   double diameter = 0.0;
@@ -79,8 +79,8 @@ std::vector<DetectedCircle> round_all(const std::vector<DetectedCircle>& circles
   return out;
 }
 
-// Whether some of the outermost stand beside gratings and some do not, other than the sheets and one more. Three sheets
-// within four bare circles are three targets.
+// Returns true if some outermost circle is next to a grating, unless the outermost are the sheets and one more. Three
+// sheets inside four bare circles are three targets.
 bool are_mixed(const std::vector<DetectedCircle>& select_references, const std::vector<DetectedCircle>& sheets,
                std::span<const DetectedPatch> patches) {
   const auto is_outermost = [&](const DetectedCircle& s) {

@@ -15,19 +15,20 @@ namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr int kCornerLevels = 4;                   // scales 1, 1/2, 1/4, 1/8: edges blurred over up to 20 px
-constexpr double kSmoothing = 1.0;                 // px of a level, sigma
-constexpr double kMinCornerContrast = 10.0;        // of 255, light minus dark
-constexpr std::array<double, 2> kRings{5.0, 3.0};  // px of a level, radius: the wider where the squares allow
-constexpr int kOnRing = 32;
-constexpr double kMinEven = 0.8;    // of the ring's variance: alike on opposite sides
-constexpr double kMinSecond = 0.6;  // of the ring's variance: light twice round; 0.81 for four equal sharp sectors
-constexpr double kSamePlace = 3.0;  // px of a level
+constexpr double kSmoothing = 1.0;                 // px at the scale of the level, sigma
+constexpr double kMinCornerContrast = 10.0;        // grey levels of 8 bits, light minus dark (chosen)
+constexpr std::array<double, 2> kRings{5.0, 3.0};  // px at the scale of the level, radius: 3 px for small squares
+constexpr int kOnRing = 32;                        // samples per ring
+constexpr double kMinEven = 0.8;                   // share of the ring's variance that is point-symmetric (chosen)
+// Smallest share of the ring's variance in the second harmonic. Four equal sharp sectors have 8 / pi^2 = 0.81.
+constexpr double kMinSecond = 0.6;
+constexpr double kSamePlace = 3.0;  // px at the scale of the level
 
 cv::Mat as_float(const LumaView& luma, double scale) {
   return std::visit(
       [&](const auto& view) {
         const int type = sizeof(view.data[0]) == 1 ? CV_8U : CV_16U;
-        // cv::Mat has no read-only form; it is only read here.
+        // cv::Mat has no read-only form; convertTo only reads.
         void* pixels = const_cast<void*>(static_cast<const void*>(view.data));
         cv::Mat out;
         cv::Mat(view.height, view.width, type, pixels, static_cast<std::size_t>(view.stride) * sizeof(view.data[0]))
@@ -52,7 +53,8 @@ struct Sectors {
   double contrast = 0.0;
 };
 
-// Four sectors, opposite ones alike?
+// Returns direction and contrast of the sectors on a ring. Empty unless opposite sides are alike and two of four
+// sectors are light.
 std::optional<Sectors> sectors_round(const cv::Mat& level, const Eigen::Vector2d& at, double radius) {
   if (at.x() < radius || at.y() < radius || at.x() > level.cols - 2 - radius || at.y() > level.rows - 2 - radius)
     return std::nullopt;
@@ -78,7 +80,7 @@ std::optional<Sectors> sectors_round(const cv::Mat& level, const Eigen::Vector2d
   return Sectors{-std::arg(second), contrast};
 }
 
-// Where the quadratic through the second derivatives is level, in px from the pixel.
+// Returns the saddle point of the local quadratic in px from the pixel. Empty if it is no saddle or is beyond 1.5 px.
 std::optional<Eigen::Vector2d> saddle_of(const cv::Mat& level, int x, int y) {
   const auto at = [&](int dx, int dy) { return static_cast<double>(level.at<float>(y + dy, x + dx)); };
   const Eigen::Vector2d slope(0.5 * (at(1, 0) - at(-1, 0)), 0.5 * (at(0, 1) - at(0, -1)));
@@ -92,7 +94,7 @@ std::optional<Eigen::Vector2d> saddle_of(const cv::Mat& level, int x, int y) {
   return off;
 }
 
-// Ixy^2 - Ixx Iyy: large where a saddle is, negative on bumps, none on edges.
+// Returns Ixy^2 - Ixx Iyy for all pixels: large at saddles, negative on extremes, 0 on edges.
 cv::Mat saddleness(const cv::Mat& level) {
   cv::Mat xx, yy, xy;
   cv::Sobel(level, xx, CV_32F, 2, 0, 3, 0.25);
@@ -105,7 +107,7 @@ void add_corners(const cv::Mat& level, double scale, std::vector<CheckerCorner>&
   const cv::Mat response = saddleness(level);
   cv::Mat highest;
   cv::dilate(response, highest, cv::Mat::ones(5, 5, CV_8U));
-  // Of a saddle between sharp squares the response is (contrast / (pi sigma^2))^2 or so; blurred ones have less.
+  // A saddle between sharp squares has a response of about (contrast / (pi sigma^2))^2, blurred ones have less.
   const double threshold = std::pow(0.1 * kMinCornerContrast, 2.0);
   const std::size_t finer = out.size();
   for (int y = 4; y + 4 < level.rows; ++y) {
@@ -138,7 +140,7 @@ std::vector<CheckerCorner> find_checker_corners(const LumaView& luma, int bits) 
   for (int i = 0; i < kCornerLevels; ++i) {
     if (i > 0) {
       cv::Mat half;
-      const cv::Rect even(0, 0, level.cols / 2 * 2, level.rows / 2 * 2);  // the scale stays exactly 1/2
+      const cv::Rect even(0, 0, level.cols / 2 * 2, level.rows / 2 * 2);  // keeps the scale at exactly 1/2
       cv::resize(level(even), half, cv::Size(level.cols / 2, level.rows / 2), 0, 0, cv::INTER_AREA);
       level = half;
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places where two dark and two light sectors meet, to about a quarter of a pixel: candidates for corners of
-// checkerboards.
+// Candidates for corners of checkerboards: points where two dark and two light sectors meet.
 #pragma once
 
 #include <vector>
@@ -17,7 +16,8 @@ struct CheckerCorner {
   double contrast = 0.0;   // grey levels, light minus dark
 };
 
-// Finer scales first; a place is named once.
+// Detects corner candidates at four scales, finer scales first, each position once. `bits` is the bit depth of the
+// image. Error: about 0.25 px at the scale of detection.
 [[nodiscard]] std::vector<CheckerCorner> find_checker_corners(const LumaView& luma, int bits);
 
 }  // namespace moiregauge::internal::markers_detail

@@ -19,17 +19,17 @@ using markers_detail::GrownLattice;
 using markers_detail::LatticeNode;
 using markers_detail::LocalModel;
 
-constexpr double kMinExplained = 0.85;           // of the grey levels' variance in the window
-constexpr double kMinSymmetric = 0.85;           // 0.98 and more of corners, 0.8 and less of what lies round a pattern
-constexpr double kMinWeakest = 0.5;              // of the contrast
-constexpr double kMaxUncertainty = 0.05;         // of the spacing
-constexpr double kMinCornerContrastShare = 0.3;  // of its neighbour's
-constexpr std::size_t kTooManyFailed = 20;       // and half of those tried
-constexpr double kCornerReach = 0.15;            // of the spacing
-// A board has a few thousand corners. A picture of more is texture, and looking for lattices in it takes a minute.
+constexpr double kMinExplained = 0.85;           // share of the variance in the window (chosen)
+constexpr double kMinSymmetric = 0.85;           // correlation: corners have 0.98 or more, other points 0.8 or less
+constexpr double kMinWeakest = 0.5;              // of the contrast (chosen)
+constexpr double kMaxUncertainty = 0.05;         // of the spacing (chosen)
+constexpr double kMinCornerContrastShare = 0.3;  // of the neighbour's contrast (chosen)
+constexpr std::size_t kTooManyFailed = 20;       // fits; the refinement stops if half of the fits failed, too
+constexpr double kCornerReach = 0.15;            // of the spacing, distance from the prediction
+// A board has a few thousand corners. More candidates are texture, in which a search for lattices takes a minute.
 constexpr std::size_t kMaxCandidates = 20000;
 
-// Is it light between one column on and one row on?
+// Returns true if the quadrant between the step of one column and the step of one row is light.
 bool light_between(const Eigen::Matrix2d& step, double light_rad) {
   const Eigen::Vector2d between = step.col(0).normalized() + step.col(1).normalized();
   return std::cos(2.0 * std::atan2(between.y(), between.x()) - light_rad) > 0.0;
@@ -62,8 +62,8 @@ std::optional<FittedSaddle> corner_at(const LumaView& luma, const Eigen::Vector2
 
 double side_of(const CellPrediction& there) { return std::sqrt(std::abs(there.step.determinant())); }
 
-// To sub-pixel places, each from the scale of its own surroundings; what fits no corner is taken out. False
-// when that is most of it: saddles lie between dots, too.
+// Moves the corners to sub-pixel positions, with windows by the local spacing, and removes those that fit no corner.
+// Returns false if half of them or more fail, as for the saddles between dots.
 bool refine(const LumaView& luma, GrownLattice& lattice, Corners& corners) {
   std::vector<std::pair<Cell, std::optional<FittedSaddle>>> fits;
   std::size_t failed = 0;

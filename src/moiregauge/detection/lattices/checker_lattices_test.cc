@@ -15,19 +15,19 @@ constexpr std::uint64_t kCheckerSeed = 20240613;
 constexpr int kBoardWidth = 320, kBoardHeight = 260;
 constexpr int kColumns = 9, kRows = 6;  // squares
 
-using PictureFromBoard = Homography<frame::Image, frame::Board>;  // the board's unit: one square, y down
+using PictureFromBoard = Homography<frame::Image, frame::Board>;  // board in squares, y down
 
 PictureFromBoard view_of_board(double tilt_deg, double roll_rad) {
   const double s = std::sin(radians_from_degrees(tilt_deg)), c = std::cos(radians_from_degrees(tilt_deg));
   Matrix3 centred, roll, pose, place;
   centred << 1, 0, -0.5 * kColumns, 0, 1, -0.5 * kRows, 0, 0, 1;
   roll << std::cos(roll_rad), -std::sin(roll_rad), 0, std::sin(roll_rad), std::cos(roll_rad), 0, 0, 0, 1;
-  pose << 24.0, 0, 0, 0, 24.0 * c, 0, 0.02 * s, 0.03 * s, 1;  // 24 px a square
+  pose << 24.0, 0, 0, 0, 24.0 * c, 0, 0.02 * s, 0.03 * s, 1;  // 24 px per square
   place << 1, 0, 160.3, 0, 1, 129.6, 0, 0, 1;
   return PictureFromBoard(place * pose * roll * centred);
 }
 
-// -1 to 1 between squares; edges blurred by sigma (in squares).
+// Returns the square wave -1 to 1 with edges at integers, blurred by sigma (in squares).
 double stripe(double x, double sigma) {
   const double line = std::round(x);
   return (std::lround(line) % 2 == 0 ? 1.0 : -1.0) * std::erf((x - line) / (sigma * std::sqrt(2.0)));
@@ -68,7 +68,7 @@ TEST(CheckerLattice, InnerCornersOfATiltedBoardAreFoundToAFiftiethOfAPixel) {
   }
 }
 
-TEST(CheckerLattice, TurnedUpsideDownABoardOfOddAndEvenSidesShowsTheOtherColourFirst) {
+TEST(CheckerLattice, AnUpsideDownBoardWithOddAndEvenSidesHasTheOtherColourFirst) {
   std::mt19937_64 rng(kCheckerSeed);
   const auto image = checkerboard(view_of_board(20.0, kPi), 0.0, rng);
   const auto lattices = find_checker_lattices(LumaView(image.view()), 8);
@@ -94,7 +94,8 @@ TEST(CheckerLattice, CornersScatterAsMuchAsTheirStandardUncertaintySays) {
     }
   }
   ASSERT_EQ(corners, kTrials * (kColumns - 1) * (kRows - 1));
-  // Two coordinates a corner: the ratio's standard error is 1 / sqrt(4 n); allow 4, and 5 % for the fit's model.
+  // The ratio has a relative standard error of 1 / sqrt(4 n), for two coordinates per corner. The limit is 4 of these,
+  // plus 5 % for the model of the fit.
   EXPECT_NEAR(std::sqrt(squares / stated), 1.0, 0.05 + 4.0 / std::sqrt(4.0 * corners)) << "seed " << kCheckerSeed;
 }
 
@@ -109,7 +110,7 @@ TEST(CheckerLattice, TheSaddlesBetweenDotsAreNoCorners) {
   EXPECT_TRUE(find_checker_lattices(LumaView(dots.view()), 8).empty());
 }
 
-TEST(CheckerLattice, ACosinePrintIsNoCheckerboard) {
+TEST(CheckerLattice, ACosineGratingIsNoCheckerboard) {
   for (const double pitch : {12.3, 29.3, 61.0}) {
     Image<std::uint8_t> crossed(kBoardWidth, kBoardHeight);
     for (int y = 0; y < kBoardHeight; ++y) {
@@ -122,7 +123,7 @@ TEST(CheckerLattice, ACosinePrintIsNoCheckerboard) {
   }
 }
 
-TEST(CheckerLattice, AnEmptyNoisyPictureHasNone) {
+TEST(CheckerLattice, AnEmptyNoisyImageHasNone) {
   std::mt19937_64 rng(kCheckerSeed);
   std::normal_distribution<double> normal(120.0, 5.0);
   Image<std::uint8_t> noise(kBoardWidth, kBoardHeight);

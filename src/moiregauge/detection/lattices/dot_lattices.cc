@@ -16,12 +16,13 @@ using markers_detail::Ellipse;
 using markers_detail::GrownLattice;
 using markers_detail::LatticeNode;
 
-// A dot where a lattice says that one must be: place, size and contrast are known, so roundness has less to prove.
-constexpr double kDotReach = 0.12;            // of the spacing
-constexpr double kSizeSlack = 1.35;           // against its neighbours
-constexpr double kMinDotContrastShare = 0.4;  // of its neighbour's
-constexpr double kMinDotCircularity = 0.78;
-constexpr double kEllipseSlack = 1.6;  // a square differs from an ellipse by two of the usual limits
+// Limits for a dot at a predicted position. Position, size and contrast are known, so the limits of the shape are
+// wider.
+constexpr double kDotReach = 0.12;            // of the spacing, distance from the prediction
+constexpr double kSizeSlack = 1.35;           // ratio to the predicted diameter
+constexpr double kMinDotContrastShare = 0.4;  // of the neighbour's contrast
+constexpr double kMinDotCircularity = 0.78;   // W
+constexpr double kEllipseSlack = 1.6;         // times the usual limit; a square differs by more than two limits
 
 LatticeNode node_of(const DetectedCircle& circle) {
   return {{circle.centre.x, circle.centre.y}, circle.diameter_px, circle.contrast < 0.0 ? 0.0 : kPi};
@@ -33,7 +34,7 @@ Ellipse ellipse_at(const Eigen::Vector2d& centre, const DetectedCircle& like, do
   return {centre, major * along * along.transpose() + minor * across * across.transpose()};
 }
 
-// `dots` gets what is seen there, in step with the nodes.
+// Searches a dot at a predicted position. Adds it to `dots`, whose order is that of the nodes.
 std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction& there,
                                      std::vector<DetectedCircle>& dots) {
   const DetectedCircle& neighbour = dots[there.nearest];

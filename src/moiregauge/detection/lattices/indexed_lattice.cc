@@ -21,8 +21,8 @@ const LatticePoint* IndexedLattice::find(int column, int row) const {
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-// By so much must another pair of axes fill its rectangle better than the pair of shortest steps: tilted beyond 50
-// degrees a diagonal of the print is the shorter one, and only the outline can tell.
+// Smallest ratio by which another pair of axes must fill its rectangle better than the shortest steps. If the tilt
+// exceeds 50 degrees, a diagonal of the board may be shorter than its step, and only the outline shows the true axes.
 constexpr double kClearlyFuller = 1.3;
 
 struct Box {
@@ -52,7 +52,7 @@ double filled(const GrownLattice& lattice, const Eigen::Matrix2i& change) {
   return static_cast<double>(lattice.node_at.size()) / (static_cast<double>(box.columns()) * box.rows());
 }
 
-// The mean step from one column (of the changed indices) to the next, and from one row to the next.
+// Returns the mean steps in px between columns and between rows, after the change of indices.
 Eigen::Matrix2d mean_steps(const GrownLattice& lattice, std::span<const LatticeNode> nodes,
                            const Eigen::Matrix2i& change) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -68,7 +68,7 @@ Eigen::Matrix2d mean_steps(const GrownLattice& lattice, std::span<const LatticeN
 
 Eigen::Matrix2i fullest_axes(const GrownLattice& lattice) {
   Eigen::Matrix2i best = Eigen::Matrix2i::Identity();
-  if (lattice.rule == SignRule::kAlternating) return best;  // colours alternate along the print's axes only
+  if (lattice.rule == SignRule::kAlternating) return best;  // colours alternate along the board's axes only
   double most = filled(lattice, best) * kClearlyFuller;
   for (const int shear : {1, -1}) {
     Eigen::Matrix2i along, across;
@@ -83,7 +83,7 @@ Eigen::Matrix2i fullest_axes(const GrownLattice& lattice) {
   return best;
 }
 
-// Columns rightwards, rows downwards, never mirrored.
+// Returns the change of indices that makes columns go rightwards and rows downwards, without a mirror image.
 Eigen::Matrix2i upright_axes(const GrownLattice& lattice, std::span<const LatticeNode> nodes) {
   Eigen::Matrix2i change = fullest_axes(lattice);
   Eigen::Matrix2d steps = mean_steps(lattice, nodes, change);
@@ -95,7 +95,7 @@ Eigen::Matrix2i upright_axes(const GrownLattice& lattice, std::span<const Lattic
   double rightmost = -2.0;
   for (int turn = 0; turn < 4; ++turn, change = quarter * change) {
     const Eigen::Vector2d along = mean_steps(lattice, nodes, change).col(0).normalized();
-    // A hair in favour of the earlier turn: at 45 degrees the choice must not hang on the last bit.
+    // The margin prefers the earlier rotation: at 45 degrees the choice must not depend on rounding.
     if (along.x() <= rightmost + 1e-9) continue;
     rightmost = along.x();
     best = change;

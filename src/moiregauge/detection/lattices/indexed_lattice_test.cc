@@ -19,22 +19,23 @@ constexpr int kWidth = 1200, kHeight = 900;
 
 struct Board {
   int columns = 11, rows = 8;
-  double pitch_px = 50.0;  // in the middle, before tilting
+  double pitch_px = 50.0;  // in the middle of the board, without tilt
   double tilt_rad = 0.0;
-  double about_rad = 0.3;  // direction of the tilt's axis in the picture
-  double roll_rad = 0.1;   // of the board in the picture, from x towards y
+  double about_rad = 0.3;  // direction of the tilt's axis in the image
+  double roll_rad = 0.1;   // of the board in the image, from x towards y
   double barrel = 0.0;     // k1
   ImagePoint middle{600.0, 450.0};
 };
 
-// A pinhole of 1200 px, the board's middle on its axis; then the lens; then moved to its place.
+// Projects a point by a pinhole camera of 1200 px with the board's middle on its axis, then by the lens. Moves the
+// result to the middle stated by the board.
 ImagePoint seen_at(const Board& board, double column, double row) {
   const double x = (column - 0.5 * (board.columns - 1)) * board.pitch_px,
                y = (row - 0.5 * (board.rows - 1)) * board.pitch_px;
   const double rx = std::cos(board.roll_rad) * x - std::sin(board.roll_rad) * y;
   const double ry = std::sin(board.roll_rad) * x + std::cos(board.roll_rad) * y;
   const double c = std::cos(board.about_rad), s = std::sin(board.about_rad);
-  const double along = c * rx + s * ry, across = c * ry - s * rx;  // the axis, and what turns about it
+  const double along = c * rx + s * ry, across = c * ry - s * rx;  // along and across the axis of the tilt
   const double lain = across * std::cos(board.tilt_rad), deep = 1200.0 + across * std::sin(board.tilt_rad);
   const double px = 1200.0 * (c * along - s * lain) / deep, py = 1200.0 * (s * along + c * lain) / deep;
   const Camera lens{.fx = 1200.0, .fy = 1200.0, .k1 = board.barrel};
@@ -54,7 +55,7 @@ std::vector<DetectedCircle> dots_of(const Board& board) {
   return dots;
 }
 
-// Every point says of itself what the board says of it, from (0, 0) on.
+// Checks the column and row of all points against the projected board.
 void expect_true_indices(const IndexedLattice& lattice, const Board& board) {
   for (const LatticePoint& p : lattice.points) {
     ASSERT_LT(length(p.at - seen_at(board, p.column, p.row)), 0.3) << "column " << p.column << ", row " << p.row;
@@ -71,7 +72,7 @@ std::vector<DetectedCircle> scattered(int count, std::mt19937_64& rng) {
   return circles;
 }
 
-TEST(DotLattice, EveryDotOfATiltedBoardKnowsItsColumnAndRow) {
+TEST(DotLattice, AllDotsOfATiltedBoardHaveTheirColumnAndRow) {
   for (const double tilt : {0.0, 20.0, 40.0, 50.0}) {
     for (const double about : {0.0, 0.4, 0.8, 1.2, 1.6}) {
       for (const double barrel : {0.0, -0.3}) {
@@ -86,12 +87,12 @@ TEST(DotLattice, EveryDotOfATiltedBoardKnowsItsColumnAndRow) {
   }
 }
 
-TEST(DotLattice, MissingDotsLeaveTheOthersInTheirPlaces) {
+TEST(DotLattice, MissingDotsDoNotChangeTheIndicesOfTheOthers) {
   std::mt19937_64 rng(kLatticeSeed);
   std::bernoulli_distribution missing(0.2);
   const Board board{.tilt_rad = 0.6, .barrel = -0.2};
   std::vector<DetectedCircle> dots = dots_of(board);
-  // The corners stay: without them nobody knows where the board begins.
+  // Keeps the corners, which determine the first column and row.
   std::set<std::pair<int, int>> there;
   std::vector<DetectedCircle> seen;
   for (int i = 0; i < 88; ++i) {
@@ -103,7 +104,7 @@ TEST(DotLattice, MissingDotsLeaveTheOthersInTheirPlaces) {
   const auto lattices = find_dot_lattices(seen);
   ASSERT_EQ(lattices.size(), 1U);
   for (const auto& [column, row] : there) {
-    int neighbours = -1;  // it counts itself
+    int neighbours = -1;  // the loop counts the dot itself
     for (int i = 0; i < 9; ++i) neighbours += there.contains({column + i % 3 - 1, row + i / 3 - 1}) ? 1 : 0;
     if (neighbours < 3) continue;
     EXPECT_NE(lattices[0].find(column, row), nullptr) << column << ", " << row << ", seed " << kLatticeSeed;
@@ -112,7 +113,7 @@ TEST(DotLattice, MissingDotsLeaveTheOthersInTheirPlaces) {
   expect_true_indices(lattices[0], board);
 }
 
-TEST(DotLattice, ClutterRoundItIsNoPartOfIt) {
+TEST(DotLattice, ClutterAroundItIsNoPartOfIt) {
   std::mt19937_64 rng(kLatticeSeed);
   const Board board{.tilt_rad = 0.5};
   std::vector<DetectedCircle> seen = dots_of(board);
@@ -137,7 +138,7 @@ TEST(DotLattice, TwoSheetsAreTwoLatticesTheLargerOneFirst) {
   expect_true_indices(lattices[1], small);
 }
 
-TEST(DotLattice, OfABoardCutOffByTheFrameTheVisiblePartIsFoundAndNoMore) {
+TEST(DotLattice, OnlyTheVisiblePartOfABoardCutOffByTheFrameIsFound) {
   const Board board{.roll_rad = 0.0, .middle = {230.0, 450.0}};
   std::vector<DetectedCircle> seen;
   for (const DetectedCircle& dot : dots_of(board)) {
@@ -189,7 +190,7 @@ TEST(DotLattice, OneLargerDotInTheCornerAndHolesInOthersChangeNothing) {
   expect_true_indices(lattices[0], board);
 }
 
-TEST(DotLattice, ADotTheSearchMissedIsFoundWhereItMustBe) {
+TEST(DotLattice, AMissedDotIsFoundAtItsPredictedPosition) {
   test::Scene scene;
   std::vector<double> share(static_cast<std::size_t>(scene.size * scene.size), 0.0);
   for (int row = 0; row < 4; ++row) {
@@ -208,11 +209,11 @@ TEST(DotLattice, ADotTheSearchMissedIsFoundWhereItMustBe) {
   ASSERT_FALSE(find_dot_lattices(seen)[0].whole());
   const auto lattices = find_dot_lattices(luma, seen);
   ASSERT_EQ(lattices.size(), 1U);
-  EXPECT_TRUE(lattices[0].whole());  // and nothing beyond its edge
+  EXPECT_TRUE(lattices[0].whole());  // no points beyond the edge of the board
   EXPECT_EQ(lattices[0].columns, 4);
   double least = 1e9;
   for (const LatticePoint& p : lattices[0].points) least = std::min(least, length(p.at - lost.centre));
-  EXPECT_LT(least, 0.02 * lost.u_centre_px);  // the place it has whoever looks
+  EXPECT_LT(least, 0.02 * lost.u_centre_px);  // same centre as by the first search
 }
 
 }  // namespace

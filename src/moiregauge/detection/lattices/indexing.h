@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a grown lattice, whose axes are those of its seed, to columns rightwards and rows downwards from (0, 0).
+// Gives the points of a grown lattice columns (rightwards) and rows (downwards) from (0, 0).
 #pragma once
 
 #include <span>
@@ -11,12 +11,13 @@
 namespace moiregauge::internal::markers_detail {
 
 struct Indexing {
-  IndexedLattice lattice;                           // `dark` is left to the caller
-  std::vector<std::size_t> node;                    // of every point
-  Eigen::Matrix2d steps = Eigen::Matrix2d::Zero();  // px, mean: one column on, one row on
+  IndexedLattice lattice;                           // the caller sets `dark`
+  std::vector<std::size_t> node;                    // per point of the lattice: index into the nodes
+  Eigen::Matrix2d steps = Eigen::Matrix2d::Zero();  // px; columns: mean step of one column, of one row
 };
 
-// u_px: of every node.
+// Selects upright axes and returns the indexed lattice. A grown lattice has the axes of its seed, in any rotation.
+// `u_px` is the standard uncertainty of each node.
 [[nodiscard]] Indexing index_upright(const GrownLattice& lattice, std::span<const LatticeNode> nodes,
                                      std::span<const double> u_px);
 

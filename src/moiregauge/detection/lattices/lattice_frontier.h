@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The empty cells round a lattice that grows, and which of them are worth another look. Looking at all of them, and
-// finding them from all points, each time would cost the points' number to the power of 1.5.
+// Empty cells around a growing lattice, with a flag for those whose prediction has changed. A repeated search of all
+// empty cells would take time proportional to the number of points to the power of 1.5.
 #pragma once
 
 #include <cstdlib>
@@ -14,12 +14,13 @@ namespace moiregauge::internal::markers_detail {
 
 class LatticeFrontier {
  public:
-  // `reach`: how many cells away an added point changes the prediction for an empty cell.
+  // Starts with the empty cells around `lattice`. `reach` is the number of cells over which a point changes
+  // predictions.
   LatticeFrontier(const GrownLattice& lattice, int reach) : reach_(reach) {
     for (const auto& [cell, node] : lattice.node_at) add(lattice, cell);
   }
 
-  // Returns the empty cells with at least `support` known ones of the eight round them, in order.
+  // Returns the empty cells with at least `support` occupied cells among their eight neighbours, in order.
   [[nodiscard]] std::vector<Cell> cells(int support) const {
     std::vector<Cell> found;
     for (const auto& [cell, state] : empty_) {
@@ -28,13 +29,14 @@ class LatticeFrontier {
     return found;
   }
 
-  // Has a point near this empty cell been added since it was looked at? What was seen there would be the same otherwise.
+  // Returns true if a point was added within reach of this empty cell since the last call. Otherwise a new search would
+  // give the same result.
   [[nodiscard]] bool take_change(Cell cell) {
     const auto found = empty_.find(cell);
     return found != empty_.end() && std::exchange(found->second.has_changed, false);
   }
 
-  // Call after the lattice has taken this cell.
+  // Updates the frontier; call it after adding the cell to the lattice.
   void add(const GrownLattice& lattice, Cell added) {
     empty_.erase(added);
     for (int dr = -reach_; dr <= reach_; ++dr) {

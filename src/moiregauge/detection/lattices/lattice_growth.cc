@@ -13,18 +13,17 @@ namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr std::size_t kNeighboursTried = 12;
-constexpr double kSeedSymmetry =
-    0.15;                             // of a step: neighbours lie point-symmetrically; perspective bends by 5 % a step
-constexpr double kSeedReach = 0.2;    // of a step: the corners of the 3 x 3
-constexpr double kMinSeedSine = 0.3;  // of the angle between the two steps
-// Of the shorter step's square, the two steps' product: 0.5 when neither can be shortened by the other, 1 when only by
-// twice the other (of alternating signs a single step lands on the wrong sign). A little more for perspective.
+constexpr double kSeedSymmetry = 0.15;  // of a step, deviation from point symmetry; perspective causes 5 % per step
+constexpr double kSeedReach = 0.2;      // of a step, deviation of the corners of the 3 x 3
+constexpr double kMinSeedSine = 0.3;    // sine of the angle between the two steps
+// Largest |a . b| / min(a^2, b^2) of a reduced pair of steps, with a margin for perspective. Below 0.5 adding one step
+// to the other does not shorten it. With alternating signs only twice a step keeps the sign: the limit is 1.
 constexpr double kReducedAlike = 0.57;
 constexpr double kReducedAlternating = 1.1;
-constexpr double kMaxStepRatio = 2.5;    // of the two steps: a square lattice at 66 degrees
-constexpr double kSeedSizeRatio = 1.6;   // the seed's points are of one kind,
-constexpr double kGrownSizeRatio = 2.6;  // a lattice may hold larger dots that mark its corner
-constexpr double kGrowthReach = 0.25;    // of the spacing
+constexpr double kMaxStepRatio = 2.5;    // of the two steps: a square lattice tilted by 66 degrees
+constexpr double kSeedSizeRatio = 1.6;   // between points of a seed
+constexpr double kGrownSizeRatio = 2.6;  // between any points: larger dots may mark a corner of the board
+constexpr double kGrowthReach = 0.25;    // of the spacing, distance from the prediction
 constexpr double kMaxSignError = 1.0;    // rad
 
 double wrapped(double angle) { return std::remainder(angle, kTwoPi); }
@@ -36,8 +35,7 @@ class Growth {
 
   std::vector<GrownLattice> all() {
     std::vector<GrownLattice> found;
-    std::vector<bool> tried(nodes_.size(),
-                            false);  // in a lattice that did not stand: another seed of it would not either
+    std::vector<bool> tried(nodes_.size(), false);  // nodes of rejected lattices: no other seed would do better
     for (std::size_t p = 0; p < nodes_.size(); ++p) {
       if (taken_[p] || tried[p]) continue;
       auto lattice = seed_at(p);
@@ -71,7 +69,7 @@ class Growth {
     return rule_ == SignRule::kAlternating ? sign_rad + kPi * steps : sign_rad;
   }
 
-  // The free node nearest to a place that is of the right kind.
+  // Returns the nearest free node within `reach` px of `at` with a matching sign and size.
   [[nodiscard]] std::optional<std::size_t> node_near(const Eigen::Vector2d& at, double reach, double sign_rad,
                                                      double size_px, double size_ratio) const {
     std::optional<std::size_t> best;
@@ -92,7 +90,7 @@ class Growth {
     Eigen::Vector2d step{0, 0};
   };
 
-  // Pairs of neighbours on opposite sides, shortest step first.
+  // Returns pairs of neighbours on opposite sides of a node, shortest step first.
   [[nodiscard]] std::vector<SymmetricPair> pairs_round(std::size_t p) const {
     std::vector<SymmetricPair> pairs;
     const LatticeNode& centre = nodes_[p];
@@ -111,7 +109,7 @@ class Growth {
     return pairs;
   }
 
-  // Steps that skip points of the lattice see them between the points of the seed.
+  // Returns true if no node of the same kind is between the points of the seed: the steps then skip no point.
   [[nodiscard]] bool nothing_between(std::size_t p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
     Eigen::Matrix2d steps;
     steps << a, b;
@@ -149,7 +147,7 @@ class Growth {
     GrownLattice out{rule_, {}};
     out.node_at = {{{0, 0}, p}, {{1, 0}, a.ahead}, {{-1, 0}, a.behind}, {{0, 1}, b.ahead}, {{0, -1}, b.behind}};
     for (const Cell cell : {Cell{1, 1}, Cell{1, -1}, Cell{-1, 1}, Cell{-1, -1}}) {
-      // From the two arms: their own lengths, so that perspective does not add up.
+      // Each corner is predicted from the two arms next to it, so that perspective does not accumulate.
       const Eigen::Vector2d at =
           nodes_[out.node_at[{cell.column, 0}]].at + nodes_[out.node_at[{0, cell.row}]].at - nodes_[p].at;
       const auto node = node_near(at, kSeedReach * shorter, nodes_[p].sign_rad, nodes_[p].size_px, kSeedSizeRatio);
@@ -159,7 +157,7 @@ class Growth {
     return out;
   }
 
-  // Best-supported cells first, so that an edge never runs ahead of the rows beside it.
+  // Adds cells with the most neighbours first, so that no row grows ahead of the adjacent ones.
   void grow(GrownLattice& lattice) {
     LatticeFrontier frontier(lattice, kAffineReach);
     for (bool grown = true; grown;) {

@@ -9,11 +9,11 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-constexpr int kWindowReach = kAffineReach;   // a window of 5 x 5 cells,
-constexpr int kWideReach = kQuadraticReach;  // or of 7 x 7 where that holds too few
-constexpr double kMinSpread = 0.12;          // cells^2, the smaller variance of the window's points: not on one line
-constexpr std::size_t kMinQuadratic = 8;
-constexpr std::size_t kAmple = 12;  // fewer, as at a corner or among gaps, and the wide window is taken
+constexpr int kWindowReach = kAffineReach;   // cells: a window of 5 x 5
+constexpr int kWideReach = kQuadraticReach;  // cells: a window of 7 x 7
+constexpr double kMinSpread = 0.12;          // cells^2, smallest variance of the points along any direction
+constexpr std::size_t kMinQuadratic = 8;     // points; the quadratic has 6 parameters
+constexpr std::size_t kAmple = 12;           // points; with fewer (at corners, among gaps) the wide window is used
 
 struct Known {
   Eigen::Vector2d offset;  // cells
@@ -22,7 +22,8 @@ struct Known {
   std::size_t node = 0;
 };
 
-// Rows 1, x, y and, for the quadratic, x^2, x y, y^2.
+// Fits px as a polynomial in cells. The rows of the result are the coefficients of 1, x, y and, with 6 terms, x^2, x y,
+// y^2.
 template <int Terms>
 Eigen::Matrix<double, Terms, 2> fit_terms(const std::vector<Known>& known) {
   Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
@@ -48,7 +49,7 @@ bool spreads_both_ways(const std::vector<Known>& known) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread, Eigen::EigenvaluesOnly).eigenvalues()[0] > kMinSpread;
 }
 
-// A quadratic along an axis needs three places on it, and the cross term points off both axes.
+// Returns true if the points determine a quadratic: at least kMinQuadratic of them, in three columns and three rows.
 bool holds_quadratic(const std::vector<Known>& known) {
   if (known.size() < kMinQuadratic) return false;
   std::array<bool, 2 * kWideReach + 1> columns{}, rows{};

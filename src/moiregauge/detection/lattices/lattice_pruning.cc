@@ -11,18 +11,18 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-constexpr double kMinResidual = 0.06;  // of the spacing: what a good lattice is forgiven,
-constexpr double kMaxResidual = 0.12;  // and what a poor one,
-constexpr double kResidualInMedians = 6.0;
-constexpr double kMaxMedianResidual = 0.04;
-constexpr double kMaxTakenOut = 0.25;  // of the points: more, and it never was a lattice
-constexpr double kThreadSizeRatio = 1.3;
+// The limit of a residual is 6 times the median residual, but within these bounds.
+constexpr double kMinResidual = 0.06;        // of the spacing
+constexpr double kMaxResidual = 0.12;        // of the spacing
+constexpr double kResidualInMedians = 6.0;   // chosen
+constexpr double kMaxMedianResidual = 0.04;  // of the spacing; a larger median is no lattice (chosen)
+constexpr double kMaxTakenOut = 0.25;        // of the points; if more are removed, it was no lattice (chosen)
+constexpr double kThreadSizeRatio = 1.3;     // to the predicted size, for points with fewer than three neighbours
 
 struct Residual {
   Cell cell;
-  double relative = 1.0;  // to the spacing
-  // With two neighbours or fewer, position and size must be right without allowance.
-  double strictness = 1.0;
+  double relative = 1.0;    // residual / spacing
+  double strictness = 1.0;  // factor on the residual: above 1 for points with fewer than three neighbours
 };
 
 Residual residual_of(const GrownLattice& lattice, std::span<const LatticeNode> nodes, Cell cell, std::size_t node) {
@@ -36,7 +36,7 @@ Residual residual_of(const GrownLattice& lattice, std::span<const LatticeNode> n
   return r;
 }
 
-// The residuals of a lattice that loses points: only those near a lost one change.
+// Residuals of a lattice during the removal of points. Only residuals near a removed point are computed again.
 class LatticeResiduals {
  public:
   LatticeResiduals(const GrownLattice& lattice, std::span<const LatticeNode> nodes) : nodes_(nodes) {
@@ -107,7 +107,8 @@ bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes) {
       if (r.relative * r.strictness > limit) outside[r.cell] = r.relative * r.strictness;
     }
     if (outside.empty()) return median < kMaxMedianResidual;
-    // A wrong point spoils what is said of its neighbours: only the worst of each neighbourhood goes at a time.
+    // A wrong point distorts the predictions of its neighbours, so only the worst point of each neighbourhood is
+    // removed.
     std::vector<Cell> lost;
     for (const auto& [cell, residual] : outside) {
       if (is_worst_round(outside, cell)) lost.push_back(cell);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points by neighbourhood: a grid of square cells of about two points each.
+// Spatial index of points: a grid of square cells with about two points each.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ class NearPoints {
       in_cell_[cell_of(column(points_[i].x()), row(points_[i].y()))].push_back(i);
   }
 
-  // visitor(index) for every point within `reach` px.
+  // Calls visitor(index) for all points within `reach` px.
   template <typename Visitor>
   void visit(const Eigen::Vector2d& at, double reach, Visitor visitor) const {
     if (points_.empty() || !at.allFinite()) return;
@@ -41,7 +41,7 @@ class NearPoints {
     }
   }
 
-  // The `count` nearest, nearest first.
+  // Returns the indices of the `count` nearest points, nearest first.
   [[nodiscard]] std::vector<std::size_t> nearest(const Eigen::Vector2d& at, std::size_t count) const {
     std::vector<std::pair<double, std::size_t>> found;
     const double widest = cell_px_ * (columns_ + rows_);

@@ -11,24 +11,24 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-constexpr double kWindowShare = 0.4;     // of the spacing: the neighbouring corners stay outside
+constexpr double kWindowShare = 0.4;     // of the spacing: keeps neighbouring corners outside
 constexpr double kMinWindow = 2.5;       // px, radius
-constexpr double kMaxWindow = 12.0;      // px: beyond, a lens bends the edges more than the pixels tell
-constexpr double kMinSaddleBlur = 0.25;  // px: a box pixel alone has 0.29
-constexpr double kStartBlur = 1.0;       // px
+constexpr double kMaxWindow = 12.0;      // px, radius: in a larger window the lens bends the edges noticeably
+constexpr double kMinSaddleBlur = 0.25;  // px, sigma: a box pixel alone has 0.29
+constexpr double kStartBlur = 1.0;       // px, sigma
 constexpr int kPasses = 10;
-constexpr double kMaxTurn = 0.2;  // rad in one pass
+constexpr double kMaxTurn = 0.2;  // rad, largest rotation of an edge in one pass
 
-// lighter level and its slopes; q; sigma (relative); the point; the two edges' directions
+// Order: lighter level and its two slopes, q, sigma (relative step), x, y, directions of the two edges.
 constexpr int kSaddleParameters = 9;
 using SaddleVector = Eigen::Matrix<double, kSaddleParameters, 1>;
 using SaddleNormal = Eigen::Matrix<double, kSaddleParameters, kSaddleParameters>;
 
 struct SaddleState {
   double light = 0.0, slope_x = 0.0, slope_y = 0.0, q = 0.0, sigma = kStartBlur;
-  Eigen::Vector2d at{0, 0};
+  Eigen::Vector2d at{0, 0};             // px
   double angle_a = 0.0, angle_b = 0.0;  // rad, of the edges, from image x towards image y
-  double side = 1.0;                    // +1: light where both edges are to the same hand
+  double side = 1.0;                    // +1: light on the same side of both edges; -1: dark there
 };
 
 struct DiscPixel {
@@ -79,13 +79,13 @@ SaddleSums sums_of_disc(const std::vector<DiscPixel>& pixels, const SaddleState&
     const double plane = s.light + s.slope_x * d.x() + s.slope_y * d.y();
     const double rest = 1.0 - s.q * darkness;
     const double residual = pixel.grey - plane * rest;
-    // d(grey) / d(za) and / d(zb); erf(z / sqrt 2) has slope 2 bell.
+    // Derivatives of the grey level by za and zb. The slope of erf(z / sqrt 2) is 2 bell.
     const double bell_a = std::exp(-0.5 * za * za) / std::sqrt(kTwoPi),
                  bell_b = std::exp(-0.5 * zb * zb) / std::sqrt(kTwoPi);
     const double by_a = plane * s.q * s.side * eb * bell_a, by_b = plane * s.q * s.side * ea * bell_b;
     const Eigen::Vector2d by_at =
         -(by_a * normal_a + by_b * normal_b) / s.sigma - rest * Eigen::Vector2d(s.slope_x, s.slope_y);
-    // An edge turned by da moves its normal by -along da.
+    // A rotation of an edge by da changes its normal by -along da.
     j << rest, rest * d.x(), rest * d.y(), -plane * darkness, -(by_a * za + by_b * zb), by_at.x(), by_at.y(),
         -by_a * along_a.dot(d) / s.sigma, -by_b * along_b.dot(d) / s.sigma;
     sums.normal.selfadjointView<Eigen::Lower>().rankUpdate(j);
@@ -121,7 +121,7 @@ double variance_of(const std::vector<DiscPixel>& pixels) {
   return squares / n - sum * sum / (n * n);
 }
 
-// Light and dark from the quarter of the pixels at either end.
+// Sets the start levels: light and dark are the medians of the brightest and the darkest quarter of the pixels.
 void start_levels(const std::vector<DiscPixel>& pixels, SaddleState& s) {
   std::vector<double> levels;
   for (const DiscPixel& p : pixels) levels.push_back(p.grey);
@@ -130,7 +130,8 @@ void start_levels(const std::vector<DiscPixel>& pixels, SaddleState& s) {
   s.q = std::clamp((s.light - levels[levels.size() / 8]) / std::max(s.light, 1.0), 1e-3, 1.2);
 }
 
-// An outer corner of the pattern has one quadrant of the wrong colour, which a bent fit may hide from the residual.
+// Returns the contrast between the darker light and the lighter dark quadrant, relative to the fitted contrast. An
+// outer corner of the pattern has one quadrant of the wrong colour, which the residual may not show.
 double weakest_contrast(const std::vector<DiscPixel>& pixels, const SaddleState& s) {
   std::array<double, 4> sum{}, count{};
   const Eigen::Vector2d normal_a(-std::sin(s.angle_a), std::cos(s.angle_a)),
@@ -138,7 +139,7 @@ double weakest_contrast(const std::vector<DiscPixel>& pixels, const SaddleState&
   for (const DiscPixel& pixel : pixels) {
     const Eigen::Vector2d d(pixel.x - s.at.x(), pixel.y - s.at.y());
     const double a = normal_a.dot(d), b = normal_b.dot(d);
-    if (std::min(std::abs(a), std::abs(b)) < s.sigma) continue;  // on an edge
+    if (std::min(std::abs(a), std::abs(b)) < s.sigma) continue;  // excludes the edges
     const std::size_t quadrant = (a > 0.0 ? 1 : 0) + (b > 0.0 ? 2 : 0);
     sum[quadrant] += pixel.grey / (s.light + s.slope_x * d.x() + s.slope_y * d.y());
     count[quadrant] += 1.0;
@@ -147,14 +148,14 @@ double weakest_contrast(const std::vector<DiscPixel>& pixels, const SaddleState&
     if (count[i] == 0.0) return 0.0;
     sum[i] /= count[i];
   }
-  // Both edges to the same hand: quadrants 0 and 3.
+  // Quadrants 0 and 3 are on the same side of both edges.
   const double same = s.side * std::min(s.side * sum[0], s.side * sum[3]),
                other = s.side * std::max(s.side * sum[1], s.side * sum[2]);
   return s.side * (same - other) / s.q;
 }
 
-// Of the grey levels with those on the other side of the point: nearly 1 of a saddle, a third where one of the four
-// quadrants has the wrong colour, whatever the fit made of it.
+// Returns the correlation between the grey levels and those at opposite points. It is nearly 1 for a corner, and 1/3 if
+// one of the four quadrants has the wrong colour. It does not depend on the fitted model.
 template <typename Grey>
 double point_symmetry(const ImageView<Grey>& view, const std::vector<DiscPixel>& pixels, const Eigen::Vector2d& at) {
   double n = 0.0, sum = 0.0, squares = 0.0, products = 0.0;
@@ -181,7 +182,7 @@ std::optional<FittedSaddle> fit_saddle_in(const ImageView<Grey>& view, const Sad
   s.at = start.at;
   s.angle_a = std::atan2(a.y(), a.x());
   s.angle_b = std::atan2(b.y(), b.x());
-  // Between the steps, a's normal points one way and b's the other.
+  // A point between the steps is on opposite sides of the two edges.
   s.side = start.light_between ? -1.0 : 1.0;
   std::vector<DiscPixel> pixels = disc_of(view, s.at, radius);
   if (pixels.size() < 2 * kSaddleParameters) return std::nullopt;
@@ -189,7 +190,7 @@ std::optional<FittedSaddle> fit_saddle_in(const ImageView<Grey>& view, const Sad
   if (s.light <= 0.0) return std::nullopt;
   SaddleSums sums;
   for (int pass = 0; pass < kPasses; ++pass) {
-    if (pass == kPasses / 2) pixels = disc_of(view, s.at, radius);  // laid anew round the point, once
+    if (pass == kPasses / 2) pixels = disc_of(view, s.at, radius);  // centres the window on the improved position, once
     if (pixels.size() < 2 * kSaddleParameters) return std::nullopt;
     sums = sums_of_disc(pixels, s);
     if (!improve_saddle(sums, 0.5 * radius, s)) return std::nullopt;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sub-pixel place where four squares of a checkerboard meet: least squares of the grey levels round it.
+// Sub-pixel position of a corner of a checkerboard: least squares fit to the grey levels around it.
 //
-// Model: two straight edges through one point, dark and light in turn; lighter side a plane of grey, darker side the
-// same plane times 1 - q, between them an error function of width sigma (disc_fit.h's, with two lines for the ellipse).
-// Point-symmetric, so what the print or the lens does alike on opposite sides does not move it.
+// Model: two straight edges through one point, with dark and light quadrants in turn. The light quadrants are a plane
+// of grey levels, the dark ones the same plane times 1 - q. The edges are error functions of width sigma, as in
+// disc_fit.h. The model is point-symmetric, so symmetric errors of printing or lens do not move the corner.
 #pragma once
 
 #include <optional>
@@ -16,20 +16,21 @@ namespace moiregauge::internal::markers_detail {
 
 struct SaddleStart {
   Eigen::Vector2d at{0, 0};   // px
-  Eigen::Matrix2d step;       // px; columns: along the two edges, one square each
-  bool light_between = true;  // the quadrant between the two steps is light
+  Eigen::Matrix2d step;       // px; columns: steps of one square along the two edges
+  bool light_between = true;  // true if the quadrant between the two steps is light
 };
 
 struct FittedSaddle {
-  Eigen::Vector2d at{0, 0};
-  double u_px = 0.0;       // standard uncertainty of each coordinate, from the fit's own residual
-  double contrast = 0.0;   // grey levels, light minus dark
-  double explained = 0.0;  // share of the grey levels' variance
-  double symmetric = 0.0;  // correlation of the grey levels with those opposite
-  double weakest = 0.0;    // of the contrast: between the lighter dark quadrant and the darker light one
+  Eigen::Vector2d at{0, 0};  // px
+  double u_px = 0.0;         // px, standard uncertainty (k = 1) of each coordinate, from the residual of the fit
+  double contrast = 0.0;     // grey levels, light minus dark
+  double explained = 0.0;    // share of the variance of the grey levels
+  double symmetric = 0.0;    // correlation between opposite pixels, 1 for an ideal corner
+  double weakest = 0.0;      // share of the contrast, from the lighter dark quadrant to the darker light one
 };
 
-// Empty when the fit runs away or the window leaves the picture.
+// Fits the corner model in a window of 0.4 squares radius (2.5 to 12 px). Empty if the fit diverges, moves by more than
+// half a square, or the window is not inside the image.
 [[nodiscard]] std::optional<FittedSaddle> fit_saddle(const LumaView& luma, const SaddleStart& start);
 
 }  // namespace moiregauge::internal::markers_detail

@@ -8,20 +8,20 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kBeyond = 4.0;          // u of what the site says
-constexpr double kUnknownHeight = 0.01;  // of the size: 12 mm at 1.2 m, 80 mm at 8 m
-// A distance is known without the print's size if it is known to a third of what it is off by when the print may have
-// any size within this.
+constexpr double kBeyond = 4.0;          // limit in u of the site; chosen
+constexpr double kUnknownHeight = 0.01;  // limit of relative size: 12 mm at 1.2 m, 80 mm at 8 m; chosen
+// Prior u of a grating's scale for this test. If the distance is then known to a quarter of the deviation, parallax
+// determines it.
 constexpr double kAnySize = 0.1;
-constexpr double kKnownDistance = 0.1;  // u, relative
+constexpr double kKnownDistance = 0.1;  // largest relative u of f for distances in mm; chosen
 
 struct Appearance {
-  double larger = 0.0;     // than the site says, relative
-  double nearer_mm = 0.0;  // if that is all distance
-  double pitch_mm = 0.0;   // if that is all pitch
+  double larger = 0.0;     // relative to the size that the site states
+  double nearer_mm = 0.0;  // if distance is the only cause
+  double pitch_mm = 0.0;   // if pitch is the only cause
 };
 
-// Board distance along the camera's axis, mean of the key frames, mm.
+// Returns the board's distance along the camera's axis, mean of the key frames, mm.
 double mean_distance_mm(const Calibration& calibration) {
   double sum = 0.0, count = 0.0;
   for (const FrameFit& fit : calibration.fits) {
@@ -34,7 +34,7 @@ Appearance appearance_of(const Marker& marker, const MarkerShape& solved, double
   const double stated_mm = marker.z_mm.value_or(0.0);
   const double scale = solved.value[MarkerShape::kScale], height_mm = solved.value[MarkerShape::kHeight];
   Appearance a;
-  // A print at height h looks (1 + scale) D / (D - h) times as large as one of its pitch in the plane.
+  // A grating at height h looks (1 + scale) D / (D - h) times as large as one of the stated pitch in the plane.
   a.larger = (1.0 + scale) * (distance - stated_mm) / (distance - height_mm) - 1.0;
   a.nearer_mm = (distance - stated_mm) * a.larger / (1.0 + a.larger);
   a.pitch_mm = marker.grating->pitch_mm * (1.0 + a.larger);
@@ -49,7 +49,7 @@ double height_u_mm(const Site& site, const Calibration& calibration, ScenePrior 
   return std::sqrt(covariance(row, row));
 }
 
-// Distances are as well known as the focal length.
+// Distances are as uncertain as the focal length.
 bool knows_distance(const Scene& scene) {
   return std::sqrt(scene.stated_covariance()(0, 0)) <= kKnownDistance * scene.camera.fx;
 }
@@ -57,15 +57,15 @@ bool knows_distance(const Scene& scene) {
 std::string apparent_size_note(const Marker& marker, const Appearance& a, double distance, bool knows_distance) {
   const bool is_larger = a.larger > 0.0;
   const double percent = 100.0 * std::abs(a.larger);
-  const std::string stated = marker.z_mm ? fmt::format("its pitch of {:.6g} mm and its z_mm of {:.6g} say",
+  const std::string stated = marker.z_mm ? fmt::format("its pitch_mm = {:.6g} and z_mm = {:.6g} give",
                                                        marker.grating->pitch_mm, *marker.z_mm)
-                                         : fmt::format("its pitch of {:.6g} mm says", marker.grating->pitch_mm);
+                                         : fmt::format("its pitch_mm = {:.6g} gives", marker.grating->pitch_mm);
   const std::string by =
       knows_distance ? fmt::format("{:.3g} mm", std::abs(a.nearer_mm))
                      : fmt::format("{:.2g} % of the camera's distance", 100.0 * std::abs(a.nearer_mm) / distance);
   return fmt::format(
-      "displacements of '{}' may be wrong by {:.2g} %: its print looks {:.2g} % {} than {}. Either it is {} {} {}, or "
-      "its pitch is {:.4g} mm. Measure both, and state z_mm and pitch_mm in the site file",
+      "displacements of '{}' may be wrong by {:.2g} %: its grating looks {:.2g} % {} than {}. Either it is {} {} {}, "
+      "or its pitch is {:.4g} mm. Measure both, and give z_mm and pitch_mm in the site file",
       marker.name, percent, percent, is_larger ? "larger" : "smaller", stated, by,
       is_larger ? "nearer" : "further away", marker.z_mm ? "than stated" : "than the plane of the references",
       a.pitch_mm);

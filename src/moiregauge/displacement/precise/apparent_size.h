@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints that look larger or smaller than pitch and height say.
+// Apparent size: gratings that look larger or smaller than pitch and height state.
 #pragma once
 
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace moiregauge::internal {
 
-// Returns one line per marker whose print looks of another size than the site says: by more than four of the site's own
-// u, or, of a target of unknown height, by more than a hundredth. Apparent size alone cannot separate a print of another
-// pitch from one at another distance, so both are named, as lengths: "target 'mid' looks 4.3 % larger than ...". No line
-// for a marker whose distance follows from parallax.
-// calibration  with the fits of its key frames
+// Returns one line per marker whose apparent size differs from the site's. The limit is four u of the site, or 1 % for
+// a target of unknown height.
+// Apparent size cannot separate pitch from distance, so the line states both as lengths. Markers whose distance follows
+// from parallax have no line.
+// `calibration`: with the fits of its key frames.
 [[nodiscard]] std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration);
 
 }  // namespace moiregauge::internal

@@ -14,14 +14,14 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxFrames = 40;
-constexpr double kMatters = 1.0;  // u of a displacement
-// Times the quantile of chance. A template's residuals at its edges are the same in all frames, so chi2 of a right camera
-// falls by more than chance has it: by up to 34 in 16 runs of a still camera (quantile 26). Wrong cameras that change
-// displacements by more than their u: 8500 and more.
+constexpr std::size_t kMaxFrames = 40;  // frames of this test; chosen
+constexpr double kMatters = 1.0;        // least change of a displacement that matters, in its u
+// Factor on the chi-squared quantile. Template errors at edges are the same in all frames, so chi2 falls beyond chance
+// for right cameras, too. It fell by up to 34 in 16 runs of a still camera (quantile 26). For wrong cameras that change
+// displacements by more than u it fell by 8500 and more.
 constexpr double kBeyondTemplates = 10.0;
 
-// One side of the likelihood ratio: everything free, the camera known as `prior` has it.
+// One side of the likelihood ratio: all parameters free, with one prior of the camera.
 struct Side {
   BundleSolution bundle;
   std::vector<FrameFit> fits;
@@ -42,7 +42,7 @@ Side solved_side(const Site& site, std::span<const BundleFrame> frames, const Sc
   return side;
 }
 
-// By how many u of the stated side a target's displacement differs between the two at most.
+// Returns the largest difference of a target's displacement between both sides, in u of the stated side.
 double most_error_u(const Site& site, const Side& stated, const Side& open) {
   if (!stated.fits.front().ok || !open.fits.front().ok) return 0.0;
   const PreciseBudget budget(site, stated.covariance, stated.fits.front());
@@ -54,7 +54,7 @@ double most_error_u(const Site& site, const Side& stated, const Side& open) {
       const auto moved = a.shift[i] - stated.fits.front().shift[i];
       const auto other = b.shift[i] - open.fits.front().shift[i];
       const auto u = total(budget.budget(a, i, moved));
-      // An axis that the print does not show has a u beyond everything.
+      // An axis that the grating does not show has a very large u, so it never counts here.
       most = std::max({most, std::abs(moved.x - other.x) / u.x, std::abs(moved.y - other.y) / u.y});
     }
   }
@@ -99,8 +99,8 @@ std::optional<CameraContradiction> camera_contradiction(const Site& site, std::s
 std::string camera_contradiction_note(const CameraContradiction& found) {
   constexpr std::array kNames{"f", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
   return fmt::format(
-      "no row is trusted, because the references contradict --camera: its {} is {:.4g} (u {:.2g}), this footage shows "
-      "{:.4g} (u {:.2g}), and displacements would be off by up to {:.1f} u",
+      "no row is trusted: with --camera, displacements would be wrong by up to {5:.1f} u. Its {0} is {1:.4g} (u "
+      "{2:.2g}), but the references show {3:.4g} (u {4:.2g})",
       kNames[found.parameter], found.given, found.u_given, found.shown, found.u_shown, found.error_u);
 }
 

@@ -12,23 +12,22 @@ namespace moiregauge::internal {
 
 // A camera that the references contradict.
 struct CameraContradiction {
-  std::size_t parameter = 0;  // of the scene's camera: the one that is furthest off
+  std::size_t parameter = 0;  // of the scene's camera: the most deviating one
   double given = 0.0, u_given = 0.0;
-  double shown = 0.0, u_shown = 0.0;  // by the footage without the statement
-  double error_u = 0.0;               // by how many u displacements would be off at most
+  double shown = 0.0, u_shown = 0.0;  // from the footage without the statement
+  double error_u = 0.0;               // largest change of a displacement, in its u
 };
 
-// Returns the contradiction if one is there and matters: chi2 of the frames falls by more than chance has it when the
-// camera is unknown instead of known as stated (likelihood ratio, everything else free in both), and a displacement
-// changes by more than its u.
-// given   with the camera as it was stated
-// frames  key frames, the reference frame first, as `solved` has them
+// Tests a given camera by a likelihood ratio: the fall of chi2 if the camera is unknown, with everything else free in
+// both cases. Returns the contradiction if the fall exceeds chance and a displacement changes by more than its u.
+// `given`: prior with the camera as stated.
+// `frames`: key frames, the reference frame first, as in `solved`.
 [[nodiscard]] std::optional<CameraContradiction> camera_contradiction(const Site& site,
                                                                       std::span<const BundleFrame> frames,
                                                                       const ScenePrior& given,
                                                                       const Calibration& solved);
 
-// "the footage contradicts --camera: ..."
+// Returns the warning with the most deviating parameter.
 [[nodiscard]] std::string camera_contradiction_note(const CameraContradiction& found);
 
 }  // namespace moiregauge::internal

@@ -11,7 +11,8 @@ double variance(const Eigen::RowVectorXd& k, const Eigen::MatrixXd& c) {
   return std::max(0.0, (k * c * k.transpose())(0));
 }
 
-// The turn of the board in its plane that the references' places amount to: a row of the scene's parameters, rad.
+// Returns the derivative of the board's rotation in its plane by the scene parameters, rad per unit. Only the
+// references' positions contribute.
 Eigen::RowVectorXd turn_of_places(const Site& site, Eigen::Index parameters) {
   Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(parameters);
   double x = 0.0, y = 0.0, n = 0.0, sum = 0.0;
@@ -30,12 +31,12 @@ Eigen::RowVectorXd turn_of_places(const Site& site, Eigen::Index parameters) {
   return sum > 0.0 ? Eigen::RowVectorXd(row / sum) : row;
 }
 
-// Noise beyond what it was taken for.
+// Returns the factor by which the frame's variance exceeds the stated noise, at least 1.
 double inflation(const FrameFit& fit) {
   return fit.dof > 0 ? std::max(1.0, fit.chi2_sum / static_cast<double>(fit.dof)) : 1.0;
 }
 
-// Variance that the camera's motion while rows are read adds to a shift; none where all are read at once.
+// Returns the variance that motion during readout adds to a shift, mm^2. 0 for a global shutter.
 double of_motion(const FrameFit& fit, int row) {
   return row < fit.of_motion.size() ? inflation(fit) * fit.of_motion(row) : 0.0;
 }
@@ -54,8 +55,8 @@ PreciseBudget::PreciseBudget(const Site& site, Eigen::MatrixXd scene, FrameFit t
   u_axis_rad_ = std::sqrt(variance(turn_of_places(site, scene_.rows()), scene_));
 }
 
-// The scene's share, told apart by its parameters. These depend on one another: what each group would give alone is
-// scaled so that together they are the whole. What the axes' direction gives follows from the displacement itself.
+// Divides the scene's variance among its groups of parameters. They are correlated, so each group's own variance is
+// scaled to give the whole sum. The axes' part is taken first, from the displacement across the axis.
 PreciseBudget::Share PreciseBudget::share(const Eigen::RowVectorXd& k, std::size_t marker, double across_mm) const {
   Share s;
   double whole = variance(k, scene_);
@@ -92,7 +93,7 @@ Budget PreciseBudget::budget(const FrameFit& now, std::size_t marker, Extent<fra
     member(b.references) = std::sqrt(all - own);
     Eigen::RowVectorXd k = now.sensitivity.row(row);
     double reference_frame = 0.0;
-    // At rest the reference frame has no shift of its own: it shares the place in which the target rests.
+    // With rest frames the reference frame has no shift of its own. It shares the position in which the target rests.
     if (then_.shift_row[marker] >= 0) {
       const int before = then_.shift_row[marker] + axis;
       shutter += of_motion(then_, before);
@@ -116,7 +117,7 @@ Budget PreciseBudget::budget(const FrameFit& now, const FrameFit& now_by_noise, 
   Budget b = budget(now, marker, moved);
   for (const int axis : {0, 1}) {
     const auto member = [axis](Extent<frame::Board>& e) -> double& { return axis == 0 ? e.x : e.y; };
-    // The noise's share of a variance that both make up.
+    // Share of noise in a variance that contains noise and codec.
     const auto by_noise = [marker, axis](const FrameFit& both, const FrameFit& noise) {
       const int row = both.shift_row[marker], alone = noise.ok ? noise.shift_row[marker] : -1;
       if (row < 0 || alone < 0) return 1.0;

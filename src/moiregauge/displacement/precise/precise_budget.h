@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the displacement of a target owes to what, by `precise`.
+// Uncertainty budget of `precise`: the causes of u of a target's displacement.
 #pragma once
 
 #include "moiregauge/calibration/scene/frame_fit.h"
@@ -9,15 +9,15 @@ namespace moiregauge::internal {
 
 class PreciseBudget {
  public:
-  // scene   covariance of all of its parameters
-  // then    the reference frame's fit
-  // u_readout_s   of a rolling shutter's readout
+  // `scene`: covariance of all scene parameters.
+  // `then`: fit of the reference frame.
+  // `u_readout_s`: of a rolling shutter's readout time.
   PreciseBudget(const Site& site, Eigen::MatrixXd scene, FrameFit then, double u_readout_s = 0.0);
 
-  // Of `now` less `then`, for a displacement of `moved` mm.
+  // Returns the budget of `now` minus the reference frame, for a displacement of `moved` mm.
   [[nodiscard]] Budget budget(const FrameFit& now, std::size_t marker, Extent<frame::Board> moved) const;
-  // The same of compressed footage: `now` and `then` hold the codec's error, these fits of the same frames do not. What
-  // they differ by is the codec's part.
+  // Returns the same for compressed footage. `now` and the reference frame include the codec's error, the fits by noise
+  // do not. The difference of both is the codec's part.
   [[nodiscard]] Budget budget(const FrameFit& now, const FrameFit& now_by_noise, const FrameFit& then_by_noise,
                               std::size_t marker, Extent<frame::Board> moved) const;
   [[nodiscard]] const FrameFit& then() const { return then_; }
@@ -29,10 +29,10 @@ class PreciseBudget {
   Eigen::MatrixXd scene_;
   FrameFit then_;
   double u_readout_s_;
-  double u_axis_rad_ = 0.0;  // of the direction of the board's axes
+  double u_axis_rad_ = 0.0;  // of the direction of the board's axes, rad
 };
 
-// All parts together.
+// Returns the root of the sum of squares of all parts, mm.
 [[nodiscard]] Extent<frame::Board> total(const Budget& budget);
 
 }  // namespace moiregauge::internal

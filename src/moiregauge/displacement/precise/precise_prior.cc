@@ -10,17 +10,15 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kRestPlace = 100.0;  // mm: where a target rests is not known beforehand
+constexpr double kRestPlace = 100.0;  // mm, prior u of a target's rest position: practically unknown
 
-// A template learned from one picture reads the scale of its print no better than this at the print's edge: what it
-// cannot hold, harmonics beyond the pixels', is odd about every printed edge and passes for a little scale. Noise-free
-// pictures show 0.0004 px at pitches of 29 px, 0.0025 px at 14 px; it is the same in all frames, so the bundle cannot
-// see it.
+// Error of a grating's scale from one image, px at its edge. The template cannot contain harmonics beyond those of the
+// pixels. They are odd about every edge and act as a scale error. Noise-free images show 0.0004 px for a pitch of 29 px
+// and 0.0025 px for 14 px. The error is the same in all frames, so the bundle adjustment cannot see it.
 constexpr double kTemplateEdgePx = 0.003;
-// It is learned through the lens as it is known then. Of one that is not, a print's own bend leaks into its scale, for
-// its window is not of whole pitches (-2 % at the small rig's corner: 0.004 px; -3 % at the rig's: 0.002 px). Only
-// references are so far outside; a target's scale also multiplies its displacement, which knows nothing of how its
-// template was learned.
+// The same for references through an unknown lens. The grating's bend enters its scale, because the window is not a
+// whole number of pitches. Noise-free images show 0.004 px for -2 % at the small rig's corner and 0.002 px for -3 % at
+// the rig's. Targets are not as far outside, and their scale multiplies the displacement.
 constexpr double kUnknownLensEdgePx = 0.005;
 
 void widen_scales(const Reference& reference, ScenePrior& prior) {
@@ -35,7 +33,7 @@ void widen_scales(const Reference& reference, ScenePrior& prior) {
   }
 }
 
-// A place is known no better than the symmetry point it is stated for.
+// Adds the uncertainty of the symmetry point to the prior of the position.
 void widen_places(const Reference& reference, ScenePrior& prior) {
   for (std::size_t i = 0; i < reference.site.markers.size() && i < reference.prints.size(); ++i) {
     if (is_target(reference, i) || !reference.prints[i] || !reference.site.markers[i].grating) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `precise` knows of a run's scene before it has looked at the footage.
+// Prior of the scene for `precise`, before the footage is used.
 #pragma once
 
 #include "moiregauge/calibration/scene/bundle.h"
@@ -7,7 +7,7 @@
 
 namespace moiregauge::internal {
 
-// The site's word and the camera's, as wide as the user says; scales of prints as wide as their templates tell them.
+// Returns the prior from site, camera and options. The u of grating scales includes the error of their templates.
 [[nodiscard]] ScenePrior precise_prior(const Reference& reference, const SolveOptions& options);
 
 }  // namespace moiregauge::internal

@@ -14,16 +14,17 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxKeyFrames = 120;
-// px at the print's edge per e-fold of distance, standard uncertainty: what a change of distance makes of an edge's shape
-// beyond what a fit allows for (blur, contrast, width of lines). A wall at 8 m, prints of 7 pitches of 21 px, without
-// noise: 0.0001 to 0.005 px for point spreads of 0.5 to 1.4 px. Sharpened by 0.6 to 1.2, where the template exceeds its
-// plateaus by 0.06 to 0.15 of their difference: up to 0.011 and 0.016 px (tools/light-study --noise 0).
+constexpr std::size_t kMaxKeyFrames = 120;  // chosen
+// Error at the edge of a grating, px per e-fold of distance (standard uncertainty), in light and in grey levels. The
+// shape of an edge changes with distance beyond what the fit allows for (blur, contrast, width). Source:
+// tools/light-study --noise 0, a wall at 8 m, gratings of 7 pitches of 21 px, point spreads of 0.5 to 1.4 px. Without
+// sharpening the error is 0.0001 to 0.005 px. With sharpening by 0.6 to 1.2 the overshoot is 0.06 to 0.15, and the
+// error up to 0.011 and 0.016 px.
 constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
 constexpr double kEdgePerOvershoot = 0.07;
-constexpr double kRollingShare = 0.6;  // of chi2, that goes when the camera may turn
+constexpr double kRollingShare = 0.6;  // least share of chi2 that free rotation during readout removes; chosen
 
-// The reference frame leads.
+// Returns the indices of the key frames, the reference frame first.
 std::vector<std::size_t> key_of(const FrameSeries& frames) {
   std::vector<std::size_t> key{0};
   for (const std::size_t k : key_frames(frames.starts(), kMaxKeyFrames)) {
@@ -34,7 +35,7 @@ std::vector<std::size_t> key_of(const FrameSeries& frames) {
 
 std::vector<BundleFrame> key_frames_of(const FrameSeries& frames) { return frames.at(key_of(frames)); }
 
-// chi2 beyond its own scatter.
+// Returns true if chi2/dof is higher by more than three standard deviations of chi-squared.
 bool fits_worse(const ShutterTest& rolling, const ShutterTest& at_once) {
   return rolling.chi2_dof > at_once.chi2_dof + 3.0 * std::sqrt(2.0 / static_cast<double>(std::max(1L, at_once.dof)));
 }
@@ -55,14 +56,13 @@ class SceneSolver {
       out_.problem = out_.calibration.bundle.scene.problem;
     else if (out_.rolls)
       out_.problem =
-          "the camera turns while the rows of a frame are read (a rolling shutter), no path of the camera explains it, "
-          "and no row is trusted";
+          "no camera path explains the rolling shutter, so no row is trusted";
     out_.print_error = out_.calibration.print_error;
     if (!out_.problem.empty()) return std::move(out_);
     if (reference_.knows_camera() && !out_.doubtful) test_camera();
     if (!lossy && !out_.shutter) take_noise_for_what_it_is();
-    // u is stated as if everything were free within its prior, whatever model was chosen: a model that the footage does
-    // not demand may yet be true.
+    // The stated u has all parameters free within their priors. A parameter that the footage does not require may still
+    // be there.
     Calibration& calibration = out_.calibration;
     calibration.bundle.scene.full_covariance =
         scene_covariance(site_, calibration.fits, calibration.prior, kEverything);
@@ -75,29 +75,29 @@ class SceneSolver {
   [[nodiscard]] bool timed() const { return std::isfinite(reference_.seen.time_s); }
   void note(std::string line) { out_.notes.push_back(std::move(line)); }
 
-  // With a rolling shutter where one is given, or where the footage asks for it and it pays; then the frames are set
-  // back.
+  // Solves the scene, with a rolling shutter if one is given or justified by the footage. The frames are then corrected
+  // to frame time.
   void solve() {
     const auto given = options_.readout_s;
     Calibration& at_once = out_.calibration = calibrate(site_, key_frames_of(out_.frames), prior_);
     if (given == 0.0 || (!given && is_solved() && !at_once.shutter.suggests_rolling_shutter)) return;
     if (!given && is_solved() && is_explained_by_a_reference()) return;
-    if (given && !timed()) note("--readout is not used: the frames have no times: give --fps");
+    if (given && !timed()) note("the rolling shutter is not corrected: the frames have no times. Give --fps");
     Shutter shutter = solve_shutter(site_, out_.frames, key_of(out_.frames), prior_, timed() ? given : std::nullopt);
-    if (given && !shutter.problem.empty()) note("--readout is not used: " + shutter.problem);
+    if (given && !shutter.problem.empty()) note("the rolling shutter is not corrected: " + shutter.problem);
     if (!shutter.problem.empty() || (!given && !is_justified(shutter, at_once))) return;
     if (given && is_solved() && fits_worse(shutter.calibration.shutter, at_once.shutter))
       note(
-          fmt::format("with rows read over {:.2f} ms the frames fit worse than with all rows at once: check --readout, "
-                      "or leave it out",
+          fmt::format("displacements may be wrong: the frames fit worse with a readout time of {:.2f} ms than without. "
+                      "Check --readout, or remove it",
                       1e3 * *given));
     out_.frames = shutter.frames;
     out_.calibration = std::move(shutter.calibration);
     out_.shutter = std::move(shutter);
   }
 
-  // What asks for a rolling shutter may be a reference that slipped, and is if nothing asks any more once it is left out.
-  // That is looked for first: it costs a part of what the shutter's rounds do, and a path can be bent to a slip.
+  // Returns true if a slipped reference explains the suggested rolling shutter: without it none is suggested. This test
+  // runs first because the rounds of the rolling shutter cost several times as much, and a path can imitate a slip.
   bool is_explained_by_a_reference() {
     if (judged_) return false;
     at_once_ = tested();
@@ -107,12 +107,14 @@ class SceneSolver {
     if (!calibration.bundle.scene.solved || calibration.shutter.suggests_rolling_shutter) return false;
     judged_ = out_.references_verified = true;
     out_.frames = std::move(rest);
+    out_.excluded = at_once_->moved;
     out_.calibration = std::move(calibration);
     report_movement(*at_once_->moved);
     return true;
   }
 
-  // What of a reference's movement passed for a rolling shutter goes with it: the frames are taken as they were read.
+  // Tests the references and excludes one that moves. The scene is then solved again from the frames as read, because
+  // its movement may have suggested a rolling shutter.
   void leave_out_what_moves() {
     const ReferenceVerdict verdict = blaming_camera(at_once_ && !out_.shutter ? *at_once_ : tested());
     judged_ = true;
@@ -120,6 +122,7 @@ class SceneSolver {
     if (verdict.doubtful) report_doubt(verdict);
     if (!verdict.moved) return;
     out_.frames = read_.without_marker(*verdict.moved);
+    out_.excluded = verdict.moved;
     out_.shutter.reset();
     solve();
     if (is_solved()) report_movement(*verdict.moved);
@@ -128,22 +131,21 @@ class SceneSolver {
   void report_doubt(const ReferenceVerdict& verdict) {
     out_.doubtful = true;
     const bool slips_later = verdict.since && *verdict.since > reference_.seen.frame;
-    out_.remedy = slips_later ? fmt::format("measure the frames before it with --frames {}:{}, or use six references",
+    out_.remedy = slips_later ? fmt::format("measure the frames before that with --frames {}:{}, or use six references",
                                             reference_.seen.frame, *verdict.since)
-                              : "use six references, which name the one that moves";
+                              : "use six references, which show the one that moves";
     note(fmt::format(
-        "no row is trusted, because one of the references moves against the others{}, and the layout does not show "
-        "which: {}",
-        verdict.since ? fmt::format(" (from frame {} on)", *verdict.since) : "", out_.remedy));
+        "no row is trusted: one of the references moves{}, and the layout does not show which. Remedy: {}",
+        verdict.since ? fmt::format(" from frame {} on", *verdict.since) : "", out_.remedy));
   }
 
-  // The test takes the model that all references together chose: to find a fault it need not be the last word.
+  // The test uses the model that all references together selected. It need not be the final model to find a fault.
   [[nodiscard]] ReferenceVerdict tested() const {
     return test_references(site_, out_.frames, prior_, out_.calibration.bundle.scene, reference_.knows_camera());
   }
 
-  // Another lens than the one given looks like a reference that moves, until the lens may be any: then the camera is to
-  // blame.
+  // A wrong camera looks like a moving reference. If no reference moves with an unknown lens, the camera is tested
+  // instead.
   ReferenceVerdict blaming_camera(const ReferenceVerdict& verdict) {
     if (!reference_.knows_camera() || !(verdict.moved || verdict.doubtful)) return verdict;
     Scene any_lens = out_.calibration.bundle.scene;
@@ -157,12 +159,14 @@ class SceneSolver {
 
   void report_movement(std::size_t marker) {
     const Movement went = movement_of(site_, out_.calibration.bundle.scene, read_, marker);
-    note(fmt::format("reference '{}' moves by up to {:.3f} mm (u {:.4f} mm) against the others and is left out",
+    note(fmt::format("reference '{}' is not used, because it moves by up to {:.3f} mm (u {:.4f} mm) against the others. "
+                     "Fix it before the next recording",
                      site_.markers[marker].name, went.mm, went.u_mm));
   }
 
-  // A target's depth is read from how its print's size changes with distance. A camera's rendering of an edge changes with
-  // distance too, the same way in all frames: no number of them lowers that share. At rest parallax shows the depth.
+  // Adds the error of apparent size to the variance of a target's depth. The depth follows from how the size of the
+  // grating changes with distance. The rendering of edges also changes with distance, the same way in all frames. With
+  // rest frames parallax shows the depth, and nothing is added.
   void allow_for_apparent_size(bool lossy) {
     Scene& scene = out_.calibration.bundle.scene;
     const bool is_light = reference_.light_per_grey.empty() && !lossy;
@@ -188,11 +192,11 @@ class SceneSolver {
     if (!found) return;
     out_.camera_contradicted = true;
     out_.remedy = "measure without --camera, or calibrate it again";
-    note(camera_contradiction_note(*found) + ": " + out_.remedy);
+    note(camera_contradiction_note(*found) + ". Remedy: " + out_.remedy);
   }
 
-  // Where noise is all there is: a codec's error, the camera's motion between rows and rough prints are told apart from
-  // it by what scatters beyond it.
+  // Reduces the stated noise to the scatter between frames if nothing exceeds noise: no print error, jitter, lossy
+  // codec or rolling shutter.
   void take_noise_for_what_it_is() {
     Calibration& calibration = out_.calibration;
     PrintError& error = out_.print_error;
@@ -209,8 +213,8 @@ class SceneSolver {
   const FrameSeries& read_;
   const ScenePrior& prior_;
   const SolveOptions& options_;
-  bool judged_ = false;  // the references have been tested against each other, and that is done with
-  std::optional<ReferenceVerdict> at_once_;  // on the frames as read
+  bool judged_ = false;                      // the references have been tested against each other
+  std::optional<ReferenceVerdict> at_once_;  // result for the frames as read
   PreciseScene out_;
 };
 

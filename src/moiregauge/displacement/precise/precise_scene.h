@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene of one run, solved from its frames: who of the references moves, whether rows are read one after the other,
-// what the prints miss.
+// Scene of one run, solved from its frames. The solution includes the tests for a moving reference, a rolling shutter
+// and print errors.
 #pragma once
 
 #include <optional>
@@ -13,28 +13,33 @@
 
 namespace moiregauge::internal {
 
-// Beyond this chi2 per degree of freedom, most of which goes when the camera may turn while rows are read, the shutter
-// rolls.
+// chi2 per degree of freedom above which a rolling shutter is unexplained, if free rotation during readout would remove
+// most of it. With a solved rolling shutter it is the limit of `untrusted`. Chosen.
 inline constexpr double kRollingChi2 = 4.0;
 
 struct PreciseScene {
   Calibration calibration;  // of the key frames, the reference frame first
-  std::string problem;      // why the run cannot be measured in it
-  bool rolls = false;  // rows are read one after the other, no path explains it: no row of any method is to be trusted
+  std::string problem;      // reason why the run cannot be measured in this scene
+  // Rolling shutter that no camera path explains: no row of any method is trusted.
+  bool rolls = false;
 
-  FrameSeries frames;              // the footage in that scene: without a reference that moves, and set back
-  std::optional<Shutter> shutter;  // that rolls, and was solved
-  PrintError print_error;          // belongs in the covariance of `frames`
+  FrameSeries frames;              // frames without a moving reference, corrected to frame time
+  std::optional<std::size_t> excluded;  // a reference that moves, not used in `frames`
+  std::optional<Shutter> shutter;  // solved rolling shutter
+  PrintError print_error;          // to be included in the covariance of `frames`
 
   bool references_verified = false;
-  bool doubtful = false;             // one of the references moves, and it is not known which
-  bool camera_contradicted = false;  // the camera that was given is not the one that filmed
-  std::vector<std::string> notes;    // what the user should know
-  std::string remedy;  // what to do where no row is trusted, as an order; empty where nothing is known to help
+  bool doubtful = false;             // one of the references moves, and it is unknown which
+  bool camera_contradicted = false;  // the footage contradicts the given camera
+  std::vector<std::string> notes;    // warnings for the user
+  // Instruction if no row is trusted; empty if no remedy is known.
+  std::string remedy;
 };
 
-// read    the reference frame first, with the codec's error if there is one
-// lossy   that there is one
+// Solves the scene of a run.
+// `read`: the reference frame first, with the codec's error if the footage is lossy.
+// `lossy`: the footage has such an error.
+// Fails (problem is not empty): no scene, or an unexplained rolling shutter.
 [[nodiscard]] PreciseScene precise_scene(const Reference& reference, const FrameSeries& read, const ScenePrior& prior,
                                          const SolveOptions& options, bool lossy);
 

@@ -7,14 +7,14 @@
 namespace moiregauge::internal {
 namespace {
 
-// A print of which pixels miss its template by more than this part of its contrast, rms, is not all there: a sixteenth
-// of it is hidden. Blur by half a pitch, contrast taken out, comes to 0.17.
+// Residual beyond noise relative to the template's contrast, rms, above which a grating is partly covered. It
+// corresponds to a sixteenth of hidden grating. Blur by half a pitch, with the contrast fitted, leaves 0.17.
 constexpr double kHiddenContrast = 0.25;
 
-// Is the print whole, sharp and within the sensor's range?
+// Returns the status of a grating's image: kOk, or its fault.
 Status quality_of(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
   const PatchReading& then = reference.seen.markers[i].patch;
-  // Paper that is white to the limit in both frames leaves the edges of the dark lines, and the template has them so.
+  // Paper that is clipped in both frames is in the template, too, and the edges of dark lines remain.
   const Status sharp = sharpness(then, seen.patch, then.clipped_share);
   if (sharp != Status::kOk || !seen.points || !reference.seen.markers[i].points) return sharp;
   if (seen.occlusion != Occlusion::kNone) return Status::kPartlyCovered;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The status word of a row of `precise`.
+// Status of a row of `precise`.
 #pragma once
 
 #include "moiregauge/calibration/scene/frame_fit.h"
@@ -7,12 +7,12 @@
 
 namespace moiregauge::internal {
 
-// A frame whose patches lie this many times further from the scene than their noise explains is no longer an
-// uncertainty one can state: something moved, or the shutter rolls.
+// chi2 per degree of freedom above which a frame does not belong to the scene and is `untrusted`. Something moved, or
+// the shutter rolls. Chosen.
 inline constexpr double kUntrustedChi2 = 25.0;
 
-// Of target `i` in what was `seen`, against the scene fitted to that frame; beyond `untrusted_chi2` per degree of
-// freedom the frame does not lie in the scene.
+// Returns the status of target `i` in one frame, fitted to the scene. Above `untrusted_chi2` per degree of freedom the
+// row is kUntrusted.
 [[nodiscard]] Status precise_status(const Reference& reference, const Observation& seen, std::size_t i,
                                     const FrameFit& fit, double untrusted_chi2);
 

@@ -12,24 +12,25 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxFrames = 24;
-// A step to stay is two unknowns. Of noise alone chi2 falls by 40 once in 10^8 (exp(-20)) for each of some hundred
-// places of a step; from here on a reference has slipped.
+constexpr std::size_t kMaxFrames = 24;  // key frames of the test; chosen
+// Fall of chi2 that shows a step, in units of the variance of unit weight. A step has two unknowns, so noise alone
+// exceeds 40 once in 10^8 (exp(-20)) for each position of the step.
 constexpr double kSlips = 40.0;
-// Which one: the most likely must be e^10 times as likely as any other.
+// Lead in chi2 over any other reference that names it: it is then e^10 times as likely.
 constexpr double kClearly = 20.0;
-// Movement of another kind, to and fro: so many times what noise makes of the way, on the average of its frames...
+// Movement to and fro: mean square of the path relative to noise that shows it. Chosen.
 constexpr double kMoves = 20.0;
-// ...and so many times that of any other reference.
+// Factor over any other reference that names it. Chosen.
 constexpr double kClearlyMoves = 3.0;
 
 struct Suspect {
   std::size_t marker = 0;
-  double fall = 0.0;  // of chi2, in units of the most likely one's
-  long since = 0;     // frame, if it steps
+  double fall = 0.0;  // fall of chi2, in units of the variance of unit weight
+  long since = 0;     // first frame after the step
 };
 
-// The two that lower chi2 most, if each in turn may move as `fall` has it; nothing from `least` on.
+// Returns the reference with the largest `fall` of chi2 and the fall of the next one. Nothing if the largest is below
+// `least`.
 std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips,
                                                   double (*fall)(const ReferenceSlip&), double least) {
   const ReferenceSlip* best = nullptr;
@@ -49,8 +50,8 @@ std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<st
   return std::pair(first, second);
 }
 
-// Returns, among those whose step is beyond chance, the one that leaves the least of chi2, and by how much less than any other, in units
-// of its own. A large step bends the scene of every other suspect, whose own step may then look larger still.
+// Returns, among references with a step, the one that leaves the least chi2, and its lead over any other, in units of
+// its own variance. A large step bends the scene of every other suspect, whose own step may then look larger still.
 std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips) {
   const std::pair<std::size_t, ReferenceSlip>* best = nullptr;
   for (const auto& one : slips) {
@@ -122,7 +123,7 @@ Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, s
   };
   for (std::size_t k = 0; k < frames.size(); ++k) {
     BundleFrame frame = frames[k];
-    // Where the prior's camera takes the frame for standing is too far from the solved one's for the fit's few passes.
+    // The pose from the prior's camera is too far from the solved camera's for the few steps of the fit.
     frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
     FrameFit fit = fit_frame(site, scene, frame);
     if (!fit.ok || fit.shift_row[marker] < 0) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// References that check each other: does one of them move? The geodesist's test for a single fault (Baarda 1968), with
-// the scene solved anew without each reference in turn.
+// Outlier test of the references (Baarda 1968, a single outlier). Each reference in turn becomes a target, and the
+// scene is solved again.
 #pragma once
 
 #include <optional>
@@ -12,25 +12,26 @@
 namespace moiregauge::internal {
 
 struct ReferenceVerdict {
-  bool verified = false;             // enough of them to name one that moves
-  std::optional<std::size_t> moved;  // that reference (index in the site)
-  bool doubtful = false;             // one of them moves, and it cannot be told which
-  std::optional<long> since;         // frame from which on it stands elsewhere, if it moves by a step
+  bool verified = false;             // true if the layout can name a moving reference
+  std::optional<std::size_t> moved;  // the moving reference (index in the site)
+  bool doubtful = false;             // one of them moves, and it is unknown which
+  std::optional<long> since;         // first frame after the step, if it moves by a step
 };
 
-// Six references show it, or five with a known camera. Four, or five without one, may show that one moves, not which:
-// four leave two coordinates of eight after a frame's pose, and a slip that a pose and the lens imitate is not seen. A
-// reference counts when it is seen in most frames. The scene is solved from the prior and from `start`, which holds every
-// reference at rest, with the model of `start`. The one that costs less counts: either may end in a false valley.
+// Tests whether a reference moves. Only references that were read in most frames count.
+// Six references can name it, or five with a known camera. Five without a camera, or four, may show a movement but not
+// name it. Four leave two of eight coordinates after the pose, so they miss a step that pose and lens imitate.
+// The scene is solved from the prior and from `start`, with the model of `start`, and the solution with the lower cost
+// counts.
 [[nodiscard]] ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, const ScenePrior& prior,
                                                const Scene& start, bool camera_known);
 
 struct Movement {
   double mm = 0.0;
-  double u_mm = 0.0;  // of both frames' noise, the scene known
+  double u_mm = 0.0;  // standard uncertainty from the noise of both frames, for a known scene
 };
 
-// How far it went at most from where it was in the first frame, in the scene solved without it.
+// Returns the largest displacement of a reference since the first frame, in the scene solved without it.
 [[nodiscard]] Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, std::size_t marker);
 
 }  // namespace moiregauge::internal

@@ -9,15 +9,15 @@
 namespace moiregauge::internal {
 namespace {
 
-// A place of its own for one frame is two unknowns. Noise alone lets them lower chi2 by this once in 10^8 (exp(-20)) for
-// each frame.
+// Fall of chi2 that justifies a separate position in one frame. It has two unknowns, so noise alone exceeds 40 once in
+// 10^8 (exp(-20)) for each frame.
 constexpr double kOwnPlace = 40.0;
 
-// Where the reference stands in each frame that shows it, against the scene of the others, mm.
+// Position of the reference in each frame that shows it, in the scene of the others, mm.
 struct Way {
   std::vector<long> frame;
-  Eigen::VectorXd place;       // x and y of each in turn
-  Eigen::MatrixXd covariance;  // of the frames' noise, and of the scene they have in common
+  Eigen::VectorXd place;       // x and y of each frame in turn
+  Eigen::MatrixXd covariance;  // from the frames' noise and the scene they share
 };
 
 Way way_of(const Site& site, const std::vector<FrameFit>& fits, std::span<const BundleFrame> frames,
@@ -42,8 +42,8 @@ Way way_of(const Site& site, const std::vector<FrameFit>& fits, std::span<const 
   return way;
 }
 
-// Returns chi2 of the way about the best of a place. With `first`, about two: one before that frame of the way, one after
-// it. That frame is at the second place, or anywhere if it was exposed while the reference slipped.
+// Returns chi2 of the path about the best constant position. With `first` there are two positions, before that frame
+// and from it on. With kInOneFrame that frame has its own position, because it was exposed while the reference moved.
 enum class Slipping { kBetweenFrames, kInOneFrame };
 double chi2_about(const Way& way, const Eigen::LLT<Eigen::MatrixXd>& root, std::size_t first = 0,
                   Slipping slipping = Slipping::kBetweenFrames) {
@@ -74,7 +74,7 @@ std::optional<ReferenceSlip> fit_reference_step(Site site, std::span<const Bundl
                                                 SceneModel model, const Scene& start, std::size_t marker) {
   site.markers[marker].role = Role::kTarget;
   auto& u = prior.u_markers[marker].value;
-  u[MarkerShape::kX] = u[MarkerShape::kY] = 0.0;  // its place is what every frame tells anew
+  u[MarkerShape::kX] = u[MarkerShape::kY] = 0.0;  // each frame determines its position
   model.depth = model.depth || model.heights;
   std::vector<BundleFrame> free(frames.begin(), frames.end());
   for (BundleFrame& frame : free) frame.at_rest = false;

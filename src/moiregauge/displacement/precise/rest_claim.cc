@@ -16,23 +16,24 @@
 namespace moiregauge::internal {
 namespace {
 
-// Frames of the rest that are tested, evenly spread. No more than twice as many as the bundle adjustment has key frames.
+// Rest frames that are tested, evenly spread: at most twice the number of key frames of the bundle adjustment.
 constexpr std::size_t kMaxRestFrames = 240;
-// Variance by which the frames may scatter beyond their stated noise: u is held to 12 % (docs/accuracy.md).
+// Factor by which the variance of the frames may exceed the stated noise, because u is verified to 12 %
+// (docs/accuracy.md).
 constexpr double kNoiseSlack = 1.25;
-// Passes of the scene towards one in which the target is at rest. A depth 10 mm off bends the parallax of 50 mm of
-// travel at 1200 mm by 5 um: two passes take that out.
+// Passes of the scene towards one in which the target rests. A depth that is wrong by 10 mm bends the parallax of 50 mm
+// of travel at 1200 mm by 5 um. Two passes remove that.
 constexpr int kScenePasses = 3;
-// An axis whose noise is more than this is not shown by the print.
+// Largest noise of an axis that the grating shows.
 constexpr double kShownAxis = 0.25;  // pitches
 
-// A target's place in every frame of the rest, and what would move it.
+// Positions of a target in the rest frames, with their noise and sensitivities.
 struct RestPlaces {
   std::vector<long> frame;
   Eigen::VectorXd place;               // x and y of each frame in turn, mm
-  std::vector<Eigen::Matrix2d> noise;  // of each frame alone, mm^2
-  Eigen::MatrixXd sensitivity;         // to the scene's parameters and, last, to the readout time
-  long rows = 0;                       // coordinates that the print shows
+  std::vector<Eigen::Matrix2d> noise;  // covariance of each frame's noise, mm^2
+  Eigen::MatrixXd sensitivity;         // to the scene parameters and, last, to the readout time
+  long rows = 0;                       // coordinates that the grating shows
   double chi2 = 0.0;                   // of the frames against the scene
   long dof = 0;
   [[nodiscard]] double unit() const { return dof > 0 ? std::max(1.0, chi2 / static_cast<double>(dof)) : 1.0; }
@@ -69,7 +70,7 @@ RestPlaces places_of(const Site& site, const Scene& scene, std::span<const Bundl
   return out;
 }
 
-// The scene with its parameters moved by `by`.
+// Returns the scene with its parameters changed by `by`.
 Scene with_parameters_moved(Scene scene, const Eigen::VectorXd& by) {
   Camera& c = scene.camera;
   const std::array<double*, kCameraParameters> camera{&c.fx, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3};
@@ -83,14 +84,14 @@ Scene with_parameters_moved(Scene scene, const Eigen::VectorXd& by) {
   return scene;
 }
 
-// The frames about one place, in the scene that makes the best of it.
+// Fit of the rest frames to one position, with the scene adapted within its uncertainty.
 struct AtOnePlace {
   double chi2 = 0.0;
-  Eigen::VectorXd misses;  // what neither the place nor the scene explains, mm
-  Eigen::VectorXd scene;   // by how much its parameters go for it, from where they were solved
+  Eigen::VectorXd misses;  // residuals that neither position nor scene explains, mm
+  Eigen::VectorXd scene;   // change of the scene parameters, from where they were solved
 };
 
-// solved_by: parameters of the scene in which `places` were read, from where they were solved
+// `solved_by`: change of the scene parameters with which `places` were read.
 std::optional<AtOnePlace> at_one_place(const RestPlaces& places, const Eigen::MatrixXd& scene,
                                        const Eigen::VectorXd& solved_by) {
   const Eigen::Index rows = places.place.size();
@@ -114,7 +115,7 @@ std::optional<AtOnePlace> at_one_place(const RestPlaces& places, const Eigen::Ma
   return out;
 }
 
-// The two frames furthest apart.
+// Returns the two frames with the largest distance, and its u.
 MovedAtRest furthest_apart(const RestPlaces& places, const AtOnePlace& rest, std::size_t target) {
   MovedAtRest most{.marker = target};
   for (std::size_t a = 0; a < places.frame.size(); ++a) {
@@ -141,7 +142,7 @@ std::optional<MovedAtRest> movement_of_target(const Site& site, const PreciseSce
   std::optional<AtOnePlace> rest;
   RestPlaces places;
   for (int pass = 0; pass < kScenePasses; ++pass) {
-    // The readout time stays: set back by another one the frames would have to be.
+    // The readout time stays fixed: a change would require correcting all frames again.
     Eigen::VectorXd by = rest ? rest->scene : Eigen::VectorXd::Zero(parameters + 1);
     by(parameters) = 0.0;
     const RestPlaces now = places_of(site, with_parameters_moved(scene, by), frames, target);
@@ -160,7 +161,7 @@ std::optional<MovedAtRest> movement_of_target(const Site& site, const PreciseSce
   return furthest_apart(places, *rest, target);
 }
 
-// Frames of the rest, evenly spread; the reference frame among them where it is one of them. In each only the targets
+// Returns evenly spread rest frames, with the reference frame if it is one of them. Each contains only the targets
 // whose row would be `ok`.
 std::vector<BundleFrame> tested_frames(const Reference& reference, const Observations& observations,
                                        const std::vector<std::size_t>& place, const PreciseScene& solved,

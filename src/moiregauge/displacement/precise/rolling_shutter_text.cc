@@ -17,13 +17,13 @@ std::string shutter_note(const Scene& scene, bool given, double relative, double
   }
   const std::string over =
       std::isnan(scene.readout_s)
-          ? fmt::format("{:.2f} of the time between frames", std::abs(relative))
-          : fmt::format("{:.2f} ms ({}, u {:.2f} ms)", 1e3 * std::abs(scene.readout_s),
-                        given ? "as --readout has it and the footage" : "solved", 1e3 * scene.u_readout_s);
-  // Of rows that are not trusted there is none at worst.
+          ? fmt::format("{:.2f} of the frame interval", std::abs(relative))
+          : fmt::format("{:.2f} ms, u {:.2f} ms{}", 1e3 * std::abs(scene.readout_s), 1e3 * scene.u_readout_s,
+                        given ? ", with --readout" : "");
+  // Only trusted rows count, so this part may be missing.
   const std::string left =
-      worst > 0.0 ? fmt::format(", {:.4f} mm are left in u at worst (frame {})", worst, frame) : "";
-  return fmt::format("rolling shutter: rows are read over {}: up to {:.3f} mm were corrected{}", over,
+      worst > 0.0 ? fmt::format(". Its largest share of u is {:.4f} mm (frame {})", worst, frame) : "";
+  return fmt::format("note: a rolling shutter was solved (readout time {}) and corrected, by up to {:.3f} mm{}", over,
                      max_correction_mm, left);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the user is told of a rolling shutter.
+// Text about a rolling shutter.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace moiregauge::internal {
 
-// "rolling shutter: rows are read over 18.00 ms (solved, u 0.40 ms): up to 0.310 mm were corrected, 0.0130 mm are left in
-// u at worst (frame 52)".
-// relative       the readout as a part of the time between frames: what is told where frames have no times
-// max_correction_mm   what the same frames would have been wrong by, taken for rows read at once
+// Returns one line about a solved rolling shutter: readout time, largest correction, and largest remaining u with its
+// frame.
+// `relative`: readout time relative to the frame interval, for frames without times.
+// `max_correction_mm`: largest error that a global shutter model would have caused.
 [[nodiscard]] std::string shutter_note(const Scene& scene, bool given, double relative, double max_correction_mm,
                                        const Samples& samples);
 

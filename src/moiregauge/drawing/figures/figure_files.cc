@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One drawing as three files.
+// Writes one figure as three files.
 #include <cmath>
 
 #include <cairo-pdf.h>
@@ -42,7 +42,7 @@ FigureFiles files_of(const Figure& figure) {
   cairo_surface_finish(svg.get());
   const Surface pdf(cairo_pdf_surface_create_for_stream(append_bytes, &files.pdf, figure.width, figure.height),
                     cairo_surface_destroy);
-  // The same run gives the same bytes: no date of today.
+  // A fixed date, so that the same run gives the same bytes.
   cairo_pdf_surface_set_metadata(pdf.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
   draw_on(pdf.get(), figure, 1.0);
   cairo_surface_finish(pdf.get());

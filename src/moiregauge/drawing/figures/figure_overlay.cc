@@ -13,10 +13,10 @@
 namespace moiregauge::internal::figure {
 namespace {
 
-constexpr double kPictureDotsPerPoint = 350.0 / 72.0;  // finer than a printer's screen
+constexpr double kPictureDotsPerPoint = 350.0 / 72.0;  // above a printer's screen resolution
 constexpr Colour kReferenceInk = kBlue, kTargetInk = kVermilion;
 
-// Means of squares of n pixels, n the least that makes the picture no finer than asked.
+// Returns the image reduced by averaging n x n pixels, with the smallest n that gives at most `widest_px`.
 Image<std::uint8_t> shrunk(ImageView<std::uint8_t> picture, double widest_px) {
   const int n = std::max(1, static_cast<int>(std::ceil(picture.width / widest_px)));
   Image<std::uint8_t> out(picture.width / n, picture.height / n);
@@ -33,7 +33,7 @@ Image<std::uint8_t> shrunk(ImageView<std::uint8_t> picture, double widest_px) {
 }
 
 struct Outline {
-  std::vector<std::vector<ImagePoint>> lines;  // closed
+  std::vector<std::vector<ImagePoint>> lines;  // closed lines
   std::string name;
   Role role = Role::kReference;
 };
@@ -71,7 +71,7 @@ std::vector<Outline> outlines_of(const Reference& reference) {
   return outlines;
 }
 
-// Readable on any picture: the same words in white all round.
+// Draws text with a white outline, so that it is readable on any image.
 void outlined_text(Canvas& canvas, Spot at, const std::string& words, Letters letters) {
   const Colour ink = letters.colour;
   letters.colour = kWhite;
@@ -85,9 +85,9 @@ void outlined_text(Canvas& canvas, Spot at, const std::string& words, Letters le
 struct Contents {
   Image<std::uint8_t> picture;
   std::vector<Outline> outlines;
-  double points_per_px = 1.0;  // of the picture as it was taken
-  double points_per_mm = 1.0;  // of the board, in its middle
-  Spot size;                   // of the picture on the page
+  double points_per_px = 1.0;  // of the original image
+  double points_per_mm = 1.0;  // of the board at the image centre
+  Spot size;                   // of the image on the page
 };
 
 void draw_contents(Canvas& canvas, const Contents& c) {

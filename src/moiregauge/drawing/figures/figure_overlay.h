@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference frame with its markers outlined and named, as a figure: lines and letters are vectors.
+// Draws the reference frame with its markers outlined and named, as a figure. Lines and letters are vectors.
 #pragma once
 
 #include "moiregauge/drawing/surface/canvas.h"
@@ -7,7 +7,8 @@
 
 namespace moiregauge::internal::figure {
 
-// `picture`: the reference frame, kept as a copy no finer than the page can show. width in points; zoom as Figure's.
+// Returns the figure. It keeps a copy of `picture`, the reference frame, at print resolution. `width` is in points,
+// `zoom` that of Figure.
 [[nodiscard]] Figure overlay_figure(const Reference& reference, ImageView<std::uint8_t> picture, double width,
                                     double zoom);
 

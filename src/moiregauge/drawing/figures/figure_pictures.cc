@@ -26,7 +26,7 @@ void cross(Canvas& canvas, Spot p, double arm, Stroke stroke) {
   canvas.line({{p.x, p.y - arm}, {p.x, p.y + arm}}, stroke);
 }
 
-// On a plate, so that it can be read on any picture.
+// Draws text on a white plate, so that it is readable on any image.
 void coordinates(Canvas& canvas, Spot at, const std::string& words) {
   const Letters letters{.align = Align::kCentre, .size = 6.0};
   const double width = canvas.text_width(words, letters) + 3.0;
@@ -94,7 +94,7 @@ void draw_stages(Canvas& canvas, const StabilisedFigure& f, double width, double
       fmt::format("Stage 2, by gratings: references within {:.3f} px", f.residual_px[1]), second.view());
 }
 
-// A crop with a hair line through the middle of the reference frame's target, to see movement against.
+// Draws a crop with a cross at the centre of the target in the reference frame, which makes movement visible.
 void crop(Canvas& canvas, GreyView picture, Spot corner, double side) {
   const PictureBox box(canvas, picture, whole(picture), corner, side);
   const Box b = box.box();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures 4 and 8 to 11: what the camera saw, what was found in it, and the same picture held still.
+// Draws figures 4 and 8 to 11 of the paper: an image, its detections, and the stabilised image.
 #pragma once
 
 #include <array>
@@ -11,27 +11,27 @@
 
 namespace moiregauge::internal::figure {
 
-// Figure 4: a picture, the outlines judged in it, the centres of the circles among them.
+// Figure 4: an image with accepted and rejected outlines, and the circle centres.
 struct CirclesFigure {
   GreyView picture;
   CircleSearch search;
 };
 [[nodiscard]] Figure circles_found(const CirclesFigure& contents);
 
-// Figures 8 and 10.
+// Figures 8 and 10: an image before and after stabilisation.
 struct StabilisedFigure {
-  std::string turn;        // of the camera from `before` to `after`: "1° about x, y and z"
-  GreyView before, after;  // the reference frame, and a later one
+  std::string turn;        // rotation of the camera from `before` to `after`: "1° about x, y and z"
+  GreyView before, after;  // reference frame and a later one
   const Reference* reference = nullptr;
-  const Observation* now = nullptr;     // of `after`, by the two-stage method
-  std::array<double, 2> residual_px{};  // largest displacement left in the references' gratings after each stage
+  const Observation* now = nullptr;     // observation of `after` by the two-stage method
+  std::array<double, 2> residual_px{};  // largest residual displacement of the reference gratings after each stage
 };
 [[nodiscard]] Figure before_and_after(const StabilisedFigure& contents);
 
 // Figures 9 and 11: the target over time.
 struct Shot {
   double time_s = 0.0;
-  Image<std::uint8_t> captured, held;  // crops about the same pixel
+  Image<std::uint8_t> captured, held;  // crops around the same pixel
 };
 struct CropsFigure {
   double reference_time_s = 0.0;

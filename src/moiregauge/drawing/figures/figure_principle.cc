@@ -34,7 +34,7 @@ DrawnCurve row_of(const Image<double>& picture) {
   return curve;
 }
 
-// Every T-th pixel from `start` on: the moire fringe, as Eq. (2) samples it.
+// Returns every T-th pixel from `start` on: the moiré fringe as sampled by Eq. (2).
 DrawnCurve sampled(const Image<double>& picture, int start, int sampling_pitch_px) {
   DrawnCurve curve;
   for (int x = start; x < picture.width(); x += sampling_pitch_px) {
@@ -44,8 +44,8 @@ DrawnCurve sampled(const Image<double>& picture, int start, int sampling_pitch_p
   return curve;
 }
 
-// The phase of the moire fringe: the field's phase without the carrier of the sampling. NaN where it jumps by a turn,
-// so that no line is drawn there.
+// Returns the phase of the moiré fringe: the field's phase without the carrier of the sampling. At jumps of 2 pi, x is
+// NaN and no line is drawn.
 DrawnCurve moire_phase(const Image<double>& picture, int sampling_pitch_px) {
   const FringeField field = sampling_moire(picture.view(), Axis::kX, sampling_pitch_px);
   DrawnCurve curve;
@@ -59,7 +59,7 @@ DrawnCurve moire_phase(const Image<double>& picture, int sampling_pitch_px) {
   return curve;
 }
 
-// Eq. (4): d = -P (phase after - phase before) / 2 pi.
+// Returns the displacement by Eq. (4): d = -P (phase after - phase before) / 2 pi.
 DrawnCurve displacement(const DrawnCurve& before, const DrawnCurve& after, double pitch_px) {
   DrawnCurve curve;
   for (std::size_t i = 0; i < before.x.size(); ++i) {

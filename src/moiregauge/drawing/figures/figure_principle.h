@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figure 2: how a small movement of a grating becomes a large one of its moire fringe, and that a phase.
+// Draws figure 2: a small movement of a grating becomes a large movement of its moiré fringe, and a phase.
 #pragma once
 
 #include "moiregauge/drawing/surface/canvas.h"
 
 namespace moiregauge::internal::figure {
 
-// A grating of `pitch_px`, moved by `moved_px`, sampled every `sampling_pitch_px` pixels.
+// A grating of `pitch_px`, shifted by `moved_px` and sampled every `sampling_pitch_px` pixels.
 struct PrincipleFigure {
   double pitch_px = 11.0;
   int sampling_pitch_px = 10;

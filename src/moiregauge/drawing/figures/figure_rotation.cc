@@ -14,7 +14,7 @@ constexpr double kRotationMargin = 4.0, kRotationHeight = 176.0, kLegendLine = 1
                  kLegendHeight = 2.0 * kLegendLine + 4.0;
 constexpr double kBetweenRows = 6.0;
 constexpr std::size_t kColumns = 2;
-constexpr double kMarkRim = 0.08;  // of the axes: marks of the outermost points stay whole
+constexpr double kMarkRim = 0.08;  // of the axes: keeps the outermost marks complete
 constexpr double kMarkRadius = 1.7, kPublishedRadius = 2.4, kCrossRadius = 3.0, kLargestWidth = 1.1, kRmsWidth = 0.6;
 constexpr std::array kMethodColours{kVermilion, kBlue, kGreen, kPurple};
 constexpr std::array kTurns{Turn::kOneAxis, Turn::kAllAxes};
@@ -23,7 +23,7 @@ Colour method_colour(std::size_t method) { return kMethodColours[method % kMetho
 Mark mark_of(Turn turn) { return turn == Turn::kOneAxis ? Mark::kDots : Mark::kSquares; }
 Mark open_mark_of(Turn turn) { return turn == Turn::kOneAxis ? Mark::kOpenDots : Mark::kOpenSquares; }
 
-// The points of one kind of turn are joined: the other kind at the same angle is another experiment.
+// Adds one curve per kind of rotation, because the other kind at the same angle is another experiment.
 void add_curve(std::vector<Series>& series, const RotationCurve& curve, Turn turn, Colour colour) {
   Series largest{.colour = colour, .width = kLargestWidth};
   Series rms{.colour = colour, .mark = Mark::kDashed, .width = kRmsWidth};
@@ -68,7 +68,7 @@ Panel panel_of(const RotationFigure& f, std::size_t place) {
   return panel;
 }
 
-// One for all panels, so that lenses can be compared by eye.
+// Sets the same axes for all panels, so that lenses can be compared.
 void share_axes(std::vector<Panel>& panels) {
   std::vector<double> x, y;
   for (const Panel& panel : panels) {

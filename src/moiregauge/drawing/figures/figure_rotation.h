@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error of every method against how far the camera turned, on logarithmic axes: a panel per lens.
+// Draws the error of every method against the rotation of the camera, on logarithmic axes, with one panel per lens.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ namespace moiregauge::internal::figure {
 
 enum class Turn { kOneAxis, kAllAxes };  // about x; about x, y and z at once
 
-// One method over one run. NaN where it has no number.
+// Errors of one method in one run. NaN: no value.
 struct RotationPoint {
   Turn turn = Turn::kOneAxis;
   double rotation_deg = 0.0;  // about each of the axes
   double largest_mm = 0.0, rms_mm = 0.0;
-  bool some_lost = false;  // frames without a number: the errors are those of the others
+  bool some_lost = false;  // frames without values, which the errors exclude
 };
 struct RotationCurve {
   std::string method;
@@ -26,14 +26,14 @@ struct RotationPanel {
   std::string lens;
   std::vector<RotationCurve> methods;
 };
-// What was published for a case: one number.
+// The published error of a case.
 struct PublishedError {
   Turn turn = Turn::kOneAxis;
   double rotation_deg = 0.0, error_mm = 0.0;
 };
 
 struct RotationFigure {
-  std::vector<RotationPanel> lenses;  // the same methods in each
+  std::vector<RotationPanel> lenses;  // with the same methods in each
   std::vector<PublishedError> published;
 };
 

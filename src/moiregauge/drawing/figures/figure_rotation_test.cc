@@ -15,12 +15,12 @@ RotationFigure of_points(std::vector<RotationPoint> points) {
 
 std::string png_of(const RotationFigure& f) { return files_of(error_against_rotation(f)).png; }
 
-TEST(ErrorAgainstRotation, ARunWithoutANumberLeavesNoMark) {
+TEST(ErrorAgainstRotation, ARunWithoutValuesHasNoMark) {
   const double none = std::nan("");
   EXPECT_EQ(png_of(of_points({{Turn::kAllAxes, 8.0, none, none, true}})), png_of(of_points({})));
 }
 
-TEST(ErrorAgainstRotation, ARunThatLostFramesDoesNotLookLikeAWholeOne) {
+TEST(ErrorAgainstRotation, LostFramesAreMarked) {
   EXPECT_NE(png_of(of_points({{Turn::kAllAxes, 8.0, 0.5, 0.3, true}})),
             png_of(of_points({{Turn::kAllAxes, 8.0, 0.5, 0.3, false}})));
 }

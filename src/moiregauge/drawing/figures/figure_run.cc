@@ -16,11 +16,11 @@ namespace {
 constexpr double kColumn_mm = 85.0, kLetters = 8.0;
 constexpr double kZoom = kLetters / kTextSize;
 constexpr double kWidth = kColumn_mm * 72.0 / 25.4;
-constexpr double kInside = kWidth / kZoom;  // in the units that panels are laid out in
+constexpr double kInside = kWidth / kZoom;  // in layout units of the panels
 constexpr double kRunMargin = 3.0, kRunHeight = 104.0;
 constexpr double kNormal95 = 1.959964;
 constexpr std::array kColours{kBlue, kVermilion, kGreen, kPurple, kOrange};
-constexpr std::size_t kTargetsAPanel = 3;  // more names have no room in one line
+constexpr std::size_t kTargetsAPanel = 3;  // one line of the legend has no space for more names
 constexpr double kLine = 0.8;
 
 using ExtentAxis = double Extent<frame::Board>::*;
@@ -78,7 +78,7 @@ double rms_u(const RunFound& found, std::size_t marker, ExtentAxis axis) {
   return count > 0.0 ? std::sqrt(sum / count) : kNotMeasured;
 }
 
-// The curves of up to three targets along one axis.
+// Returns the curves of up to three targets along one axis.
 Panel targets_panel(const RunFound& found, const std::vector<std::size_t>& targets, const char* name, ExtentAxis axis) {
   Panel panel{.x_label = has_times(found) ? "Time, s" : "Frame", .y_label = fmt::format("{}, mm", name)};
   const auto& markers = found.reference.site.markers;
@@ -109,7 +109,7 @@ std::optional<Figure> displacement_figure(const RunFound& found) {
     for (const auto& [name, axis] :
          {std::pair{"dx", &Extent<frame::Board>::x}, std::pair{"dy", &Extent<frame::Board>::y}}) {
       Panel panel = targets_panel(found, group, name, axis);
-      if (panel.series.empty()) continue;  // a print of lines shows one axis only
+      if (panel.series.empty()) continue;  // a grating of lines shows one axis only
       panel.letter = letter(panels.size());
       panels.push_back(std::move(panel));
     }
@@ -118,7 +118,7 @@ std::optional<Figure> displacement_figure(const RunFound& found) {
   return column_of(std::move(panels));
 }
 
-// Names a peak unless one next to it has been named.
+// Labels the peaks. A peak next to a labelled one has no label.
 void note_peaks(Panel& panel, const AxisSpectrum& spectrum) {
   const auto& f = spectrum.spectrum.frequency_hz;
   const double apart = f.empty() ? 0.0 : 0.2 * f.back();
@@ -127,7 +127,7 @@ void note_peaks(Panel& panel, const AxisSpectrum& spectrum) {
                                       [&](const Note& note) { return std::abs(note.x - peak.frequency_hz) < apart; });
     const auto at = std::lower_bound(f.begin(), f.end(), peak.frequency_hz) - f.begin();
     if (is_named || f.empty()) continue;
-    double top = 0.0;  // the peak's own, not its neighbours'
+    double top = 0.0;  // the PSD at this peak, without its neighbours
     for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, at - 2); i < std::min<std::ptrdiff_t>(at + 3, std::ssize(f));
          ++i)
       top = std::max(top, spectrum.spectrum.psd[static_cast<std::size_t>(i)]);
@@ -223,7 +223,7 @@ Curve thinned(const Curve& curve, std::size_t most) {
       if (lowest == end || curve.y[i] < curve.y[lowest]) lowest = i;
       if (highest == end || curve.y[i] > curve.y[highest]) highest = i;
     }
-    // A gap stays one: in a bin that has one, it ends the line.
+    // A gap in a bin ends the line there, so it stays visible.
     if (lowest != end) put(std::min(lowest, highest));
     if (lowest != end && lowest != highest) put(std::max(lowest, highest));
     if (gap != end) put(gap);

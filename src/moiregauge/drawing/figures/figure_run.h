@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures of a run, as a paper wants them: one column wide, letters of 8 points, vectors where the format has them.
+// Draws the figures of a run for a paper: one column wide, letters of 8 points, vectors if the format supports them.
 #pragma once
 
 #include <optional>
@@ -12,35 +12,38 @@
 
 namespace moiregauge::internal::figure {
 
-// What a run found; all of it must outlive the figures.
+// Results of a run. All of them must outlive the figures.
 struct RunFound {
   const Reference& reference;
   const Observations& observations;
   const Samples& samples;
   const std::optional<Scene>& scene;
-  ImageView<std::uint8_t> picture;  // the reference frame; without pixels: no overlay
+  ImageView<std::uint8_t> picture;  // reference frame; empty: no overlay
 };
 
 struct NamedFigure {
-  std::string name;  // of the file, without its ending
+  std::string name;  // file name without extension
   Figure figure;
 };
 
 struct RunFigures {
   std::vector<NamedFigure> figures;
-  std::vector<std::string> left_out;  // "spectrum: why", in words
+  std::vector<std::string> left_out;  // "spectrum: reason"
 };
 
-// displacement: x and y against time with the 95 % band (1.96 u), gaps as gaps; spectrum: the one-sided PSD of both
-// axes, peaks marked; camera: how it shifted and turned; overlay: the markers in the reference frame.
+// Returns four figures.
+// The displacement figure shows x and y over time with the 95 % band (1.96 u), interrupted at gaps.
+// The spectrum figure shows the one-sided PSD of both axes with marked peaks.
+// The camera figure shows its shift and rotation.
+// The overlay figure shows the markers in the reference frame.
 [[nodiscard]] RunFigures run_figures(const RunFound& found);
 
-// The longest a curve may be: beyond it every bin of neighbours is drawn by its lowest and highest. More points than
-// that no column can show.
+// Largest number of points of a curve, apart from gaps: more than a printed column can show. A longer curve is divided
+// into bins, and each bin is drawn by its lowest and highest point.
 inline constexpr std::size_t kMaxPointsDrawn = 2400;
 
 struct Curve {
-  std::vector<double> x, y, low, high;  // low and high: of the band; all of one length, NaN is a gap
+  std::vector<double> x, y, low, high;  // low, high: limits of the band; same length as y, NaN is a gap
 };
 [[nodiscard]] Curve thinned(const Curve& curve, std::size_t most = kMaxPointsDrawn);
 

@@ -21,10 +21,10 @@ Curve of_length(std::size_t count) {
   return curve;
 }
 
-TEST(ThinnedCurve, ThatIsShortStaysAsItIs) { EXPECT_EQ(thinned(of_length(100), 100).y, of_length(100).y); }
+TEST(ThinnedCurve, AShortCurveIsUnchanged) { EXPECT_EQ(thinned(of_length(100), 100).y, of_length(100).y); }
 
-// One sample of a million that stands out is what a reader looks for.
-TEST(ThinnedCurve, KeepsWhatStandsOutAndItsOrder) {
+// A single outlier in a long record must stay visible.
+TEST(ThinnedCurve, KeepsOutliersAndTheirOrder) {
   Curve curve = of_length(100000);
   curve.y[54321] = 7.0;
   curve.y[54322] = -7.0;
@@ -35,7 +35,7 @@ TEST(ThinnedCurve, KeepsWhatStandsOutAndItsOrder) {
   EXPECT_TRUE(std::is_sorted(thin.x.begin(), thin.x.end()));
 }
 
-TEST(ThinnedCurve, AGapStaysAGap) {
+TEST(ThinnedCurve, KeepsGaps) {
   Curve curve = of_length(10000);
   curve.y[5000] = kNotMeasured;
   const Curve thin = thinned(curve, 100);

@@ -15,7 +15,7 @@ constexpr double kTruthHeight = 104.0, kCurveHeight = 104.0, kErrorHeight = 78.0
 constexpr std::array kLensColours{kBlue, kVermilion, kGreen, kPurple};
 constexpr double kTimeRim_s = 0.4;
 
-// Smaller from lens to lens, so that equal points show both.
+// Smaller dots for later lenses, so that coinciding points show both.
 double dot_of(std::size_t lens) { return lens == 0 ? 1.2 : 0.75; }
 
 Panel truth_panel(const SeriesFigure& f) {
@@ -77,7 +77,7 @@ Figure displacement_over_time(const SeriesFigure& contents) {
             double y = kSeriesMargin;
             const auto put = [&](Panel panel, double panel_height) {
               panel.x_range = time;
-              // Every panel of the column as wide as the one with two axes, so that times stand one below the other.
+              // All panels of the column have the width of the panel with two axes, so that their times are aligned.
               const double side = panel.right_label.empty() ? kRightAxisRoom - kRightRoom : 0.0;
               draw_panel(canvas, {kSeriesMargin, y, kOneColumn - 2 * kSeriesMargin - side, panel_height - 4.0}, panel);
               y += panel_height;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures 12 to 15: displacement over time as it was, and as every method measured it, the error beneath.
+// Draws figures 12 to 15: true displacement over time, that measured by every method, and the error.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace moiregauge::internal::figure {
 
-// One method through one lens. NaN where it has no number.
+// Values of one method with one lens. NaN: no value.
 struct MeasuredCurve {
   std::string lens;
   std::vector<double> time_s, displacement_mm, error_mm;

@@ -11,7 +11,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Two digits: an uncertainty has no more.
+// Formats with two significant digits, as usual for an uncertainty.
 std::string two_digits(double value) {
   const int decimals = value > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(value))), 0, 9) : 1;
   return fmt::format("{:.{}f}", value, decimals);

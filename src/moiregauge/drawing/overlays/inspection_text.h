@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Short words for what was seen, the same in the overlay and on the terminal.
+// Describes detected objects in short texts, the same in the overlay and on the terminal.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace moiregauge::internal {
 
-// What was turned down as a circle and is no part of a grating, a lattice or an accepted circle: those are no circles
-// to anybody. The roundest first.
+// Returns the rejected outlines that are not part of a grating, a lattice or an accepted circle. Highest circularity
+// first.
 [[nodiscard]] std::vector<const RejectedOutline*> rejected_elsewhere(const Inspection& seen);
 
-[[nodiscard]] std::string name_of(const Inspection& seen, int marker);      // "-" for nobody
+[[nodiscard]] std::string name_of(const Inspection& seen, int marker);      // "-": not identified
 [[nodiscard]] std::string pattern_text(const DetectedPatch& patch);         // "crossed, dark on light"
 [[nodiscard]] std::string pitch_text(const DetectedPatch& patch);           // "pitch 29.0 x 28.9 px, x at +0.3 deg"
 [[nodiscard]] std::string lattice_text(const IndexedLattice& lattice);      // "dots 10 x 10, 100 of 100"

@@ -12,7 +12,7 @@ namespace {
 
 using namespace overlay;
 
-// Labels and scale bar go next to what is drawn, not onto it.
+// Reserves the markers' areas, so that labels and scale bar do not cover them.
 void reserve_markers(Pen& pen, const Reference& reference) {
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     const Marker& marker = reference.site.markers[i];
@@ -60,7 +60,7 @@ std::vector<std::uint8_t> draw_overlay(const OverlayContents& contents) {
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) return {};
   const Context context(cairo_create(surface.get()), cairo_destroy);
   const Box page{0.0, 0.0, static_cast<double>(width), static_cast<double>(height)};
-  Pen pen(context.get(), std::max(1.0, std::max(width, height) / 1400.0));  // lines and letters grow with the picture
+  Pen pen(context.get(), std::max(1.0, std::max(width, height) / 1400.0));  // lines and letters scale with the image
   if (contents.reference != nullptr) reserve_markers(pen, *contents.reference);
   if (!contents.caption.empty()) {
     pen.colour(kWhite);

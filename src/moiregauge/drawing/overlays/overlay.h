@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// overlay.png: the reference frame with every marker drawn where it was found.
+// Draws overlay.png: the reference frame with every marker outlined at its detected position.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct OverlayContents {
   std::string caption;                   // one line at the top
 };
 
-// The bytes of a PNG file. Empty when cairo cannot make one (out of memory).
+// Returns the bytes of a PNG file. Empty if cairo is out of memory.
 [[nodiscard]] std::vector<std::uint8_t> draw_overlay(const OverlayContents& contents);
 
 }  // namespace moiregauge::internal

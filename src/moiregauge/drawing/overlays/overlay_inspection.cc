@@ -18,11 +18,11 @@ namespace {
 
 using namespace overlay;
 
-// A page narrower than this has no room for words: the picture is enlarged.
+// Smallest page width with enough space for texts (chosen). Smaller images are enlarged.
 constexpr double kReadableWidth_px = 1200.0;
-constexpr std::size_t kMaxRejected = 60;  // drawn; more would hide the picture
-constexpr std::size_t kMaxReasons = 24;   // of them told why
-constexpr double kMaxCovered = 0.05;      // of such a label
+constexpr std::size_t kMaxRejected = 60;  // drawn outlines; more would hide the image (chosen)
+constexpr std::size_t kMaxReasons = 24;   // rejected outlines with a label (chosen)
+constexpr double kMaxCovered = 0.05;      // largest covered share of such a label
 constexpr double kLetterSize = 12.0;
 
 using Corners = std::vector<ImagePoint>;
@@ -57,7 +57,7 @@ class InspectionDrawing {
   }
 
  private:
-  // Labels go beside what is drawn, not onto it.
+  // Reserves the objects' areas, so that labels do not cover them.
   void reserve() {
     for (const InspectedPatch& p : seen_.patches) pen_.keep_free(pen_.page_box(corners_of(p)));
     for (const InspectedCircle& c : seen_.circles) pen_.keep_free(box_of(c.seen));
@@ -69,7 +69,7 @@ class InspectionDrawing {
     for (const LatticePoint& p : lattice.points) points.push_back(p.at);
     return points;
   }
-  // A grating's own lattice is named beside the grating.
+  // Returns the corners next to which a lattice is labelled: those of its grating, if it is part of one.
   [[nodiscard]] Corners about(const IndexedLattice& lattice) const {
     const Corners points = corners_of(lattice);
     for (const InspectedPatch& p : seen_.patches) {
@@ -129,7 +129,7 @@ class InspectionDrawing {
       pen_.label_beside({end}, letter, picture_);
     }
   }
-  // One label for a marker's circle and grating together.
+  // Draws one label for both the circle and the grating of a marker.
   void name_markers() {
     for (std::size_t i = 0; seen_.reference && i < seen_.reference->site.markers.size(); ++i) {
       const int marker = static_cast<int>(i);
@@ -144,7 +144,7 @@ class InspectionDrawing {
         about.insert(about.end(), p.seen.outline.begin(), p.seen.outline.end());
         words += "  " + short_text(p);
       }
-      if (about.empty()) {  // the site's, and not seen
+      if (about.empty()) {  // a marker of the site that was not detected
         about.push_back(seen_.reference->view(place_of(i)));
         words += "  not seen";
       }
@@ -184,7 +184,7 @@ class InspectionDrawing {
       pen_.label_beside(corners_round(r.centre, r.diameter_px + 4.0), reason(r), picture_, kMaxCovered);
     }
   }
-  // "W = 0.79" or "W = 0.90: not an ellipse": the terminal and --json have the rest.
+  // Returns "W = 0.79" or "W = 0.90: not an ellipse". The terminal and --json show the whole reason.
   static std::string reason(const RejectedOutline& r) {
     const std::string why = r.why.substr(0, r.why.find_first_of(":;(,"));
     return why.starts_with("W") ? why : fmt::format("W = {:.2f}: {}", r.circularity, why);
@@ -196,12 +196,12 @@ class InspectionDrawing {
   Box picture_;
 };
 
-// The strip below the picture: pieces of text that flow into lines.
+// A piece of text in the strip below the image. Pieces flow into lines.
 struct Piece {
   std::string text;
   Colour colour = kWhite;
-  bool swatch = false;    // a coloured square before it
-  bool new_line = false;  // begins a line
+  bool swatch = false;    // a coloured square before the text
+  bool new_line = false;  // starts a new line
 };
 
 std::vector<Piece> legend_of(const InspectionOverlay& contents) {
@@ -241,8 +241,7 @@ std::vector<Piece> legend_of(const InspectionOverlay& contents) {
   return pieces;
 }
 
-// Words that do not fit a line begin the next; returns the strip's height. Without a surface to draw on it only
-// measures.
+// Lays out the strip below the image, and breaks lines. Returns the strip's height. Without `top` it only measures.
 class Strip {
  public:
   Strip(cairo_t* cr, Pen& pen, double width) : cr_(cr), pen_(pen), width_(width), pad_(8.0 * pen.unit()) {}
@@ -271,7 +270,7 @@ class Strip {
     x = pad_;
     y += line;
   }
-  // Whole when it fits, else word by word.
+  // Returns the whole text if it fits, otherwise its words.
   [[nodiscard]] std::vector<std::string> broken(const std::string& text, double room) const {
     if (pen_.text_width(text) <= room) return {text};
     std::vector<std::string> words(1);

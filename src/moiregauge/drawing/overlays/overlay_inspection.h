@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// overlay.png of `inspect`: the picture with everything that was seen in it, and a legend below.
+// Draws overlay.png of `inspect`: the image with all detected objects, and a legend below.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ struct InspectionOverlay {
   ImageView<std::uint8_t> picture;
   const Inspection& seen;
   std::span<const ExpectedUncertainty> expected;
-  std::string caption;  // which picture this is
+  std::string caption;  // name of the image
 };
 
-// The bytes of a PNG file; small pictures are enlarged by a whole number. Empty when cairo cannot make one.
+// Returns the bytes of a PNG file. Small images are enlarged by an integer factor. Empty if cairo is out of memory.
 [[nodiscard]] std::vector<std::uint8_t> draw_inspection(const InspectionOverlay& contents);
 
 }  // namespace moiregauge::internal

@@ -12,7 +12,7 @@ struct Size {
   int width = 0, height = 0;
 };
 
-// From the header that every PNG file begins with.
+// Reads the size from the PNG header.
 Size size_of(const std::vector<std::uint8_t>& png) {
   const auto number = [&](std::size_t at) {
     return png[at] << 24 | png[at + 1] << 16 | png[at + 2] << 8 | png[at + 3];
@@ -27,7 +27,7 @@ Inspection one_rejected() {
   return seen;
 }
 
-TEST(InspectionOverlay, ASmallPictureIsEnlargedSoThatWordsFitBesideThings) {
+TEST(InspectionOverlay, ASmallImageIsEnlargedToFitLabels) {
   const Image<std::uint8_t> small(640, 480, 90), large(4104, 1012, 90);
   const Inspection seen = one_rejected();
   const Size of_small = size_of(draw_inspection({small.view(), seen, {}, "small"}));
@@ -38,7 +38,7 @@ TEST(InspectionOverlay, ASmallPictureIsEnlargedSoThatWordsFitBesideThings) {
   EXPECT_GT(of_large.height, 1012);
 }
 
-TEST(InspectionOverlay, WhatWasFoundChangesThePicture) {
+TEST(InspectionOverlay, DetectedObjectsAreDrawn) {
   const Image<std::uint8_t> picture(640, 480, 90);
   Inspection seen = one_rejected();
   const auto before = draw_inspection({picture.view(), seen, {}, ""});
@@ -49,7 +49,7 @@ TEST(InspectionOverlay, WhatWasFoundChangesThePicture) {
   EXPECT_NE(draw_inspection({picture.view(), seen, {}, ""}), before);
 }
 
-TEST(InspectionWords, OutlinesInsideWhatWasFoundAreNotNamedOneByOne) {
+TEST(InspectionText, OutlinesInsideDetectedObjectsAreNotListed) {
   Inspection seen = one_rejected();
   EXPECT_EQ(rejected_elsewhere(seen).size(), 1U);
   InspectedPatch patch;
@@ -58,7 +58,7 @@ TEST(InspectionWords, OutlinesInsideWhatWasFoundAreNotNamedOneByOne) {
   EXPECT_TRUE(rejected_elsewhere(seen).empty());
 }
 
-TEST(InspectionWords, ALatticeSaysHowMuchOfItWasSeen) {
+TEST(InspectionText, ALatticeIsDescribedWithItsDetectedShare) {
   IndexedLattice lattice;
   lattice.columns = lattice.rows = 10;
   lattice.points.resize(99);

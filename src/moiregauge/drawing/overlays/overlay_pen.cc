@@ -21,7 +21,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-constexpr double kPad = 3.0;  // units round a label's letters
+constexpr double kPad = 3.0;  // units around the letters of a label
 
 }  // namespace
 
@@ -31,12 +31,12 @@ Surface page_with(ImageView<std::uint8_t> picture, int scale, int width, int hei
   cairo_set_source_rgb(context.get(), 0.11, 0.12, 0.14);
   cairo_paint(context.get());
   cairo_scale(context.get(), scale, scale);
-  constexpr int kBand = 128;  // rows: a second picture of four bytes a pixel would be the largest thing in memory
+  constexpr int kBand = 128;  // rows at a time: a whole copy would need 4 bytes per pixel
   for (int y = 0; y < picture.height; y += kBand) {
     const int rows = std::min(kBand, picture.height - y);
     const Surface grey = grey_surface(picture.part(0, y, picture.width, rows));
     cairo_set_source_surface(context.get(), grey.get(), 0, y);
-    // Pixels are shown as what they are.
+    // Show pixels without interpolation.
     cairo_pattern_set_filter(cairo_get_source(context.get()), CAIRO_FILTER_NEAREST);
     cairo_rectangle(context.get(), 0, y, picture.width, rows);
     cairo_fill(context.get());
@@ -142,7 +142,7 @@ double Pen::covered(const Box& box) const {
 void Pen::stroke() {
   const double dashes[] = {4.0 * unit_, 3.0 * unit_};
   cairo_set_dash(cr_, dashes, dashed_ ? 2 : 0, 0.0);
-  cairo_set_line_width(cr_, (width_ + 1.8) * unit_);  // a dark rim under the colour
+  cairo_set_line_width(cr_, (width_ + 1.8) * unit_);  // a dark outline under the colour
   cairo_set_source_rgba(cr_, 0, 0, 0, 0.55);
   cairo_stroke_preserve(cr_);
   cairo_set_line_width(cr_, width_ * unit_);
@@ -207,7 +207,7 @@ void Pen::label_beside(const std::vector<ImagePoint>& corners, const std::string
   std::pair<double, double> best = places[0];
   for (const auto& place : places) {
     const Box box{place.first, place.second, size.width, size.height};
-    // A part that would have to be pushed inside counts too.
+    // Parts outside `within` count as covered, because the label would be shifted.
     const double covered = size.width * size.height - box.shared_with(within) + this->covered(box);
     double away = 1e300;
     for (const ImagePoint& p : corners) away = std::min(away, box.distance_to(page_x(p.x), page_y(p.y)));

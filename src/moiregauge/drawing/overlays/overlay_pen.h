@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the overlays draw with: a picture enlarged by a whole number, and a pen that takes the picture's coordinates.
+// Draws overlays: an image enlarged by an integer factor, and a pen that accepts image coordinates.
 #pragma once
 
 #include <cstdint>
@@ -19,24 +19,25 @@ namespace moiregauge::internal::overlay {
 struct Colour {
   double r, g, b;
 };
-// Okabe and Ito's colours: told apart by colour-blind readers too.
+// Palette of Okabe and Ito (2008), which colour-blind readers can distinguish.
 inline constexpr Colour kReferenceColour{0.34, 0.71, 0.91}, kTargetColour{0.90, 0.62, 0.0},
     kRejectedColour{1.0, 0.47, 0.16}, kUnusedColour{0.6, 0.6, 0.6}, kLatticeColour{0.0, 0.75, 0.55},
     kNobodyColour{0.94, 0.89, 0.26}, kWhite{1.0, 1.0, 1.0};
 
-// A page of width x height px with the picture, `scale` px for each of its own, in the upper left corner.
+// Returns a page of width x height px with the image in the upper left corner. Each image pixel has `scale` x `scale`
+// px.
 [[nodiscard]] Surface page_with(ImageView<std::uint8_t> picture, int scale, int width, int height);
 
 // A rectangle on the page, px.
 struct Box {
   double x = 0.0, y = 0.0, width = 0.0, height = 0.0;
-  [[nodiscard]] double shared_with(const Box& o) const;  // area, px^2
+  [[nodiscard]] double shared_with(const Box& o) const;  // common area, px^2
   [[nodiscard]] double distance_to(double px, double py) const;
   [[nodiscard]] Box grown(double by) const { return {x - by, y - by, width + 2.0 * by, height + 2.0 * by}; }
 };
 
-// Pixel (0,0) of the picture is the centre of its first pixel; cairo's is its corner. `unit` is the page's measure of
-// what can be seen: 1 on a page about 1400 px wide.
+// Pixel (0,0) of the image is the centre of its first pixel, cairo's is its corner. `unit` is the scale of lines and
+// letters: 1 on a page of about 1400 px width.
 class Pen {
  public:
   Pen(cairo_t* cr, double unit, int scale = 1);
@@ -51,19 +52,19 @@ class Pen {
   void line(ImagePoint a, ImagePoint b);
   void arrow(ImagePoint a, ImagePoint b);
   void dot(ImagePoint p, double radius_units);
-  // A level bar with ends, from x to x at y (page px).
+  // Draws a horizontal bar with ends from x0 to x1 at y (page px).
   void bar(double x0, double x1, double y, double width_units, double end_units);
 
-  // Text on a dark plate, its first letter's foot at p (page px), kept inside `within`. Several lines are parted by
-  // '\n'.
+  // Draws text on a dark plate. (x, y) is the baseline start of the first line (page px). The plate is kept inside
+  // `within`. '\n' separates lines.
   void label(double x, double y, const std::string& text, const Box& within);
-  // The same beside something with these corners: near one of them, where it covers least of what stands there already;
-  // or not at all where it would cover more than that share of its own area.
+  // Draws such a text next to an object with these corners, at the position that covers the smallest reserved area.
+  // Draws nothing if that exceeds `most_covered`, a share of the label's area.
   void label_beside(const std::vector<ImagePoint>& about, const std::string& text, const Box& within,
                     double most_covered = 1e9);
-  // Marks a part of the page that labels should leave free.
+  // Reserves a part of the page, which labels should not cover.
   void keep_free(const Box& box) { taken_.push_back(box); }
-  [[nodiscard]] double covered(const Box& box) const;  // area that is not free, page px^2
+  [[nodiscard]] double covered(const Box& box) const;  // reserved area, page px^2
   void letters(double units, bool bold);
 
   [[nodiscard]] double text_width(const std::string& line) const;
@@ -86,9 +87,9 @@ class Pen {
   std::vector<Box> taken_;
 };
 
-// Of the upright rectangle round a circle.
+// Returns the corners of the square around a circle.
 [[nodiscard]] std::vector<ImagePoint> corners_round(ImagePoint centre, double diameter_px);
-// The corners of a print on the board as the view sees them.
+// Returns the corners of a rectangle on the board, projected into the image.
 [[nodiscard]] std::vector<ImagePoint> outline(const View& view, BoardPoint centre, double width, double height,
                                               double angle);
 

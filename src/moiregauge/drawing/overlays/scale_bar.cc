@@ -10,8 +10,8 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kPartOfWidth = 0.2;  // of the picture: the bar is at most so long
-constexpr double kMargin = 10.0;      // units from the picture's edges
+constexpr double kPartOfWidth = 0.2;  // longest bar, share of the image width
+constexpr double kMargin = 10.0;      // units from the image's edges
 constexpr double kBarWidth = 4.0, kEndHeight = 6.0;
 
 }  // namespace

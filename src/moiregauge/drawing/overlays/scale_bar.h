@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scale bar for the overlays, in a corner of the picture that is free.
+// Draws a scale bar in a free corner of the overlays.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace moiregauge::internal {
 
-// Returns the largest of 1, 2 and 5 times a power of ten that is not over `length`.
+// Returns the largest of 1, 2 and 5 times a power of ten that is not above `length`.
 [[nodiscard]] double round_length(double length);
 
-// Draws a bar that is right in the middle of the references, with its length and `tape_text` next to it.
-// `unit_mm`: what a length on the board is counted in ("mm", "pitches"). `picture`: where it may go, page px.
+// Draws a bar that is correct at the centre of the references, with its length and `tape_text`.
+// `unit_mm`: length of one `unit` ("mm", "pitches") on the board, mm. `picture`: the allowed area, page px.
 void draw_scale_bar(overlay::Pen& pen, const Reference& reference, double unit_mm, const char* unit,
                     const overlay::Box& picture);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the points of a series are shown.
+// Draws the points of a series.
 #pragma once
 
 #include "moiregauge/drawing/surface/canvas.h"
@@ -9,8 +9,8 @@ namespace moiregauge::internal::figure {
 enum class Mark { kLine, kDashed, kDots, kOpenDots, kSquares, kOpenSquares, kCrosses };
 
 [[nodiscard]] bool joins_points(Mark mark);
-// One point, `radius` from its centre to its rim; nothing where `at` is no finite number. Not for marks that join
-// points.
+// Draws one point. `radius` is the distance from centre to rim. Draws nothing if `at` is not finite. Not for marks that
+// join points.
 void draw_mark(Canvas& canvas, Mark mark, Spot at, double radius, Colour colour);
 
 }  // namespace moiregauge::internal::figure

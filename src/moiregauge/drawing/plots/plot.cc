@@ -30,7 +30,7 @@ std::vector<double> x_of(const std::vector<Series>& series) {
   return all;
 }
 
-// Where the axes stand, and what they count.
+// Position and scales of the axes.
 struct Axes {
   Box box;
   PlotAxis x, y, right;
@@ -50,14 +50,14 @@ Axes axes_of(Box box, const Panel& panel, std::size_t named) {
   axes.x = {panel.x_range.value_or(extent_of(x_of(panel.series), panel.x_scale, 0.0)), panel.x_scale};
   if (!(axes.x.range.high > axes.x.range.low)) axes.x.range.high = axes.x.range.low + 1.0;
   const int most = most_ticks(axes.box.height, kTickSpacing);
-  // A rim, so that no point lies on the frame.
+  // With a margin, so that no point is on the frame.
   axes.y = to_whole_ticks({extent_of(y_of(panel.series, false), panel.y_scale, kRim), panel.y_scale}, most);
   if (panel.y_range) axes.y.range = *panel.y_range;
   axes.right = to_whole_ticks({extent_of(y_of(panel.series, true), Scale::kLinear, 0.0)}, most);
   return axes;
 }
 
-// 10⁻⁶ and not 0.000001 where decades are many.
+// Formats 10⁻⁶ instead of 0.000001 for axes with many decades.
 std::string power_of_ten(double value) {
   constexpr std::array kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   const int power = static_cast<int>(std::lround(std::log10(value)));
@@ -94,7 +94,7 @@ void draw_bottom(Canvas& canvas, const Axes& axes, const std::string& label) {
   canvas.text({axes.box.x + 0.5 * axes.box.width, edge + 18.5}, label, {.align = Align::kCentre});
 }
 
-// Factors of ten are read off these lines; a linear axis has its zero instead.
+// Draws lines at the decades of a logarithmic axis, or at the zero of a linear axis.
 void draw_guides(Canvas& canvas, const Axes& axes) {
   const auto across = [&](double v, Colour colour) {
     const double y = axes.at_y(v, false);

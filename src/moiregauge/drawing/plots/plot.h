@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves over an axis: one panel of a figure.
+// Draws curves over axes: one panel of a figure.
 #pragma once
 
 #include <optional>
@@ -13,9 +13,9 @@
 namespace moiregauge::internal::figure {
 
 struct Series {
-  std::string name{};  // in the legend; empty: not there
+  std::string name{};  // in the legend; empty: not listed
   std::vector<double> x{}, y{};
-  std::vector<double> low{}, high{};  // of the band round y, one per y; empty: none
+  std::vector<double> low{}, high{};  // limits of the band around y, one per y; empty: none
   Colour colour = kBlack;
   Mark mark = Mark::kLine;
   double width = 0.9;  // of the line, or the radius of a mark
@@ -23,7 +23,7 @@ struct Series {
 };
 
 struct Note {
-  double x = 0.0, y = 0.0;  // on the axes; the words stand above
+  double x = 0.0, y = 0.0;  // on the axes; the text is above
   std::string words{};
 };
 
@@ -35,16 +35,16 @@ struct Panel {
   std::string right_label{};  // empty: no right axis
   std::vector<Series> series{};
   std::vector<Note> notes{};
-  std::optional<Range> x_range{}, y_range{};                 // else what the series need
+  std::optional<Range> x_range{}, y_range{};                 // none: range of the series
   Scale x_scale = Scale::kLinear, y_scale = Scale::kLinear;  // the right axis is always linear
 };
 
-// Room round the axes inside the box given to draw_panel.
+// Margins around the axes inside the box of draw_panel, points.
 inline constexpr double kLeftRoom = 40.0, kRightRoom = 8.0, kRightAxisRoom = 32.0;
 
-// With a legend of its own when more than one series has a name.
+// Draws a panel. It has a legend if more than one series has a name.
 void draw_panel(Canvas& canvas, Box box, const Panel& panel);
-// The named series in one line that begins at `at`, the foot of its letters.
+// Draws the named series in one line. `at` is the start of its baseline.
 void draw_legend(Canvas& canvas, Spot at, const std::vector<Series>& series);
 
 }  // namespace moiregauge::internal::figure

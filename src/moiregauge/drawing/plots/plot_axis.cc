@@ -19,7 +19,7 @@ double PlotAxis::place(double value) const {
 }
 
 std::vector<Tick> ticks_of(const PlotAxis& axis, int most) {
-  constexpr double kSlack = 1e-9;  // of the axis: a tick at its very end is on it
+  constexpr double kSlack = 1e-9;  // of the axis length: includes ticks at its ends
   const auto values = labelled(axis, most);
   std::vector<Tick> ticks;
   const auto put = [&](double value, std::string label) {
@@ -29,7 +29,7 @@ std::vector<Tick> ticks_of(const PlotAxis& axis, int most) {
   const bool is_log = axis.scale == Scale::kLog;
   for (const double v : values) {
     put(v, tick_label(v, is_log ? v : values[1] - values[0]));
-    if (!is_log || values[1] > 10.5 * values[0]) continue;  // of decades that are left out nothing is shown either
+    if (!is_log || values[1] > 10.5 * values[0]) continue;  // no small ticks between decades that are skipped
     for (int i = 2; i < 10; ++i) put(i * v, "");
   }
   return ticks;

@@ -52,7 +52,7 @@ TEST(LogAxis, EqualRatiosAreEqualLengths) {
   EXPECT_NEAR(axis.place(6.0) - axis.place(3.0), axis.place(0.02) - axis.place(0.01), 1e-12);
 }
 
-TEST(LogAxis, HasNoPlaceForZeroOrLess) {
+TEST(LogAxis, HasNoPositionForZeroOrLess) {
   const PlotAxis axis{{0.001, 10.0}, Scale::kLog};
   EXPECT_FALSE(std::isfinite(axis.place(0.0)));
   EXPECT_FALSE(std::isfinite(axis.place(-1.0)));
@@ -62,20 +62,20 @@ TEST(LogAxis, CountsInDecadesWithSmallTicksBetween) {
   const auto ticks = ticks_of({{0.07, 12.0}, Scale::kLog}, 9);
   EXPECT_EQ(labels_of(ticks), (std::vector<std::string>{"0.1", "1", "10"}));
   EXPECT_NEAR(ticks.front().value, 0.07, 1e-12);  // 0.07 to 0.09, then 0.1
-  EXPECT_EQ(ticks.size(), 3U + 3U + 8U + 8U);     // below 0.1, the decades, between 0.1 and 1, between 1 and 10
+  EXPECT_EQ(ticks.size(), 3U + 3U + 8U + 8U);     // below 0.1, decades, between 0.1 and 1, between 1 and 10
 }
 
-TEST(LogAxis, ShowsNoSmallTicksBetweenDecadesThatAreLeftOut) {
+TEST(LogAxis, ShowsNoSmallTicksBetweenSkippedDecades) {
   for (const Tick& tick : ticks_of({{1e-9, 1e3}, Scale::kLog}, 5)) EXPECT_FALSE(tick.label.empty()) << tick.value;
 }
 
-TEST(Extent, OfALogAxisIsThatOfThePositiveNumbersWithARimOnItsOwnScale) {
+TEST(Extent, OnALogAxisCoversPositiveValuesWithALogRim) {
   const Range range = extent_of({0.0, 0.01, -3.0, std::nan(""), 1.0}, Scale::kLog, 0.5);
   EXPECT_NEAR(range.low, 0.001, 1e-12);
   EXPECT_NEAR(range.high, 10.0, 1e-9);
 }
 
-TEST(Extent, OfNothingCanStillBeDrawn) {
+TEST(Extent, WithoutValuesIsStillValid) {
   for (const Scale scale : {Scale::kLinear, Scale::kLog}) {
     const PlotAxis axis = to_whole_ticks({extent_of({std::nan("")}, scale, 0.04), scale}, 5);
     EXPECT_GT(axis.range.high, axis.range.low);

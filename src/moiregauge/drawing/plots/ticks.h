@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where an axis counts, and in which digits.
+// Computes the ticks of an axis and their labels.
 #pragma once
 
 #include <string>
@@ -11,13 +11,14 @@ struct Range {
   double low = 0.0, high = 1.0;
 };
 
-// Multiples of 1, 2 or 5 times a power of ten that cover `range`, about `most` of them at most; the first is at or
-// below its low end, the last at or above its high end. A range without extent is widened.
+// Returns multiples of 1, 2 or 5 times a power of ten that cover `range`, at most about `most`. The first is at or
+// below its low end, the last at or above its high end. A range of length 0 is widened.
 [[nodiscard]] std::vector<double> nice_ticks(Range range, int most);
-// Powers of ten that cover `range`, whose ends are positive: all of them or every second, third ..., so that they are
-// `most` at most, but two at least; the first is at or below its low end, the last at or above its high end.
+// Returns powers of ten that cover `range`, whose ends must be positive. It returns every decade, or every second,
+// third and so on, to have at most `most`, but at least two. The first is at or below its low end, the last at or above
+// its high end.
 [[nodiscard]] std::vector<double> decade_ticks(Range range, int most);
-// With the digits that `step` needs, and a true minus sign.
+// Returns the value with the digits of `step` and a typographic minus sign.
 [[nodiscard]] std::string tick_label(double value, double step);
 
 }  // namespace moiregauge::internal::figure

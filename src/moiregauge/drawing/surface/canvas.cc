@@ -27,7 +27,7 @@ void Canvas::pen(Stroke stroke) {
   cairo_stroke(cr_);
 }
 
-// A point that is not a number interrupts the line.
+// Draws a line, interrupted at points that are not finite.
 void Canvas::line(const std::vector<Spot>& points, Stroke stroke) {
   bool is_down = false;
   for (const Spot& p : points) {
@@ -116,7 +116,7 @@ void Canvas::picture(ImageView<std::uint8_t> pixels, Box box) {
   cairo_translate(cr_, box.x, box.y);
   cairo_scale(cr_, box.width / pixels.width, box.height / pixels.height);
   cairo_set_source_surface(cr_, surface.get(), 0, 0);
-  cairo_pattern_set_extend(cairo_get_source(cr_), CAIRO_EXTEND_PAD);  // no pale rim
+  cairo_pattern_set_extend(cairo_get_source(cr_), CAIRO_EXTEND_PAD);  // avoids a pale rim
   cairo_paint(cr_);
   cairo_restore(cr_);
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page of a figure on cairo, and the three files one drawing becomes. Lengths are points (1/72 inch), y grows
-// downwards.
+// A page of a figure on cairo, and the three files of a figure. Lengths are points (1/72 inch), y is downwards.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +10,18 @@
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/point.h"
 
-struct _cairo;  // cairo_t, kept out of our headers
+struct _cairo;  // cairo_t, without cairo's header
 
 namespace moiregauge::internal::figure {
 
-inline constexpr double kOneColumn = 89.0 * 72.0 / 25.4;  // a journal's column of 89 mm
+inline constexpr double kOneColumn = 89.0 * 72.0 / 25.4;  // a journal column of 89 mm
 inline constexpr double kTwoColumns = 183.0 * 72.0 / 25.4;
 inline constexpr double kTextSize = 7.0;
 
 struct Colour {
   double r, g, b;
 };
-// Okabe and Ito's: told apart by colour-blind readers too.
+// Palette of Okabe and Ito (2008), which colour-blind readers can distinguish.
 inline constexpr Colour kBlack{0.0, 0.0, 0.0}, kWhite{1.0, 1.0, 1.0}, kGrey{0.62, 0.62, 0.62}, kOrange{0.90, 0.62, 0.0},
     kSky{0.34, 0.71, 0.91}, kGreen{0.0, 0.62, 0.45}, kBlue{0.0, 0.45, 0.70}, kVermilion{0.84, 0.37, 0.0},
     kPurple{0.80, 0.47, 0.65};
@@ -51,12 +50,12 @@ class Canvas {
  public:
   explicit Canvas(_cairo* cr) : cr_(cr) {}
   void line(const std::vector<Spot>& points, Stroke stroke);
-  // Between two lines that run side by side; where either is not a number nothing is filled.
+  // Fills the area between two lines. Leaves a gap at points that are not finite.
   void band(const std::vector<Spot>& above, const std::vector<Spot>& below, Colour colour, double opacity);
   void dot(Spot at, double radius, Colour colour);
   void frame(Box box, Stroke stroke);
   void fill(Box box, Colour colour);
-  // Semi-axes a and b, a turned by angle_rad from x towards y.
+  // Draws an ellipse with semi-axes a and b. `angle_rad` is that of a, from x towards y.
   void ellipse(Spot centre, double a, double b, double angle_rad, Stroke stroke);
   void text(Spot at, const std::string& words, const Letters& letters = {});
   [[nodiscard]] double text_width(const std::string& words, const Letters& letters = {});
@@ -73,11 +72,11 @@ struct Figure {
   double width = kOneColumn;
   double height = 0.0;
   std::function<void(Canvas&)> draw;
-  double zoom = 1.0;  // of everything drawn: letters of kTextSize become zoom kTextSize points
+  double zoom = 1.0;  // factor of everything drawn: letters are zoom times kTextSize points
 };
 struct FigureFiles {
-  std::string png, svg, pdf;  // bytes; empty when cairo could not make them (out of memory)
+  std::string png, svg, pdf;  // bytes; empty if cairo is out of memory
 };
-[[nodiscard]] FigureFiles files_of(const Figure& figure);  // the PNG at 300 dots an inch
+[[nodiscard]] FigureFiles files_of(const Figure& figure);  // PNG: 300 dots per inch
 
 }  // namespace moiregauge::internal::figure

@@ -7,10 +7,10 @@
 namespace moiregauge::internal::figure {
 namespace {
 
-constexpr double kFinestPixels = 4.2;  // per point: 300 an inch; more would only swell the files
+constexpr double kFinestPixels = 4.2;  // per point, 300 per inch; more would only enlarge the files
 constexpr std::uint8_t kPaper = 255;
 
-// The mean of every n x n pixels.
+// Returns the means of n x n pixels.
 Image<std::uint8_t> reduced(GreyView picture, int n) {
   Image<std::uint8_t> out(picture.width / n, picture.height / n);
   for (int y = 0; y < out.height(); ++y) {
@@ -35,7 +35,7 @@ std::uint8_t linear(GreyView picture, IdealPoint p) {
   return static_cast<std::uint8_t>(std::lround((1 - v) * above + v * below));
 }
 
-// At least half a picture pixel may be cut off at each side by the reduction.
+// Returns the part, shortened and shifted to be inside the image.
 Part kept_inside(GreyView picture, Part part) {
   part.width = std::min(part.width, picture.width);
   part.height = std::min(part.height, picture.height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A part of a grey picture on a page, and where its pixels lie there.
+// Draws a part of a grey image on a page, and maps its pixels to the page.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@ namespace moiregauge::internal::figure {
 
 using GreyView = ImageView<std::uint8_t>;
 
-// Pixels of a picture, (x, y) the first one.
+// Pixels of an image. (x, y) is the first one.
 struct Part {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
 class PictureBox {
  public:
-  // Draws that part (kept inside the picture) as wide as `box.width`; its height follows.
+  // Draws the part (shifted to be inside the image) with this width, points. Its height follows.
   PictureBox(Canvas& canvas, GreyView picture, Part part, Spot corner, double width);
   [[nodiscard]] Spot at(ImagePoint p) const;
   [[nodiscard]] double points_per_px() const { return scale_; }
@@ -33,8 +33,8 @@ class PictureBox {
 [[nodiscard]] inline Part whole(GreyView picture) { return {0, 0, picture.width, picture.height}; }
 [[nodiscard]] Part square_round(ImagePoint centre, int side);
 
-// The picture `now` as the camera of the reference frame would have seen it: by the homographies through the board,
-// interpolated linearly. Without a lens, as the simulated figures are. Outside of `now` it is white.
+// Returns the image `now` as seen by the camera of the reference frame: mapped by the homographies through the board,
+// with linear interpolation. Valid without lens distortion, as in the simulated figures. White outside of `now`.
 [[nodiscard]] Image<std::uint8_t> stabilised(GreyView now, const IdealFromBoard& sees_now,
                                              const IdealFromBoard& sees_reference);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages as PNG files, written fast: a page is as large as the camera's picture, and nearly all of it is the picture.
+// Writes pages as PNG files quickly, because a page is as large as the camera's image.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace moiregauge::internal {
 
-// The file's bytes, every pixel of an RGB24 surface as it is; empty when there is no memory for it.
+// Returns the file's bytes with every pixel of an RGB24 surface. Empty if out of memory.
 [[nodiscard]] std::vector<std::uint8_t> png_of(cairo_surface_t* surface);
 
 }  // namespace moiregauge::internal

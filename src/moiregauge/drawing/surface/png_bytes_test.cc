@@ -55,7 +55,7 @@ TEST(PngBytes, CairoReadsEveryPixelBack) {
   }
 }
 
-TEST(PngBytes, OfNoSurfaceAreNone) {
+TEST(PngBytes, WithoutASurfaceAreEmpty) {
   const Surface none(cairo_image_surface_create(CAIRO_FORMAT_RGB24, -1, 5), cairo_surface_destroy);
   EXPECT_TRUE(png_of(none.get()).empty());
 }

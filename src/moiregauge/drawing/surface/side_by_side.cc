@@ -12,14 +12,14 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kWidest = 1920;     // px, of the whole: what every player can show
-constexpr int kBetweenParts = 4;  // px between the two
-constexpr int kMaxSamples = 3;    // to a pixel's side; beyond it the filmed picture is sampled more thinly
-constexpr double kRing = 0.6;     // of a target's size
-constexpr double kStack = 2.0;    // width to height
+constexpr int kWidest = 1920;     // px, of the page: every player can show it
+constexpr int kBetweenParts = 4;  // px between the images
+constexpr int kMaxSamples = 3;    // per pixel side; larger frames are undersampled (chosen)
+constexpr double kRing = 0.6;     // width of the stretched area, in target sizes (chosen)
+constexpr double kStack = 2.0;    // aspect ratio above which the images are stacked (chosen)
 constexpr std::uint8_t kNothing = 96, kGround = 24, kInk = 240;
 
-// Grey between pixels; outside the picture the nearest one's is no truth: black.
+// Returns the interpolated grey level. Black outside the image, because extrapolation would be false.
 double grey_at(ImageView<std::uint8_t> picture, ImagePoint p) {
   if (!(p.x >= 0.0 && p.y >= 0.0 && p.x <= picture.width - 1 && p.y <= picture.height - 1)) return 0.0;
   const int x = std::min(static_cast<int>(p.x), picture.width - 2),
@@ -34,7 +34,7 @@ int even(double value) { return 2 * std::max(1, static_cast<int>(std::lround(0.5
 
 double outside(double distance, double half) { return std::max(0.0, std::abs(distance) - half); }
 
-// Letters, white on dark, cut off where the strip ends.
+// Writes white text on a dark strip, reduced to fit.
 void write_text(Image<std::uint8_t>& page, int x0, int width, int height, const std::string& words) {
   Image<std::uint8_t> strip(width, height, kGround);
   const Surface surface = grey_surface(strip.view());
@@ -57,7 +57,7 @@ void write_text(Image<std::uint8_t>& page, int x0, int width, int height, const 
     for (int x = 0; x < width; ++x) page.at(x0 + x, y) = data[static_cast<std::ptrdiff_t>(y) * stride + 4 * x + 1];
 }
 
-// The distance in which nothing may give way: to the nearest marker that is not this one.
+// Returns the distance to the nearest other marker, mm, which must not be stretched.
 double free_round(const Site& site, std::size_t target) {
   const Grating& own = *site.markers[target].grating;
   double free = 1e9;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cairo's objects as owned values, and a picture as one of them.
+// Owns cairo's objects, and converts an image to one.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace moiregauge::internal {
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
-// The picture in grey, one pixel for each of its own; without pixels when there is no memory (cairo_surface_status).
+// Returns the grey image as a surface of the same size. Without memory it has no pixels (see cairo_surface_status).
 [[nodiscard]] Surface grey_surface(ImageView<std::uint8_t> picture);
 
-// Cairo's write function for a file in memory: `text` is the std::string behind which it puts the bytes.
+// Appends bytes to the std::string `text`: cairo's write function for a file in memory.
 [[nodiscard]] cairo_status_t append_bytes(void* text, const unsigned char* data, unsigned int length);
 
 }  // namespace moiregauge::internal

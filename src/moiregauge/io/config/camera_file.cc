@@ -14,8 +14,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// The simulator writes the truth of every frame behind its camera; that may be long.
-constexpr std::size_t kCameraFileLimit = 16 * 1024 * 1024;  // bytes
+// The simulator appends the truth of every frame to its camera file, so large files are valid.
+constexpr std::size_t kCameraFileLimit = 16 * 1024 * 1024;  // bytes (chosen)
 
 int whole_number(const TomlTable& table, const std::string& key) {
   const double read = table.number_not_negative(key).value_or(0.0);
@@ -25,7 +25,7 @@ int whole_number(const TomlTable& table, const std::string& key) {
 }
 
 double required(const TomlTable& table, const std::string& key) {
-  if (!table.has(key)) table.mistake(key, fmt::format("[camera] needs {}, in pixels", key));
+  if (!table.has(key)) table.mistake(key, fmt::format("[camera] requires {}, in pixels", key));
   return key.front() == 'f' ? table.number_above_zero(key).value_or(1.0) : table.number(key).value_or(0.0);
 }
 
@@ -33,13 +33,13 @@ Camera read_table(const TomlTable& table) {
   table.refuse_keys_outside({"model", "width", "height", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "u"});
   const std::string model = table.text("model").value_or("brown");
   if (model != "brown" && model != "opencv" && model != "pinhole") {
-    table.mistake("model", fmt::format("model \"{}\" is not known: \"brown\" is, with k1 k2 p1 p2 k3", model));
+    table.mistake("model", fmt::format("the model \"{}\" is unknown, use \"brown\" with k1 k2 p1 p2 k3", model));
   }
   Camera camera;
   camera.width = whole_number(table, "width");
   camera.height = whole_number(table, "height");
   if (table.has("width") != table.has("height"))
-    table.mistake(table.has("width") ? "width" : "height", "width and height stand together or not at all");
+    table.mistake(table.has("width") ? "width" : "height", "give width and height together, or neither");
   camera.fx = required(table, "fx");
   camera.fy = required(table, "fy");
   camera.cx = required(table, "cx");
@@ -58,7 +58,7 @@ std::optional<CameraWidths> read_widths(const TomlTable& camera, TomlMistakes& m
   const toml::value* value = camera.find("u");
   if (value == nullptr) return std::nullopt;
   if (!value->is_table()) {
-    camera.mistake("u", "u must be a section: write [camera.u]");
+    camera.mistake("u", "u must be a section, write [camera.u]");
     return std::nullopt;
   }
   const TomlTable table(*value, mistakes);
@@ -74,11 +74,12 @@ tl::expected<KnownCamera, std::string> parse_camera_toml(const std::string& text
   if (!file) return tl::unexpected(file.error());
   TomlMistakes mistakes(path);
   const TomlTable top(*file, mistakes);
-  top.refuse_keys_outside({"camera", "truth"});  // [truth] is the simulator's (truth-camera.toml)
+  top.refuse_keys_outside({"camera", "truth"});  // the simulator writes [truth] (truth-camera.toml)
   const toml::value* table = top.find("camera");
   KnownCamera camera;
   if (table == nullptr || !table->is_table()) {
-    mistakes.add(1, 1, "no [camera] and no camera_matrix: give our TOML or a calibration YAML of OpenCV or ROS");
+    mistakes.add(1, 1,
+                 "there is no [camera] and no camera_matrix, give our TOML or a calibration YAML of OpenCV or ROS");
   } else {
     camera.camera = read_table(TomlTable(*table, mistakes));
     camera.u = read_widths(TomlTable(*table, mistakes), mistakes);
@@ -97,7 +98,7 @@ bool is_yaml(const std::string& text) {
 }  // namespace
 
 std::string write_camera(const Camera& camera, const CameraWidths& u) {
-  std::string text = "# Pixels; OpenCV's lens model and signs; u: standard uncertainties.\n[camera]\n";
+  std::string text = "# Pixels. OpenCV's lens model and signs. u: standard uncertainties (k = 1).\n[camera]\n";
   if (camera.width > 0) text += fmt::format("width = {}\nheight = {}\n", camera.width, camera.height);
   const std::pair<const char*, double> keys[] = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx},
                                                  {"cy", camera.cy}, {"k1", camera.k1}, {"k2", camera.k2},
@@ -114,7 +115,7 @@ tl::expected<KnownCamera, std::string> parse_known_camera(const std::string& tex
   try {
     if (!is_yaml(text)) return parse_camera_toml(text, path);
     return parse_camera_yaml(text, path).map([](const Camera& camera) { return KnownCamera{camera, {}}; });
-  } catch (const std::exception& error) {  // toml11 throws; what we ask of it should not, but it is not our code
+  } catch (const std::exception& error) {  // toml11 can throw; the checks above should prevent it
     return tl::unexpected(fmt::format("{}:1:1: {}", path, error.what()));
   }
 }

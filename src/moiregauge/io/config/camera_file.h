@@ -12,16 +12,17 @@
 
 namespace moiregauge::internal {
 
-// A camera from our TOML ([camera] with run.json's keys) or from a calibration YAML of OpenCV or ROS (camera_matrix and
-// distortion_coefficients), told apart by what the file holds. Five terms at most; further ones must be zero.
-// fails      "path:line:column: what is wrong", all mistakes at once, a line each
+// Reads a camera from TOML ([camera] with the keys of run.json), or from a calibration YAML of OpenCV or ROS
+// (camera_matrix and distortion_coefficients). The content decides which. At most five distortion terms: further ones
+// must be zero.
+// Fails with all mistakes, one per line: "path:line:column: what is wrong".
 [[nodiscard]] tl::expected<Camera, std::string> read_camera(const std::string& path);
 [[nodiscard]] tl::expected<Camera, std::string> parse_camera(const std::string& text, const std::string& path);
 
-// Standard uncertainties by the Scene's order (f cx cy k1 k2 p1 p2 k3), NaN where the file does not state one.
+// Standard uncertainties in the order of the scene (f cx cy k1 k2 p1 p2 k3). NaN: not stated by the file.
 using CameraWidths = std::array<double, kCameraParameters>;
 
-// The same with what [camera.u] states: how well a camera that was solved is known.
+// A camera with the standard uncertainties of [camera.u], if the file has them.
 struct KnownCamera {
   Camera camera;
   std::optional<CameraWidths> u;
@@ -30,8 +31,7 @@ struct KnownCamera {
 [[nodiscard]] tl::expected<KnownCamera, std::string> parse_known_camera(const std::string& text,
                                                                         const std::string& path);
 
-// A file that read_known_camera gives back as it was, to the last bit of every number; a u that is not above 0 is left
-// out.
+// Returns a file that read_known_camera reads back to the last bit. Omits uncertainties that are not above 0.
 [[nodiscard]] std::string write_camera(const Camera& camera, const CameraWidths& u);
 
 }  // namespace moiregauge::internal

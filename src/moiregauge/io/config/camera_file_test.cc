@@ -23,7 +23,7 @@ void expect_the_camera(const tl::expected<Camera, std::string>& read) {
   EXPECT_EQ(read->k3, 0.125);
 }
 
-TEST(CameraFile, OurTomlAndTheYamlOfOpencvAndOfRosGiveTheSameCamera) {
+TEST(CameraFile, TomlAndTheYamlOfOpencvAndRosGiveTheSameCamera) {
   expect_the_camera(parse_camera(
       "[camera]\nwidth = 640\nheight = 480\nfx = 534.5\nfy = 535.25\ncx = 320.5\ncy = 240\nk1 = -0.25\nk2 = 0.0625\n"
       "p1 = 1e-3\np2 = -2e-4\nk3 = 0.125\n",
@@ -43,7 +43,7 @@ TEST(CameraFile, OurTomlAndTheYamlOfOpencvAndOfRosGiveTheSameCamera) {
       "camera.yaml"));
 }
 
-TEST(CameraFile, ALensThatFiveTermsCannotSayIsRefused) {
+TEST(CameraFile, ALensBeyondFiveTermsIsRefused) {
   const std::string matrix = "camera_matrix: [[500, 0, 320], [0, 500, 240], [0, 0, 1]]\n";
   EXPECT_TRUE(parse_camera(matrix, "c.yaml"));
   EXPECT_TRUE(parse_camera(matrix + "distortion_coefficients: [1, 2, 3, 4, 5, 0, 0, 0]\n", "c.yaml"));
@@ -56,7 +56,7 @@ TEST(CameraFile, ALensThatFiveTermsCannotSayIsRefused) {
   EXPECT_FALSE(parse_camera("%YAML:1.0\n", "c.yaml"));
 }
 
-TEST(CameraFile, MistakesAreNamedWithTheirPlaces) {
+TEST(CameraFile, MistakesAreReportedWithTheirPositions) {
   const auto read = parse_camera("[camera]\nfx = -1.0\nfy = 500.0\ncx = 1.0\nk4 = 0.1\n", "c.toml");
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().find("c.toml:2:6: fx must be greater than 0"), std::string::npos) << read.error();
@@ -66,7 +66,7 @@ TEST(CameraFile, MistakesAreNamedWithTheirPlaces) {
   EXPECT_NE(read_camera("/nowhere/c.toml").error().find("/nowhere/c.toml: cannot be read"), std::string::npos);
 }
 
-TEST(CameraFile, MistakesInACalibrationAreNamedWithTheirPlacesAllAtOnce) {
+TEST(CameraFile, AllMistakesInACalibrationAreReportedWithTheirPositions) {
   const auto read = parse_camera(
       "image_width: 10mm\nimage_height: 480\ncamera_matrix:\n  data: [1e999, 0, 320, 0, 500, 240, 0, 0, 1]\n"
       "distortion_coefficients: [0.1, 1,5]\ndistortion_model: equidistant\nimage_height: 481\n",
@@ -80,7 +80,7 @@ TEST(CameraFile, MistakesInACalibrationAreNamedWithTheirPlacesAllAtOnce) {
             "c.yaml:7:1: image_height stands twice, first in line 2: leave the one that is meant");
 }
 
-TEST(CameraFile, OneOfTwoCamerasIsNotGuessed) {
+TEST(CameraFile, TwoCamerasInAFileAreRefused) {
   const auto read = parse_camera(
       "left:\n  camera_matrix: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nright:\n  camera_matrix: [510, 0, 320, 0, 510, "
       "240, 0, 0, 1]\n",
@@ -96,7 +96,7 @@ TEST(CameraFile, AWidthWithoutAHeightIsNoSize) {
   EXPECT_FALSE(parse_camera("[camera]\nheight = 480\nfx = 1.0\nfy = 1.0\ncx = 0.0\ncy = 0.0\n", "c.toml"));
 }
 
-TEST(CameraFile, WrittenComesBackToTheLastBitWithWhatIsKnownOfIt) {
+TEST(CameraFile, AWrittenCameraReadsBackToTheLastBitWithItsUncertainty) {
   const double third = 1.0 / 3.0;
   const Camera camera{640,          480, 500 * third, 500 * third, 320 + third, 240, -0.1 * third, 1e-9 * third, 0,
                       1e-4 * third, 0};

@@ -26,17 +26,18 @@ std::size_t indent_of(std::string_view line) {
   return indent == std::string_view::npos ? line.size() : indent;
 }
 
-// What stands behind a key, and where the key stands.
+// The text after a key, and the position of the key.
 struct Block {
   std::string text;
   std::size_t line = 1;
   std::size_t column = 1;
 };
 
-// Behind "key:" up to the next key that is not deeper, as often as the key stands; OpenCV and ROS differ in capitals.
+// Returns the text after each "key:" up to the next key that is not deeper. Ignores case, because OpenCV and ROS differ
+// in capitals.
 std::vector<Block> blocks_of(const std::string& text, std::string_view key) {
   std::vector<Block> blocks;
-  bool open = false;  // the last one goes on
+  bool open = false;  // the last block continues
   std::size_t key_indent = 0;
   std::size_t number = 0;
   for (std::size_t start = 0; start < text.size();) {
@@ -61,7 +62,7 @@ std::vector<Block> blocks_of(const std::string& text, std::string_view key) {
   return blocks;
 }
 
-// All numbers of a list, nested or not; the first word that is none.
+// Returns all numbers of a list, nested or not. Fails with the first word that is no finite number.
 tl::expected<std::vector<double>, std::string> numbers_in(std::string_view list) {
   constexpr std::string_view kBetween = " ,[]\n\r\t";
   std::vector<double> numbers;
@@ -82,12 +83,12 @@ tl::expected<std::vector<double>, std::string> numbers_in(std::string_view list)
   return numbers;
 }
 
-// A calibration's keys, and what is wrong with them.
+// Reads the keys of a calibration and collects the mistakes.
 class Calibration {
  public:
   Calibration(const std::string& text, TomlMistakes& wrong) : text_(text), wrong_(wrong) {}
 
-  // The first of that name.
+  // Returns the first block of this key.
   [[nodiscard]] std::optional<Block> block(std::string_view key) const {
     auto blocks = blocks_of(text_, key);
     return blocks.empty() ? std::nullopt : std::optional(std::move(blocks.front()));
@@ -96,20 +97,19 @@ class Calibration {
   void refuse_twice(std::string_view key) {
     const auto blocks = blocks_of(text_, key);
     if (blocks.size() > 1)
-      mistake(blocks[1],
-              fmt::format("{} stands twice, first in line {}: leave the one that is meant", key, blocks[0].line));
+      mistake(blocks[1], fmt::format("{} is given twice (first in line {}), remove one", key, blocks[0].line));
   }
 
-  // The numbers of a matrix; nothing where there is none or it is no list of numbers, which is a mistake.
+  // Returns the numbers of a matrix. Returns nothing and adds a mistake if it is no list of numbers.
   std::optional<std::vector<double>> matrix(const Block& block, std::string_view key) {
-    const auto data = blocks_of(block.text, "data");  // absent when the list follows the key at once
+    const auto data = blocks_of(block.text, "data");  // absent if the list follows the key directly
     auto numbers = numbers_in(data.empty() ? block.text : data.front().text);
     if (numbers) return *std::move(numbers);
-    mistake(block, fmt::format("{}: \"{}\" is no finite number", key, numbers.error()));
+    mistake(block, fmt::format("{} contains \"{}\", which is not a finite number", key, numbers.error()));
     return std::nullopt;
   }
 
-  // 0: not stated, as in Camera.
+  // Returns a size in px. 0: not stated, as in Camera.
   int size(std::string_view key) {
     const auto stated = block(key);
     if (!stated) return 0;
@@ -127,7 +127,7 @@ class Calibration {
   TomlMistakes& wrong_;
 };
 
-// Says which lens is meant, if it is not ours.
+// Adds a mistake that names the lens model, if it is a fisheye.
 void refuse_fisheye(Calibration& file) {
   for (const char* key : {"distortion_model", "fisheye_model"}) {
     const auto block = file.block(key);
@@ -135,42 +135,43 @@ void refuse_fisheye(Calibration& file) {
     const std::string word = lower(block->text);
     const bool fisheye = word.find("equidistant") != std::string::npos || word.find("fisheye") != std::string::npos ||
                          (key[0] == 'f' && word.find('1') != std::string::npos);
-    if (fisheye) file.mistake(*block, "a fisheye lens; only the five-term model k1 k2 p1 p2 k3 is known");
+    if (fisheye) file.mistake(*block, "a fisheye lens is not supported, only the model with k1 k2 p1 p2 k3");
   }
 }
 
-// Why this matrix is none of a camera, or nothing.
+// Returns the reason why this is no camera matrix, or nothing.
 std::optional<std::string> problem_with_matrix(const std::vector<double>& matrix) {
   if (matrix.size() != 9) return fmt::format("camera_matrix holds {} numbers instead of 9", matrix.size());
   if (!(matrix[0] > 0.0 && matrix[4] > 0.0)) return "the focal lengths of camera_matrix must be greater than 0";
-  if (matrix[1] != 0.0) return "camera_matrix has skew, which this lens model does not";
+  if (matrix[1] != 0.0) return "camera_matrix has skew, which is not supported";
   if (matrix[3] != 0.0 || matrix[6] != 0.0 || matrix[7] != 0.0 || matrix[8] != 1.0) {
     return "camera_matrix is not [fx 0 cx; 0 fy cy; 0 0 1]";
   }
   return std::nullopt;
 }
 
-// The same of a lens.
+// Returns the reason why these coefficients cannot be used, or nothing.
 std::optional<std::string> problem_with_lens(const std::vector<double>& lens) {
   if (!lens.empty() && lens.size() < 4) return "distortion_coefficients holds fewer than 4 numbers";
   for (std::size_t i = 5; i < lens.size(); ++i) {
-    if (lens[i] != 0.0) return "more than five distortion coefficients: calibrate again with k1 k2 p1 p2 k3 only";
+    if (lens[i] != 0.0)
+      return "distortion_coefficients holds more than five numbers, calibrate again with k1 k2 p1 p2 k3 only";
   }
   return std::nullopt;
 }
 
-// Width and height stand together or not at all.
+// Reads the image size, px. Width and height require each other.
 void read_size(Calibration& file, Camera& camera) {
   camera.width = file.size("image_width");
   camera.height = file.size("image_height");
   const auto width = file.block("image_width"), height = file.block("image_height");
-  if (width && !height) file.mistake(*width, "image_width without image_height");
-  if (height && !width) file.mistake(*height, "image_height without image_width");
+  if (width && !height) file.mistake(*width, "image_height is missing");
+  if (height && !width) file.mistake(*height, "image_width is missing");
 }
 
 void read_matrix(Calibration& file, Camera& camera) {
   const auto block = file.block("camera_matrix");
-  if (!block) return file.mistake({}, "no camera_matrix");
+  if (!block) return file.mistake({}, "camera_matrix is missing");
   const auto matrix = file.matrix(*block, "camera_matrix");
   if (!matrix) return;
   if (const auto problem = problem_with_matrix(*matrix)) return file.mistake(*block, *problem);

@@ -9,9 +9,9 @@
 
 namespace moiregauge::internal {
 
-// Reads the few keys of a calibration file that a camera needs. Not a YAML reader: it knows OpenCV's FileStorage and
-// ROS's camera_info, each a key at the start of a line and its numbers in brackets or behind dashes.
-// fails      "path:line:column: what is wrong", all mistakes at once, a line each
+// Reads the keys of a calibration file that describe a camera. This is no YAML reader: it knows OpenCV's FileStorage
+// and ROS's camera_info. There a key starts a line, and its numbers are in brackets or after dashes.
+// Fails with all mistakes, one per line: "path:line:column: what is wrong".
 [[nodiscard]] tl::expected<Camera, std::string> parse_camera_yaml(const std::string& text, const std::string& path);
 
 }  // namespace moiregauge::internal

@@ -17,7 +17,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// One line of the file: its full name, its value as text, its place.
+// One entry of the file: full name, value as text, position.
 struct Entry {
   std::string name;
   std::string text;
@@ -44,7 +44,7 @@ void flatten(const toml::value& table, const std::string& prefix, std::vector<En
   }
 }
 
-// The markers of the file take the place of the base's.
+// Replaces the markers of the base by those of the file.
 void read_scene_markers(const toml::value& list, simulator::Scenario& scenario, std::vector<Entry>& entries,
                         TomlMistakes& wrong) {
   if (!list.is_array()) return wrong.add_at(list, "marker must be written as [[marker]]");
@@ -64,8 +64,8 @@ void read_scene_markers(const toml::value& list, simulator::Scenario& scenario, 
   }
 }
 
-// Gratings must be there before [grating] speaks of all of them, and a marker's own word is the last; so is that of one
-// kind of draw.
+// Returns the rank in which an entry is applied. Gratings must exist before [grating] sets all of them. A marker's own
+// values come last, and so do those of one kind of draw.
 int turn_of(const Entry& entry) {
   if (entry.name.ends_with(".grating_mm")) return 0;
   const bool is_for_several = entry.name.starts_with("grating.") || entry.name.starts_with("ink.") ||
@@ -73,7 +73,7 @@ int turn_of(const Entry& entry) {
   return is_for_several ? 1 : 2;
 }
 
-// A scenario's settings by name; it must not gain or lose a marker while they are used.
+// Settings of a scenario by name. The scenario must keep its markers meanwhile.
 class Settings {
  public:
   explicit Settings(simulator::Scenario& scenario) {
@@ -87,7 +87,8 @@ class Settings {
     std::vector<std::string_view> names;
     for (const auto& [known, setting] : by_name_) names.push_back(known);
     const auto nearest = nearest_word(name, names);
-    return fmt::format("unknown key \"{}\"{}", name, nearest ? fmt::format("; did you mean \"{}\"?", *nearest) : "");
+    return fmt::format("the key \"{}\" is unknown{}", name,
+                       nearest ? fmt::format(", did you mean \"{}\"?", *nearest) : "");
   }
 
  private:
@@ -100,7 +101,8 @@ std::optional<simulator::Scenario> base_of(const toml::value& file, TomlMistakes
   if (!name) return simulator::Scenario{};
   auto base = simulator::built_in(*name);
   if (!base)
-    table.mistake("base", fmt::format("there is no built-in scenario \"{}\"; see moiregauge simulate --list", *name));
+    table.mistake("base",
+                  fmt::format("the built-in scenario \"{}\" does not exist, see moiregauge simulate --list", *name));
   return base;
 }
 
@@ -114,8 +116,8 @@ bool is_word_of(const std::string& text, const std::string& word) {
   return false;
 }
 
-// Which line a problem speaks of: one that it names in full, or by the last part of its name and, if it is a marker's,
-// by the marker.
+// Returns the entry that a problem refers to. The problem contains either its full name, or the last part of its name
+// and the name of its marker.
 std::vector<Entry>::iterator spoken_of(const std::string& problem, std::vector<Entry>& entries) {
   const auto named =
       std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) { return is_word_of(problem, entry.name); });
@@ -129,10 +131,11 @@ std::vector<Entry>::iterator spoken_of(const std::string& problem, std::vector<E
   });
 }
 
-// More than anybody corrects at a time; a file made to hold thousands must not take hours.
+// Largest number of mistakes listed (chosen). Each needs a pass over the file, so a file made to hold thousands would
+// take hours.
 constexpr int kMaxMistakes = 20;
 
-// Takes the lines in as far as they can be; the others are mistakes, and left out.
+// Applies all valid entries. Adds a mistake for each of the others, and removes it.
 void apply(std::vector<Entry>& entries, simulator::Scenario& scenario, TomlMistakes& wrong) {
   const Settings settings(scenario);
   int mistakes = 0;
@@ -145,8 +148,8 @@ void apply(std::vector<Entry>& entries, simulator::Scenario& scenario, TomlMista
   });
 }
 
-// Values that are numbers but make no sense, each at its line: what one line says wrongly is left out to see what else
-// is wrong. A problem that no line alone makes is told only when it is the only one.
+// Finds values that are well formed but impossible, each at its entry. Removes the entry that causes a problem and
+// checks again, to find the next one. A problem without an entry is reported only if it is the only one.
 void note_senseless(const simulator::Scenario& unset, std::vector<Entry> entries, TomlMistakes& wrong) {
   for (int mistakes = 0; mistakes < kMaxMistakes; ++mistakes) {
     simulator::Scenario scenario = unset;
@@ -196,7 +199,7 @@ tl::expected<simulator::Scenario, std::vector<std::string>> read_scenario(const 
 tl::expected<void, std::string> apply_setting(simulator::Scenario& scenario, const std::string& assignment) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos)
-    return tl::unexpected(fmt::format("\"{}\" has no \"=\"; write KEY=VALUE", assignment));
+    return tl::unexpected(fmt::format("\"{}\" has no \"=\", write KEY=VALUE", assignment));
   const Settings settings(scenario);
   if (auto problem = settings.problem_applying(assignment.substr(0, equals), assignment.substr(equals + 1)))
     return tl::unexpected(*std::move(problem));

@@ -29,7 +29,7 @@ pattern = "dots"
 knots = [[0, 0], [2, 1]]
 )";
 
-TEST(ScenarioFile, SaysWhatIsDifferentFromItsBase) {
+TEST(ScenarioFile, StatesTheDifferencesFromItsBase) {
   const auto scenario = parse_scenario(kBeam, "beam.toml");
   ASSERT_TRUE(scenario) << scenario.error().front();
   EXPECT_EQ(scenario->frames, 50);
@@ -44,7 +44,7 @@ TEST(ScenarioFile, SaysWhatIsDifferentFromItsBase) {
   EXPECT_EQ(beam.dy.at(1.0), 0.5);
 }
 
-TEST(ScenarioFile, ListsAllMistakesWithTheirPlaces) {
+TEST(ScenarioFile, ListsAllMistakesWithTheirPositions) {
   const auto scenario = parse_scenario("frames = 2.5\n[lens]\nk9 = 1\n", "bad.toml");
   ASSERT_FALSE(scenario);
   ASSERT_EQ(scenario.error().size(), 2U);
@@ -62,7 +62,7 @@ TEST(Setting, ChangesOneValue) {
   EXPECT_EQ(scenario.markers.front().print.grating->pattern, Pattern::kCosine);
 }
 
-TEST(Setting, SaysHowWellTheSiteIsKnownAndWhatIsDrawn) {
+TEST(Setting, StatesTheUncertaintyOfTheSiteAndTheDraws) {
   const auto scenario = parse_scenario(
       "base = \"small-1x\"\n[truth]\ndraw_print_scale = false\ndraw_known_to = true\n[known_to]\nposition_mm = 5\n"
       "rotation_deg = 0.5\n",
@@ -74,7 +74,7 @@ TEST(Setting, SaysHowWellTheSiteIsKnownAndWhatIsDrawn) {
   EXPECT_FALSE(scenario->draw.print_scale) << "the word about one kind is the last, wherever it stands";
 }
 
-TEST(Setting, HoldsCoversReadoutAndRandomPoses) {
+TEST(Setting, SetsOcclusionsReadoutAndRandomPoses) {
   auto scenario = *simulator::built_in("small-1x");
   EXPECT_TRUE(apply_setting(scenario, "marker.NE.cover.frames=[[20, 40], [60, 61]]"));
   EXPECT_EQ(scenario.markers[1].cover.frames[1].from, 60);
@@ -88,7 +88,7 @@ TEST(Setting, HoldsCoversReadoutAndRandomPoses) {
   EXPECT_EQ(simulator::true_place(scenario, scenario.markers[1]).print_scale, 0.001);
 }
 
-TEST(Setting, ThatMakesNoSenseIsRefused) {
+TEST(Setting, WithAnImpossibleValueIsRefused) {
   auto scenario = *simulator::built_in("rig-1x");
   EXPECT_FALSE(apply_setting(scenario, "lens.k1=much"));
   EXPECT_FALSE(apply_setting(scenario, "lens.k1=nan"));
@@ -97,7 +97,7 @@ TEST(Setting, ThatMakesNoSenseIsRefused) {
   EXPECT_FALSE(apply_setting(scenario, "seed=-1"));
 }
 
-TEST(ScenarioFile, ValuesThatMakeNoSenseAreNamedWithTheirPlacesAllAtOnce) {
+TEST(ScenarioFile, AllImpossibleValuesAreReportedWithTheirPositions) {
   const auto read = parse_scenario(
       "base = \"small-1x\"\nframs = 3\n[lens]\nk1 = 1e999\n[sensor]\nfps = -1\n[grating]\npitch_mm = -10.0\n"
       "[known_to]\nprint_scale = 3.0\n",
@@ -110,7 +110,7 @@ TEST(ScenarioFile, ValuesThatMakeNoSenseAreNamedWithTheirPlacesAllAtOnce) {
   EXPECT_EQ(read.error(), expected);
 }
 
-TEST(ScenarioFile, WhatIsMissingHasNoLineOfItsOwn) {
+TEST(ScenarioFile, AMissingValueHasNoPosition) {
   EXPECT_EQ(parse_scenario("frames = 3\n", "s.toml").error(),
             std::vector<std::string>{"s.toml:1:1: there is no marker to be seen"});
 }

@@ -14,15 +14,15 @@
 namespace moiregauge::internal {
 namespace {
 
-// What [grating] says for every marker that does not say otherwise.
+// Defaults of [grating] for all markers.
 struct Print {
   std::optional<double> pitch_mm;
-  bool pitch_is_wrong = false;  // said, and already reported
+  bool pitch_is_wrong = false;  // stated, but reported as a mistake
   double angle_rad = 0.0;
   Pattern pattern = Pattern::kAuto;
 };
 
-// The three keys that may stand in [grating] and in a marker.
+// Reads the three keys that [grating] and markers share.
 Print read_print(const TomlTable& table, Print print) {
   if (table.has("pitch_mm")) {
     print.pitch_mm = table.number_above_zero("pitch_mm");
@@ -33,8 +33,8 @@ Print read_print(const TomlTable& table, Print print) {
     const auto pattern = pattern_named(*word);
     if (pattern) print.pattern = *pattern;
     if (!pattern) {
-      table.mistake("pattern", fmt::format("pattern \"{}\" is none of auto, grid, squares, dots, lines-x, lines-y, "
-                                           "checkerboard, cosine",
+      table.mistake("pattern", fmt::format("the pattern \"{}\" is unknown, use auto, grid, squares, dots, lines-x, "
+                                           "lines-y, checkerboard or cosine",
                                            *word));
     }
   }
@@ -45,16 +45,17 @@ std::optional<Circle> read_circle(const TomlTable& table) {
   const auto diameter = table.number_above_zero("circle_diameter_mm");
   const auto centre = table.pair("circle_mm");
   if (!table.has("circle_mm") && table.has("circle_diameter_mm")) {
-    table.mistake("circle_diameter_mm", "circle_diameter_mm without circle_mm: where is the circle?");
+    table.mistake("circle_diameter_mm", "circle_mm is missing, give the circle's centre");
   }
   if (!centre) return std::nullopt;
   return Circle{{(*centre)[0], (*centre)[1]}, diameter.value_or(0.0)};
 }
 
-// Looking for a grating takes 3 kB per pitch along x and y: 300 MB. A picture of 64 Mpx shows no more at 25 px a pitch.
+// Largest number of pitches along x times along y in one grating. Detection needs 3 kB per pitch, 300 MB at this limit.
+// An image of 64 Mpx has no more at 25 px per pitch.
 constexpr double kMaxPitches = 1e5;
 
-// The extent must hold at least one period, or there is no grating.
+// Checks that the grating holds at least one pitch, and at most kMaxPitches.
 void check_size(const TomlTable& table, const Grating& grating, const char* key) {
   if (grating.width_mm <= 0.0 || grating.height_mm <= 0.0) {
     table.mistake(key, fmt::format("{} must be greater than 0 in both directions", key));
@@ -66,8 +67,8 @@ void check_size(const TomlTable& table, const Grating& grating, const char* key)
         std::ceil(grating.width_mm / grating.pitch_mm) * std::ceil(grating.height_mm / grating.pitch_mm);
     if (pitches > kMaxPitches)
       table.mistake(key,
-                    fmt::format("a grating of {:g} x {:g} mm has {:.2g} pitches of {:g} mm, and {:g} are the most: "
-                                "give the size of a part of it",
+                    fmt::format("a grating of {:g} x {:g} mm has {:.2g} pitches of {:g} mm, more than {:g}, give the "
+                                "size of a part of it",
                                 grating.width_mm, grating.height_mm, pitches, grating.pitch_mm, kMaxPitches));
   }
 }
@@ -78,14 +79,15 @@ std::optional<Grating> read_grating(const TomlTable& table, const Print& general
   const auto size = table.pair("grating_size_mm");
   if (!table.has("grating_mm")) {
     for (const char* key : {"grating_size_mm", "pitch_mm", "pattern", "angle_deg"}) {
-      if (table.has(key)) table.mistake(key, fmt::format("{} without grating_mm: where is the grating?", key));
+      if (table.has(key))
+        table.mistake(key, fmt::format("{} is given without grating_mm, give the grating's centre", key));
     }
     return std::nullopt;
   }
   if (!table.has("grating_size_mm"))
-    table.mistake("grating_mm", "grating_mm without grating_size_mm: how large is it?");
+    table.mistake("grating_mm", "grating_size_mm is missing, give the grating's width and height");
   if (!print.pitch_mm && !print.pitch_is_wrong) {
-    table.mistake("grating_mm", "no pitch: give pitch_mm in [grating] or in this marker");
+    table.mistake("grating_mm", "the pitch is missing, give pitch_mm in [grating] or in this marker");
   }
   if (!centre || !size) return std::nullopt;
   const Grating grating{{(*centre)[0], (*centre)[1]}, (*size)[0],      (*size)[1],
@@ -94,8 +96,8 @@ std::optional<Grating> read_grating(const TomlTable& table, const Print& general
   return grating;
 }
 
-// Names go into CSV cells and file names of figures, so they must be plain. A spreadsheet runs a cell that begins with
-// =, +, - or @ as a formula.
+// Names are used in CSV cells and file names, so they must be plain. A spreadsheet evaluates a cell that begins with =,
+// +, - or @ as a formula.
 std::string read_name(const TomlTable& table, const std::string& fallback) {
   const std::string name = table.text("name").value_or(fallback);
   const bool plain = !name.empty() && name.size() <= 64 && name.find_first_of(",;\"'/\\") == std::string::npos;
@@ -103,9 +105,8 @@ std::string read_name(const TomlTable& table, const std::string& fallback) {
     table.mistake("name",
                   "name must be 1 to 64 characters without comma, semicolon, quote, slash or control character");
   } else if (std::string_view("=+-@").find(name.front()) != std::string_view::npos) {
-    table.mistake("name", fmt::format("name \"{}\" must not begin with =, +, - or @: a spreadsheet takes it as a "
-                                      "formula; begin it with a letter",
-                                      name));
+    table.mistake("name",
+                  fmt::format("the name \"{}\" is a formula to spreadsheets, do not begin it with =, +, - or @", name));
   }
   return name;
 }
@@ -124,18 +125,17 @@ Marker read_marker(const toml::value& entry, Role role, const Print& general, co
   if (!table.has("circle_mm") && !table.has("grating_mm")) {
     table.mistake("name", fmt::format("marker \"{}\" has neither circle_mm nor grating_mm", marker.name));
   } else if (role == Role::kTarget && !table.has("grating_mm")) {
-    table.mistake("circle_mm", fmt::format("target \"{}\" has a circle and no grating, and only gratings are measured: "
-                                           "add grating_mm, grating_size_mm and a pitch",
+    table.mistake("circle_mm", fmt::format("target \"{}\" has no grating, add grating_mm, grating_size_mm and a pitch",
                                            marker.name));
   }
   return marker;
 }
 
-// Gratings that may share a place: lines along each axis, and two spares. Each is looked for in the pixels of all, so
-// hundreds of them take minutes a frame.
+// Largest number of gratings at one position: lines along each axis, and two to spare. Detection searches each of them
+// in the pixels of all, so hundreds would take minutes per frame.
 constexpr int kMaxSharing = 4;
 
-// Do the two overlap by more than half of the smaller one?
+// Returns true if the two overlap by more than half of the smaller one.
 bool share_a_place(const Grating& a, const Grating& b) {
   const auto common = [](double distance, double first, double second) {
     return std::fmax(0.0, std::fmin(std::fmin(first, second), 0.5 * (first + second) - std::fabs(distance)));
@@ -145,7 +145,7 @@ bool share_a_place(const Grating& a, const Grating& b) {
   return overlap > 0.5 * std::fmin(a.width_mm * a.height_mm, b.width_mm * b.height_mm);
 }
 
-// The last marker's grating against all before it.
+// Returns true if the last grating overlaps too many earlier ones.
 bool is_one_too_many(const Site& site) {
   const auto& last = site.markers.back().grating;
   if (!last) return false;
@@ -156,20 +156,20 @@ bool is_one_too_many(const Site& site) {
   return sharing > kMaxSharing;
 }
 
-// [[reference]] or [[target]], in the file's order.
+// Reads [[reference]] or [[target]] in the order of the file.
 void read_site_markers(const TomlTable& top, Role role, const Print& general, Site& site, TomlMistakes& mistakes) {
   const std::string key = role == Role::kReference ? "reference" : "target";
   const toml::value* list = top.find(key);
   if (list == nullptr) return;
   if (!list->is_array()) {
-    top.mistake(key, fmt::format("write [[{}]] with two brackets: there may be several", key));
+    top.mistake(key, fmt::format("write [[{}]] with two brackets", key));
     return;
   }
   int count = 0;
-  bool is_crowded = false;  // one mistake is enough
+  bool is_crowded = false;  // report it once
   for (const toml::value& entry : list->as_array(std::nothrow)) {
     if (!entry.is_table()) {
-      mistakes.add_at(entry, fmt::format("{} must be a table: write [[{}]]", key, key));
+      mistakes.add_at(entry, fmt::format("{} must be a table, write [[{}]]", key, key));
       continue;
     }
     const std::string fallback = fmt::format("{}{}", role == Role::kReference ? "R" : "T", ++count);
@@ -183,7 +183,7 @@ void read_site_markers(const TomlTable& top, Role role, const Print& general, Si
       is_crowded = true;
       TomlTable(entry, mistakes)
           .mistake("grating_mm",
-                   fmt::format("more than {} gratings lie on one another here: a print is one marker", kMaxSharing));
+                   fmt::format("more than {} gratings overlap here, a printed grating is one marker", kMaxSharing));
     }
   }
 }
@@ -199,12 +199,12 @@ KnownTo read_known_to(const TomlTable& table) {
   return known_to;
 }
 
-// [grating] or [known_to]: nothing when absent, a mistake when it is not a table.
+// Returns [grating] or [known_to], or nothing if it is absent. Adds a mistake if it is no table.
 std::optional<TomlTable> section(const TomlTable& top, const std::string& key, TomlMistakes& mistakes) {
   const toml::value* value = top.find(key);
   if (value == nullptr) return std::nullopt;
   if (value->is_table()) return TomlTable(*value, mistakes);
-  top.mistake(key, fmt::format("{} must be a section: write [{}]", key, key));
+  top.mistake(key, fmt::format("{} must be a section, write [{}]", key, key));
   return std::nullopt;
 }
 
@@ -219,7 +219,7 @@ Site read_top(const toml::value& file, TomlMistakes& mistakes) {
   }
   read_site_markers(top, Role::kReference, print, site, mistakes);
   read_site_markers(top, Role::kTarget, print, site, mistakes);
-  if (!top.has("target")) mistakes.add(1, 1, "no [[target]]: which marker moves?");
+  if (!top.has("target")) mistakes.add(1, 1, "there is no [[target]], add the marker that moves");
   if (const auto known_to = section(top, "known_to", mistakes)) site.known_to = read_known_to(*known_to);
   return site;
 }
@@ -234,8 +234,7 @@ tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::st
     Site site = read_top(*file, mistakes);
     if (!mistakes.empty()) return tl::unexpected(mistakes.lines());
     return site;
-  } catch (const std::exception&
-               error) {  // toml11 throws where a value is not what was asked; asked for above, but it is not our code
+  } catch (const std::exception& error) {  // toml11 throws on a type mismatch; the checks above should prevent it
     return tl::unexpected(SiteErrors{fmt::format("{}:1:1: {}", path, error.what())});
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// site.toml: the place's markers as a text file (docs/file-formats.md), read and written.
+// Reads and writes site.toml, the text file with the markers of a site (docs/file-formats.md).
 #pragma once
 
 #include <string>
@@ -11,20 +11,20 @@
 
 namespace moiregauge::internal {
 
-// One entry per mistake, each "file:line:column: what is wrong", in the order of the file.
+// One mistake per entry, in the order of the file: "file:line:column: what is wrong".
 using SiteErrors = std::vector<std::string>;
 
-// Everything the file says, or everything that is wrong with it. A mistake of syntax ends the reading, so it comes
-// alone; mistakes of meaning (unknown keys, wrong types, impossible values) come all at once.
+// Reads a site. Fails with one mistake of syntax, or with all mistakes of meaning (unknown keys, wrong types,
+// impossible values).
 //
-// How many references a method needs is not asked here: the method says so.
+// Does not check the number of references: methods differ in it.
 [[nodiscard]] tl::expected<Site, SiteErrors> read_site(const std::string& path);
 
-// The same from text in memory; `path` only names it in the messages.
+// Reads a site from text. `path` is used in messages only.
 [[nodiscard]] tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::string& path);
 
-// A file that read_site gives back as it was, to the last bit of every length; an angle may lose its last bit, since not
-// every number of radians is one of degrees.
+// Returns a file that read_site reads back to the last bit of every length. Angles may lose their last bit, because not
+// every number of radians has an exact number of degrees.
 [[nodiscard]] std::string write_site(const Site& site);
 
 }  // namespace moiregauge::internal

@@ -41,7 +41,7 @@ std::string all(const tl::expected<Site, SiteErrors>& read) {
   return text;
 }
 
-TEST(SiteFile, AMarkerTakesPitchAndPatternFromTheSheetUnlessItSaysOtherwise) {
+TEST(SiteFile, AMarkerHasTheDefaultPitchAndPatternUnlessItStatesItsOwn) {
   const auto site = parse_site(kSheet, "site.toml");
   ASSERT_TRUE(site) << all(site);
   ASSERT_EQ(site->markers.size(), 2U);
@@ -70,7 +70,7 @@ TEST(SiteFile, AWrittenSiteReadsBackTheSameToTheLastBit) {
   EXPECT_EQ(write_site(*again), write_site(site));
 }
 
-TEST(SiteFile, AllMistakesOfMeaningAreListedAtOnceWithTheirPlaces) {
+TEST(SiteFile, AllMistakesOfMeaningAreListedWithTheirPositions) {
   const auto site = parse_site(
       "[grating]\npitch = 10.0\npitch_mm = -1\npattern = \"gird\"\n[[target]]\nname = \"a\"\ngrating_mm = [0.0]\n"
       "grating_size_mm = [0.0, 5.0]\n[[target]]\nname = \"a\"\nz_mm = \"high\"\n[known_to]\nheight_mm = nan\n",
@@ -87,7 +87,7 @@ TEST(SiteFile, AllMistakesOfMeaningAreListedAtOnceWithTheirPlaces) {
   EXPECT_NE(text.find("site.toml:13:13: height_mm must be a finite number"), std::string::npos) << text;
 }
 
-TEST(SiteFile, ASiteWhereNothingMovesIsRefused) {
+TEST(SiteFile, ASiteWithoutTargetsIsRefused) {
   EXPECT_NE(all(parse_site("[grating]\npitch_mm = 1.0\n", "s")).find("no [[target]]"), std::string::npos);
 }
 
@@ -114,7 +114,7 @@ TEST(SiteFile, AGratingOfMorePitchesThanAPictureShowsIsRefusedAtItsLine) {
   EXPECT_TRUE(with_size("[3000, 3000]"));
 }
 
-TEST(SiteFile, OnePrintIsOneMarker) {
+TEST(SiteFile, TooManyGratingsAtOnePositionAreRefused) {
   std::string text;
   for (int i = 0; i < 40; ++i)
     text +=
@@ -141,7 +141,7 @@ TEST(SiteFile, ANameIsNeitherAFormulaNorAControl) {
   for (const char* name : {"mid", "a-1", "a=b", "Brücke 3", "橋"}) EXPECT_TRUE(named(name)) << name;
 }
 
-TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPlace) {
+TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPosition) {
   for (const char* text :
        {"[", "[\n", "a = 10,0\n", "a = 1\na = 2\n", "[grating]\npitch_mm = 1\n[grating]\n", "x = \"open", "=",
         "a = [1, 2", "\xff\xfe", "a.b = 1\na = 2\n", "[[target]]\n[target]\n", "a = 99999999999999999999\n"}) {
@@ -152,8 +152,8 @@ TEST(SiteFile, AMistakeOfSyntaxIsOneLineWithItsPlace) {
   }
 }
 
-// toml11's own explanation of such a string read beyond the text.
-TEST(SiteFile, LettersThatAreNotUtf8AreNamedWithTheirLine) {
+// The error text of toml11 for such a string reads beyond the text.
+TEST(SiteFile, InvalidUtf8IsReportedWithItsLine) {
   for (const char* line : {"name = 'Br\xfc"
                            "cke'",
                            "name = \"\xc3\"", "# \xff", "t =' \xf0\x9f own'"}) {
@@ -162,18 +162,18 @@ TEST(SiteFile, LettersThatAreNotUtf8AreNamedWithTheirLine) {
   }
 }
 
-TEST(SiteFile, WhatCouldExhaustTheParserIsRefusedBeforeItStarts) {
+TEST(SiteFile, InputThatCouldExhaustTheParserIsRefusedFirst) {
   EXPECT_NE(all(parse_site("a = " + std::string(1000, '['), "s")).find("nest deeper than 32"), std::string::npos);
   EXPECT_NE(all(parse_site(std::string(3000, 'a') + " = 1\n" + "a" + std::string(40, '.'), "s")).find("nest"),
             std::string::npos);
   EXPECT_NE(all(parse_site(std::string(65 * 1024, ' '), "s")).find("64 kB"), std::string::npos);
 }
 
-TEST(SiteFile, AMissingFileSaysWhichOne) {
+TEST(SiteFile, AMissingFileIsNamed) {
   EXPECT_NE(all(read_site("/nowhere/site.toml")).find("/nowhere/site.toml: cannot be read"), std::string::npos);
 }
 
-TEST(SiteFile, ANumberBeyondAllNumbersIsNotTakenForTheLargest) {
+TEST(SiteFile, ANumberOutOfRangeIsRefused) {
   for (const char* number : {"1e999", "-1e999", "nan", "inf", "99999999999999999999"}) {
     const auto site = parse_site(
         std::string("[[target]]\ngrating_mm = [0.0, 0.0]\ngrating_size_mm = [4.0, 4.0]\npitch_mm = ") + number,

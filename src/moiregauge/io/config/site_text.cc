@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Degrees that come back as the same radians: 0.3, not 0.30000000000000004, where both do.
+// Returns the shortest number of degrees that reads back to the same radians: 0.3, not 0.30000000000000004.
 std::string degrees(double radians) {
   for (int digits = 6; digits <= 17; ++digits) {
     std::string text = fmt::format("{:.{}g}", degrees_from_radians(radians), digits);

@@ -15,10 +15,11 @@
 namespace moiregauge::internal {
 namespace {
 
+// Brackets within brackets, or dots in a key (chosen: real files have fewer than 5).
 constexpr int kDeepestNesting = 32;
 
-// A parser that calls itself for every bracket and dot can be made to run out of stack: refuse before it starts.
-// Strings are not told apart; nobody names a marker with 33 brackets.
+// Returns the first line with too deep nesting. A recursive parser would exhaust the stack on it. Brackets inside
+// strings count as well, which harms no real file.
 std::optional<std::size_t> line_nested_too_deep(const std::string& text) {
   int brackets = 0;
   int dots_in_key = 0;
@@ -44,8 +45,8 @@ std::optional<std::size_t> line_nested_too_deep(const std::string& text) {
   return std::nullopt;
 }
 
-// TOML is UTF-8. toml11 3.7.1 reads beyond the text when it explains a string that is not (found by fuzzing), so it is
-// asked of nlohmann's JSON first, which refuses to write such a string.
+// Returns the first line that is not UTF-8, as TOML requires. The error text of toml11 3.7.1 for such a string reads
+// beyond the text (found by fuzzing). The test is to write the line with nlohmann's JSON, which refuses it.
 std::optional<std::size_t> line_not_utf8(const std::string& text) {
   std::istringstream lines(text);
   std::size_t number = 1;
@@ -59,7 +60,7 @@ std::optional<std::size_t> line_not_utf8(const std::string& text) {
   return std::nullopt;
 }
 
-// toml11 explains over several lines with a drawing of the place; ours is one line.
+// Reduces toml11's message of several lines with a drawing to one line.
 std::string first_line_of(const std::string& what) {
   std::string line = what.substr(0, what.find('\n'));
   for (const char* prefix : {"[error] ", "toml::", "detail::"}) {
@@ -67,7 +68,7 @@ std::string first_line_of(const std::string& what) {
   }
   if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon)
     line.erase(0, colon + 2);
-  if (line == "invalid line format") return "the line goes on behind its value: write numbers like 1.5, without a unit";
+  if (line == "invalid line format") return "there is text after the value, write numbers like 1.5, without a unit";
   return line;
 }
 
@@ -77,14 +78,15 @@ tl::expected<toml::value, std::string> parse_toml(const std::string& text, const
                                                   std::size_t limit_bytes) {
   if (text.size() > limit_bytes) {
     return tl::unexpected(
-        fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
+        fmt::format("{}:1:1: the file is larger than {} kB, check that it is the right one", path, limit_bytes / 1024));
   }
   if (text.find('\0') != std::string::npos) return tl::unexpected(fmt::format("{}:1:1: this is not a text file", path));
   if (const auto line = line_not_utf8(text)) {
-    return tl::unexpected(fmt::format("{}:{}:1: a letter is not UTF-8: save the file as UTF-8", path, *line));
+    return tl::unexpected(fmt::format("{}:{}:1: the text is not UTF-8, save the file as UTF-8", path, *line));
   }
   if (const auto line = line_nested_too_deep(text)) {
-    return tl::unexpected(fmt::format("{}:{}:1: brackets or dots nest deeper than {}", path, *line, kDeepestNesting));
+    return tl::unexpected(
+        fmt::format("{}:{}:1: brackets or dots are nested deeper than {}", path, *line, kDeepestNesting));
   }
   try {
     std::istringstream stream(text);
@@ -106,7 +108,7 @@ tl::expected<std::string, std::string> read_small_file(const std::string& path, 
     return tl::unexpected(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   if (text.size() > limit_bytes) {
     return tl::unexpected(
-        fmt::format("{}:1:1: the file is larger than {} kB; is it the right one?", path, limit_bytes / 1024));
+        fmt::format("{}:1:1: the file is larger than {} kB, check that it is the right one", path, limit_bytes / 1024));
   }
   return text;
 }

@@ -51,8 +51,8 @@ void TomlTable::refuse_keys_outside(const std::vector<std::string_view>& known) 
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const auto nearest = nearest_word(key, known);
     mistakes_->add_at_key(value, key,
-                          nearest ? fmt::format("unknown key \"{}\"; did you mean \"{}\"?", key, *nearest)
-                                  : fmt::format("unknown key \"{}\"", key));
+                          nearest ? fmt::format("the key \"{}\" is unknown, did you mean \"{}\"?", key, *nearest)
+                                  : fmt::format("the key \"{}\" is unknown", key));
   }
 }
 
@@ -67,7 +67,7 @@ void TomlTable::mistake(const std::string& key, const std::string& text) const {
   mistakes_->add_at(value != nullptr ? *value : *table_, text);
 }
 
-// toml11 gives the last number there is for one beyond it (1e999): nobody means that one.
+// toml11 replaces a number out of range (1e999) by the largest one, so the largest ones are refused.
 std::optional<double> finite_number(const toml::value& value) {
   constexpr auto kLast = std::numeric_limits<toml::integer>::max();
   constexpr double kLargest = std::numeric_limits<double>::max();
@@ -77,7 +77,7 @@ std::optional<double> finite_number(const toml::value& value) {
   }
   if (!value.is_floating()) return std::nullopt;
   const double read = value.as_floating(std::nothrow);
-  return std::abs(read) < kLargest ? std::optional(read) : std::nullopt;  // NaN is not below anything
+  return std::abs(read) < kLargest ? std::optional(read) : std::nullopt;  // false for NaN
 }
 
 std::optional<double> TomlTable::number(const std::string& key) const {

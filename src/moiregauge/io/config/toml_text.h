@@ -7,7 +7,7 @@
 
 namespace moiregauge::internal {
 
-// The shortest text that reads back to the same bits; TOML wants a point in a real number.
+// Returns the shortest text that reads back to the same bits. TOML requires a point in a real number.
 [[nodiscard]] inline std::string toml_real(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";

@@ -17,7 +17,7 @@ namespace {
 using simulator::Scenario;
 using simulator::Track;
 
-// A nanometre is 1e-6 mm; two digits more, and no "-0".
+// Formats with 1e-8 mm resolution: two digits more than a nanometre. Minus zero becomes zero.
 std::string millimetres(double value) {
   const std::string text = fmt::format("{:.8f}", value);
   return text == "-0.00000000" ? text.substr(1) : text;
@@ -52,7 +52,7 @@ std::string truth_csv(const Scenario& scenario) {
 std::string truth_camera_toml(const Scenario& scenario) {
   const simulator::Camera& c = scenario.camera;
   const simulator::Mount& m = scenario.mount;
-  std::string text = "# Lengths in millimetres, angles in degrees; camera x right, y down, z forward.\n[camera]\n";
+  std::string text = "# Lengths in millimetres, angles in degrees. Camera: x right, y down, z forward.\n[camera]\n";
   text += fmt::format("width = {}\nheight = {}\nfx = {}\nfy = {}\ncx = {}\ncy = {}\n", c.width, c.height,
                       toml_real(c.fx), toml_real(c.fy), toml_real(c.cx), toml_real(c.cy));
   text += fmt::format("k1 = {}\nk2 = {}\np1 = {}\np2 = {}\nk3 = {}\n", toml_real(c.k1), toml_real(c.k2),
@@ -70,7 +70,8 @@ std::string truth_camera_toml(const Scenario& scenario) {
   }
   const simulator::Optics& o = scenario.optics;
   if (o.zoom.moves() || o.shift_x.moves() || o.shift_y.moves()) {
-    text += "# Relative to fx and fy; px, px.\n" + per_frame("zoom_shift", scenario, o.zoom, o.shift_x, o.shift_y);
+    text += "# Per frame: zoom relative to fx and fy, shift x (px), shift y (px).\n" +
+            per_frame("zoom_shift", scenario, o.zoom, o.shift_x, o.shift_y);
   }
   return text;
 }

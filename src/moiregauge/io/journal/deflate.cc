@@ -10,8 +10,8 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kLength = 4;  // bytes
-// Higher levels gain 1 % on packed observations and take twice as long.
+constexpr std::size_t kLength = 4;  // bytes of the length field
+// zlib level. Higher levels save 1 % of packed observations and take twice as long.
 constexpr int kLevel = 6;
 
 }  // namespace
@@ -23,7 +23,7 @@ std::string deflated(std::string_view bytes) {
   out.resize(kLength + size);
   if (compress2(reinterpret_cast<Bytef*>(out.data() + kLength), &size, reinterpret_cast<const Bytef*>(bytes.data()),
                 static_cast<uLong>(bytes.size()), kLevel) != Z_OK)
-    throw std::runtime_error("zlib has no memory");
+    throw std::runtime_error("there is not enough memory for zlib");
   out.resize(kLength + size);
   return out;
 }
@@ -31,7 +31,7 @@ std::string deflated(std::string_view bytes) {
 std::optional<std::string> inflated(std::string_view bytes) {
   if (bytes.size() < kLength) return std::nullopt;
   const std::size_t length = from_little_endian(bytes.substr(0, kLength));
-  // Deflate makes a byte of 1032 at most: a false length takes no memory.
+  // One deflated byte expands to at most 1032 bytes (zlib technical details), so a false length allocates little.
   constexpr std::size_t kMaxRatio = 1032;
   if (length > kMaxInflated || length > kMaxRatio * bytes.size()) return std::nullopt;
   std::string out(length, '\0');

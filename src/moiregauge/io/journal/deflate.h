@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes compressed by zlib, with their length before them.
+// Compresses bytes with zlib. Their length comes first.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 namespace moiregauge::internal {
 
 [[nodiscard]] std::string deflated(std::string_view bytes);
-// Fails (no value): the bytes are not what `deflated` makes, or stand for more than kMaxInflated.
+// Decompresses. Fails (no value): the bytes are not the output of `deflated`, or would exceed kMaxInflated.
 [[nodiscard]] std::optional<std::string> inflated(std::string_view bytes);
-inline constexpr std::size_t kMaxInflated = std::size_t{1} << 24;  // a frame of 10 000 markers
+inline constexpr std::size_t kMaxInflated = std::size_t{1} << 24;  // bytes: a frame of 10 000 markers
 
 }  // namespace moiregauge::internal

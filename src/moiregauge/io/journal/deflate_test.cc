@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-TEST(Deflate, GivesTheBytesBack) {
+TEST(Deflate, RestoresTheBytes) {
   for (const std::string& bytes :
        {std::string(), std::string("a"), std::string(5000, '\0'), std::string("\x00\xff\x01", 3)})
     EXPECT_EQ(inflated(deflated(bytes)), bytes);
@@ -20,7 +20,7 @@ TEST(Deflate, RefusesBytesThatItDidNotMake) {
   EXPECT_FALSE(inflated(whole + "x"));
 }
 
-// Lengths are not trusted with memory: neither one beyond the limit, nor one that so few bytes cannot stand for.
+// False lengths must not allocate memory: above the limit, or more than so few bytes can expand to.
 TEST(Deflate, RefusesAFalseLength) {
   const std::string whole = deflated("three frames");
   for (const std::size_t length : {std::size_t{1}, std::size_t{13}, kMaxInflated, std::size_t{0xffffffff}}) {

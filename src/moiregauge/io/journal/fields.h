@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of a struct by their number, so that no list of names beside the struct can fall behind it.
+// Accesses the fields of a struct by index, so that no separate list of names can become outdated.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 
 namespace moiregauge::internal {
 
-// How many fields a struct has; said once for every struct that is stored (run_layout.h). A wrong number does not
-// compile: C++ takes a struct apart into exactly as many names as it has fields.
+// Number of fields of a struct, stated once for every stored struct (run_layout.h). A wrong number does not compile,
+// because a structured binding needs exactly one name per field.
 template <typename Struct>
 inline constexpr std::size_t kFields = 0;
 
-// References to all fields, in the order of their declaration.
+// Returns references to all fields in the order of their declaration.
 template <typename Struct>
 [[nodiscard]] constexpr auto fields_of(Struct& s) {
   constexpr std::size_t kCount = kFields<std::remove_const_t<Struct>>;

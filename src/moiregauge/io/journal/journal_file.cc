@@ -12,6 +12,7 @@ namespace moiregauge::internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+// Intervals of writing and syncing: what a kill or a power cut may lose (chosen).
 constexpr std::chrono::milliseconds kWriteEvery{100};
 constexpr std::chrono::milliseconds kSyncEvery{500};
 
@@ -37,7 +38,7 @@ void JournalFile::work(const std::stop_token& stop) {
     {
       std::unique_lock lock(mutex_);
       wake_.wait_for(lock, stop, kWriteEvery, [] { return false; });
-      is_last = stop.stop_requested();  // nothing is added after that
+      is_last = stop.stop_requested();  // no record is added later
       records.swap(added_);
     }
     if (!write(records)) return;
@@ -82,8 +83,8 @@ bool JournalFile::sync() {
   return false;
 }
 
-// A record that was written in part is cut off. Frames count as safe only once they are synced: after a sync that
-// failed the system may have forgotten what it could not write.
+// Cuts off a partial record. Frames are safe only once they are synced, because the system may discard data after a
+// failed sync.
 void JournalFile::fail(int why) {
   why_ = std::strerror(why);
   if (::ftruncate(file_, static_cast<off_t>(size_)) == 0 && ::fdatasync(file_) == 0 && !sync_failed_)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file that grows by whole records and is brought to the disk about twice a second, by a thread of its own: nobody
-// who adds to it waits for a disk.
+// Appends whole records to a file. A separate thread writes and syncs it about twice a second, so that the caller never
+// waits for a disk.
 #pragma once
 
 #include <atomic>
@@ -18,29 +18,28 @@
 
 namespace moiregauge::internal {
 
-// What a kill costs is what was added in the last tenth of a second; a power cut costs what was added since the last
-// sync but one ended: 0.6 s, and as long as the disk takes for one.
+// A kill loses at most the last 0.1 s. A power cut loses at most the last 0.6 s plus the duration of one sync.
 class JournalFile {
  public:
-  // `file` is open for writing; its good part ends at `size` and holds `frames` frames. It stays the caller's.
+  // `file` is open for writing and remains the caller's. Its valid part has `size` bytes and `frames` frames.
   JournalFile(int file, std::size_t size, long frames);
   JournalFile(const JournalFile&) = delete;
   JournalFile& operator=(const JournalFile&) = delete;
-  ~JournalFile() = default;  // writes what was added
+  ~JournalFile() = default;  // writes pending records
 
-  // Before start() and after finish(): one record that is no frame, on the disk when it returns. Fails with the
-  // system's words, as finish() does.
+  // Appends one record that is no frame, and syncs. Call it before start() or after finish(). Fails with the system's
+  // message.
   [[nodiscard]] tl::expected<void, std::string> append(std::string_view bytes);
   void start();
-  // Ends the thread: all that was added is on the disk.
+  // Ends the thread after all records are synced. Fails with the system's message.
   [[nodiscard]] tl::expected<void, std::string> finish();
 
   using Bytes = std::function<std::string()>;
-  // Bytes are made by the thread, so what they are made of must be theirs.
+  // Adds a record. The thread calls `record` to create the bytes, so `record` must own its data.
   void add(Bytes record, bool is_frame);
-  // False from the first failure on; nothing is written then, and what was written in part is cut off.
+  // Returns false after the first failure. Nothing is written from then on, and a partial record is cut off.
   [[nodiscard]] bool good() const { return is_good_; }
-  // While the thread does not run: how many frames a run that goes on will find.
+  // Returns the number of frames that a resumed run will find. Call it while the thread is not running.
   [[nodiscard]] long frames_safe() const { return safe_frames_; }
 
  private:
@@ -55,19 +54,19 @@ class JournalFile {
   void fail(int why);
 
   const int file_;
-  // Of the thread, until it is joined.
+  // Used by the thread only, until it is joined.
   std::size_t size_;
   std::size_t synced_size_;
   long frames_;
   long safe_frames_;
   bool sync_failed_ = false;
   std::string why_;
-  // Of both.
+  // Shared by both threads.
   std::atomic<bool> is_good_ = true;
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::vector<Record> added_;
-  std::jthread thread_;  // last: it uses all of the above
+  std::jthread thread_;  // last: it uses all members above
 };
 
 }  // namespace moiregauge::internal

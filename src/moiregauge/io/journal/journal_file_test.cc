@@ -25,7 +25,7 @@ class JournalFileTest : public testing::Test {
   int file_;
 };
 
-TEST_F(JournalFileTest, HoldsWhatWasAddedInOrder) {
+TEST_F(JournalFileTest, HoldsRecordsInOrder) {
   JournalFile journal(file_, 0, 0);
   ASSERT_TRUE(journal.append("head "));
   journal.start();
@@ -40,15 +40,15 @@ TEST_F(JournalFileTest, HoldsWhatWasAddedInOrder) {
   EXPECT_EQ(text_of(path_), wanted + "end");
 }
 
-TEST_F(JournalFileTest, IsWrittenWhileItGrows) {
+TEST_F(JournalFileTest, IsWrittenDuringTheRun) {
   JournalFile journal(file_, 0, 0);
   journal.start();
   journal.add([] { return std::string("frame"); }, true);
   for (int k = 0; k < 500 && text_of(path_).empty(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  EXPECT_EQ(text_of(path_), "frame");  // though nobody asked for it
+  EXPECT_EQ(text_of(path_), "frame");  // without a call of finish()
 }
 
-TEST_F(JournalFileTest, WithoutAnEndItStillHoldsWhatWasAdded) {
+TEST_F(JournalFileTest, HoldsAllRecordsWithoutFinish) {
   {
     JournalFile journal(file_, 0, 0);
     journal.start();
@@ -57,9 +57,8 @@ TEST_F(JournalFileTest, WithoutAnEndItStillHoldsWhatWasAdded) {
   EXPECT_EQ(text_of(path_), "frame");
 }
 
-// A file may not grow beyond a limit, as on a full disk: what was written in part is cut off, and what came before
-// counts.
-TEST_F(JournalFileTest, OnAFullDiskWholeRecordsStay) {
+// A file size limit acts like a full disk: the partial record is cut off, and earlier records stay.
+TEST_F(JournalFileTest, OnAFullDiskCompleteRecordsStay) {
   std::signal(SIGXFSZ, SIG_IGN);
   ::rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);

@@ -13,7 +13,7 @@
 
 namespace moiregauge::internal {
 
-// The last record: what is known only at the end.
+// The last record: values known only at the end.
 struct RunEnd {
   InputInfo input;
   std::vector<std::string> notes;
@@ -32,14 +32,14 @@ inline constexpr std::size_t kFields<RunStart> = 5;
 
 namespace {
 
-// A first byte that is no text, line ends that a transfer as text would change.
+// The first byte is no text. A transfer in text mode would change the line ends and so be detected.
 constexpr std::string_view kMagic{"\x8dMGJ\r\n\x1a\n", 8};
-constexpr std::size_t kWord = 4;  // bytes of a tag, a length, a check sum
+constexpr std::size_t kWord = 4;  // bytes of a tag, a length or a check sum
 constexpr std::string_view kStartTag = "STRT", kOptionsTag = "OPTN", kReferenceTag = "REFR", kNotesTag = "NOTE",
                            kObservationTag = "OBSV", kEndTag = "LAST";
 
 constexpr int kOldest = 2;
-constexpr int kSincePacked = 4;  // frames are packed and deflated; before, they were stored like all else
+constexpr int kSincePacked = 4;  // since then frames are packed and deflated
 
 template <typename Value>
 void spell(LayoutSpeller& speller) {
@@ -86,10 +86,10 @@ std::string record(std::string_view tag, const Value& value) {
 using Problem = tl::unexpected<std::string>;
 
 Problem damaged(const std::string& path, std::string_view why) {
-  return Problem(fmt::format("damaged observations: {}: {}: measure the input again", path, why));
+  return Problem(fmt::format("the observations are damaged: {} ({}): measure the input again", path, why));
 }
 
-// Up to `size` bytes; fewer only where the file ends.
+// Returns `size` bytes, or fewer at the end of the file.
 std::string bytes_from(std::istream& file, std::size_t size) {
   std::string bytes(size, '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(size));
@@ -119,13 +119,13 @@ class RecordReader {
     const std::string found = take(wanted.size());
     is_cut_short_ = found.size() < wanted.size() && wanted.compare(0, found.size(), found) == 0;
     if (found.substr(0, kMagic.size()) != kMagic.substr(0, found.size()) || found.empty())
-      return Problem(fmt::format("no observations: {}: it is not a file of moiregauge: give a run's folder", path_));
-    if (found.size() < wanted.size()) return damaged(path_, "it breaks off");
+      return Problem(fmt::format("the file holds no observations of moiregauge: {}: give the folder of a run", path_));
+    if (found.size() < wanted.size()) return damaged(path_, "it is incomplete");
     for (version_ = kRunFileVersion; version_ >= kOldest && found != made_header(version_);) --version_;
     if (version_ < kOldest)
       return Problem(
-          fmt::format("observations of another version of moiregauge: {}: solve with the version that "
-                      "measured (run.json names it), or measure the input again",
+          fmt::format("another version of moiregauge wrote the observations: {}: use that version (run.json names it), "
+                      "or measure the input again",
                       path_));
     return {};
   }
@@ -136,18 +136,18 @@ class RecordReader {
     if (length > left_ || left_ - length < kWord) return breaks_off();
     Record record{head.substr(0, kWord), take(length)};
     if (crc32(record.payload, crc32(head)) != from_little_endian(take(kWord)))
-      return damaged(path_, "a check sum is wrong");
+      return damaged(path_, "a checksum is wrong");
     return record;
   }
   [[nodiscard]] int version() const { return version_; }
   [[nodiscard]] bool is_finished() const { return left_ == 0; }
   [[nodiscard]] bool is_cut_short() const { return is_cut_short_; }
-  [[nodiscard]] std::size_t place() const { return size_ - left_; }  // of the next record
+  [[nodiscard]] std::size_t place() const { return size_ - left_; }  // offset of the next record
 
  private:
   tl::expected<Record, std::string> breaks_off() {
     is_cut_short_ = true;
-    return damaged(path_, "it breaks off");
+    return damaged(path_, "it is incomplete");
   }
   std::string take(std::size_t size) {
     std::string bytes = bytes_from(file_, std::min(size, left_));
@@ -169,7 +169,7 @@ bool read_whole(const std::string& payload, int version, Value& value) {
   return reader.is_finished();
 }
 
-// What the solvers take for granted and a check sum cannot know.
+// Conditions that the solvers rely on and that a check sum cannot prove.
 bool fits(const Site& site, const Observation& seen) { return seen.markers.size() == site.markers.size(); }
 
 bool is_sound(const Site& site) {
@@ -188,12 +188,12 @@ bool is_sound(const Reference& reference) {
          reference.plan_loss.size() == markers && (reference.prints.empty() || reference.prints.size() == markers);
 }
 
-// Takes records in, one after the other.
+// Assembles a run from its records.
 class RunReader {
  public:
   explicit RunReader(int version) : version_(version) {}
-  // False where the record cannot be, or does not fit those before it. The run is then of no use any more, except
-  // that a frame which does not fit is not taken.
+  // Returns false if the record is invalid at this position or contradicts earlier ones. A rejected record changes
+  // nothing, except that a rejected start record leaves the run without a head.
   bool take(const Record& record) {
     if (record.tag == kStartTag)
       return places_ == 0 && read_whole(record.payload, version_, run_.start) && count_place();
@@ -207,7 +207,7 @@ class RunReader {
   }
   [[nodiscard]] bool has_head() const { return places_ == 2; }
   [[nodiscard]] bool has_end() const { return end_.has_value(); }
-  // What a run that did not end knows of its input is what it began with.
+  // Returns the run. An unfinished run has the input information of its start.
   [[nodiscard]] StoredRun take_run() {
     ObservationLog& seen = run_.seen;
     if (end_) {
@@ -226,7 +226,7 @@ class RunReader {
 
  private:
   bool count_place() { return ++places_ > 0; }
-  // Options come a second time with a statement of rest; those that make no sense leave the first ones as they are.
+  // Reads options, which are repeated with a statement of rest. Invalid ones leave the first ones unchanged.
   bool take_options(const std::string& payload) {
     MeasureOptions options;
     if (!read_whole(payload, version_, options) || options.method == nullptr || !is_sound(options.site)) return false;
@@ -236,7 +236,7 @@ class RunReader {
   bool take_reference(const std::string& payload) {
     Reference reference;
     if (run_.seen.reference || !read_whole(payload, version_, reference) || !is_sound(reference)) return false;
-    // Frames that went by before it know the site's markers, or none where it was made from the picture.
+    // Earlier frames have the site's markers, or none if the site was detected in the reference frame.
     for (const Observation& seen : run_.seen.observations) {
       if (!seen.markers.empty() && !fits(reference.site, seen)) return false;
     }
@@ -280,17 +280,17 @@ class RunReader {
   int version_;
   StoredRun run_;
   std::optional<RunEnd> end_;
-  int places_ = 0;  // of start and options, which come first
+  int places_ = 0;  // number of head records read (start, options)
 };
 
 tl::expected<std::ifstream, std::string> opened_run(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return Problem(
-        fmt::format("no observations: {}: there is no such file: give the folder of a run of `measure`", path));
+        fmt::format("there are no observations: {} does not exist: give a folder that `measure` wrote", path));
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path, ignored))
-    return Problem(fmt::format("no observations: {}: it cannot be read: check its permissions", path));
+    return Problem(fmt::format("the observations cannot be read: {}: check its permissions", path));
   return file;
 }
 
@@ -320,9 +320,9 @@ tl::expected<StoredRun, std::string> parse_run(std::istream& file, const std::st
   while (!run.has_end()) {
     const auto record = records.next();
     if (!record) return Problem(record.error());
-    if (!run.take(*record)) return damaged(path, "a record makes no sense");
+    if (!run.take(*record)) return damaged(path, "a record is invalid");
   }
-  if (!records.is_finished()) return damaged(path, "something follows its last record");
+  if (!records.is_finished()) return damaged(path, "there is data after its last record");
   return run.take_run();
 }
 
@@ -343,7 +343,7 @@ tl::expected<KeptRun, std::string> parse_kept_run(std::istream& file, const std:
   }
   if (!run.has_head()) {
     if (records.is_cut_short()) return KeptRun{};
-    return damaged(path, "its head makes no sense");
+    return damaged(path, "its header is invalid");
   }
   kept.has_end = run.has_end() && records.is_finished();
   kept.run = run.take_run();

@@ -16,8 +16,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// "Reads" a value in which no two real numbers, texts or frame numbers are the same, and `count` of everything that is
-// counted; what is optional is there.
+// An archive that "reads" made-up values: all real numbers, texts and frame numbers differ. Lists have `count`
+// elements, and optional values are present.
 class Filler {
  public:
   static constexpr bool kReads = true;
@@ -84,13 +84,13 @@ tl::expected<KeptRun, std::string> kept_of(const std::string& bytes) {
 
 TEST(Crc32, IsThatOfPng) { EXPECT_EQ(crc32("123456789"), 0xCBF43926U); }
 
-TEST(RunFile, GivesEveryFieldBackToTheLastBit) {
+TEST(RunFile, RestoresEveryFieldToTheLastBit) {
   const StoredRun run = filled_run(2);
   const std::string bytes = bytes_of(run);
   const auto again = parsed(bytes);
   ASSERT_TRUE(again) << again.error();
   EXPECT_EQ(bytes_of(*again), bytes);
-  // Not only what writer and reader agree to leave out.
+  // The writer and reader could omit the same field, so compare some fields directly.
   EXPECT_EQ(again->options.method, run.options.method);
   EXPECT_EQ(again->options.reference_frame, run.options.reference_frame);
   EXPECT_EQ(again->seen.input.warnings, run.seen.input.warnings);
@@ -105,7 +105,7 @@ TEST(RunFile, GivesEveryFieldBackToTheLastBit) {
   EXPECT_TRUE(again->seen.interrupted);
 }
 
-TEST(RunFile, KeepsNumbersThatAreNone) {
+TEST(RunFile, KeepsNanSignsAndAbsentValues) {
   StoredRun run = filled_run(1);
   Observation seen = run.seen.observations[0];
   seen.time_s = std::numeric_limits<double>::quiet_NaN();
@@ -119,7 +119,7 @@ TEST(RunFile, KeepsNumbersThatAreNone) {
   EXPECT_FALSE(again->seen.observations[0].markers[0].points.has_value());
 }
 
-TEST(RunFile, OfARefusedRunHasNoReference) {
+TEST(RunFile, ARefusedRunHasNoReference) {
   StoredRun run = filled_run(1);
   run.seen.reference.reset();
   const auto again = parsed(bytes_of(run));
@@ -128,7 +128,7 @@ TEST(RunFile, OfARefusedRunHasNoReference) {
   EXPECT_EQ(again->seen.refusal, run.seen.refusal);
 }
 
-TEST(RunFile, CutOffAnywhereIsAnError) {
+TEST(RunFile, ATruncatedFileIsAnError) {
   const std::string whole = bytes_of(filled_run(1));
   for (std::size_t size = 0; size < whole.size(); size += 3) {
     const auto read = parsed(whole.substr(0, size));
@@ -138,7 +138,7 @@ TEST(RunFile, CutOffAnywhereIsAnError) {
   EXPECT_FALSE(parsed(whole + '\0'));
 }
 
-TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
+TEST(RunFile, FramesBeforeATruncationAreKept) {
   StoredRun run = filled_run(1);
   for (int k = 0; k < 2; ++k) run.seen.observations.push_back(run.seen.observations[0]);
   const std::string whole = bytes_of(run), end = end_bytes(run.seen, run.options),
@@ -161,7 +161,7 @@ TEST(RunFile, WhateverIsTornOffTheFramesBeforeItAreKept) {
   }
 }
 
-TEST(RunFile, OfADamagedFileTheFramesBeforeTheDamageAreKept) {
+TEST(RunFile, FramesBeforeDamageAreKept) {
   StoredRun run = filled_run(1);
   for (int k = 0; k < 2; ++k) run.seen.observations.push_back(run.seen.observations[0]);
   std::string bytes = bytes_of(run);
@@ -178,8 +178,8 @@ TEST(RunFile, OfADamagedFileTheFramesBeforeTheDamageAreKept) {
   EXPECT_FALSE(kept_of("frame,time_s,marker"));
 }
 
-// A site may be made from the first picture in which it is seen: until then nobody knows how many markers there are.
-TEST(RunFile, FramesMayGoByBeforeTheReferenceFrame) {
+// A site may be detected in the reference frame, so earlier frames do not know the number of markers.
+TEST(RunFile, FramesMayPrecedeTheReferenceFrame) {
   const StoredRun run = filled_run(2);
   Observation before;
   const auto order = [&](const Observation& first) {
@@ -198,7 +198,7 @@ TEST(RunFile, FramesMayGoByBeforeTheReferenceFrame) {
   EXPECT_FALSE(order(before));
 }
 
-TEST(RunFile, AnyByteThatChangedIsAnError) {
+TEST(RunFile, AnyChangedByteIsAnError) {
   std::string bytes = bytes_of(filled_run(1));
   for (std::size_t at = 0; at < bytes.size(); at += 3) {
     const char was = bytes[at];
@@ -208,8 +208,8 @@ TEST(RunFile, AnyByteThatChangedIsAnError) {
   }
 }
 
-// Behind a check sum that is right anything may stand: it is read or refused, but never trusted with memory or places.
-TEST(RunFile, NothingIsBelievedForItsCheckSum) {
+// Any bytes may have a correct check sum. They must be read or refused, without large allocations or invalid indices.
+TEST(RunFile, ACorrectCheckSumIsNotTrusted) {
   const std::string whole = bytes_of(filled_run(1));
   constexpr std::size_t kHeader = 16;
   int refused = 0;
@@ -217,7 +217,7 @@ TEST(RunFile, NothingIsBelievedForItsCheckSum) {
     const std::size_t length = from_little_endian(std::string_view(whole).substr(start + 4, 4));
     const std::size_t end = start + 8 + length;
     for (std::size_t at = start; at < end; at += at < start + 8 ? 1 : 7) {
-      if (at >= start + 4 && at < start + 8) continue;  // its length: the test above
+      if (at >= start + 4 && at < start + 8) continue;  // its length: tested above
       std::string bytes = whole;
       bytes[at] = static_cast<char>(0xff);
       std::string sum;
@@ -227,10 +227,10 @@ TEST(RunFile, NothingIsBelievedForItsCheckSum) {
     }
     start = end + 4;
   }
-  EXPECT_GT(refused, 50);  // counts, flags, enumerations, names of methods, numbers of markers
+  EXPECT_GT(refused, 50);  // counts, flags, enumerations, method names, numbers of markers
 }
 
-TEST(RunFile, SaysWhatIsWrong) {
+TEST(RunFile, ReportsTheProblem) {
   const TestFolder place;
   EXPECT_NE(read_run(place / "run.mgj").error().find("no such file"), std::string::npos);
   EXPECT_NE(read_run(place.path()).error().find("cannot be read"), std::string::npos);
@@ -241,7 +241,7 @@ TEST(RunFile, SaysWhatIsWrong) {
   EXPECT_NE(parsed(bytes).error().find("another version"), std::string::npos);
 }
 
-TEST(RunFile, NothingIsKeptOfARunWhoseOptionsMakeNoSense) {
+TEST(RunFile, ARunWithInvalidOptionsIsRefused) {
   StoredRun run = filled_run(1);
   run.options.method = nullptr;
   const auto kept = kept_of(bytes_of(run));
@@ -249,8 +249,8 @@ TEST(RunFile, NothingIsKeptOfARunWhoseOptionsMakeNoSense) {
   EXPECT_NE(kept.error().find("its head makes no sense"), std::string::npos) << kept.error();
 }
 
-// Files that the programs of their time wrote: three frames of the small rig with cosine prints and noise, the target
-// moved by 0, 1 and 2 mm. Results are those of the same program's displacement.csv.
+// Files written by the programs of those versions. Three frames of the small rig with cosine gratings and noise; the
+// target moved by 0, 1 and 2 mm. The expected values are from displacement.csv of the same program.
 struct EarlierRun {
   int version;
   double dx_mm[2], dy_mm[2];
@@ -265,9 +265,9 @@ TEST_P(RunFileOfVersion, IsReadAndSolved) {
   EXPECT_TRUE(run->seen.input.tone.curve.is_linear());
   ASSERT_TRUE(run->seen.reference);
   EXPECT_TRUE(run->seen.reference->light_per_grey.empty());
-  // A cosine print has no lines.
+  // A cosine grating has no line width.
   for (const auto& print : run->seen.reference->prints) EXPECT_FALSE(print->options.has_width);
-  // The information matrices of all frames are the reference frame's times a factor.
+  // The information matrices of all frames are multiples of the reference frame's, so they pack well.
   ASSERT_EQ(run->seen.observations.size(), 3U);
   for (const std::size_t n : {1U, 2U}) EXPECT_LT(run->seen.observations.packed(n).size(), 2000U);
   Measurement solved;
@@ -287,7 +287,7 @@ INSTANTIATE_TEST_SUITE_P(Earlier, RunFileOfVersion,
                                          EarlierRun{3, {-0.001842, -0.004957}, {0.998911, 1.997619}}),
                          [](const auto& earlier) { return fmt::format("Version{}", earlier.param.version); });
 
-TEST(RunFile, OfAnEarlierVersionCannotBeContinued) {
+TEST(RunFile, AnEarlierVersionCannotBeContinued) {
   std::ifstream file(fmt::format("{}/tests/data/run-version-3.mgj", MOIREGAUGE_SOURCE_DIR), std::ios::binary);
   const auto kept = parse_kept_run(file, "here/run.mgj");
   ASSERT_TRUE(kept) << kept.error();

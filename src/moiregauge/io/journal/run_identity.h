@@ -8,8 +8,8 @@
 
 namespace moiregauge::internal {
 
-// May a run that was kept go on with this input and these options, and give what it would have given in one piece?
-// Empty: yes. Else what differs, in words. How many threads, where the results go and what is printed never matters.
+// Compares an unfinished run with this input and these options. Returns nothing if resuming gives the same result as an
+// uninterrupted run, otherwise the difference. Number of threads, output folder and printed output do not matter.
 [[nodiscard]] std::optional<std::string> difference(const StoredRun& kept, const RunStart& start,
                                                     const MeasureOptions& options);
 

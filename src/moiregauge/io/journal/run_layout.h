@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the structs that run.mgj stores. A struct is stored field by field in the order of its declaration. When it
-// gains one, its number below must follow (the compiler insists). kAdded says since which version it is there, so that
-// older files still read.
+// Lists the structs that run.mgj stores. A struct is stored field by field in the order of its declaration.
+// If a struct gains a field, its number here must follow, or it does not compile. The constant kAdded states since
+// which version the field exists, so that older files can be read.
 #pragma once
 
 #include "moiregauge/io/journal/stored_values.h"
@@ -15,7 +15,7 @@ template <typename Frame>
 inline constexpr std::size_t kFields<Extent<Frame>> = 2;
 
 // clang-format off
-// The site and the camera.
+// Site and camera.
 template <> inline constexpr std::size_t kFields<Site> = 2;
 template <> inline constexpr std::size_t kFields<Marker> = 5;
 template <> inline constexpr std::size_t kFields<Circle> = 2;
@@ -31,7 +31,7 @@ template <> inline constexpr std::size_t kFields<DetectedCircle> = 9;
 template <> inline constexpr std::size_t kFields<PatchReading> = 10;
 template <> inline constexpr std::size_t kFields<PatchFit> = 10;
 
-// The reference frame.
+// Reference frame.
 template <> inline constexpr std::size_t kFields<Reference> = 14;
 template <> inline constexpr std::size_t kFields<Tone> = 2;
 template <> inline constexpr std::size_t kFields<ToneCurve> = 3;
@@ -47,7 +47,7 @@ template <> inline constexpr std::size_t kFields<PatchFitOptions> = 5;
 template <> inline constexpr std::size_t kFields<CircleSearch> = 2;
 template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 
-// The run.
+// Run.
 template <> inline constexpr std::size_t kFields<InputInfo> = 12;
 template <> inline constexpr std::size_t kFields<CameraProcessing> = 4;
 template <> inline constexpr std::size_t kFields<GrainSums> = 3;
@@ -62,7 +62,7 @@ template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
 
 // clang-format on
 
-// The tone curve, and the width of lines.
+// Version 3: tone curve and line width.
 template <>
 inline constexpr AddedFields kAdded<Reference>{12, 2, 3};
 template <>
@@ -75,7 +75,7 @@ template <>
 inline constexpr AddedFields kAdded<MeasureOptions>{10, 1, 3};
 inline constexpr int kSinceWidth = 3;
 
-// Enumerations: a switch, so that the compiler names a value that is missing.
+// Return true for valid values. The switches make the compiler report a missing value.
 [[nodiscard]] constexpr bool is_known(ToneCurve::Kind kind) {
   return kind >= ToneCurve::Kind::kLinear && kind <= ToneCurve::Kind::kGamma;
 }
@@ -162,7 +162,7 @@ struct Stored<Homography<To, From>> {
   }
 };
 
-// Symmetric: one triangle is kept.
+// Stores one triangle of a symmetric matrix.
 template <>
 struct Stored<PatchInformation> {
   template <typename Archive, typename Value>
@@ -176,7 +176,7 @@ struct Stored<PatchInformation> {
   }
 };
 
-// What the system is made of; it is made again.
+// Stores the inputs of the system and rebuilds it when reading.
 template <>
 struct Stored<PatchSystem> {
   template <typename Archive, typename Value>
@@ -201,14 +201,14 @@ struct Stored<PatchSystem> {
   }
 };
 
-// The series; its table is made again from it.
+// Stores the Fourier series. Its table is rebuilt when reading.
 template <>
 struct Stored<PrintTemplate> {
   static constexpr int kHighest = 4096;
   template <typename Archive, typename Value>
   static void store(Archive& archive, Value& value) {
     int order = value.order();
-    std::vector<double> series;  // real and imaginary parts, n slowest
+    std::vector<double> series;  // real and imaginary parts; n varies slowest
     for (int n = -order; n <= order; ++n) {
       for (int m = -order; m <= order; ++m) {
         series.push_back(value.coefficient(m, n).real());
@@ -227,7 +227,7 @@ struct Stored<PrintTemplate> {
   }
 };
 
-// By its name.
+// Stores the name of the method.
 template <>
 struct Stored<const Method*> {
   template <typename Archive, typename Value>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values as bytes: little-endian, doubles by their bits, a count before whatever may vary in number. Three archives
-// share one description of every type (stored_values.h): one writes, one reads, one spells the layout.
+// Stores values as bytes: little-endian, doubles by their bits, a count before lists. Three archives share one
+// description of every type (stored_values.h): a writer, a reader, and a speller of the layout.
 #pragma once
 
 #include <bit>
@@ -30,13 +30,13 @@ inline void append_little_endian(std::string& bytes, std::uint64_t value, int si
   return value;
 }
 
-// `long` is 64 bits and `int` 32 on every machine this runs on; the file says so.
+// `long` has 64 bits and `int` 32 on all supported machines, as the file format requires.
 template <typename Number>
 inline constexpr bool kStorable = std::is_same_v<Number, int> || std::is_same_v<Number, double> ||
                                   ((std::is_same_v<Number, long> ||
                                     std::is_same_v<Number, std::size_t>)&&sizeof(Number) == 8);
 
-// Fields that a struct did not have before a version of the layout.
+// Fields `first` to `first + count - 1` of a struct exist since version `since` of the layout.
 struct AddedFields {
   std::size_t first = 0, count = 0;
   int since = 0;
@@ -44,7 +44,7 @@ struct AddedFields {
 template <typename Struct>
 inline constexpr AddedFields kAdded{};
 
-// The version of the layout that an archive has; one that does not say has the newest.
+// Returns the layout version of an archive. An archive without one has the newest.
 template <typename Archive>
 [[nodiscard]] int version_of(const Archive& archive) {
   if constexpr (requires { archive.version(); })
@@ -83,7 +83,7 @@ class ByteWriter {
   std::string bytes_;
 };
 
-// Gives zeros and nothing from the first thing on that is not there or cannot be.
+// Reads bytes. After the first missing or invalid value it returns zeros and empty values.
 class ByteReader {
  public:
   static constexpr bool kReads = true;
@@ -99,7 +99,7 @@ class ByteReader {
     if (byte > 1) fail();
     return good_ && byte == 1;
   }
-  // Never more than there are bytes left: everything counted has one at least.
+  // Returns a count, at most the number of bytes left, because every counted element has at least one byte.
   [[nodiscard]] std::size_t count(std::size_t) {
     const auto n = static_cast<std::size_t>(from_little_endian(take(4)));
     if (n > left_.size()) fail();
@@ -128,7 +128,8 @@ class ByteReader {
   bool good_ = true;
 };
 
-// Spells how a type is stored, one letter a value: two versions of the program whose structs differ spell differently.
+// Spells the layout of a type with one letter per value. Program versions with different structs have different
+// spellings.
 class LayoutSpeller {
  public:
   static constexpr bool kReads = true;

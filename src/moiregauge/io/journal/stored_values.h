@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How values of any type are stored: one description for writing and reading (stored_bytes.h has the archives).
+// Describes how values of any type are stored, for reading and writing (archives: stored_bytes.h).
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace moiregauge::internal {
 template <typename Archive, typename Value>
 void store(Archive& archive, Value& value);
 
-// A field of a struct by its place; one that the archive's version does not have yet stays as it is.
+// Stores a field by its index. A field that the archive's version does not have stays unchanged.
 template <typename Struct, typename Archive, typename Value>
 void store_since(Archive& archive, Value& value, std::size_t place) {
   constexpr AddedFields kNew = kAdded<Struct>;
@@ -27,7 +27,7 @@ void store_since(Archive& archive, Value& value, std::size_t place) {
   if (!is_new || version_of(archive) >= kNew.since) store(archive, value);
 }
 
-// The rule for a class that is not taken apart by its fields; specialised below and in run_layout.h.
+// Rule for a class that is not stored field by field. Specialised below and in run_layout.h.
 template <typename Value>
 struct Stored;
 
@@ -36,7 +36,7 @@ concept HasRule = requires {
   sizeof(Stored<Value>);
 };
 
-// Enumerations that are stored say with `is_known` which values they have.
+// Stores a value. `is_known` checks the values of a stored enumeration.
 template <typename Archive, typename Value>
 void store(Archive& archive, Value& value) {
   using Plain = std::remove_const_t<Value>;
@@ -82,7 +82,7 @@ struct Stored<std::vector<Element>> {
   static void store(Archive& archive, Value& value) {
     const std::size_t count = archive.count(value.size());
     if constexpr (Archive::kReads) value.clear();
-    // Grows as elements are there, so a false count takes no memory.
+    // Grows element by element, so a false count allocates no memory.
     for (std::size_t k = 0; k < count && archive.good(); ++k) {
       if constexpr (Archive::kReads) value.emplace_back();
       moiregauge::internal::store(archive, value[k]);
@@ -98,7 +98,7 @@ struct Stored<std::array<Element, kSize>> {
   }
 };
 
-// Fixed size; row by row.
+// Fixed size, row by row.
 template <int kRows, int kColumns>
 struct Stored<Eigen::Matrix<double, kRows, kColumns>> {
   static_assert(kRows > 0 && kColumns > 0);

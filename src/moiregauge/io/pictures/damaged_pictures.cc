@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxEntries = 6;  // in one line a user still reads
+constexpr std::size_t kMaxEntries = 6;  // keeps the line readable (chosen)
 
 }  // namespace
 
@@ -35,12 +35,12 @@ std::string DamagedPictures::text() const {
     const bool is_one = s.first == s.last;
     list += fmt::format("{}{}{}: {}", i == 0 ? "" : "; ",
                         is_one ? fmt::format("frame {}", s.first) : fmt::format("frames {} to {}", s.first, s.last),
-                        frames_ == 1 ? " counts as damaged" : "", s.problem);
+                        frames_ == 1 ? " has no values" : "", s.problem);
     if (!s.first_place.empty()) list += ": " + s.first_place;
     if (!is_one && !s.last_place.empty()) list += " to " + s.last_place;
   }
   if (stretches_.size() > kMaxEntries) list += fmt::format("; and {} more", stretches_.size() - kMaxEntries);
-  return frames_ == 1 ? list : fmt::format("{} frames count as damaged: {}", frames_, list);
+  return frames_ == 1 ? list : fmt::format("{} frames have no values: {}", frames_, list);
 }
 
 }  // namespace moiregauge::internal

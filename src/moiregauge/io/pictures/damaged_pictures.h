@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One warning about all pictures of an input that are missing or cannot be read.
+// Builds one warning about all images of an input that are missing or unreadable.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@ namespace moiregauge::internal {
 
 class DamagedPictures {
  public:
-  // Adds a frame, in any order. `place` may be empty where `problem` names it already. Frames that follow each other
-  // with the same problem count as one entry.
+  // Adds a frame, in any order. `place` may be empty if `problem` contains it. Consecutive frames with the same problem
+  // are one entry.
   void add(long frame, const std::string& problem, const std::string& place);
-  // Returns "frame 3 counts as damaged: ...", or a list of at most six entries; empty without a damaged frame.
+  // Returns one sentence for one damaged frame, or a list of at most six entries. Empty without damaged frames.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -21,7 +21,7 @@ class DamagedPictures {
     std::string problem;
     std::string first_place, last_place;
   };
-  std::vector<Stretch> stretches_;  // by frame
+  std::vector<Stretch> stretches_;  // in frame order
   long frames_ = 0;
 };
 

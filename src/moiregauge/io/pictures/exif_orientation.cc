@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Numbers of either byte order in a block that may end anywhere.
+// Reads numbers of either byte order. Beyond the end of the block they are 0.
 struct TiffBlock {
   std::span<const std::uint8_t> bytes;
   bool big_endian = false;
@@ -50,7 +50,7 @@ std::optional<int> rotation_of_orientation(int orientation) {
     case 8:
       return 270;
     default:
-      return 0;  // 1, and values the standard does not know
+      return 0;  // 1, and values that the standard does not define
   }
 }
 

@@ -7,10 +7,12 @@
 
 namespace moiregauge::internal {
 
-// The orientation tag (0x0112) of an Exif block as it stands in a JPEG's APP1 marker; 1 (upright) when there is none.
+// Returns the orientation tag (0x0112) of an Exif block, given the APP1 marker of a JPEG. Returns 1 (upright) without a
+// tag.
 [[nodiscard]] int exif_orientation(std::span<const std::uint8_t> app1);
 
-// Clockwise quarters, in degrees, that show a picture of this orientation (1 to 8) upright; nothing for mirrored ones.
+// Returns the clockwise rotation in degrees (0, 90, 180, 270) that shows an image of this orientation (1 to 8) upright.
+// Returns nothing for mirrored images.
 [[nodiscard]] std::optional<int> rotation_of_orientation(int orientation);
 
 }  // namespace moiregauge::internal

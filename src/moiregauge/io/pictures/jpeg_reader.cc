@@ -16,7 +16,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// libjpeg leaves by longjmp: everything with a destructor lives here, outside the functions it may leap over.
+// libjpeg reports errors by longjmp. Objects with destructors are here, outside the functions that it leaves.
 struct JpegFile {
   std::FILE* file = nullptr;
   jpeg_decompress_struct jpeg{};
@@ -41,7 +41,7 @@ void leave(j_common_ptr jpeg) {
   jpeg->err->format_message(jpeg, in->problem.data());
   std::longjmp(in->out_of_here, 1);
 }
-// A warning of libjpeg ("premature end", "corrupt data") means that pixels were made up: no picture of ours.
+// Treats warnings of libjpeg ("premature end", "corrupt data") as errors, because libjpeg fills in such pixels.
 void note_warning(j_common_ptr jpeg, int level) {
   if (level < 0) leave(jpeg);
 }
@@ -60,21 +60,21 @@ bool read_jpeg_head(JpegFile& in) {
   return true;
 }
 
-// Of the luma's table; a picture whose head does not hold it is lossy all the same.
+// Returns the quantiser of the luma table. Without a table it is unknown, but the image is still lossy.
 Quantiser quantiser_of(const JpegFile& in) {
   if (in.jpeg.num_components < 1 || in.jpeg.comp_info == nullptr) return {kUnknownStep, false};
   const int number = in.jpeg.comp_info[0].quant_tbl_no;
   if (number < 0 || number >= NUM_QUANT_TBLS || in.jpeg.quant_tbl_ptrs[number] == nullptr) return {kUnknownStep, false};
   std::array<std::uint16_t, DCTSIZE2> zigzag{};
   std::size_t k = 0;
-  for (int diagonal = 0; diagonal < 2 * DCTSIZE - 1; ++diagonal) {  // libjpeg keeps it row by row
+  for (int diagonal = 0; diagonal < 2 * DCTSIZE - 1; ++diagonal) {  // libjpeg stores the table row by row
     for (int v = std::max(0, diagonal - DCTSIZE + 1); v <= std::min(diagonal, DCTSIZE - 1); ++v)
       zigzag[k++] = in.jpeg.quant_tbl_ptrs[number]->quantval[v * DCTSIZE + diagonal - v];
   }
   return {step_of_jpeg_table(zigzag), false};
 }
 
-// Grey and YCbCr keep luma as their first component, given as stored; RGB goes through our formula.
+// Reads luma: the stored first component of grey and YCbCr images, or computed from RGB.
 bool read_jpeg_rows(JpegFile& in) {
   if (setjmp(in.out_of_here) != 0) return false;
   const bool colour = in.jpeg.jpeg_color_space == JCS_RGB;
@@ -108,27 +108,31 @@ PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
   JpegFile in;
   auto file = open_plain_file(path);
   if (!file)
-    return input_failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, file.error()));
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("the image cannot be opened: {}: {}", path, file.error()));
   in.file = file->release();
   if (!read_jpeg_head(in)) {
-    return input_failure(InputErrorKind::kDamaged, fmt::format("not a readable JPEG: {}: {}", path, in.problem.data()));
+    return input_failure(InputErrorKind::kDamaged,
+                         fmt::format("the JPEG file cannot be read: {}: {}", path, in.problem.data()));
   }
   if (in.jpeg.jpeg_color_space == JCS_CMYK || in.jpeg.jpeg_color_space == JCS_YCCK || in.jpeg.data_precision != 8) {
     return input_failure(InputErrorKind::kUnsupported,
-                         fmt::format("unknown colours: {}: store it as grey or YCbCr, 8 bit", path));
+                         fmt::format("the colours are not supported: {}: store it as grey or YCbCr, 8 bits", path));
   }
   const auto rotation = rotation_of_orientation(orientation_of(in));
   if (!rotation)
-    return input_failure(InputErrorKind::kUnsupported, fmt::format("mirrored picture: {}: store it unmirrored", path));
+    return input_failure(InputErrorKind::kUnsupported,
+                         fmt::format("the image is mirrored: {}: store it without mirroring", path));
   if (auto problem = size_problem(path, in.jpeg.image_width, in.jpeg.image_height, max_pixels))
     return tl::unexpected(*problem);
   in.image = Image<std::uint8_t>(static_cast<int>(in.jpeg.image_width), static_cast<int>(in.jpeg.image_height));
   in.row.resize(std::size_t{3} * in.jpeg.image_width);
   if (!read_jpeg_rows(in)) {
-    return input_failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem.data()));
+    return input_failure(InputErrorKind::kDamaged,
+                         fmt::format("the image is damaged: {}: {}", path, in.problem.data()));
   }
   Picture picture{std::move(in.image), 8, 0, "jpeg", in.quantiser};
-  picture.tone.curve.kind = ToneCurve::Kind::kSrgb;  // ISO/IEC 10918-5
+  picture.tone.curve.kind = ToneCurve::Kind::kSrgb;  // usual for JPEG files (ISO/IEC 10918-5)
   turn(picture, *rotation);
   return picture;
 }

@@ -7,8 +7,8 @@
 
 namespace moiregauge::internal {
 
-// The luma plane of a JPEG as stored, turned upright by its Exif orientation.
-// fails      kUnreadable (missing), kUnsupported (CMYK, mirrored, too many pixels), kDamaged (cut, corrupt)
+// Reads the luma plane of a JPEG as stored, and rotates it upright by its Exif orientation.
+// Fails: kUnreadable (missing), kUnsupported (CMYK, mirrored, too many pixels), kDamaged (truncated, corrupt).
 [[nodiscard]] PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
 
 }  // namespace moiregauge::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One picture read from a file, as displayed, in grey levels as stored.
+// One image read from a file, as displayed, in grey levels as stored.
 #pragma once
 
 #include <cstdint>
@@ -19,27 +19,29 @@
 namespace moiregauge::internal {
 
 struct Picture {
-  std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;  // empty where the file shows it in place
+  std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;  // empty if `in_place` is set
   int bits = 8;           // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
   int rotation_deg = 0;   // clockwise, already applied
   std::string codec;      // "png", "jpeg", "tiff"
-  Quantiser quantiser{};  // of a lossy one
-  Tone tone{};            // as the file says, or as is usual for its kind
-  // A picture that lies in its file as it was is not copied: a window on the file's pages, which `file` holds.
+  Quantiser quantiser{};  // of a lossy format
+  Tone tone{};            // as tagged in the file, or usual for its format
+  // View into the mapped file for uncompressed images, which are not copied. `file` owns the pages.
   std::optional<LumaView> in_place = std::nullopt;
   std::shared_ptr<const MappedFile> file = nullptr;
 };
 
 using PictureOrError = tl::expected<Picture, InputError>;
 
-// A header may promise any size, and a file of a megabyte unpack to gigabytes: readers ask this before they take
-// memory.
+// Returns the reason why this size is refused, or nothing. Readers call it before they allocate memory, because a
+// header may claim any size.
 [[nodiscard]] inline std::optional<InputError> size_problem(const std::string& path, std::int64_t width,
                                                             std::int64_t height, std::int64_t max_pixels) {
-  if (width <= 0 || height <= 0) return InputError{InputErrorKind::kDamaged, "no pixels: " + path + ": copy it again"};
+  if (width <= 0 || height <= 0)
+    return InputError{InputErrorKind::kDamaged, "the image has no pixels: " + path + ": copy it again"};
   if (width <= max_pixels && height <= max_pixels / width) return std::nullopt;
   return InputError{InputErrorKind::kUnsupported,
-                    fmt::format("image {}x{} exceeds the limit of {:g} Mpx: {}: raise --max-pixels if it is right",
+                    fmt::format("the image size {}x{} exceeds the limit of {:g} Mpx: {}: raise --max-pixels if the "
+                                "size is correct",
                                 width, height, static_cast<double>(max_pixels) / 1e6, path)};
 }
 
@@ -48,7 +50,7 @@ using PictureOrError = tl::expected<Picture, InputError>;
   return std::visit([](const auto& image) { return LumaView(image.view()); }, picture.grey);
 }
 
-// Applies a rotation tag: quarters clockwise, in degrees. Not of a picture in place.
+// Applies a rotation tag, in degrees clockwise (a multiple of 90). Not for an image in place.
 inline void turn(Picture& picture, int degrees) {
   if (degrees == 0) return;
   picture.rotation_deg = degrees;

@@ -40,9 +40,10 @@ PictureOrError read_picture(const std::string& path, std::int64_t max_pixels) {
       break;
   }
   if (const auto file = open_plain_file(path); !file)
-    return input_failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, file.error()));
-  return tl::unexpected(
-      InputError{InputErrorKind::kUnsupported, fmt::format("not a picture: {}: give PNG, TIFF or JPEG files", path)});
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("the image cannot be opened: {}: {}", path, file.error()));
+  return tl::unexpected(InputError{InputErrorKind::kUnsupported,
+                                   fmt::format("the file is not an image: {}: give PNG, TIFF or JPEG files", path)});
 }
 
 }  // namespace moiregauge::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture file of any kind we read, told apart by its first bytes, not by its name.
+// Reads an image file of any supported format. The first bytes decide the format, not the name.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ enum class PictureKind { kNone, kPng, kJpeg, kTiff };
 
 [[nodiscard]] PictureKind picture_kind(const std::string& path);
 
-// The file's picture; of a TIFF stack its first page.
+// Returns the image of a file, or the first page of a TIFF stack.
 [[nodiscard]] PictureOrError read_picture(const std::string& path, std::int64_t max_pixels = InputOptions{}.max_pixels);
 
 }  // namespace moiregauge::internal

@@ -19,7 +19,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Pages of 3 x 2 pixels, every sample of page p being first + p.
+// Writes pages of 3 x 2 px. Every sample of page p is first + p.
 void write_tiff(const std::string& path, int pages, int bits, int samples, unsigned first, int orientation = 1) {
   TIFF* tiff = TIFFOpen(path.c_str(), "w");
   for (int page = 0; page < pages; ++page) {
@@ -44,7 +44,7 @@ void write_tiff(const std::string& path, int pages, int bits, int samples, unsig
   TIFFClose(tiff);
 }
 
-// A JPEG of 16 x 8 pixels, left half dark and right half bright, with an Exif block if given.
+// Writes a JPEG of 16 x 8 px, left half dark and right half bright, with an Exif block if given.
 void write_jpeg(const std::string& path, const std::string& exif) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -95,7 +95,7 @@ TEST(TiffStack, EveryPageIsAFrameAtItsDepth) {
   }
 }
 
-TEST(TiffStack, ColourAndOrientationAreUnderstood) {
+TEST(TiffStack, ColourAndOrientationAreRead) {
   const TestFolder folder;
   write_tiff(folder / "c.tif", 1, 16, 3, 4000, 6);
   const Picture picture = read_picture(folder / "c.tif").value();
@@ -106,7 +106,7 @@ TEST(TiffStack, ColourAndOrientationAreUnderstood) {
   EXPECT_EQ(read_picture(folder / "m.tif").error().kind, InputErrorKind::kUnsupported) << "mirrored";
 }
 
-TEST(TiffStack, MoreSamplesThanColourAndTransparencyAreNoPicture) {
+TEST(TiffStack, MoreSamplesThanColourAndTransparencyAreRefused) {
   const TestFolder folder;
   write_tiff(folder / "four.tif", 1, 8, 4, 7);
   EXPECT_TRUE(read_picture(folder / "four.tif"));
@@ -116,7 +116,7 @@ TEST(TiffStack, MoreSamplesThanColourAndTransparencyAreNoPicture) {
   EXPECT_EQ(five.error().kind, InputErrorKind::kUnsupported);
 }
 
-// Pages of 40 x 30 pixels, uncompressed; every sample tells page and place.
+// Writes uncompressed pages of 40 x 30 px. Every sample depends on page and position.
 void write_plain_tiff(const std::string& path, const char* mode, int pages, int bits, int rows_per_strip) {
   TIFF* tiff = TIFFOpen(path.c_str(), mode);
   for (int page = 0; page < pages; ++page) {
@@ -151,7 +151,7 @@ void expect_plain_page(const Picture& picture, unsigned page) {
       view_of(picture));
 }
 
-TEST(TiffStack, PlainPagesAreShownWhereTheyLieInTheFile) {
+TEST(TiffStack, UncompressedPagesAreReadInPlace) {
   const TestFolder folder;
   for (const int bits : {8, 16}) {
     for (const char* mode : {"w", "w8"}) {
@@ -169,7 +169,7 @@ TEST(TiffStack, PlainPagesAreShownWhereTheyLieInTheFile) {
   }
 }
 
-TEST(TiffStack, WordsOfAnotherByteOrderAreReadAndMeanTheSame) {
+TEST(TiffStack, WordsOfAnotherByteOrderGiveTheSameLevels) {
   const TestFolder folder;
   write_plain_tiff(folder / "a.tif", "wb", 2, 16, 30);
   const Picture words = TiffStack::open(folder / "a.tif").value()->read(1).value();
@@ -177,7 +177,7 @@ TEST(TiffStack, WordsOfAnotherByteOrderAreReadAndMeanTheSame) {
   expect_plain_page(words, 1);
 }
 
-TEST(TiffStack, APictureInPlaceOutlivesItsStack) {
+TEST(TiffStack, AnImageInPlaceOutlivesItsStack) {
   const TestFolder folder;
   write_plain_tiff(folder / "a.tif", "w", 1, 8, 30);
   const Picture picture = read_picture(folder / "a.tif").value();
@@ -185,7 +185,7 @@ TEST(TiffStack, APictureInPlaceOutlivesItsStack) {
   expect_plain_page(picture, 0);
 }
 
-TEST(TiffStack, APlainFileThatShrinksUnderOurEyesEndsTheInputThere) {
+TEST(TiffStack, AFileTruncatedWhileReadEndsTheInput) {
   const TestFolder folder;
   write_plain_tiff(folder / "a.tif", "w", 20, 16, 30);
   auto source = open_pictures(folder / "a.tif", {}).value();
@@ -198,7 +198,7 @@ TEST(TiffStack, APlainFileThatShrinksUnderOurEyesEndsTheInputThere) {
   EXPECT_FALSE(source->next()) << "an error stays";
 }
 
-TEST(TiffStack, APlainFileCutAnywhereIsDamagedNotDeadly) {
+TEST(TiffStack, AnUncompressedTruncatedFileIsDamagedWithoutACrash) {
   const TestFolder folder;
   write_plain_tiff(folder / "a.tif", "w", 3, 8, 7);
   const std::string whole = text_of(folder / "a.tif");
@@ -214,7 +214,7 @@ TEST(TiffStack, APlainFileCutAnywhereIsDamagedNotDeadly) {
   }
 }
 
-TEST(TiffStack, AFileCutShortIsDamagedNotDeadly) {
+TEST(TiffStack, ATruncatedFileIsDamagedWithoutACrash) {
   const TestFolder folder;
   write_tiff(folder / "a.tif", 5, 8, 1, 1);
   const std::string whole = text_of(folder / "a.tif");
@@ -225,14 +225,14 @@ TEST(TiffStack, AFileCutShortIsDamagedNotDeadly) {
   }
 }
 
-TEST(JpegReader, LumaIsReadAndTurnedUprightByItsExif) {
+TEST(JpegReader, LumaIsReadAndRotatedByItsExifTag) {
   const TestFolder folder;
   write_jpeg(folder / "a.jpg", "");
   const Picture plain = read_picture(folder / "a.jpg").value();
   EXPECT_EQ(plain.codec, "jpeg");
   EXPECT_NEAR(std::get<0>(plain.grey).at(0, 0), 40, 1);
   EXPECT_NEAR(std::get<0>(plain.grey).at(15, 0), 200, 1);
-  write_jpeg(folder / "b.jpg", exif_of(6));  // turn it clockwise: the stored left side is up
+  write_jpeg(folder / "b.jpg", exif_of(6));  // rotate clockwise: the stored left side becomes the top
   const Picture turned = read_picture(folder / "b.jpg").value();
   EXPECT_EQ(turned.rotation_deg, 90);
   EXPECT_EQ(width_of(view_of(turned)), 8);
@@ -242,7 +242,7 @@ TEST(JpegReader, LumaIsReadAndTurnedUprightByItsExif) {
   EXPECT_EQ(read_picture(folder / "c.jpg").error().kind, InputErrorKind::kUnsupported) << "mirrored";
 }
 
-TEST(JpegReader, APictureCutShortIsDamagedNotInventedGrey) {
+TEST(JpegReader, ATruncatedImageIsDamagedWithoutInventedGrey) {
   const TestFolder folder;
   write_jpeg(folder / "a.jpg", "");
   const std::string whole = text_of(folder / "a.jpg");
@@ -250,7 +250,7 @@ TEST(JpegReader, APictureCutShortIsDamagedNotInventedGrey) {
   EXPECT_EQ(read_picture(folder / "a.jpg").error().kind, InputErrorKind::kDamaged);
 }
 
-TEST(ExifOrientation, ABlockThatLiesAboutItsLengthIsUpright) {
+TEST(ExifOrientation, ABlockWithAFalseLengthIsUpright) {
   const std::string whole = exif_of(6);
   for (std::size_t size = 0; size <= whole.size(); ++size) {
     const auto* data = reinterpret_cast<const std::uint8_t*>(whole.data());
@@ -259,7 +259,7 @@ TEST(ExifOrientation, ABlockThatLiesAboutItsLengthIsUpright) {
   }
 }
 
-TEST(PictureFile, AMissingFileAndATextAreToldApart) {
+TEST(PictureFile, AMissingFileAndATextHaveDifferentErrors) {
   const TestFolder folder;
   put_text(folder / "t.png", "text");
   EXPECT_EQ(read_picture(folder / "t.png").error().kind, InputErrorKind::kUnsupported);

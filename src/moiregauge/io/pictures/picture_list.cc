@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::array kPictureEndings{".png", ".tif", ".tiff", ".jpg", ".jpeg"};
-// Pictures that other programs read: among ours they are frames that are missing here.
+// Image formats that this program cannot read. In a numbered folder such a file is a missing frame.
 constexpr std::array kForeignEndings{".bmp", ".gif", ".webp", ".heic", ".avif", ".jp2", ".exr", ".pgm",
                                      ".ppm", ".pnm", ".dng",  ".raw",  ".cr2",  ".cr3", ".nef", ".arw"};
 
@@ -37,7 +37,7 @@ bool ends_with_one_of(const Endings& endings, const std::string& name) {
   return name.front() != '.' && std::find(endings.begin(), endings.end(), small_ending(name)) != endings.end();
 }
 
-// The names in a folder that look like pictures, as ListedPicture with the bare name as path, in natural order.
+// Returns the image names of a folder in natural order. `path` is the bare name.
 tl::expected<std::vector<ListedPicture>, InputError> pictures_in(const fs::path& folder) {
   std::error_code problem;
   std::vector<ListedPicture> found;
@@ -45,11 +45,11 @@ tl::expected<std::vector<ListedPicture>, InputError> pictures_in(const fs::path&
     const std::string name = entry->path().filename().string();
     const bool is_ours = ends_with_one_of(kPictureEndings, name);
     if (!is_ours && !ends_with_one_of(kForeignEndings, name)) continue;
-    found.push_back({name, is_ours ? kind_unless_plain(entry->path().string()) : "neither PNG nor TIFF nor JPEG"});
+    found.push_back({name, is_ours ? kind_unless_plain(entry->path().string()) : "not PNG, TIFF or JPEG"});
   }
   if (problem)
     return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("cannot read folder: {}: {}", folder.string(), problem.message()));
+                         fmt::format("the folder cannot be read: {}: {}", folder.string(), problem.message()));
   std::sort(found.begin(), found.end(),
             [](const ListedPicture& a, const ListedPicture& b) { return comes_before(a.path, b.path); });
   return found;
@@ -59,13 +59,13 @@ std::string padded(const std::string& before, long number, std::size_t width, co
   return fmt::format("{}{:0{}}{}", before, number, width, after);
 }
 
-// Every number from the first to the last in steps of the stride; `name` gives the name of one that is missing.
+// Returns every number from the first to the last in steps of the stride. `name` creates the name of a missing one.
 std::vector<ListedPicture> without_gaps(const std::map<long, ListedPicture>& found, long stride,
                                         const std::function<std::string(long)>& name) {
   std::vector<ListedPicture> all;
   for (long number = found.begin()->first; number <= found.rbegin()->first; number += stride) {
     const auto there = found.find(number);
-    all.push_back(there != found.end() ? there->second : ListedPicture{name(number), "no such picture"});
+    all.push_back(there != found.end() ? there->second : ListedPicture{name(number), "missing image"});
   }
   return all;
 }
@@ -76,7 +76,8 @@ std::vector<long> numbers_of(const std::map<long, ListedPicture>& found) {
   return numbers;
 }
 
-// By number; a plain file precedes all else of its number. Nothing where the names carry none, or one twice.
+// Returns the images by number. A plain file replaces any other entry of its number. Returns nothing if the names have
+// no number, or if a number occurs twice.
 std::optional<std::map<long, ListedPicture>> by_number(const std::vector<ListedPicture>& pictures,
                                                        const std::string& shape, NumberedName& example) {
   std::vector<std::string> names;
@@ -90,7 +91,7 @@ std::optional<std::map<long, ListedPicture>> by_number(const std::vector<ListedP
   for (std::size_t i = 0; i < names.size(); ++i) found[(*plain)[i].number] = {names[i], ""};
   for (const ListedPicture& picture : pictures) {
     if (picture.problem.empty() || shape_of_name(picture.path) != shape) continue;
-    // Cut between its neighbours: which run of digits counts follows from theirs.
+    // Cut this name as its neighbours are cut: they determine which digits are the number.
     const std::size_t start = example.before.size();
     const bool is_alike = picture.path.size() > start && picture.path.starts_with(example.before);
     const std::size_t end = is_alike ? picture.path.find_first_not_of("0123456789", start) : start;
@@ -102,7 +103,7 @@ std::optional<std::map<long, ListedPicture>> by_number(const std::vector<ListedP
   return found;
 }
 
-// The shape that most plain files have.
+// Returns the name shape of most plain files.
 std::string common_shape(const std::vector<ListedPicture>& pictures) {
   std::map<std::string, int> count;
   for (const ListedPicture& picture : pictures) {
@@ -121,7 +122,7 @@ PictureList as_they_follow(const std::vector<ListedPicture>& pictures) {
   return list;
 }
 
-constexpr const char* kAsTheyFollow = "frames are counted as the pictures follow each other, not by their numbers";
+constexpr const char* kAsTheyFollow = "frame numbers follow the order of the images, not their file names";
 
 PictureList listed(const std::vector<ListedPicture>& pictures) {
   const std::string shape = common_shape(pictures);
@@ -140,7 +141,7 @@ PictureList listed(const std::vector<ListedPicture>& pictures) {
   const std::vector<long> numbers = numbers_of(*found);
   const long stride = stride_of(numbers);
   if (!count_frames(numbers, stride)) {
-    plain.note = fmt::format("note: {}: {} pictures have numbers from {} to {}", kAsTheyFollow, numbers.size(),
+    plain.note = fmt::format("note: {} ({} images are numbered from {} to {})", kAsTheyFollow, numbers.size(),
                              numbers.front(), numbers.back());
     return plain;
   }
@@ -150,16 +151,16 @@ PictureList listed(const std::vector<ListedPicture>& pictures) {
   if (stranger.empty()) return {std::move(all), ""};
   const auto gap = std::find_if(all.begin(), all.end(), [](const ListedPicture& p) { return !p.problem.empty(); });
   if (gap != all.end())
-    plain.note = fmt::format("{}, for {} lies among them; missing is {} ({}): move {} away", kAsTheyFollow, stranger,
-                             gap->path, gap->problem, stranger);
+    plain.note = fmt::format("{}: {} has another name, and {} cannot be used ({}). Move {} to another folder",
+                             kAsTheyFollow, stranger, gap->path, gap->problem, stranger);
   return plain;
 }
 
-// "%d" or "%0Nd", once, and nothing else of printf: the pattern never reaches printf.
+// A pattern with one "%d" or "%0Nd". Other printf formats are refused, and the pattern never reaches printf.
 struct NamePattern {
   std::string before;
   std::string after;
-  std::size_t width = 0;  // least digits; 0 in front only if the pattern says so
+  std::size_t width = 0;  // smallest number of digits, padded with zeros
 };
 
 std::optional<NamePattern> parsed_pattern(const std::string& name) {
@@ -185,7 +186,7 @@ std::optional<long> number_in(const NamePattern& pattern, std::string_view name)
   return padded(pattern.before, number, pattern.width, pattern.after) == name ? std::optional(number) : std::nullopt;
 }
 
-// Paths that can be opened from bare names.
+// Prepends the folder to bare names.
 PictureList in_folder(PictureList list, const fs::path& folder) {
   for (ListedPicture& picture : list.pictures) picture.path = (folder / picture.path).string();
   return list;
@@ -211,7 +212,8 @@ tl::expected<PictureList, InputError> list_pictures_of_pattern(const std::string
   if (!parsed) {
     return input_failure(
         InputErrorKind::kUnreadable,
-        fmt::format("not a pattern: {}: give one %d or %0Nd in the file name, as in img_%04d.png", pattern));
+        fmt::format("the name is not a pattern: {}: give one %d or %0Nd in the file name, as in img_%04d.png",
+                    pattern));
   }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::map<long, ListedPicture> found;
@@ -223,16 +225,17 @@ tl::expected<PictureList, InputError> list_pictures_of_pattern(const std::string
   }
   if (problem)
     return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("cannot read folder: {}: {}", folder.string(), problem.message()));
+                         fmt::format("the folder cannot be read: {}: {}", folder.string(), problem.message()));
   if (found.empty())
     return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("no picture: {}: no file of this pattern exists", pattern));
+                         fmt::format("there are no images: {}: check the pattern, no file matches it", pattern));
   const std::vector<long> numbers = numbers_of(found);
   const long stride = stride_of(numbers);
   if (!count_frames(numbers, stride)) {
     return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("too many numbers missing: {}: {} files between {} and {}", pattern, found.size(),
-                                     numbers.front(), numbers.back()));
+                         fmt::format("too many numbers are missing: {} ({} files between {} and {}): give their folder "
+                                     "instead of a pattern",
+                                     pattern, found.size(), numbers.front(), numbers.back()));
   }
   const auto name = [&](long number) { return padded(parsed->before, number, parsed->width, parsed->after); };
   return in_folder({without_gaps(found, stride, name), ""}, folder);

@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxDigits = 18;  // of a number that fits into a long
+constexpr std::size_t kMaxDigits = 18;  // digits of a number that fits into a long
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -38,7 +38,7 @@ std::vector<std::string_view> digit_runs(std::string_view stem) {
   return runs;
 }
 
-// 20261123 or 20261123080512: seconds after such a date go from 59 to 100, which is no gap.
+// Returns true for 20261123 or 20261123080512. Times after a date go from 59 s to 100 (one minute), which is no gap.
 bool is_date(std::string_view digits) {
   return (digits.size() == 8 || digits.size() == 14) && (digits.starts_with("19") || digits.starts_with("20"));
 }
@@ -76,7 +76,7 @@ bool comes_before(std::string_view a, std::string_view b) {
     }
   }
   if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
-  return a < b;  // frame01 and frame1: some fixed order
+  return a < b;  // frame01 and frame1: any fixed order
 }
 
 std::string shape_of_name(std::string_view name) {

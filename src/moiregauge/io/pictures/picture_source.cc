@@ -24,14 +24,14 @@
 namespace moiregauge::internal {
 namespace {
 
-// Any numbered set of pictures: how many, how to read one, what to call it in a message.
+// A numbered set of images: their number, a reader and names for messages.
 struct PictureSet {
   long count = 0;
   std::function<PictureOrError(long)> read;
   std::function<std::string(long)> name;
-  std::function<std::string(long)> problem;  // why there is nothing to read; empty: there is
-  std::string note;                          // on the set as a whole
-  bool side_by_side = false;                 // several may be read at once
+  std::function<std::string(long)> problem;  // reason why there is nothing to read; empty: none
+  std::string note;                          // about the whole set
+  bool side_by_side = false;                 // several threads may read at once
 };
 
 bool is_of_same_shape(const LumaView& a, const LumaView& b) {
@@ -39,10 +39,10 @@ bool is_of_same_shape(const LumaView& a, const LumaView& b) {
 }
 
 std::string shape_text(const LumaView& luma) {
-  return fmt::format("{}x{} of {} bit", width_of(luma), height_of(luma), luma.index() == 0 ? "8" : "16");
+  return fmt::format("{}x{} of {} bits", width_of(luma), height_of(luma), luma.index() == 0 ? "8" : "16");
 }
 
-// The first picture that can be read: it gives the size of all.
+// The first readable image, which determines the size of all.
 struct FirstPicture {
   Picture picture;
   long number = 0;
@@ -72,7 +72,7 @@ class PictureSource final : public FrameSource {
     if (picture_.file && !picture_.file->is_whole()) return break_off_cut_short();
     if (number_ >= set_.count) return std::optional<Frame>();
     bool damaged = false;
-    if (number_ == first_) {  // read when the input was opened
+    if (number_ == first_) {  // read at opening
       if (waiting_) picture_ = *std::exchange(waiting_, std::nullopt);
     } else {
       auto read = picture_at(number_);
@@ -91,7 +91,7 @@ class PictureSource final : public FrameSource {
  private:
   PictureOrError picture_at(long number) {
     if (readers_ < 1 || number < first_) return set_.read(number);
-    if (!ahead_) ahead_.emplace(number, set_.count, set_.read, readers_);  // who wants the first only pays for no more
+    if (!ahead_) ahead_.emplace(number, set_.count, set_.read, readers_);  // only if a second image is wanted
     return ahead_->take();
   }
 
@@ -99,7 +99,8 @@ class PictureSource final : public FrameSource {
     broken_off_ = InputError{
         InputErrorKind::kDamaged,
         fmt::format(
-            "frame size changed {} -> {} at frame {}: {}: what came before counts; measure the parts one by one",
+            "the image size changes from {} to {} at frame {}: {}: measure the parts separately (earlier frames are "
+            "valid)",
             shape_text(view_of(picture_)), shape_text(changed), number_, set_.name(number_))};
     return tl::unexpected(*broken_off_);
   }
@@ -116,12 +117,12 @@ class PictureSource final : public FrameSource {
   tl::unexpected<InputError> break_off_cut_short() {
     broken_off_ = InputError{
         InputErrorKind::kDamaged,
-        fmt::format("the file was cut short while it was measured: {} at frame {}: measure it when it is complete",
+        fmt::format("the file became shorter during the measurement: {} at frame {}: measure it when it is complete",
                     info_.path, number_)};
     return tl::unexpected(*broken_off_);
   }
 
-  // Even grey: nothing of the frame before may pass for this one.
+  // Returns uniform grey, so that no content of the previous frame remains.
   static Picture even_grey(const LumaView& shape) {
     Picture grey;
     std::visit([&grey]<typename Grey>(
@@ -137,7 +138,7 @@ class PictureSource final : public FrameSource {
     picture_.in_place.reset();
   }
 
-  // One warning for all of them.
+  // Replaces the warning about damaged frames.
   void state_damage() {
     info_.warnings.resize(warnings_before_);
     if (std::string text = damaged_.text(); !text.empty()) info_.warnings.push_back(std::move(text));
@@ -146,9 +147,9 @@ class PictureSource final : public FrameSource {
   PictureSet set_;
   InputInfo info_;
   Picture picture_;
-  std::optional<Picture> waiting_;  // the first one, while damaged frames before it are handed out
-  long first_ = 0;                  // its number
-  int readers_ = 0;                 // 0: read here
+  std::optional<Picture> waiting_;  // the first image, while damaged frames before it are delivered
+  long first_ = 0;                  // number of the first image
+  int readers_ = 0;                 // reading threads; 0: read in this thread
   long number_ = 0;
   DamagedPictures damaged_;
   std::size_t warnings_before_ = 0;
@@ -170,7 +171,7 @@ PictureSet set_of_files(PictureList list, std::int64_t max_pixels) {
           std::move(note), true};
 }
 
-// One file that is a TIFF: every page a picture.
+// Returns the pages of a TIFF file as images.
 tl::expected<PictureSet, InputError> set_of_pages(const std::string& path, std::int64_t max_pixels) {
   const auto stack = TiffStack::open(path, max_pixels);
   if (!stack) return tl::unexpected(stack.error());
@@ -188,7 +189,7 @@ tl::expected<PictureSet, InputError> set_of(PictureList list, std::int64_t max_p
   return set_of_files(std::move(list), max_pixels);
 }
 
-// The error is that of the very first: without any picture it is the one to report.
+// Returns the first readable image. Fails with the problem of the very first one.
 tl::expected<FirstPicture, InputError> first_of(const PictureSet& set) {
   std::optional<InputError> problem;
   for (long i = 0; i < set.count; ++i) {
@@ -227,20 +228,20 @@ tl::expected<PictureList, InputError> pictures_of_input(const std::string& path,
   if (!std::filesystem::exists(status)) {
     const bool pattern = path.find('%') != std::string::npos;
     return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("no such file or folder: {}: {}", path,
-                                     pattern ? "for a pattern add --sequence" : "check the name"));
+                         fmt::format("the file or folder does not exist: {}: {}", path,
+                                     pattern ? "add --sequence if it is a pattern" : "check the name"));
   }
   if (!std::filesystem::is_directory(status)) {
     if (const std::string kind = kind_unless_plain(path); !kind.empty())
       return input_failure(InputErrorKind::kUnreadable,
-                           fmt::format("no plain file: {}: it is {}: store its bytes in a file first", path, kind));
+                           fmt::format("the input is {}: {}: store its content in a plain file first", kind, path));
     return PictureList{{{path, ""}}, ""};
   }
   auto list = list_pictures(path);
   if (list && list->pictures.empty()) {
     return input_failure(
         InputErrorKind::kUnreadable,
-        fmt::format("no picture: {}: neither the folder nor its frames/ holds PNG, TIFF or JPEG files", path));
+        fmt::format("there are no images: {}: give a folder with PNG, TIFF or JPEG files, or with frames/", path));
   }
   return list;
 }

@@ -28,7 +28,7 @@ int first_grey(const LumaView& luma) {
   return std::visit([](const auto& view) { return static_cast<int>(view.at(0, 0)); }, luma);
 }
 
-TEST(PictureSource, PicturesComeInTheOrderPeopleCountThem) {
+TEST(PictureSource, ImagesComeInNaturalOrder) {
   const TestFolder folder;
   for (const int i : {10, 9, 11, 8})
     write_grey(folder / ("frame" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
@@ -45,7 +45,7 @@ TEST(PictureSource, PicturesComeInTheOrderPeopleCountThem) {
   EXPECT_FALSE(source->next().value().has_value());
 }
 
-TEST(PictureSource, AFolderWithoutPicturesGivesThoseOfItsFrames) {
+TEST(PictureSource, AFolderWithoutImagesGivesThoseOfItsFramesFolder) {
   const TestFolder folder;
   std::filesystem::create_directory(folder / "frames");
   write_grey(folder / "frames/000000.png", 7);
@@ -53,7 +53,7 @@ TEST(PictureSource, AFolderWithoutPicturesGivesThoseOfItsFrames) {
   EXPECT_EQ(open_pictures(folder.path(), {}).value()->info().frames, 1);
 }
 
-TEST(PictureSource, FramesPerSecondGiveThePicturesATime) {
+TEST(PictureSource, TheFpsOptionGivesTheImagesTimes) {
   const TestFolder folder;
   write_grey(folder / "a1.png", 1);
   write_grey(folder / "a2.png", 2);
@@ -63,7 +63,7 @@ TEST(PictureSource, FramesPerSecondGiveThePicturesATime) {
   EXPECT_EQ(source->info().time_source, "fps-option");
 }
 
-TEST(PictureSource, APictureThatCannotBeReadCostsItsFrameOnly) {
+TEST(PictureSource, AnUnreadableImageLosesOnlyItsFrame) {
   const TestFolder folder;
   for (const int i : {1, 2, 3}) write_grey(folder / (std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
   put_text(folder / "2.png", text_of(folder / "2.png").substr(0, 45));
@@ -76,7 +76,7 @@ TEST(PictureSource, APictureThatCannotBeReadCostsItsFrameOnly) {
   EXPECT_EQ(source->info().warnings.size(), 1U);
 }
 
-TEST(PictureSource, APictureOfAnotherSizeEndsTheInputThere) {
+TEST(PictureSource, AnImageOfAnotherSizeEndsTheInput) {
   const TestFolder folder;
   write_grey(folder / "1.png", 1);
   write_grey(folder / "2.png", 1, {.width = 5, .height = 2});
@@ -91,7 +91,7 @@ TEST(PictureSource, APictureOfAnotherSizeEndsTheInputThere) {
   }
 }
 
-TEST(PictureSource, AMissingNumberKeepsTheOthersTheirPlaceInTime) {
+TEST(PictureSource, AMissingNumberLeavesTheTimesOfOthersUnchanged) {
   const TestFolder folder;
   for (const int i : {8, 10, 11})
     write_grey(folder / ("img_" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
@@ -105,7 +105,7 @@ TEST(PictureSource, AMissingNumberKeepsTheOthersTheirPlaceInTime) {
   EXPECT_EQ(third->time_s, 2.0);
 }
 
-// Frame numbers, damage and times of all frames: "0 1d 2" are three frames, the second of them damaged.
+// Returns numbers, damage and grey levels of all frames: "0=7 1d 2=9" are three frames, the second one damaged.
 std::string frames_of(FrameSource& source) {
   std::string text;
   while (const auto frame = source.next().value()) {
@@ -117,7 +117,7 @@ std::string frames_of(FrameSource& source) {
 
 std::string frames_in(const TestFolder& folder) { return frames_of(*open_pictures(folder.path(), {}).value()); }
 
-TEST(PictureSource, AMissingPictureOfAFolderIsAFrameWithoutAMeasurement) {
+TEST(PictureSource, AMissingImageIsADamagedFrame) {
   const TestFolder folder;
   for (const int i : {3, 4, 7, 8})
     write_grey(folder / ("00000" + std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
@@ -131,7 +131,7 @@ TEST(PictureSource, AMissingPictureOfAFolderIsAFrameWithoutAMeasurement) {
   EXPECT_EQ(files_of_input(folder.path(), {}).value().size(), 4U);
 }
 
-TEST(PictureSource, AnythingElseAmongNumberedPicturesIsAMissingPicture) {
+TEST(PictureSource, AnotherFileAmongNumberedImagesIsAMissingImage) {
   const TestFolder folder;
   for (const int i : {2, 6}) write_grey(folder / (std::to_string(i) + ".png"), static_cast<std::uint16_t>(i));
   std::filesystem::create_symlink("nowhere", folder / "0.png");
@@ -158,8 +158,8 @@ TEST(PictureSource, ARegularStrideOfTheNumbersIsNoGap) {
   EXPECT_EQ(frames_of(*open_pictures(folder / "f%d.png", {.fps = {}, .sequence = true}).value()), "0=10 1=20 2d 3=40");
 }
 
-TEST(PictureSource, NamesThatDoNotCountFramesFollowEachOther) {
-  const TestFolder clock;  // seconds go from 59 to 100
+TEST(PictureSource, ImagesWithoutFrameNumbersAreConsecutive) {
+  const TestFolder clock;  // times go from 59 s to 1 min 00 s
   for (const int i : {59, 100, 101}) {
     const std::string second = std::to_string(1000 + i).substr(1);
     write_grey(clock / ("20261123_080" + second + ".png"), static_cast<std::uint16_t>(i));
@@ -182,7 +182,7 @@ TEST(PictureSource, NamesThatDoNotCountFramesFollowEachOther) {
   EXPECT_NE(source->info().warnings[0].find("missing is " + std::string("view3.png")), std::string::npos);
 }
 
-TEST(PictureSource, WhatIsNoPlainFileIsRefusedAtOnce) {
+TEST(PictureSource, AFileThatIsNotPlainIsRefusedAtOnce) {
   const TestFolder folder;
   ASSERT_EQ(::mkfifo((folder / "clip.mp4").c_str(), 0600), 0);
   const auto fifo = open_pictures(folder / "clip.mp4", {});
@@ -192,7 +192,7 @@ TEST(PictureSource, WhatIsNoPlainFileIsRefusedAtOnce) {
   EXPECT_EQ(picture_kind(folder / "clip.mp4"), PictureKind::kNone);
 }
 
-TEST(PictureSource, WhatIsNoInputSaysSo) {
+TEST(PictureSource, AnInvalidInputIsRefusedWithAReason) {
   const TestFolder folder;
   put_text(folder / "1.png", "this is text");
   const auto text = open_pictures(folder.path(), {});
@@ -211,7 +211,7 @@ TEST(PictureList, ALeadingZeroDoesNotChangeTheOrder) {
   EXPECT_NE(comes_before("f1.png", "f01.png"), comes_before("f01.png", "f1.png"));
 }
 
-TEST(PngReader, GreyLevelsComeAsStoredAtTheirDepth) {
+TEST(PngReader, GreyLevelsAreReadAsStored) {
   const TestFolder folder;
   write_test_png(folder / "8.png", {.width = 2, .height = 1}, {16, 235});
   const auto eight = read_png(folder / "8.png").value();
@@ -224,7 +224,7 @@ TEST(PngReader, GreyLevelsComeAsStoredAtTheirDepth) {
   EXPECT_EQ(sixteen.bits, 16);
 }
 
-TEST(PngReader, TwelveSignificantBitsComeBackIntoTheLowBits) {
+TEST(PngReader, TwelveSignificantBitsMoveToTheLowBits) {
   const TestFolder folder;
   const auto stored = [](unsigned value) { return static_cast<std::uint16_t>(value << 4 | value >> 8); };  // PNG 13.12
   write_test_png(folder / "12.png", {.width = 2, .height = 1, .depth = 16, .significant = 12},
@@ -235,7 +235,7 @@ TEST(PngReader, TwelveSignificantBitsComeBackIntoTheLowBits) {
   EXPECT_EQ(std::get<1>(picture.grey).at(1, 0), 4095);
 }
 
-TEST(PngReader, TwelveBitsThatLieInTheLowBitsStayThere) {
+TEST(PngReader, TwelveBitsInTheLowBitsStay) {
   const TestFolder folder;
   write_test_png(folder / "12.png", {.width = 2, .height = 1, .depth = 16, .significant = 12}, {5, 4095});
   const auto picture = read_png(folder / "12.png").value();
@@ -244,13 +244,13 @@ TEST(PngReader, TwelveBitsThatLieInTheLowBitsStayThere) {
   EXPECT_EQ(std::get<1>(picture.grey).at(1, 0), 4095);
 }
 
-TEST(PngReader, ColourBecomesLumaByTheOneFormula) {
+TEST(PngReader, ColourBecomesLumaByOneFormula) {
   const TestFolder folder;
   write_test_png(folder / "c.png", {.width = 1, .height = 1, .colour = true}, {200, 100, 50});
   EXPECT_EQ(std::get<0>(read_png(folder / "c.png").value().grey).at(0, 0), (77 * 200 + 150 * 100 + 29 * 50 + 128) >> 8);
 }
 
-// Writes a small picture whose header claims `side` (big-endian) as width and height, with that header's check sum.
+// Writes a small image whose header claims `side` (big-endian) as width and height, with the matching check sum.
 void write_claim(const std::string& path, const std::string& side, const std::string& checksum) {
   write_grey(path, 0);
   std::string bytes = text_of(path);
@@ -259,7 +259,7 @@ void write_claim(const std::string& path, const std::string& side, const std::st
   put_text(path, bytes);
 }
 
-TEST(PngReader, AHeaderThatPromisesTooManyPixelsIsRefusedUnread) {
+TEST(PngReader, AHeaderWithTooManyPixelsIsRefusedUnread) {
   const TestFolder folder;
   write_claim(folder / "bomb.png", "\0\0\x7d\0"s, "\xa6\xe9\x8d\xd1");  // 32000
   const auto picture = read_png(folder / "bomb.png");

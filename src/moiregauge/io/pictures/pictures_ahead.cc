@@ -10,17 +10,17 @@ namespace moiregauge::internal {
 PicturesAhead::PicturesAhead(long first, long end, std::function<PictureOrError(long)> read, int readers)
     : read_(std::move(read)), end_(end), to_read_(first), to_take_(first) {
   readers = std::clamp(readers, 1, kMaxReaders);
-  ahead_ = readers + 1;  // one lies ready while every reader is at work: more would only cost memory
+  ahead_ = readers + 1;  // one image is ready while every reader is busy; more would only cost memory
   try {
     for (int i = 0; i < readers; ++i) readers_.emplace_back([this](const std::stop_token& stop) { work(stop); });
-  } catch (const std::system_error&) {  // fewer threads can start: without any, take() reads
+  } catch (const std::system_error&) {  // fewer threads can start; without any, take() reads
   }
 }
 
 PicturesAhead::Slot PicturesAhead::slot_of(long number) const {
   try {
     return {read_(number), nullptr};
-  } catch (...) {  // no memory: for the thread that measures to answer
+  } catch (...) {  // e.g. no memory: rethrown in take()
     return {tl::unexpected(InputError{}), std::current_exception()};
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures read by threads of their own while the ones before them are measured; handed out in order, so nothing that
-// is measured depends on the number of threads.
+// Reads images ahead in separate threads while earlier ones are measured. They are delivered in order, so results do
+// not depend on the number of threads.
 #pragma once
 
 #include <condition_variable>
@@ -15,18 +15,18 @@
 
 namespace moiregauge::internal {
 
-// However many threads there are: with the picture in use never more than 16 in memory.
+// Limits the memory to 16 images, whatever the number of threads: 14 being read, one ready, one in use.
 inline constexpr int kMaxReaders = 14;
 
 class PicturesAhead {
  public:
-  // Pictures from `first` up to `end`. With more than one reader `read` is called by several threads at once.
+  // Reads images `first` to `end - 1`. With more than one reader, several threads call `read` at once.
   PicturesAhead(long first, long end, std::function<PictureOrError(long)> read, int readers);
   PicturesAhead(const PicturesAhead&) = delete;
   PicturesAhead& operator=(const PicturesAhead&) = delete;
-  ~PicturesAhead() = default;  // waits for the pictures that are being read
+  ~PicturesAhead() = default;  // waits for images that are being read
 
-  // The next one, as soon as it is read; rethrows what reading it threw.
+  // Returns the next image once it is read. Rethrows the exception of its reader.
   [[nodiscard]] PictureOrError take();
 
  private:
@@ -39,13 +39,13 @@ class PicturesAhead {
 
   std::function<PictureOrError(long)> read_;
   long end_;
-  long ahead_;    // how far reading may run before what is taken
-  long to_read_;  // guarded by mutex_, as all below
+  long ahead_;    // largest number of images read but not taken
+  long to_read_;  // guarded by mutex_, as all members below
   long to_take_;
   std::map<long, Slot> ready_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::vector<std::jthread> readers_;  // last: joined before anything they use is gone
+  std::vector<std::jthread> readers_;  // last: joined before the members it uses are destroyed
 };
 
 }  // namespace moiregauge::internal

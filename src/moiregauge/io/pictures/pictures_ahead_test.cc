@@ -16,12 +16,12 @@ Picture picture_number(long number) {
   return picture;
 }
 
-TEST(PicturesAhead, PicturesComeInOrderWhoeverReadsFirst) {
+TEST(PicturesAhead, ImagesComeInOrderWhicheverIsReadFirst) {
   for (const int readers : {1, 2, 5, 100}) {
     PicturesAhead ahead(
         3, 60,
         [](long i) -> PictureOrError {
-          std::this_thread::sleep_for(std::chrono::microseconds(i % 7 * 300));  // the later one is often ready first
+          std::this_thread::sleep_for(std::chrono::microseconds(i % 7 * 300));  // later images are often ready first
           return picture_number(i);
         },
         readers);
@@ -29,7 +29,7 @@ TEST(PicturesAhead, PicturesComeInOrderWhoeverReadsFirst) {
   }
 }
 
-TEST(PicturesAhead, NoMoreThanSixteenAreInMemoryHoweverManyThreads) {
+TEST(PicturesAhead, AtMostSixteenAreInMemoryWithAnyNumberOfThreads) {
   std::atomic<long> begun{0};
   PicturesAhead ahead(
       0, 1000,
@@ -45,7 +45,7 @@ TEST(PicturesAhead, NoMoreThanSixteenAreInMemoryHoweverManyThreads) {
   }
 }
 
-TEST(PicturesAhead, APictureThatCannotBeReadIsAnErrorInItsPlaceOnly) {
+TEST(PicturesAhead, AnUnreadableImageIsAnErrorAtItsPositionOnly) {
   PicturesAhead ahead(
       0, 4,
       [](long i) -> PictureOrError {
@@ -60,7 +60,7 @@ TEST(PicturesAhead, APictureThatCannotBeReadIsAnErrorInItsPlaceOnly) {
   EXPECT_TRUE(ahead.take());
 }
 
-TEST(PicturesAhead, StoppingHalfWayWaitsForNothingButWhatIsBeingRead) {
+TEST(PicturesAhead, StoppingWaitsOnlyForImagesBeingRead) {
   PicturesAhead ahead(
       0, 1'000'000, [](long i) -> PictureOrError { return picture_number(i); }, 3);
   EXPECT_TRUE(ahead.take());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small picture files for the tests of this module. Written with libpng itself, not with
-// the simulator's writer: a mistake shared by writer and reader would cancel out.
+// Writes small image files for the tests of this module. Uses libpng directly, not the simulator's writer: a mistake
+// shared by writer and reader would cancel out.
 #pragma once
 
 #include <cstdint>
@@ -17,12 +17,12 @@ namespace moiregauge::internal {
 struct TestPng {
   int width = 4;
   int height = 2;
-  int depth = 8;        // 8 or 16
-  int significant = 0;  // 0: no sBIT chunk
+  int depth = 8;        // bits per sample, 8 or 16
+  int significant = 0;  // significant bits; 0: no sBIT chunk
   bool colour = false;
 };
 
-// Samples row by row, as they shall stand in the file.
+// Writes samples row by row, with the values to be stored.
 inline void write_test_png(const std::string& path, const TestPng& shape, const std::vector<std::uint16_t>& samples) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);

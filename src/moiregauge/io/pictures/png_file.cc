@@ -24,7 +24,7 @@ struct PngWriter {
   ~PngWriter() { png_destroy_write_struct(&png, &info); }
 };
 
-// PNG stores 16-bit samples with the high byte first.
+// Packs a row. PNG stores the high byte of 16-bit samples first.
 void pack(std::span<const std::uint8_t> row, std::vector<png_byte>& bytes) { bytes.assign(row.begin(), row.end()); }
 void pack(std::span<const std::uint16_t> row, std::vector<png_byte>& bytes) {
   bytes.clear();
@@ -34,7 +34,7 @@ void pack(std::span<const std::uint16_t> row, std::vector<png_byte>& bytes) {
   }
 }
 
-// False after any complaint of libpng, which leaves by longjmp: nothing with a destructor is born in here.
+// Returns false after an error of libpng, which leaves by longjmp. No object with a destructor may be created here.
 template <typename Grey>
 bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view, int bits, PngTone tone,
                 std::vector<png_byte>& bytes) {

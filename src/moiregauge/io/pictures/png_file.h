@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey pictures as PNG files.
+// Writes grey images as PNG files.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace moiregauge::internal {
 
-// The file's statement about its grey levels: nothing, or that they are light (gAMA 1).
+// Statement of the file about its grey levels: none, or proportional to light (gAMA 1).
 enum class PngTone { kUnstated, kLinear };
 
-// Writes 8-bit pictures as they are; 9 to 16 bits with `bits` noted in the file (sBIT) and the value in the low bits.
-// The file appears whole or not at all. An error reads "path: why".
+// Writes 8-bit images as they are. Images of 9 to 16 bits have `bits` in the sBIT chunk and the value in the low bits.
+// Writes the whole file or none. Fails with the path and the reason.
 [[nodiscard]] tl::expected<void, std::string> write_png(const std::string& path, const LumaView& picture, int bits,
                                                         PngTone tone = PngTone::kUnstated);
 

@@ -17,7 +17,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// libpng leaves by longjmp. Everything with a destructor lives here, outside the functions it may leap over.
+// libpng reports errors by longjmp. Objects with destructors are here, outside the functions that it leaves.
 struct PngFile {
   std::FILE* file = nullptr;
   png_structp png = nullptr;
@@ -40,13 +40,13 @@ void ignore_png_warning(png_structp /*png*/, png_const_charp /*text*/) {}
 struct PngHead {
   png_uint_32 width = 0;
   png_uint_32 height = 0;
-  int bits = 8;       // significant
-  int word_bits = 8;  // stored: 8 or 16
-  int channels = 1;   // 1 or 3 after the conversions below
+  int bits = 8;       // significant bits
+  int word_bits = 8;  // stored bits: 8 or 16
+  int channels = 1;   // 1 or 3, after the conversions below
   Tone tone;
 };
 
-// The tone curve that the file states (PNG 11.3.2: sRGB, gAMA), or the usual one: sRGB of 8 bits, linear of more.
+// Returns the stated tone curve (PNG 11.3.2: sRGB, gAMA), or the usual one: sRGB for 8 bits, linear for 16.
 Tone tone_of(PngFile& in, int word_bits) {
   int intent = 0;
   double file_gamma = 0.0;
@@ -59,7 +59,7 @@ Tone tone_of(PngFile& in, int word_bits) {
   return {{.kind = word_bits == 8 ? ToneCurve::Kind::kSrgb : ToneCurve::Kind::kLinear}, ToneSource::kAssumed};
 }
 
-// Significant bits of a 16-bit file.
+// Returns the number of significant bits of a 16-bit file.
 int significant_bits(PngFile& in) {
   png_color_8p sig = nullptr;
   if (png_get_sBIT(in.png, in.info, &sig) == 0) return 16;
@@ -68,13 +68,13 @@ int significant_bits(PngFile& in) {
   return bits >= 9 && bits <= 16 ? bits : 16;
 }
 
-// The size alone: libpng takes memory for a row before anyone can ask it how wide a row is.
+// Reads the size only, because libpng allocates a row before it can report the row's width.
 bool read_png_size(PngFile& in, PngHead& head) {
   if (setjmp(png_jmpbuf(in.png)) != 0) return false;
   png_init_io(in.png, in.file);
-  png_set_user_limits(in.png, 0x7fffffffU, 0x7fffffffU);  // ours is on pixels, below
-  png_set_chunk_cache_max(in.png, 100);                   // texts and the like, of which we read none
-  png_set_chunk_malloc_max(in.png, 1U << 23);             // bytes; a compressed text may unpack to as much
+  png_set_user_limits(in.png, 0x7fffffffU, 0x7fffffffU);  // the limit on pixels is checked later
+  png_set_chunk_cache_max(in.png, 100);                   // ancillary chunks such as texts, which are not used
+  png_set_chunk_malloc_max(in.png, 1U << 23);             // bytes that a compressed text may expand to
   png_read_info(in.png, in.info);
   head.width = png_get_image_width(in.png, in.info);
   head.height = png_get_image_height(in.png, in.info);
@@ -91,7 +91,7 @@ bool read_png_head(PngFile& in, PngHead& head) {
   png_set_strip_alpha(in.png);
   head.bits = head.word_bits == 16 ? significant_bits(in) : 8;
   head.tone = tone_of(in, head.word_bits);
-  if (head.word_bits == 16) png_set_swap(in.png);  // PNG is big-endian, we are not
+  if (head.word_bits == 16) png_set_swap(in.png);  // PNG is big-endian, this machine is not
   png_set_interlace_handling(in.png);
   png_read_update_info(in.png, in.info);
   return true;
@@ -129,15 +129,18 @@ PictureOrError read_png(const std::string& path, std::int64_t max_pixels) {
   PngFile in;
   auto file = open_plain_file(path);
   if (!file)
-    return input_failure(InputErrorKind::kUnreadable, fmt::format("cannot open picture: {}: {}", path, file.error()));
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("the image cannot be opened: {}: {}", path, file.error()));
   in.file = file->release();
   in.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &in, &note_png_error, &ignore_png_warning);
   in.info = in.png == nullptr ? nullptr : png_create_info_struct(in.png);
   if (in.info == nullptr)
-    return input_failure(InputErrorKind::kUnreadable, fmt::format("no memory for picture: {}", path));
+    return input_failure(InputErrorKind::kUnreadable,
+                         fmt::format("there is not enough memory for the image: {}: free memory", path));
   PngHead head;
   const auto unreadable = [&] {
-    return input_failure(InputErrorKind::kDamaged, fmt::format("not a readable PNG: {}: {}", path, in.problem));
+    return input_failure(InputErrorKind::kDamaged,
+                         fmt::format("the PNG file cannot be read: {}: {}", path, in.problem));
   };
   if (!read_png_size(in, head)) return unreadable();
   if (auto problem = size_problem(path, head.width, head.height, max_pixels)) return tl::unexpected(*problem);
@@ -146,7 +149,7 @@ PictureOrError read_png(const std::string& path, std::int64_t max_pixels) {
   in.samples.resize(row_bytes * head.height);
   for (std::size_t y = 0; y < head.height; ++y) in.rows.push_back(in.samples.data() + y * row_bytes);
   if (!read_png_rows(in)) {
-    return input_failure(InputErrorKind::kDamaged, fmt::format("damaged picture: {}: {}", path, in.problem));
+    return input_failure(InputErrorKind::kDamaged, fmt::format("the image is damaged: {}: {}", path, in.problem));
   }
   Picture picture{{}, head.bits, 0, "png"};
   picture.tone = head.tone;

@@ -9,7 +9,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// Colour with transparency. A row is read whole, and damaged tags that name 65535 samples would make it of gigabytes.
+// Largest number of samples per pixel: colour with transparency. A row is read at once, so a damaged tag of 65535
+// samples would allocate gigabytes.
 constexpr int kMaxSamples = 4;
 
 }  // namespace
@@ -33,13 +34,15 @@ std::string problem_with(const TiffPage& page) {
   const bool grey = page.photometric == PHOTOMETRIC_MINISBLACK || page.photometric == PHOTOMETRIC_MINISWHITE;
   const bool colour = page.photometric == PHOTOMETRIC_RGB && page.samples >= 3;
   if (!grey && !colour) return "store it as grey or RGB";
-  if (page.samples > kMaxSamples) return fmt::format("{} samples a pixel; store it as grey or RGB", page.samples);
+  if (page.samples > kMaxSamples)
+    return fmt::format("it has {} samples per pixel, store it as grey or RGB", page.samples);
   if (page.word_bits != 8 && page.word_bits != 16)
-    return fmt::format("{} bits a sample; store 8 or 16", page.word_bits);
-  if (page.format != SAMPLEFORMAT_UINT) return "store whole numbers without sign";
-  if (page.planar != PLANARCONFIG_CONTIG && page.samples > 1) return "store the colours of a pixel together";
+    return fmt::format("it has {} bits per sample, store 8 or 16", page.word_bits);
+  if (page.format != SAMPLEFORMAT_UINT) return "store unsigned whole numbers";
+  if (page.planar != PLANARCONFIG_CONTIG && page.samples > 1)
+    return "store the colours of each pixel together (contiguous)";
   if (page.tiled) return "store it in strips, not tiles";
-  if (!rotation_of_orientation(page.orientation)) return "it is mirrored; store it unmirrored";
+  if (!rotation_of_orientation(page.orientation)) return "it is mirrored, store it without mirroring";
   return {};
 }
 

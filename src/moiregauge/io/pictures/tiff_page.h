@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a page of a TIFF says about its picture. For the reader of stacks only.
+// Tags of one TIFF page. Used by the reader of stacks only.
 #pragma once
 
 #include <cstddef>
@@ -26,14 +26,15 @@ struct TiffPage {
 
 [[nodiscard]] TiffPage page_at_hand(TIFF* tiff);
 
-// Why this page is none we read, or nothing.
+// Returns the reason why this page cannot be read, or an empty text.
 [[nodiscard]] std::string problem_with(const TiffPage& page);
 
-// 16-bit words that state a smaller largest value hold fewer bits.
+// Returns the number of significant bits. 16-bit words with a smaller stated maximum have fewer bits.
 [[nodiscard]] int significant_bits(const TiffPage& page);
 
-// Where in the file the page's pixels begin, if they lie there row by row as they are: uncompressed grey, upright,
-// black is zero, words as this machine has them, one strip behind the other and all of them inside file_bytes.
+// Returns the file offset of the pixels if they can be used in place, otherwise nothing. The page must be uncompressed
+// grey and upright. Black must be zero, words must have this machine's byte order, and strips must be contiguous and
+// within file_bytes.
 [[nodiscard]] std::optional<std::size_t> place_of_rows(TIFF* tiff, const TiffPage& page, std::size_t file_bytes);
 
 }  // namespace moiregauge::internal

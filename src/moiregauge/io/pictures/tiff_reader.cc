@@ -18,7 +18,7 @@ namespace moiregauge::internal {
 struct TiffStack::State {
   TIFF* tiff = nullptr;
   std::string problem;
-  std::shared_ptr<const MappedFile> file;  // null: pages are read
+  std::shared_ptr<const MappedFile> file;  // null: pages are copied
 };
 
 namespace {
@@ -67,13 +67,13 @@ tl::expected<std::shared_ptr<TiffStack>, InputError> TiffStack::open(const std::
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
   TIFFOpenOptionsSetErrorHandlerExtR(options, &note_tiff_error, &stack->state_->problem);
   TIFFOpenOptionsSetWarningHandlerExtR(options, &ignore_tiff_warning, nullptr);
-  // A strip of the largest picture, colour in words; a table of strips or a compressed row takes less.
+  // Bytes: a strip of the largest image as 16-bit colour. Tables of strips and compressed rows need less.
   TIFFOpenOptionsSetMaxSingleMemAlloc(options, static_cast<tmsize_t>(8 * max_pixels + (1 << 24)));
-  stack->state_->tiff = TIFFOpenExt(path.c_str(), "rm", options);  // m: it reads; what is mapped, we watch
+  stack->state_->tiff = TIFFOpenExt(path.c_str(), "rm", options);  // m: without a mapping of libtiff's own
   TIFFOpenOptionsFree(options);
   if (stack->state_->tiff == nullptr) {
-    return tl::unexpected(
-        InputError{InputErrorKind::kDamaged, fmt::format("not a readable TIFF: {}: {}", path, stack->state_->problem)});
+    return tl::unexpected(InputError{
+        InputErrorKind::kDamaged, fmt::format("the TIFF file cannot be read: {}: {}", path, stack->state_->problem)});
   }
   stack->pages_ = static_cast<long>(TIFFNumberOfDirectories(stack->state_->tiff));
   stack->state_->file = MappedFile::open(path);
@@ -108,11 +108,11 @@ PictureOrError TiffStack::read(long page) {
   const auto current = static_cast<long>(TIFFCurrentDirectory(tiff));
   const bool there = current == page || (current + 1 == page && TIFFReadDirectory(tiff) != 0) ||
                      TIFFSetDirectory(tiff, static_cast<tdir_t>(page)) != 0;
-  if (!there) return failure(InputErrorKind::kDamaged, "damaged picture", state_->problem);
+  if (!there) return failure(InputErrorKind::kDamaged, "the image is damaged", state_->problem);
   const TiffPage head = page_at_hand(tiff);
   if (auto problem = size_problem(path_, head.width, head.height, max_pixels_)) return tl::unexpected(*problem);
   if (const std::string problem = problem_with(head); !problem.empty()) {
-    return failure(InputErrorKind::kUnsupported, "unknown kind of TIFF", problem);
+    return failure(InputErrorKind::kUnsupported, "this kind of TIFF is not supported", problem);
   }
   Picture picture{{}, significant_bits(head), 0, "tiff"};
   if (show_in_place(picture)) return picture;
@@ -121,7 +121,7 @@ PictureOrError TiffStack::read(long page) {
     read = read_tiff_rows(tiff, head, picture.grey.emplace<0>());
   else
     read = read_tiff_rows(tiff, head, picture.grey.emplace<1>());
-  if (!read) return failure(InputErrorKind::kDamaged, "damaged picture", state_->problem);
+  if (!read) return failure(InputErrorKind::kDamaged, "the image is damaged", state_->problem);
   turn(picture, *rotation_of_orientation(head.orientation));
   return picture;
 }

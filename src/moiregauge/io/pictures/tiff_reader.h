@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TIFF files, of which the pages are pictures.
+// Reads TIFF files, one image per page.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@
 
 namespace moiregauge::internal {
 
-// Grey or RGB pages of 8 or 16 bits, in strips, any compression libtiff knows. White-is-zero pages are turned to
-// black-is-zero; a page's orientation is applied. Pages are cheap in order, slower at random. An uncompressed grey page
-// of which the strips follow one another is not read at all: its picture is a window on the file (lies_in_place).
+// Supports grey or RGB pages of 8 or 16 bits, in strips, with any compression of libtiff. White-is-zero becomes
+// black-is-zero, and a page's orientation is applied. Reading pages in order is fast, random access slower.
+// An uncompressed grey page with contiguous strips is not copied: its image is a view into the mapped file.
 class TiffStack {
  public:
   [[nodiscard]] static tl::expected<std::shared_ptr<TiffStack>, InputError> open(
@@ -22,7 +22,7 @@ class TiffStack {
   TiffStack(const TiffStack&) = delete;
   TiffStack& operator=(const TiffStack&) = delete;
   [[nodiscard]] long pages() const { return pages_; }
-  // fails      kUnsupported (tiles, other depths, palettes, too many pixels, mirrored), kDamaged
+  // Fails: kUnsupported (tiles, other depths, palettes, too many pixels, mirrored), kDamaged.
   [[nodiscard]] PictureOrError read(long page);
 
  private:

@@ -39,18 +39,21 @@ tl::expected<void, OutputError> write_file_set(const std::string& dir, const std
   const RunPlace place = place_of_run(dir);
   if (!may_be_taken(place.results, files, existing))
     return tl::unexpected(OutputError{
-        true, fmt::format("folder in use: {}: {}; choose another with -o", place.shown,
-                          existing == Existing::kReplace ? "it holds something else than what is to be replaced"
-                                                         : "it is not empty; --replace takes its place")});
+        true, existing == Existing::kReplace
+                  ? fmt::format("the output folder holds something else: {}: choose another with -o", place.shown)
+                  : fmt::format("the output folder is not empty: {}: replace it with --replace, or choose another with "
+                                "-o",
+                                place.shown)});
   const fs::path partial = place.results.string() + ".partial";
   const auto fail = [&](const std::string& why) {
     std::error_code ignored;
     fs::remove_all(partial, ignored);
     return tl::unexpected(OutputError{
-        false, fmt::format("cannot write: {}: {}: make room or choose another folder with -o", place.shown, why)});
+        false,
+        fmt::format("the files could not be written: {}: {}: free space or choose another folder with -o", place.shown, why)});
   };
   std::error_code error;
-  fs::remove_all(partial, error);  // of a process that was killed
+  fs::remove_all(partial, error);  // of a killed process
   fs::create_directories(partial, error);
   if (error) return fail(error.message());
   for (const auto& [name, bytes] : files) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of files that appears as a whole or not at all.
+// Writes a folder of files as a whole or not at all.
 #pragma once
 
 #include <string>
@@ -16,11 +16,11 @@ using NamedBytes = std::pair<std::string, std::string>;  // name in the folder, 
 
 enum class Existing {
   kRefuse,   // the folder must be new or empty
-  kReplace,  // a folder is replaced if it holds nothing but files whose endings are among those now written
+  kReplace,  // a folder that holds only files with the extensions of the new ones is replaced
 };
 
-// Writes beside DIR under another name, brings it to the disk, and puts it in its place in one step.
-// fails   (usage) where DIR is somebody else's; (not usage) where nothing can be written: nothing is left behind then
+// Writes the files to a temporary folder next to DIR, syncs it, and renames it in one step.
+// Fails (usage) if DIR may not be replaced. Fails (not usage) if it cannot be written, and leaves nothing behind.
 [[nodiscard]] tl::expected<void, OutputError> write_file_set(const std::string& dir,
                                                              const std::vector<NamedBytes>& files, Existing existing);
 

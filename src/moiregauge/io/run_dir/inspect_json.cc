@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// An object in which what is not known is null, with the reason beside it.
+// Builds a JSON object. Unknown values are null, with the reason in "null_because".
 class Facts {
  public:
   template <typename Value>
@@ -45,17 +45,17 @@ class Facts {
   Json json_ = Json::object(), because_ = Json::object();
 };
 
-// Counter-clockwise from the picture's horizontal; its y counts downwards.
+// Returns the direction in degrees, counter-clockwise from the image's horizontal. Image y is downwards.
 double direction_deg(ImageExtent d) {
   return length(d) > 0.0 ? degrees_from_radians(std::atan2(-d.y, d.x)) : kNotMeasured;
 }
 
-constexpr const char* kOneAxis = "lines along this axis do not show it";
-constexpr const char* kNoPitch = "no millimetres without --pitch or --site";
+constexpr const char* kOneAxis = "the grating does not show this axis";
+constexpr const char* kNoPitch = "millimetres require --pitch or --site";
 
 void put_name(Facts& facts, const Inspection& seen, int marker) {
   if (marker == kNobody) {
-    const char* why = seen.reference ? "taken for no marker" : "nobody could be told apart";
+    const char* why = seen.reference ? "not identified as a marker" : "the markers could not be identified";
     facts.null("name", why).null("role", why);
     return;
   }
@@ -67,12 +67,12 @@ Json circle_json(const Inspection& seen, const InspectedCircle& c) {
   Facts facts;
   put_name(facts, seen, c.marker);
   if (c.lattice == kNobody)
-    facts.null("lattice", "not one of a lattice's dots");
+    facts.null("lattice", "not a dot of a lattice");
   else
     facts.put("lattice", c.lattice);
   return facts.number("x_px", c.seen.centre.x, "")
       .number("y_px", c.seen.centre.y, "")
-      .number("u_px", c.seen.u_centre_px, "too little of the outline carries it")
+      .number("u_px", c.seen.u_centre_px, "too little of the outline is visible")
       .number("diameter_px", c.seen.diameter_px, "")
       .number("axis_ratio", c.seen.axis_ratio, "")
       .number("angle_deg", -degrees_from_radians(c.seen.angle_rad), "")
@@ -113,7 +113,7 @@ Json patch_json(const Inspection& seen, const InspectedPatch& p) {
       .number("periods_x", p.seen.periods_x, "")
       .number("periods_y", p.seen.periods_y, "")
       .number("modulation", p.seen.modulation, "")
-      .number("noise", p.noise.sigma, "too small for its noise to be told")
+      .number("noise", p.noise.sigma, "too small to determine its noise")
       .number("unexplained", p.seen.noise, "")
       .number("clipped_share", p.noise.clipped_share, "")
       .number("u_dx_px", u.along_x_px, kOneAxis)
@@ -129,8 +129,8 @@ Json lattice_json(const IndexedLattice& lattice) {
                          .put("row", p.row)
                          .number("x_px", p.at.x, "")
                          .number("y_px", p.at.y, "")
-                         .number("u_px", p.u_px, "not stated")
-                         .number("size_px", p.size_px, "not stated")
+                         .number("u_px", p.u_px, "not determined")
+                         .number("size_px", p.size_px, "not determined")
                          .json());
   }
   return Facts()
@@ -150,17 +150,17 @@ const char* word_for_loss(Loss loss) {
     case Loss::kNone:
       return "seen";
     case Loss::kNotSeen:
-      return "not seen";
+      return "not found";
     case Loss::kOutsidePicture:
-      return "not all of it is in the picture";
+      return "partly outside the image";
     case Loss::kNoModulation:
-      return "no grating of the stated pitch there";
+      return "there is no grating of the stated pitch";
     case Loss::kCovered:
-      return "something covers part of it";
+      return "partly covered";
     case Loss::kTooCoarse:
-      return "its pitch has too few pixels";
+      return "its pitch is too few pixels wide";
   }
-  return "not seen";
+  return "not found";
 }
 
 Json seen_marker_json(const Inspection& seen, std::size_t i) {
@@ -197,7 +197,7 @@ Json expected_json(const Inspection& seen, const ExpectedUncertainty& e) {
   const double mm_per_px = reference.view.mm_per_px(m.grating->centre);
   const bool has_mm = seen.unit == BoardUnit::kMillimetre;
   const Loss loss = reference.seen.markers[e.marker].loss;
-  const std::string unread = loss == Loss::kNone ? "the print does not show this axis" : word_for_loss(loss);
+  const std::string unread = loss == Loss::kNone ? "the grating does not show this axis" : word_for_loss(loss);
   const auto mm = [&](double value) { return has_mm ? value : kNotMeasured; };
   const std::string no_mm = has_mm ? unread : kNoPitch;
   return Facts()
@@ -213,7 +213,7 @@ Json expected_json(const Inspection& seen, const ExpectedUncertainty& e) {
       .json();
 }
 
-// Lengths are null without a pitch.
+// Returns the scale of the image. Lengths in mm are null without a pitch.
 Json scale_of_picture_json(const Inspection& seen) {
   const ScaleCheck check = scale_check(*seen.reference);
   const auto& markers = seen.reference->site.markers;
@@ -221,7 +221,7 @@ Json scale_of_picture_json(const Inspection& seen) {
   Facts facts;
   facts.number("mm_per_px", mm(check.mm_per_px), kNoPitch).put("from", markers[check.from].name);
   if (check.from == check.to)
-    facts.null("to", "one marker is all there is: the length is its print's width");
+    facts.null("to", "there is only one marker, the length is its grating's width");
   else
     facts.put("to", markers[check.to].name);
   return facts.number("distance_mm", mm(check.distance_mm), kNoPitch).json();
@@ -234,7 +234,7 @@ Json inspect_json(const InspectReport& report) {
   Facts input;
   input.put("path", report.input.path).put("frame", report.frame);
   Json json{{"moiregauge", kVersion}, {"schema", 1}};
-  json["input"] = input.number("time_s", report.time_s, "the pictures carry no time")
+  json["input"] = input.number("time_s", report.time_s, "the images have no times")
                       .put("width", seen.width)
                       .put("height", seen.height)
                       .put("bits", report.input.bits)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// inspect.json: everything that is seen in one picture (docs/file-formats.md).
+// Writes inspect.json, the description of all objects detected in one image (docs/file-formats.md).
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ struct InspectReport {
   long frame = 0;
   double time_s = kNotMeasured;
   Inspection seen;
-  std::vector<ExpectedUncertainty> expected;  // empty without a reference
+  std::vector<ExpectedUncertainty> expected;  // empty without a reference frame
   Exit exit = Exit::kMeasured;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Lines that show nothing along y, a picture without time, a target that was not read: all that can be unknown is.
+// A report in which every optional value is unknown: lines that show nothing along y, no time, an unread target.
 InspectReport full_of_gaps(BoardUnit unit) {
   InspectReport report;
   report.input.path = "clip.mp4";
@@ -44,7 +44,7 @@ InspectReport full_of_gaps(BoardUnit unit) {
   return report;
 }
 
-// Every null has its reason beside it.
+// Checks that every null has a reason.
 void expect_reasons(const Json& json, const std::string& where) {
   if (json.is_array()) {
     for (const Json& part : json) expect_reasons(part, where);
@@ -60,7 +60,7 @@ void expect_reasons(const Json& json, const std::string& where) {
   }
 }
 
-TEST(InspectJson, WhatIsNotKnownIsNullWithAReason) {
+TEST(InspectJson, UnknownValuesAreNullWithAReason) {
   for (const BoardUnit unit : {BoardUnit::kMillimetre, BoardUnit::kPitch}) {
     const Json json = inspect_json(full_of_gaps(unit));
     expect_reasons(json, "inspect");
@@ -81,11 +81,11 @@ TEST(InspectJson, WithoutAPitchThereAreNoMillimetres) {
   EXPECT_DOUBLE_EQ(json["expected"][0]["u_dx_px"].get<double>(), 0.1);
 }
 
-TEST(InspectJson, DirectionsAreCounterClockwiseAsThePictureIsSeen) {
+TEST(InspectJson, DirectionsAreCounterClockwiseInTheDisplayedImage) {
   InspectReport report = full_of_gaps(BoardUnit::kMillimetre);
   DetectedPatch& patch = report.seen.patches[0].seen;
   patch.pattern = Pattern::kAuto;
-  const double angle = 0.1;  // rad; the picture's y counts downwards
+  const double angle = 0.1;  // rad; image y is downwards
   patch.k_x = {std::cos(angle) / 12.0, -std::sin(angle) / 12.0};
   patch.k_y = {-std::sin(angle) / 12.0, -std::cos(angle) / 12.0};
   const Json json = inspect_json(report)["gratings"][0];

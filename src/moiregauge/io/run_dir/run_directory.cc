@@ -33,8 +33,8 @@ std::string sha256_of_run(const fs::path& dir) {
   return input_sha256_of_run(file);
 }
 
-// For a folder that takes the place of `from` the same files under another name, else, or where the file system has no
-// such thing, copies.
+// Keeps the files of the measurement. Hard links are enough in a folder that replaces `from`. Otherwise, or if the file
+// system has no links, the files are copied.
 Done keep_seen(const fs::path& dir, const fs::path& from, bool in_place) {
   for (const char* name : {"overlay.png", "stabilised.mp4", kRunFileName.data()}) {
     std::error_code error;
@@ -70,7 +70,7 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
     solved.height = measurement.input.height;
     if (auto done = put_file(dir / "camera.toml", write_camera(solved, u_of_camera(*scene))); !done) return done;
   }
-  // What other people called their files is not always UTF-8; the JSON is.
+  // File names are not always UTF-8, but JSON must be.
   const std::string json =
       run_json(measurement, options).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   if (auto done = put_file(dir / "run.json", json); !done) return done;
@@ -82,8 +82,9 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
 
 OutputError RunDirectory::unwritable(const std::string& why, const Measurement& measurement) const {
   if (!solved_from_.empty())
-    return {false, fmt::format("cannot write results: {}: free the space or choose another folder with -o", why)};
-  return {false, fmt::format("cannot write results: {}: all {} frames are safe: free space and run again with --resume",
+    return {false, fmt::format("the results could not be written: {}: free space or choose another folder with -o", why)};
+  return {false, fmt::format("the results could not be written: {} (all {} frames are kept): free space and run again "
+                             "with --resume",
                              why, measurement.observations.size())};
 }
 
@@ -94,11 +95,11 @@ tl::expected<void, OutputError> RunDirectory::check(const std::function<std::str
   if (!fs::exists(dir, error)) return {};
   const auto usage = [&](const char* why) {
     return tl::unexpected(
-        OutputError{true, fmt::format("output folder is taken: {}: {}: choose another with -o", place_.shown, why)});
+        OutputError{true, fmt::format("the output folder cannot be used: {} ({}): choose another with -o", place_.shown, why)});
   };
   if (!fs::is_directory(dir, error)) return usage("it is not a folder");
   if (fs::is_empty(dir, error)) return {};
-  if (!fs::exists(dir / "run.json", error)) return usage("it holds something else than a run");
+  if (!fs::exists(dir / "run.json", error)) return usage("it holds other files");
   if (sha256_of_run(dir) != input_sha256()) return usage("it holds a run of another input");
   return {};
 }
@@ -123,7 +124,7 @@ tl::expected<void, OutputError> RunDirectory::write(const Measurement& measureme
   std::error_code error;
   const bool is_new = solved_from_.empty();
   const fs::path folder = is_new ? place_.unfinished : place_.solved;
-  if (!is_new) fs::remove_all(folder, error);  // of a `solve` that was killed
+  if (!is_new) fs::remove_all(folder, error);  // of a killed `solve`
   fs::create_directories(folder, error);
   if (error) return tl::unexpected(unwritable(folder.string() + ": " + error.message(), measurement));
   auto done = put_files(folder, measurement, options);

@@ -63,7 +63,7 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
   return config;
 }
 
-// The camera solved from the footage, else the given one.
+// Returns the camera solved from the footage, or else the given one.
 Json camera_json(const Measurement& measurement, std::optional<Camera> camera) {
   const std::optional<Scene>& scene = stated_scene(measurement);
   const bool solved = scene && determines_camera(*scene);
@@ -99,7 +99,7 @@ Json scene_json(const Measurement& measurement) {
           {"u_print_stretch", stated(std::sqrt(scene.stated_covariance()(kStretchParameter, kStretchParameter)))}};
 }
 
-// A length that a tape can check.
+// Returns a length that the user can check with a tape.
 Json scale_json(const Measurement& measurement) {
   if (!measurement.reference) return nullptr;
   const ScaleCheck check = scale_check(*measurement.reference);
@@ -112,7 +112,7 @@ Json scale_json(const Measurement& measurement) {
 
 BoardPoint place_of(const Marker& marker) { return marker.grating ? marker.grating->centre : marker.circle->centre; }
 
-// What a scene tells of a marker, each number with its u where one was solved.
+// Adds the solved parameters of a marker, each with its u.
 void add_solved(const Site& site, const Scene& scene, std::size_t i, Json& json) {
   const Marker solved = solved_marker(site, scene, i);
   const MarkerShape u = u_of_marker(scene, i);
@@ -148,7 +148,7 @@ Json measured_marker_json(const Measurement& measurement, const Site& site, std:
     const Reference& reference = *measurement.reference;
     json["pitch_px"] = number(marker.grating->pitch_mm / reference.view.mm_per_px(at));
     const auto& modulation = reference.seen.markers[i].patch.modulation;
-    // In grey levels as stored, whatever was measured in.
+    // Grey levels as stored, also if light was measured.
     const double per_grey = i < reference.light_per_grey.size() ? reference.light_per_grey[i] : 1.0;
     json["modulation"] = number(std::fmax(modulation[0], modulation[1]) / per_grey);
   }
@@ -164,14 +164,14 @@ Json budget_json(const Budget& budget) {
   return json;
 }
 
-// Of one frame, every edge of the prints counted; of `precise` only.
+// Returns the Cramér-Rao bound of one frame, with all edges of the gratings. Only for `precise`.
 Json bound_json(const Measurement& measurement, std::size_t target) {
   if (!measurement.reference || !measurement.scene) return nullptr;
   const auto bound = layout_bound(*measurement.reference, target, Bound::kFull);
   return {{"x", number(bound.x)}, {"y", number(bound.y)}};
 }
 
-// Frequency and damping of what swings along one axis; none without a spectrum, or without a peak in it.
+// Returns frequency and damping of the vibration along one axis. Empty without a spectrum or a peak.
 Json peaks_json(const AxisSpectrum& spectrum) {
   Json peaks = Json::array();
   for (const Peak& peak : spectrum.peaks)

@@ -9,7 +9,7 @@ namespace moiregauge::internal {
 
 inline constexpr int kRunSchema = 1;
 
-// run.json (docs/file-formats.md, docs/schema/run.schema.json). What is not known is null.
+// Returns run.json (docs/file-formats.md, docs/schema/run.schema.json). Unknown values are null.
 [[nodiscard]] nlohmann::ordered_json run_json(const Measurement& measurement, const MeasureOptions& options);
 
 }  // namespace moiregauge::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is read back of a run.json: which input it was made from.
+// Reads the input's fingerprint from a run.json.
 #pragma once
 
 #include <istream>
@@ -7,7 +7,7 @@
 
 namespace moiregauge::internal {
 
-// The input's fingerprint; empty when the file is no JSON or does not say. Never throws, whatever the file holds.
+// Returns the fingerprint, or an empty text if the file is no JSON or has none. Never throws.
 [[nodiscard]] std::string input_sha256_of_run(std::istream& run_json);
 
 }  // namespace moiregauge::internal

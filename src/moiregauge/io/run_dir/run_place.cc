@@ -28,7 +28,7 @@ fs::path real_place(const std::string& path) {
 
 bool move(const fs::path& from, const fs::path& to) { return std::rename(from.c_str(), to.c_str()) == 0; }
 
-// False, with errno; nothing has changed then.
+// Exchanges `folder` and DIR. On failure returns false, sets errno and changes nothing.
 bool exchange(const fs::path& folder, const RunPlace& place) {
   if (::renameat2(AT_FDCWD, folder.c_str(), AT_FDCWD, place.results.c_str(), RENAME_EXCHANGE) == 0) return true;
   if (errno != EINVAL && errno != ENOSYS) return false;
@@ -68,7 +68,7 @@ tl::expected<void, std::string> publish(const fs::path& folder, const RunPlace& 
   const bool is_synced = sync_folder(place.results.parent_path().string());
   const int why = errno;
   if (is_taken) {
-    fs::remove(folder / kRunFileName, error);  // first of all: what is left is no run that could go on
+    fs::remove(folder / kRunFileName, error);  // first, so that a kill leaves no run that could be resumed
     fs::remove_all(folder, error);
   }
   errno = why;

@@ -16,7 +16,7 @@ BoardPoint turned_about(BoardPoint middle, BoardPoint p, double angle_rad, doubl
   return middle + Extent<frame::Board>{c * d.x - s * d.y, s * d.x + c * d.y};
 }
 
-// The width of the narrowest ball that holds the covariance of these parameters, or `given` where none was solved.
+// Returns the root of the largest eigenvalue of the covariance of these parameters. Returns `given` if none was solved.
 double width_over(const Scene& scene, const std::vector<int>& rows, double given) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   if (n == 0) return given;
@@ -34,8 +34,8 @@ bool is_solved(const Scene& scene, std::size_t marker, int parameter) {
   return scene.covariance(shape_row(marker, parameter), shape_row(marker, parameter)) > 0.0;
 }
 
-// A height is written when it was solved to what the site's own heights are good for; a target whose depth stays open
-// within more than that keeps what the site says.
+// Returns true if the height was solved at least as well as the site states heights. A target with a more uncertain
+// depth keeps the stated one.
 bool has_new_height(const Site& site, const Scene& scene, std::size_t marker) {
   const double u = u_of_marker(scene, marker).value[MarkerShape::kHeight];
   return u > 0.0 && u <= site.known_to.height_mm;
@@ -98,7 +98,7 @@ Site solved_site(const Site& site, const Scene& scene) {
   }
   const KnownTo& known = site.known_to;
   const double height_mm = width_over(scene, heights, known.height_mm);
-  // Footage tells, it does not take knowledge away: what exceeds the site's own is rounding.
+  // A solution only adds information, so values above the stated ones are rounding errors.
   const auto at_most = [&](const std::vector<int>& rows, double given) {
     return std::min(given, width_over(scene, rows, given));
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A solved scene as a site and a camera that can be given back.
+// Converts a solved scene to a site and a camera that can be used for another run.
 #pragma once
 
 #include <array>
@@ -9,18 +9,19 @@
 
 namespace moiregauge::internal {
 
-// A marker as the footage has it: print and circle moved and turned together, the pitch by the print's scale, the
-// height where one was solved.
+// Returns the solved marker. Grating and circle are shifted and rotated together, and the pitch has the solved print
+// scale. The height is new if it was solved.
 [[nodiscard]] Marker solved_marker(const Site& site, const Scene& scene, std::size_t marker);
 
-// Standard uncertainties of the camera, whatever of it the model holds fixed.
+// Returns the standard uncertainties of the camera. They include parameters that the model keeps fixed.
 [[nodiscard]] std::array<double, kCameraParameters> u_of_camera(const Scene& scene);
 
-// Standard uncertainties of one marker's x, y (mm), turn (rad), print scale and height (mm); 0 for what was not solved.
+// Returns the standard uncertainties of a marker's x and y (mm), rotation (rad), print scale (1) and height (mm). 0:
+// not solved.
 [[nodiscard]] MarkerShape u_of_marker(const Scene& scene, std::size_t marker);
 
-// The solved markers; `known_to` is so wide that independent errors of that size cover every error that the markers may
-// share (the largest eigenvalue of their covariance), and never narrower for what was not solved.
+// Returns the solved site. Independent errors of size `known_to` cover all common errors of the markers: it is the root
+// of the largest eigenvalue of their covariance. Parameters that were not solved keep at least their stated value.
 [[nodiscard]] Site solved_site(const Site& site, const Scene& scene);
 
 }  // namespace moiregauge::internal

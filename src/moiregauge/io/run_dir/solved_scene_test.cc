@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Two references and a target of which no height is stated.
+// Two references, and a target without a stated height.
 Site site() {
   Site s;
   for (const auto& [name, x] : {std::pair{"W", -100.0}, std::pair{"E", 100.0}})
@@ -37,13 +37,13 @@ void know(Scene& s, std::size_t marker, int parameter, double u) {
   s.covariance(shape_row(marker, parameter), shape_row(marker, parameter)) = u * u;
 }
 
-TEST(SolvedScene, APrintSeenByTheOldSiteAndItsShapeIsSeenByTheSolvedSiteAlone) {
+TEST(SolvedScene, ProjectionBySolvedShapesEqualsProjectionByTheSolvedSite) {
   Scene s = scene();
   for (const std::size_t i : {0, 1, 2}) know(s, i, MarkerShape::kHeight, 0.1);
   const Site before = site(), after = solved_site(before, s);
   const double camera[]{1000.0, 500.0, 400.0, -0.1, 0.02, 0.0, 0.0, 0.0, s.stretch},
       pose[]{0.1, -0.2, 0.3, 5.0, 6.0, 1200.0};
-  // Nine points that no board shows: residuals far from zero, and equal.
+  // Nine points that fit no board, so that residuals are far from zero. They must be equal.
   PatchFit fit;
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
     const double x = static_cast<double>(n % 3) - 1.0, y = static_cast<double>(n / 3) - 1.0;
@@ -61,7 +61,7 @@ TEST(SolvedScene, APrintSeenByTheOldSiteAndItsShapeIsSeenByTheSolvedSiteAlone) {
   }
 }
 
-TEST(SolvedScene, ACircleGoesWithItsPrint) {
+TEST(SolvedScene, ACircleMovesWithItsGrating) {
   const Scene s = scene();
   const Site before = site(), after = solved_site(before, s);
   for (const std::size_t i : {0, 1}) {
@@ -73,14 +73,14 @@ TEST(SolvedScene, ACircleGoesWithItsPrint) {
   }
 }
 
-TEST(SolvedScene, KnownToCoversWhatTheMarkersShare) {
+TEST(SolvedScene, KnownToCoversCommonErrors) {
   Scene s = scene();
-  // Every scale off by the same 0.0002, and nothing else: three independent ones must be allowed that together.
+  // A common error of 0.0002 in all scales: three independent errors must cover it.
   for (const std::size_t i : {0, 1, 2}) {
     for (const std::size_t j : {0, 1, 2})
       s.covariance(shape_row(i, MarkerShape::kScale), shape_row(j, MarkerShape::kScale)) = 0.0002 * 0.0002;
   }
-  // Places independent: the least known one counts.
+  // Independent positions: the largest u counts.
   know(s, 0, MarkerShape::kX, 0.1);
   know(s, 0, MarkerShape::kY, 0.2);
   know(s, 1, MarkerShape::kX, 0.3);
@@ -90,21 +90,21 @@ TEST(SolvedScene, KnownToCoversWhatTheMarkersShare) {
   EXPECT_EQ(solved.known_to.rotation_rad, site().known_to.rotation_rad) << "no turn was solved";
 }
 
-TEST(SolvedScene, AHeightThatWasNotSolvedStaysAsUncertainAsItWas) {
+TEST(SolvedScene, AnUnsolvedHeightKeepsItsUncertainty) {
   Scene s = scene();
-  know(s, 2, MarkerShape::kHeight, 0.2);  // the target's depth only
+  know(s, 2, MarkerShape::kHeight, 0.2);  // only the depth of the target
   const Site solved = solved_site(site(), s);
   EXPECT_EQ(solved.markers[2].z_mm, -30.0);
   EXPECT_FALSE(solved.markers[0].z_mm.has_value());
-  EXPECT_EQ(solved.known_to.height_mm, site().known_to.height_mm);  // it is the references', too
+  EXPECT_EQ(solved.known_to.height_mm, site().known_to.height_mm);  // also applies to the references
   know(s, 0, MarkerShape::kHeight, 0.4);
   know(s, 1, MarkerShape::kHeight, 0.3);
   EXPECT_NEAR(solved_site(site(), s).known_to.height_mm, 0.4, 1e-12);
-  know(s, 2, MarkerShape::kHeight, 20.0);  // a depth hardly known is none to be believed within height_mm
+  know(s, 2, MarkerShape::kHeight, 20.0);  // too uncertain for height_mm
   EXPECT_FALSE(solved_site(site(), s).markers[2].z_mm.has_value());
 }
 
-TEST(SolvedScene, ItsSiteIsAFileThatComesBack) {
+TEST(SolvedScene, ItsSiteReadsBackFromAFile) {
   const Site solved = solved_site(site(), scene());
   const auto read = parse_site(write_site(solved), "site.toml");
   ASSERT_TRUE(read);

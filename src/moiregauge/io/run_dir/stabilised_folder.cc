@@ -24,11 +24,12 @@ fs::path without_slash(const std::string& path) {
 
 OutputError unwritable(const std::string& why) {
   return {false,
-          fmt::format("cannot write stabilised pictures: {}: free the space or choose another folder with --stabilised",
+          fmt::format("the stabilised images could not be written: {}: free space or choose another folder with "
+                      "--stabilised",
                       why)};
 }
 
-// A marker may be called anything; a folder may not.
+// Returns a valid folder name for any marker name.
 std::string folder_name(const std::string& marker) {
   std::string name;
   for (const char c : marker) {
@@ -53,8 +54,8 @@ tl::expected<void, OutputError> StabilisedFolder::open() {
   std::error_code error;
   if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
     return tl::unexpected(OutputError{
-        true, fmt::format("folder is taken: {}: it is not empty: choose another with --stabilised", path_)});
-  fs::remove_all(partial_, error);  // of a run that was killed
+        true, fmt::format("the folder is not empty: {}: choose another with --stabilised", path_)});
+  fs::remove_all(partial_, error);  // of a killed run
   fs::create_directories(partial_, error);
   if (error) return tl::unexpected(unwritable(fmt::format("{}: {}", path_, error.message())));
   return {};
@@ -64,7 +65,7 @@ void StabilisedFolder::keep_failure(const std::string& why) {
   if (failure_) return;
   failure_ = unwritable(why);
   std::error_code ignored;
-  fs::remove_all(partial_, ignored);  // what is left of the disk is for the results
+  fs::remove_all(partial_, ignored);  // leaves the remaining disk space to the results
 }
 
 void StabilisedFolder::plan_crops(const Reference& reference) {

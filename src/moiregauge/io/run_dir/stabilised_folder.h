@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DIR of --stabilised: every marker of every measured frame as a camera that never moved would see it
-// (docs/file-formats.md). Written beside its place under another name and renamed as a whole.
+// Writes the folder of --stabilised: every marker of every measured frame, as seen by a camera that never moved
+// (docs/file-formats.md). It is written under a temporary name and renamed as a whole.
 #pragma once
 
 #include <optional>
@@ -16,19 +16,19 @@ namespace moiregauge::internal {
 class StabilisedFolder : public FrameSink {
  public:
   explicit StabilisedFolder(std::string path);
-  ~StabilisedFolder() override;  // what was not finished is taken away
+  ~StabilisedFolder() override;  // removes an unfinished folder
   StabilisedFolder(const StabilisedFolder&) = delete;
   StabilisedFolder& operator=(const StabilisedFolder&) = delete;
 
-  // Before any work: fails when the place is taken (usage) or nothing can be written there.
+  // Creates the temporary folder. Call it before the run. Fails if the path is in use (usage) or cannot be written.
   [[nodiscard]] tl::expected<void, OutputError> open();
   void add(const Frame& frame, int bits, const Reference* reference, const Observation& seen) override;
-  // Puts the folder in its place. Without a single crop there is none.
+  // Publishes the folder. Without any crop there is no folder.
   [[nodiscard]] tl::expected<void, OutputError> finish();
 
  private:
   struct Place {
-    std::string folder;  // named after the marker
+    std::string folder;  // derived from the marker's name
     CropPlan plan;
   };
   void plan_crops(const Reference& reference);
@@ -43,7 +43,7 @@ class StabilisedFolder : public FrameSink {
   std::optional<OutputError> failure_;
 };
 
-// Is one of two paths the other, or inside it? Then neither can be replaced as a whole.
+// Returns true if one path is the other or is inside it. Then neither can be replaced as a whole.
 [[nodiscard]] bool overlaps(const std::string& a, const std::string& b);
 
 }  // namespace moiregauge::internal

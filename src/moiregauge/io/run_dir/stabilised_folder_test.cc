@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Pictures in memory, numbered as they come.
+// Delivers images from memory as frames.
 class Film : public FrameSource {
  public:
   explicit Film(const std::vector<Image<std::uint8_t>>& pictures) : pictures_(pictures) {
@@ -39,7 +39,7 @@ class Film : public FrameSource {
   std::size_t next_ = 0;
 };
 
-// The small rig turning about three axes: frame 0, and one 1 degree later with the target at its highest.
+// The small rig with rotation about three axes: frame 0, and one rotated by 1 degree with the target at its maximum.
 constexpr long kLater = 100;
 const simulator::Scenario& scenario() {
   static const auto made = simulator::built_in("small-1xyz").value();
@@ -67,7 +67,7 @@ Image<double> as_double(const Image<std::uint8_t>& picture) {
   return out;
 }
 
-// Empty where there is no such picture.
+// Returns an empty image if there is no such file.
 Image<double> grey_of(const std::string& path) {
   const auto picture = read_picture(path);
   return picture ? as_double(std::get<Image<std::uint8_t>>(picture->grey)) : Image<double>{};
@@ -81,13 +81,13 @@ double rms_difference(const Image<double>& a, const Image<double>& b) {
   return std::sqrt(sum / (static_cast<double>(a.width()) * a.height()));
 }
 
-TEST(StabilisedFolder, ReferencesStandStillAndTargetsMoveByTheTruth) {
+TEST(StabilisedFolder, ReferencesRestAndTargetsMoveByTheTruth) {
   const TestFolder place;
   StabilisedFolder folder(place / "still");
   ASSERT_TRUE(folder.open());
   const Measurement run = measured_into(folder);
   ASSERT_TRUE(folder.finish());
-  // Two frames' noise and rounding; interpolation takes some of the noise and leaves less of its own.
+  // Noise and rounding of two frames. Interpolation removes part of the noise and adds less.
   const double noise = std::sqrt(2.0 * (scenario().sensor.noise_sigma * scenario().sensor.noise_sigma + 1.0 / 12.0));
   for (const char* name : {"NW", "NE", "SW", "SE"}) {
     const auto then = grey_of(place / "still" + std::string("/") + name + "/000000.png");
@@ -98,7 +98,7 @@ TEST(StabilisedFolder, ReferencesStandStillAndTargetsMoveByTheTruth) {
   }
   EXPECT_GT(rms_difference(as_double(pictures()[0]), as_double(pictures()[1])), 20.0 * noise) << "the camera moved";
 
-  // The target's displacement, read from its crops alone. Rows count downwards, displacement upwards.
+  // The target's displacement, measured in its crops alone. Image rows are counted downwards, displacement upwards.
   const CropPlan plan = plan_crop(*run.reference, 4);
   const auto grating = *run.reference->site.markers[4].grating;
   const double pitch_px = grating.pitch_mm / plan.mm_per_px;
@@ -114,7 +114,7 @@ TEST(StabilisedFolder, ReferencesStandStillAndTargetsMoveByTheTruth) {
   EXPECT_NEAR(moved, truth, 5.0 * std::hypot(u, run.targets[0].u.y));
 }
 
-TEST(StabilisedFolder, AFrameWithoutReferencesLeavesARowAndNoPicture) {
+TEST(StabilisedFolder, AFrameWithoutReferencesHasARowAndNoImage) {
   const TestFolder place;
   StabilisedFolder folder(place / "still");
   ASSERT_TRUE(folder.open());
@@ -128,12 +128,12 @@ TEST(StabilisedFolder, AFrameWithoutReferencesLeavesARowAndNoPicture) {
   EXPECT_NE(text_of(place / "still/stabilised.json").find("\"mm_per_px\""), std::string::npos);
 }
 
-TEST(StabilisedFolder, AFailureOnTheWayLeavesNothingAndEndsNoMeasuring) {
+TEST(StabilisedFolder, AFailureLeavesNothingAndDoesNotEndTheMeasurement) {
   const TestFolder place;
   {
     StabilisedFolder folder(place / "still");
     ASSERT_TRUE(folder.open());
-    for (const auto& entry : fs::directory_iterator(place.path())) {  // what a full disk does, root or not
+    for (const auto& entry : fs::directory_iterator(place.path())) {  // acts like a full disk, also for root
       fs::remove(entry);
       put_text(entry.path().string(), "no folder");
     }
@@ -145,7 +145,7 @@ TEST(StabilisedFolder, AFailureOnTheWayLeavesNothingAndEndsNoMeasuring) {
   EXPECT_TRUE(fs::is_empty(place.path()));
 }
 
-TEST(StabilisedFolder, WhatIsThereIsNotTouched) {
+TEST(StabilisedFolder, ExistingFilesAreNotChanged) {
   const TestFolder place;
   fs::create_directory(place / "taken");
   put_text(place / "taken/notes.txt", "precious");
@@ -158,7 +158,7 @@ TEST(StabilisedFolder, WhatIsThereIsNotTouched) {
   EXPECT_EQ(text_of(place / "taken/notes.txt"), "precious");
 }
 
-TEST(StabilisedFolder, TwoFoldersThatAreEachReplacedAsAWholeMayNotHoldEachOther) {
+TEST(StabilisedFolder, NestedFoldersThatAreReplacedAsAWholeAreDetected) {
   EXPECT_TRUE(overlaps("out", "./out/"));
   EXPECT_TRUE(overlaps("out/still", "out"));
   EXPECT_TRUE(overlaps("a", "a/b/../c"));

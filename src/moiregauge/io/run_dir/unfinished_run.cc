@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 tl::unexpected<OutputError> usage(std::string message) { return tl::unexpected(OutputError{true, std::move(message)}); }
 
-// Frames that a run can go on from: without a reference frame nothing was measured yet.
+// Returns the number of frames that can be resumed: 0 without a reference frame, because nothing was measured yet.
 long frames_of(const KeptRun& kept) {
   return kept.run.seen.reference ? static_cast<long>(kept.run.seen.observations.size()) : 0;
 }
 
-// Takes the lock if nobody has it (of file systems that have no locks nobody does), and nobody has put the file
-// elsewhere meanwhile. Closes what is another's.
+// Returns true and closes the file if another process has locked or replaced it. Otherwise takes the lock. On file
+// systems without locks no process is detected.
 bool is_anothers(int file, const std::string& path) {
   const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   struct ::stat opened {};
@@ -48,11 +48,11 @@ bool is_ours(const fs::path& folder) {
 }  // namespace
 
 UnfinishedRun::~UnfinishedRun() {
-  journal_.reset();  // writes what was added
+  journal_.reset();  // writes pending records
   if (file_ < 0) return;
   std::error_code error;
   if (frames_ == 0 && !is_whole_) fs::remove_all(place_.unfinished, error);
-  ::close(file_);  // and with it the lock
+  ::close(file_);  // also releases the lock
 }
 
 OutputError UnfinishedRun::unwritable(const std::string& why) const {
@@ -60,15 +60,14 @@ OutputError UnfinishedRun::unwritable(const std::string& why) const {
   const std::string file = fmt::format("{}.unfinished/{}", place_.shown, kRunFileName);
   if (safe == 0)
     return {false,
-            fmt::format("cannot write results: {}: {}: free the space or choose another folder with -o", file, why)};
-  return {false, fmt::format("cannot write results: {}: {}: {} frames are safe: free space and run again with --resume",
+            fmt::format("the results could not be written: {} ({}): free space or choose another folder with -o", file, why)};
+  return {false, fmt::format("the results could not be written: {} ({}; {} frames are kept): free space and run again with --resume",
                              file, why, safe)};
 }
 
 std::string UnfinishedRun::in_use() const {
   return fmt::format(
-      "output folder is in use: {}.unfinished: another process is measuring into it: wait for it, or choose another "
-      "with -o",
+      "another process is measuring into the output folder: {}.unfinished: wait for it, or choose another with -o",
       place_.shown);
 }
 
@@ -79,7 +78,7 @@ tl::expected<std::optional<UnfinishedRun::Found>, OutputError> UnfinishedRun::fi
   if (!fs::exists(path, error)) {
     if (fs::exists(place_.unfinished, error) && !is_ours(place_.unfinished))
       return usage(fmt::format(
-          "output folder is taken: {}.unfinished: it holds something else than a run: choose another with -o",
+          "the folder of the unfinished run holds other files: {}.unfinished: choose another with -o",
           place_.shown));
     path = place_.results / kRunFileName;
     found.in_results = holds_interrupted_run(place_.results) && fs::exists(path, error);
@@ -97,22 +96,25 @@ tl::expected<void, OutputError> UnfinishedRun::judge(const Found& found, const R
   const std::string where = place_.shown + (found.in_results ? "" : ".unfinished");
   if (!found.kept) {
     if (earlier == Earlier::kRestart) return {};
-    return usage(fmt::format("found unfinished run: {}: it cannot be gone on with ({}): use --restart", where,
+    return usage(fmt::format("the unfinished run cannot be resumed: {} ({}): start again with --restart", where,
                              found.kept.error()));
   }
   const RunStart& then = found.kept->run.start;
-  const std::string what = fmt::format("found unfinished run ({} frames)", frames_of(*found.kept));
+  const long frames = frames_of(*found.kept);
   if (then.fingerprint != start.fingerprint)
-    return usage(fmt::format("{}: {}: it is of another input ({}): choose another folder with -o, or remove it", what,
-                             where, then.input.path));
-  if (earlier == Earlier::kAsk) return usage(fmt::format("{}: {}: use --resume or --restart", what, where));
+    return usage(fmt::format("the folder holds an unfinished run of another input: {} ({} frames of {}): choose another with -o, or "
+                             "remove it",
+                             where, frames, then.input.path));
+  if (earlier == Earlier::kAsk)
+    return usage(fmt::format("there is an unfinished run: {} ({} frames): continue it with --resume, or start again with --restart",
+                             where, frames));
   if (earlier == Earlier::kRestart) return {};
   if (!found.kept->is_of_this_version)
     return usage(
-        fmt::format("cannot resume: {}: an earlier version of moiregauge began this run: use --restart", where));
+        fmt::format("another version of moiregauge started this run: {}: start again with --restart", where));
   if (const auto differs = difference(found.kept->run, start, options))
     return usage(
-        fmt::format("cannot resume: {}: {}: give the options it was begun with, or use --restart", where, *differs));
+        fmt::format("the unfinished run had other options: {} ({}): repeat those options, or start again with --restart", where, *differs));
   return {};
 }
 
@@ -122,7 +124,7 @@ tl::expected<ObservationLog, OutputError> UnfinishedRun::begin(const RunStart& s
   auto found = find();
   if (!found) return tl::unexpected(found.error());
   if (!*found) return start_new(start, options, -1);
-  // Killed before anything was measured: there is nothing to ask about.
+  // A run killed before the first measurement needs no decision.
   if (!(*found)->kept || frames_of(*(*found)->kept) > 0) {
     if (const auto allowed = judge(**found, start, options, earlier); !allowed) {
       ::close((*found)->file);
@@ -154,7 +156,7 @@ tl::expected<ObservationLog, OutputError> UnfinishedRun::start_new(const RunStar
   keep_journal_only(place_.unfinished);
   if (::ftruncate(file_, 0) != 0) return failed();
   journal_ = std::make_unique<JournalFile>(file_, 0, 0);
-  // On the disk at once, and the names that lead to it: from here on every sync makes frames safe.
+  // Sync the head and the folder names now: from here on every sync of the file makes its frames safe.
   if (const auto done = journal_->append(head_bytes(start, options)); !done)
     return tl::unexpected(unwritable(done.error()));
   if (!sync_folder(place_.unfinished.string()) || !sync_folder(place_.unfinished.parent_path().string()))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run while it is under way: DIR.unfinished/run.mgj, to which every frame is added as it is measured. A process that
-// is killed leaves it there, and the next one can go on with it.
+// Stores a run in progress in DIR.unfinished/run.mgj, frame by frame. The file survives a kill, and a later process can
+// resume the run.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace moiregauge::internal {
 
-// What to do where an unfinished run is found: say so and touch nothing; go on with it; throw it away.
+// Action if an unfinished run is found: fail and change nothing, resume it, or delete it.
 enum class Earlier { kAsk, kResume, kRestart };
 
 class UnfinishedRun : public JournalSink {
@@ -25,23 +25,24 @@ class UnfinishedRun : public JournalSink {
   explicit UnfinishedRun(RunPlace place) : place_(std::move(place)) {}
   UnfinishedRun(const UnfinishedRun&) = delete;
   UnfinishedRun& operator=(const UnfinishedRun&) = delete;
-  ~UnfinishedRun() override;  // keeps the frames; where there are none nothing is left behind
+  ~UnfinishedRun() override;  // keeps the frames; without frames removes the folder
 
-  // Before any frame. Returns what an earlier run found, nothing (no reference frame) where there is none to go on
-  // with. Fails (usage) where one is found and cannot or may not be gone on with, where another process is at work, or
-  // where the place is somebody else's; (not usage) where nothing can be written.
+  // Starts the journal before the first frame. Returns the observations of an unfinished run, or empty ones (no
+  // reference frame) for a new run.
+  // Fails (usage) if an unfinished run is found that cannot or may not be resumed. Fails (usage) also if another
+  // process is measuring, or if the folder holds other files. Fails (not usage) if nothing can be written.
   [[nodiscard]] tl::expected<ObservationLog, OutputError> begin(const RunStart& start, const MeasureOptions& options,
                                                                 Earlier earlier);
   void refer(const Reference& reference, const std::vector<std::string>& notes) override;
   void add(const std::string& packed) override;
   [[nodiscard]] bool good() const override { return journal_->good(); }
-  // All that was added is on the disk. Fails with what to tell the user.
+  // Syncs all records. Fails with a message for the user.
   [[nodiscard]] tl::expected<void, OutputError> close();
-  // After close(): the run is whole, `seen` is all of it. Results that were concluded from it had these options.
+  // Completes the file after close(). `seen` holds all observations, `options` those of the results.
   [[nodiscard]] tl::expected<void, OutputError> end(const ObservationLog& seen, const MeasureOptions& options);
 
  private:
-  // The journal, locked; of a run that was interrupted it may lie in DIR. No value: there is none.
+  // The locked journal. That of an interrupted run may be in DIR. No value of the result of find(): there is none.
   struct Found {
     int file = -1;
     bool in_results = false;
@@ -59,7 +60,7 @@ class UnfinishedRun : public JournalSink {
 
   RunPlace place_;
   int file_ = -1;
-  long frames_ = 0;  // kept and added
+  long frames_ = 0;  // frames stored, earlier ones included
   bool is_whole_ = false;
   std::unique_ptr<JournalFile> journal_;
 };

@@ -8,8 +8,8 @@
 
 namespace moiregauge::internal {
 
-// displacement.csv (docs/file-formats.md): header on line 1, one row per frame and target, NaN for what was not measured,
-// six decimals: nanometres and microseconds.
+// Returns displacement.csv (docs/file-formats.md): a header line, then one row per frame and target. Values have six
+// decimals (nm, µs), NaN if not measured.
 [[nodiscard]] std::string displacement_csv(const Site& site, const Samples& samples);
 
 }  // namespace moiregauge::internal

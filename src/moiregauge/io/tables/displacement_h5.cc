@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Any of the library's objects, closed at the end.
+// Owns an object of the library and closes it.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -29,7 +29,7 @@ class Handle {
   Close close_;
 };
 
-// The file lives in memory, so that the library never sees a disk that is full: on one it crashes at exit.
+// Creates the file in memory, growing by kGrowBy bytes, because the library crashes at exit if the disk is full.
 constexpr std::size_t kGrowBy = std::size_t{1} << 20;
 hid_t in_memory() {
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
@@ -37,7 +37,7 @@ hid_t in_memory() {
   return access;
 }
 
-// Without times, which are nobody's business and differ from run to run.
+// Omits creation times, which differ from run to run.
 hid_t without_times() {
   const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
   H5Pset_obj_track_times(creation, 0);
@@ -67,7 +67,7 @@ void say(hid_t object, const char* name, long number) {
 struct Column {
   const char* name;
   const char* unit;
-  hid_t stored, given;  // types: in the file, of `data`
+  hid_t stored, given;  // types: in the file, in memory
   const void* data;
   hsize_t rows;
 };
@@ -96,19 +96,19 @@ void put_target(hid_t file, const std::string& group_name, const std::string& ma
   reals("dy_mm", "mm", [](const Sample& s) { return s.displacement.y; });
   reals("u_dx_mm", "mm", [](const Sample& s) { return s.u.x; });
   reals("u_dy_mm", "mm", [](const Sample& s) { return s.u.y; });
-  constexpr std::size_t kWord = 16;  // as long as the longest word, filled up with zeros
+  constexpr std::size_t kWord = 16;  // bytes: the longest status word, padded with zeros
   std::string words;
   for (const Sample* row : rows) {
     std::string word = word_for(row->status);
     word.resize(kWord);
     words += word;
   }
-  // Octave reads no texts of UTF-8.
+  // Octave cannot read UTF-8 strings.
   const Handle type(text_type(kWord, H5T_CSET_ASCII), H5Tclose);
   put_column(group, {"status", "", type, type, words.data(), rows.size()});
 }
 
-// A slash would be a path and a dot a place; a name must be one of its own.
+// Returns a unique group name. A slash would separate groups, and "." is the current group.
 std::string group_name(const std::string& marker, const std::vector<std::string>& taken) {
   std::string name = marker;
   std::replace(name.begin(), name.end(), '/', '_');
@@ -129,7 +129,7 @@ std::string file_image(hid_t file) {
 }  // namespace
 
 std::string displacement_h5(const RunTable& table) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // what goes wrong is told by us
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported by this program
   const Handle access(in_memory(), H5Pclose);
   const Handle file(H5Fcreate("displacement.h5", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   say(file, "moiregauge", table.version);

@@ -8,12 +8,11 @@
 
 namespace moiregauge::internal {
 
-// displacement.h5 (docs/file-formats.md): the numbers of displacement.csv to their last bit, a group per target. The
-// same measurement gives the same bytes. Needs a reference frame; empty when the library fails, which takes a lack of
-// memory.
+// Returns displacement.h5 (docs/file-formats.md): the values of displacement.csv with all bits, one group per target.
+// The same measurement gives the same bytes. Requires a reference frame. Empty if the library fails (out of memory).
 [[nodiscard]] std::string displacement_h5(const Measurement& measurement, const MeasureOptions& options);
 
-// The same of what was read back.
+// Returns the same for a table that was read from files.
 [[nodiscard]] std::string displacement_h5(const RunTable& table);
 
 }  // namespace moiregauge::internal

@@ -24,10 +24,11 @@ using StoredJson = nlohmann::json;
 
 constexpr const char* kHeader = "frame,time_s,marker,dx_mm,dy_mm,u_dx_mm,u_dy_mm,status";
 constexpr std::size_t kColumns = 8;
+// Bytes of a line (chosen). Limits the search for the end of a quoted name.
 constexpr std::size_t kLongestLine = std::size_t{1} << 16;
 constexpr double kNone = kNotMeasured;
 
-// RFC 4180, one line; nothing for quotes that do not close.
+// Splits a line by RFC 4180. Returns nothing if a quote is not closed.
 std::optional<std::vector<std::string>> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
   bool is_quoted = false;
@@ -82,22 +83,22 @@ std::size_t index_of(RunTable& table, const std::string& name) {
   return table.markers.size() - 1;
 }
 
-// What is wrong with a row, or its sample.
+// Returns the sample of a line. Fails with the mistake.
 tl::expected<Sample, std::string> sample_of(const std::string& line, RunTable& table) {
   const auto fields = fields_of(line);
   if (!fields || fields->size() < kColumns) return tl::unexpected(std::string("it has fewer than eight columns"));
   const auto& f = *fields;
   const auto frame = whole(f[0]);
-  if (!frame) return tl::unexpected(fmt::format("\"{}\" is no frame", f[0]));
+  if (!frame) return tl::unexpected(fmt::format("\"{}\" is not a frame number", f[0]));
   std::array<double, 5> numbers{};
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const std::string& text = f[k == 0 ? 1 : k + 2];
     const auto value = csv_real(text);
-    if (!value) return tl::unexpected(fmt::format("\"{}\" is no number", text));
+    if (!value) return tl::unexpected(fmt::format("\"{}\" is not a number", text));
     numbers[k] = *value;
   }
   const auto status = status_of(f[7]);
-  if (!status) return tl::unexpected(fmt::format("\"{}\" is no status", f[7]));
+  if (!status) return tl::unexpected(fmt::format("\"{}\" is not a status", f[7]));
   Sample sample;
   sample.frame = *frame;
   sample.time_s = numbers[0];
@@ -115,7 +116,7 @@ std::string text_in(const StoredJson& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
 }
 
-// What is worth handing on of run.json; false: it is none.
+// Reads the exported values of run.json. Returns false if it is no run.json.
 bool take_run_json(const StoredJson& json, RunTable& table) {
   if (!json.is_object() || !json.contains("moiregauge")) return false;
   table.version = text_in(json, "moiregauge");
@@ -140,13 +141,14 @@ bool take_run_json(const StoredJson& json, RunTable& table) {
 std::string no_run(const std::string& dir) {
   std::error_code error;
   const fs::path place(dir);
-  if (!fs::exists(place, error)) return fmt::format("no such folder: {}: give a folder that `measure` wrote", dir);
-  if (!fs::is_directory(place, error)) return fmt::format("not a folder: {}: give a folder that `measure` wrote", dir);
+  if (!fs::exists(place, error)) return fmt::format("the folder does not exist: {}: give a folder that `measure` wrote", dir);
+  if (!fs::is_directory(place, error)) return fmt::format("the input is not a folder: {}: give a folder that `measure` wrote", dir);
   if (fs::exists(place / std::string(kRunFileName), error))
     return fmt::format(
-        "unfinished run: {}: go on with measure --resume, or give `moiregauge solve {} -o NEW` and export NEW", dir,
-        dir);
-  return fmt::format("no run: {}: it has no run.json: give a folder that `measure` wrote", dir);
+        "the run is not finished: {}: finish it with measure --resume, or run `moiregauge solve {} -o NEW` and export "
+        "NEW",
+        dir, dir);
+  return fmt::format("the folder has no run.json: {}: give a folder that `measure` wrote", dir);
 }
 
 }  // namespace
@@ -154,15 +156,15 @@ std::string no_run(const std::string& dir) {
 tl::expected<void, std::string> parse_displacement_csv(std::istream& csv, RunTable& table) {
   std::string line;
   if (!std::getline(csv, line) || line.substr(0, line.find_last_not_of('\r') + 1).rfind(kHeader, 0) != 0)
-    return tl::unexpected(fmt::format("line 1: the columns are not {}", kHeader));
+    return tl::unexpected(fmt::format("its columns are not {}", kHeader));
   for (long number = 2; std::getline(csv, line); ++number) {
     while (!line.empty() && line.back() == '\r') line.pop_back();
-    // A quoted name may go on in the next line.
+    // A quoted name may contain line feeds.
     std::string more;
     while (line.size() < kLongestLine && std::count(line.begin(), line.end(), '"') % 2 != 0 && std::getline(csv, more))
       line += "\n" + more;
     auto sample = sample_of(line, table);
-    if (!sample) return tl::unexpected(fmt::format("line {}: {}", number, sample.error()));
+    if (!sample) return tl::unexpected(fmt::format("line {}, {}", number, sample.error()));
     table.samples.push_back(*sample);
   }
   return {};
@@ -175,7 +177,7 @@ tl::expected<RunTable, std::string> read_run_table(const std::string& dir) {
     const std::string path = (place / name).string();
     if (!fs::exists(path, ignored)) continue;
     if (const std::string kind = kind_unless_plain(path); !kind.empty())
-      return tl::unexpected(fmt::format("no run: {}: it is {}: give a folder that `measure` wrote", path, kind));
+      return tl::unexpected(fmt::format("the run cannot be read: {} is {}: give a folder that `measure` wrote", path, kind));
   }
   std::ifstream run_json(place / "run.json");
   std::error_code error;
@@ -184,13 +186,13 @@ tl::expected<RunTable, std::string> read_run_table(const std::string& dir) {
   const StoredJson json = StoredJson::parse(run_json, nullptr, false);
   if (json.is_discarded() || !take_run_json(json, table))
     return tl::unexpected(
-        fmt::format("damaged: {}: it is no run.json of ours: measure again", (place / "run.json").string()));
+        fmt::format("run.json is damaged: {}: measure again", (place / "run.json").string()));
   std::ifstream csv(place / "displacement.csv");
   if (!csv)
     return tl::unexpected(
-        fmt::format("no samples: {}: the run was refused before anything was measured: see overlay.png there", dir));
+        fmt::format("the run has no samples, because it was refused: {}: see overlay.png in it", dir));
   if (const auto read = parse_displacement_csv(csv, table); !read)
-    return tl::unexpected(fmt::format("damaged: {}: {}: give `moiregauge solve {}` to write it anew",
+    return tl::unexpected(fmt::format("displacement.csv is damaged: {} ({}): write it again with `moiregauge solve {}`",
                                       (place / "displacement.csv").string(), read.error(), dir));
   return table;
 }
@@ -203,7 +205,7 @@ tl::expected<RunTable, std::string> selected(RunTable table, const Selection& se
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) {
       const auto near = nearest_word(name, names);
-      return tl::unexpected(fmt::format("no such target: --markers {}: {}choose of {}", name,
+      return tl::unexpected(fmt::format("the target does not exist: --markers {}: {}choose from {}", name,
                                         near ? fmt::format("did you mean {}? ", *near) : "", fmt::join(names, ", ")));
     }
     const auto index = static_cast<std::size_t>(found - names.begin());
@@ -218,7 +220,7 @@ tl::expected<RunTable, std::string> selected(RunTable table, const Selection& se
     const auto place = std::find(kept.begin(), kept.end(), sample.marker);
     if (place == kept.end()) continue;
     if (has_range && std::isnan(sample.time_s))
-      return tl::unexpected(std::string("no time: --time: this run's pictures have none: measure with --fps"));
+      return tl::unexpected(std::string("the run has no times: --time: measure the input again with --fps"));
     if (selection.from_s && sample.time_s < *selection.from_s) continue;
     if (selection.until_s && sample.time_s >= *selection.until_s) continue;
     sample.marker = static_cast<std::size_t>(place - kept.begin());
@@ -226,7 +228,7 @@ tl::expected<RunTable, std::string> selected(RunTable table, const Selection& se
     samples.push_back(sample);
   }
   if (samples.empty())
-    return tl::unexpected(std::string("nothing left: --markers, --time: no row is in them: choose wider"));
+    return tl::unexpected(std::string("the selection contains no row: --markers, --time: choose a wider range"));
   std::vector<TableMarker> markers;
   for (const std::size_t i : kept) markers.push_back(table.markers[i]);
   table.markers = std::move(markers);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of a finished run as they lie in its folder, whatever version of the program wrote them:
-// displacement.csv, and what run.json says of it. For handing them on; nothing is computed anew.
+// Reads the results of a finished run from its folder, for any version of the program: displacement.csv and run.json.
+// They are for export: nothing is computed again.
 #pragma once
 
 #include <istream>
@@ -17,34 +17,35 @@ namespace moiregauge::internal {
 
 struct TableMarker {
   std::string name;
-  BoardPoint place{};  // mm; 0 where run.json does not say
+  BoardPoint place{};  // mm; 0 if run.json has none
   double z_mm = 0.0;
 };
 
 struct RunTable {
-  std::string version;  // of the program that measured
+  std::string version;  // version that measured
   std::string method;
   std::string input, input_sha256;
   long reference_frame = 0;
-  bool complete = true;              // false: interrupted, or a damaged input
-  std::vector<TableMarker> markers;  // the targets
-  std::vector<Sample> samples;       // in the file's order; `marker` is an index into `markers`, budgets are empty
+  bool complete = true;              // false: interrupted run or damaged input
+  std::vector<TableMarker> markers;  // targets
+  std::vector<Sample> samples;       // in file order; `marker` is an index into `markers`, budgets are empty
 };
 
-// The two files of a folder. Fails with "what: where: what to do": no such folder, a run that is under way or was
-// refused, files that are damaged or not ours.
+// Reads the two files of a folder. Fails with "what happened: where: what to do": no such folder, an unfinished or
+// refused run, damaged or foreign files.
 [[nodiscard]] tl::expected<RunTable, std::string> read_run_table(const std::string& dir);
 
-// Of displacement.csv alone, into `table`. Fails with "line N: what is wrong". Columns after the eighth are left alone.
+// Reads displacement.csv into `table`. Fails with the line and the mistake. Columns after the eighth are ignored.
 [[nodiscard]] tl::expected<void, std::string> parse_displacement_csv(std::istream& csv, RunTable& table);
 
-// What `export` takes of a run.
+// Part of a run to export.
 struct Selection {
   std::vector<std::string> markers;       // empty: all
-  std::optional<double> from_s, until_s;  // half open
-  bool only_ok = false;                   // numbers of rows that are not `ok` become NaN
+  std::optional<double> from_s, until_s;  // s; the end is excluded
+  bool only_ok = false;                   // values of samples that are not `ok` become NaN
 };
-// Fails with "what: where: what to do": a marker that is not there, a time range of a run without time, nothing left.
+// Selects samples. Fails with "what happened: where: what to do": unknown marker, a time range without times, an empty
+// selection.
 [[nodiscard]] tl::expected<RunTable, std::string> selected(RunTable table, const Selection& selection);
 
 }  // namespace moiregauge::internal

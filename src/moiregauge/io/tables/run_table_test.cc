@@ -34,11 +34,12 @@ constexpr const char* kTwo =
     "1,0.100000,a,1.000000,2.000000,0.001000,0.002000,ok\n1,0.100000,b,NaN,NaN,NaN,NaN,lost\n"
     "2,0.200000,a,3.000000,4.000000,0.001000,0.002000,untrusted\n2,0.200000,b,5.000000,6.000000,0.001000,0.002000,ok\n";
 
-TEST(RunTable, WhatIsReadIsWrittenAgainToTheByte) {
+TEST(RunTable, ATableIsWrittenBackToTheByte) {
   EXPECT_EQ(long_csv(table_of(kTwo)), std::string(kHeader) + "\n" + kTwo);
 }
 
-// Later versions may add columns; a name may hold anything that RFC 4180 can quote; Windows ends its lines in two bytes.
+// Later versions may add columns, names may contain anything that RFC 4180 can quote, and Windows ends lines with two
+// bytes.
 TEST(RunTable, FurtherColumnsQuotesAndCarriageReturnsAreRead) {
   std::istringstream csv(std::string(kHeader) + ",quality\r\n3,NaN,\"a \"\"b\"\", c\",1,2,3,4,ok,0.5\r\n");
   RunTable table;
@@ -60,7 +61,7 @@ TEST(RunTable, AMistakeNamesItsLine) {
   EXPECT_NE(mistake_in(head + "0,0,\"a,0,0,0,0,ok\n").find("line 2"), std::string::npos);
 }
 
-TEST(RunTable, SelectionsKeepOrderAndTurnWhatIsNotOkIntoNothing) {
+TEST(RunTable, SelectionsKeepTheOrderAndReplaceValuesThatAreNotOk) {
   const auto part = selected(table_of(kTwo), {{"b", "a"}, 0.1, {}, true});
   ASSERT_TRUE(part) << part.error();
   EXPECT_EQ(wide_csv(*part),
@@ -83,8 +84,8 @@ TEST(Uff58, AGapIsRefusedOrSplitNeverFilled) {
   EXPECT_EQ(datasets, 6u);  // a: x and y; b: two stretches of each
 }
 
-// Every second frame was measured: no gap.
-TEST(Uff58, FramesLeftOutEvenlyAreNoGap) {
+// A frame step of 2 is no gap.
+TEST(Uff58, AFrameStepIsNoGap) {
   const auto written = uff58(table_of("0,0.0,a,1,1,0,0,ok\n2,0.2,a,2,2,0,0,ok\n4,0.4,a,3,3,0,0,ok\n"), Gaps::kRefuse);
   ASSERT_TRUE(written) << written.error();
   EXPECT_NE(written->find("         4         3         1  0.00000E+00  2.00000E-01  0.00000E+00"), std::string::npos)

@@ -11,7 +11,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kUneven = 0.05;  // of a frame
+constexpr double kUneven = 0.05;  // frame intervals: largest deviation of an even time stamp
 constexpr const char* kMark = "    -1\n";
 
 struct Reading {
@@ -19,7 +19,7 @@ struct Reading {
 };
 using Readings = std::vector<Reading>;
 
-// 80A1: what is no ASCII letter becomes a question mark; nothing longer than a line.
+// Formats a text line (80A1): non-ASCII characters become question marks, and longer texts are cut.
 std::string words(std::string text) {
   for (char& c : text) {
     if (c < ' ' || c > '~') c = '?';
@@ -30,20 +30,21 @@ std::string words(std::string text) {
 
 std::string e13(double value) { return fmt::format("{:13.5E}", value); }
 std::string e20(double value) { return fmt::format("{:20.12E}", value); }
-// D25.17, Fortran's double: an exponent by D.
+// Formats D25.17, Fortran's double with exponent letter D.
 std::string d25(double value) {
   std::string text = fmt::format("{:25.17E}", value);
   std::replace(text.begin(), text.end(), 'E', 'D');
   return text;
 }
 
-// Code 5: mm, mN, degrees Celsius; to SI divide by the factors. Lines: I10,20A1,I10; 3D25.17; D25.17.
+// Code 5: mm, mN, degrees Celsius. Values in SI units are these divided by the factors. Lines: I10,20A1,I10; 3D25.17;
+// D25.17.
 std::string units_dataset() {
   return fmt::format("{}   164\n{:>10}{:<20}{:>10}\n{}{}{}\n{}\n{}", kMark, 5, "mm (milli-newton)", 2, d25(1e3),
                      d25(1e3), d25(1.0), d25(273.15), kMark);
 }
 
-// 4I10, 3E13.5: node, two coordinate systems, colour, place.
+// Record 4I10, 3E13.5: node, two coordinate systems, colour, position.
 std::string nodes_dataset(const RunTable& table) {
   std::string text = fmt::format("{}    15\n", kMark);
   for (std::size_t i = 0; i < table.markers.size(); ++i) {
@@ -54,7 +55,7 @@ std::string nodes_dataset(const RunTable& table) {
   return text + kMark;
 }
 
-// I10,3I5,2(1X,20A1): kind of data, exponents of length, force and temperature, label, unit.
+// Record I10,3I5,2(1X,20A1): kind of data, exponents of length, force and temperature, label, unit.
 std::string axis_record(int kind, int length, const char* label, const char* unit) {
   return fmt::format("{:>10}{:>5}{:>5}{:>5} {:<20} {:<20}\n", kind, length, 0, 0, label, unit);
 }
@@ -73,7 +74,7 @@ std::string data_lines(const Readings& stretch, bool is_even) {
 struct Place {
   std::size_t marker;  // index in the table
   int axis;            // 0: x, 1: y
-  int function;        // record 6's identification
+  int function;        // identification in record 6
 };
 
 std::string dataset(const RunTable& table, const Place& place, const Readings& stretch, std::size_t number) {
@@ -90,7 +91,7 @@ std::string dataset(const RunTable& table, const Place& place, const Readings& s
       fmt::format("{} {}: displacement since frame {}", name, place.axis == 0 ? "dx" : "dy", table.reference_frame));
   text += words(
       fmt::format("moiregauge {}, method {}{}", table.version, table.method, table.complete ? "" : ", incomplete"));
-  text += words("NONE");  // the day it was made, which nobody knows who reads the folder
+  text += words("NONE");  // date of creation, which the folder does not contain
   text += words(std::filesystem::path(table.input).filename().string());
   text += words("NONE");
   text += fmt::format("{:>5}{:>10}{:>5}{:>10} {:<10}{:>10}{:>4} {:<10}{:>10}{:>4}\n", kTimeResponse, place.function,
@@ -102,7 +103,7 @@ std::string dataset(const RunTable& table, const Place& place, const Readings& s
   return text + data_lines(stretch, is_even) + kMark;
 }
 
-// One axis of a target; a sample that is not there ends a stretch, and so does a frame left out of the file.
+// Returns the unbroken stretches of one axis of a target. A missing sample or frame ends a stretch.
 std::vector<Readings> stretches_of(const RunTable& table, const Place& place, long frame_step) {
   std::vector<Readings> found(1);
   long last = -1;
@@ -117,7 +118,7 @@ std::vector<Readings> stretches_of(const RunTable& table, const Place& place, lo
   return found.back().empty() ? std::vector<Readings>{} : found;
 }
 
-// How far apart selected frames are: `measure --frames A:B:STEP`.
+// Returns the distance of selected frames: `measure --frames A:B:STEP`.
 long frame_step_of(const RunTable& table) {
   long step = 0, last = -1;
   for (const Sample& sample : table.samples) {
@@ -131,8 +132,8 @@ std::string gap_text(const RunTable& table, const Place& place, const std::vecto
   std::size_t there = 0;
   for (const Readings& stretch : stretches) there += stretch.size();
   return fmt::format(
-      "gaps: {} {}: {} of {} samples are there in {} stretches, and UFF 58 knows no gap: give --gaps split, or "
-      "--time without them",
+      "the samples have gaps, which UFF 58 cannot hold: {} {} ({} of {} samples in {} stretches): give --gaps split, or "
+      "a --time without gaps",
       table.markers[place.marker].name, place.axis == 0 ? "dx" : "dy", there, rows, stretches.size());
 }
 
@@ -141,7 +142,7 @@ std::string gap_text(const RunTable& table, const Place& place, const std::vecto
 tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps) {
   for (const Sample& sample : table.samples) {
     if (std::isnan(sample.time_s))
-      return tl::unexpected(std::string("no time: --format uff58: this run's pictures have none: measure with --fps"));
+      return tl::unexpected(std::string("the run has no times: --format uff58: measure the input again with --fps"));
   }
   const long frame_step = frame_step_of(table);
   std::string text = units_dataset() + nodes_dataset(table);
@@ -161,7 +162,7 @@ tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps) {
     }
   }
   if (!has_any)
-    return tl::unexpected(std::string("nothing measured: --format uff58: no sample has numbers: choose wider"));
+    return tl::unexpected(std::string("no sample has numbers: --format uff58: choose a wider range with --time or --markers"));
   return text;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Universal File Format (SDRC): dataset 164 (units), 15 (nodes), and a dataset 58 of real double-precision time
-// response for every target and axis. ASCII, lines of 80 characters (the record formats are in docs/file-formats.md).
+// Writes the Universal File Format (SDRC): dataset 164 (units), 15 (nodes), and a dataset 58 (real double-precision
+// time response) for every target and axis. ASCII, lines of 80 characters (record formats: docs/file-formats.md).
 #pragma once
 
 #include <string>
@@ -11,15 +11,16 @@
 
 namespace moiregauge::internal {
 
-// The format has no number for "not measured".
+// The format has no value for "not measured".
 enum class Gaps {
   kRefuse,
-  kSplit,  // a dataset for every unbroken stretch, numbered by record 6's version; nothing is ever made up
+  kSplit,  // one dataset per unbroken stretch, numbered by the version in record 6; no value is interpolated
 };
 
-// Node k is the k-th target, in mm on the board. An axis that no row shows is left out. Time is evenly spaced where
-// every stamp lies within 5 % of a frame of its place, else every sample has its own (7 digits). fails   "what: where:
-// what to do": a run without time; gaps that are not to be split
+// Returns the file. Node k is the k-th target, in mm on the board. An axis without values is omitted.
+// Times are evenly spaced if every time stamp is within 5 % of a frame interval. Otherwise every sample has its own (6
+// digits).
+// Fails with "what happened: where: what to do": a run without times, or gaps with kRefuse.
 [[nodiscard]] tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps);
 
 }  // namespace moiregauge::internal

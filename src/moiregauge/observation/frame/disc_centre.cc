@@ -15,30 +15,33 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kPaper = 1.25;  // radii: so far there is paper round a disc
-constexpr double kInside = 0.7;  // radii: no blur reaches in here
+// All limits are chosen.
+constexpr double kPaper = 1.25;  // radii: a disc is surrounded by paper to here
+constexpr double kInside = 0.7;  // radii: blur does not reach inside
 constexpr int kMaxLooks = 4;
-constexpr int kFirstRows = 3;    // the first look, from which the next begins, takes every third row
-constexpr double kLarge = 40.0;  // px: a disc of which every second row will do
+// The first look only starts the next one, so it reads every third row.
+constexpr int kFirstRows = 3;
+constexpr double kLarge = 40.0;  // px: smallest diameter of which every second row may suffice
 constexpr int kRowsAhead = 6;
-constexpr double kStands = 0.1;       // px: the centroid of a window round it that moves no further
+// px: largest last movement of the centroid.
+constexpr double kStands = 0.1;
 constexpr double kSameArea = 0.05;    // relative
-constexpr double kMinContrast = 0.4;  // of the contrast that it had
+constexpr double kMinContrast = 0.4;  // of the earlier contrast
 
 struct DiscLook {
   ImagePoint centre;
-  double area = 0.0;      // pixels, as dark as the disc's middle
-  double contrast = 0.0;  // grey levels, middle less paper
+  double area = 0.0;      // pixels with the contrast of the disc's middle
+  double contrast = 0.0;  // grey levels, middle minus paper
 };
 
-// Whole numbers: pixels, their grey levels, and these times x from the picture's first column of interest.
+// Integer sums: pixels, grey levels, and both times x. x counts from the first column of interest.
 struct DiscSums {
   std::int64_t pixels = 0, x = 0, grey = 0, grey_x = 0;
 };
 
-// Pixels of one row with |x - at| <= half; none when half2 < 0.
+// Pixels of one row with |x - at| <= half. There are none if half2 < 0.
 struct Span {
-  int from = 0, to = -1;  // ends included
+  int from = 0, to = -1;  // both ends included
   Span(double at, double half2) {
     if (half2 < 0.0) return;
     const double half = std::sqrt(half2);
@@ -47,7 +50,8 @@ struct Span {
   [[nodiscard]] int pixels() const { return std::max(0, to - from + 1); }
 };
 
-// A row in pieces so short that 16 bits hold a column's number and 32 bits every sum: the compiler's vectors are full.
+// Length of a piece of a row. 16 bits then contain a column number and 32 bits every sum, so the compiler's vectors are
+// full.
 constexpr int kPiece = 64;
 constexpr std::array<std::int16_t, kPiece> kColumns = [] {
   std::array<std::int16_t, kPiece> columns{};
@@ -73,7 +77,7 @@ void add(std::span<const Grey> row, Span span, int x0, DiscSums& sums) {
   sums.pixels += n, sums.x += n * (span.from + span.to - 2 * x0) / 2;
 }
 
-// Of the grey levels alone.
+// Adds pixels and grey levels only.
 template <typename Grey>
 void add_grey(std::span<const Grey> row, Span span, DiscSums& sums) {
   std::int32_t sum = 0;
@@ -88,7 +92,8 @@ std::optional<DiscLook> look_at_disc(const ImageView<Grey>& picture, ImagePoint 
   const int y0 = static_cast<int>(std::floor(at.y - reach)), y1 = static_cast<int>(std::ceil(at.y + reach));
   if (!(x0 >= 0 && y0 >= 0 && x1 < picture.width && y1 < picture.height)) return std::nullopt;
   const double inner2 = std::pow(kInside * radius, 2), ring2 = std::pow(0.5 * (1.0 + kPaper) * radius, 2);
-  DiscSums all, disc, middle;  // all that is looked at; what is not paper for certain; what is disc for certain
+  // The window, the window without certain paper, and certain disc.
+  DiscSums all, disc, middle;
   double all_y = 0.0, grey_y = 0.0;
   for (int y = y0; y <= y1; y += row_step) {
     const auto row = picture.row(y);
@@ -106,11 +111,11 @@ std::optional<DiscLook> look_at_disc(const ImageView<Grey>& picture, ImagePoint 
   DiscLook out;
   out.contrast = static_cast<double>(middle.grey) / static_cast<double>(middle.pixels) - paper;
   if (out.contrast == 0.0) return std::nullopt;
-  // Moments of (g - paper) / contrast, which is one on the disc and nothing on its paper.
+  // Moments of (g - paper) / contrast, which is 1 on the disc and 0 on its paper.
   const auto above_paper = [paper](std::int64_t grey, std::int64_t of) {
     return static_cast<double>(grey) - paper * static_cast<double>(of);
   };
-  out.area = above_paper(all.grey, all.pixels) / out.contrast;  // of the rows looked at
+  out.area = above_paper(all.grey, all.pixels) / out.contrast;  // in the rows that were read
   if (!(out.area > 0.0)) return std::nullopt;
   const double weight = 1.0 / (out.contrast * out.area);
   out.centre = {x0 + weight * above_paper(all.grey_x, all.x), at.y + weight * (grey_y - paper * all_y)};

@@ -10,10 +10,11 @@
 
 namespace moiregauge::internal {
 
-// Where a printed disc stands that was seen before as `like` and is expected within a fifth of its diameter of
-// `expected`: the centroid of how much darker (or lighter) than its paper every pixel is, to about 0.05 px. Nothing
-// where there is no such disc, whole, with paper round it: then one has to look properly. Of a large disc every second row
-// tells the centre nearly as well.
+// Locates a printed disc that was seen before as `like`, within a fifth of its diameter of `expected`. The result is
+// the centroid of each pixel's contrast to the paper, px. With Rows::kSome every second row of a disc of 40 px or more
+// is read.
+// Fails (nothing): there is no whole disc of this size and contrast with paper around it. It must then be detected.
+// Error: about 0.05 px.
 [[nodiscard]] std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected, double diameter_px,
                                                     const DetectedCircle& like, Rows rows = Rows::kAll);
 

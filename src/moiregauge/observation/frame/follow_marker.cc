@@ -6,11 +6,11 @@
 namespace moiregauge::internal {
 namespace {
 
-// A print whose window has no room to spare may stand so far (in pitches) off centre: the outermost taps weigh nothing.
+// Largest offset of a grating whose window has no clearance, pitches. The outermost taps have almost no weight. Chosen.
 constexpr double kOffCentre = 0.02;
 
-// The window stays where it was, as in the paper, for as long as the print fills it: then displacement is counted in
-// the print's own pitches, whatever scale the homography has there. Beyond that it travels with the print.
+// Returns true if the window must move. As in the paper it is fixed as long as the grating fills it. Displacement is
+// then counted in the grating's own pitches, whatever the scale of the homography.
 bool off_centre(const RasterPlan& plan, Extent<frame::Board> rest) {
   const double room = std::max(plan.clearance_mm, kOffCentre * plan.pitch_mm);
   return std::abs(rest.x) > room || std::abs(rest.y) > room;

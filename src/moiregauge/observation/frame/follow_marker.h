@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A target's raster reading in one frame, the window going with it.
+// Reads a target by a raster whose window moves with it.
 #pragma once
 
 #include <cmath>
@@ -8,15 +8,16 @@
 
 namespace moiregauge::internal {
 
+// Returns the reason why a reading is lost, if it is. `then` is the reading of the reference frame.
 [[nodiscard]] Loss loss_of(const PatchReading& then, const PatchReading& patch);
 
-// An axis that the print does not show counts as not moved.
+// Returns `d` with 0 for an axis that the grating does not show.
 [[nodiscard]] inline Extent<frame::Board> known_part(Extent<frame::Board> d) {
   return {std::isnan(d.x) ? 0.0 : d.x, std::isnan(d.y) ? 0.0 : d.y};
 }
 
-// The window goes with a travelling target: first to `travel`, where the last frame left it, then to where this one
-// finds it, or the print's edge would come into the window before half a pitch is reached.
+// Reads a target in a window that moves with it: first to `travel`, its position in the last frame, then to the
+// position found. In a fixed window the grating's edge would enter before half a pitch.
 void follow_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                    Extent<frame::Board> travel, MarkerObservation& seen, PatchWorkspace& work);
 

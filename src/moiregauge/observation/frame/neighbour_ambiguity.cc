@@ -7,9 +7,12 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kLike = 0.25;  // relative, of pitches and sizes that may be taken for each other
-constexpr double kOwn = 0.5;    // of the way from another's last place
-constexpr double kStirs = 0.5;  // pitches: what has not gone so far is where it was
+// Largest relative difference between pitches and sizes of similar gratings. Chosen.
+constexpr double kLike = 0.25;
+// Share of the distance to a similar marker's last position. Chosen.
+constexpr double kOwn = 0.5;
+// Pitches. A target that moved by less is at its own position. Chosen.
+constexpr double kStirs = 0.5;
 
 bool is_near(double a, double b) { return std::abs(a - b) < kLike * std::max(a, b); }
 
@@ -22,7 +25,7 @@ Extent<frame::Board> travel_of(const Site& site, std::size_t i, const Prediction
   return travels ? prediction.travel[i] : Extent<frame::Board>{};
 }
 
-// Where the points show the print, less where the site has it.
+// Returns the displacement of a grating from the site's position, mm. An axis without a reading has the window's.
 Extent<frame::Board> gone(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
   const auto d = displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.patch, seen.window_shift);
   return {std::isnan(d.x) ? seen.window_shift.x : d.x, std::isnan(d.y) ? seen.window_shift.y : d.y};

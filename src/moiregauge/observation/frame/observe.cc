@@ -18,11 +18,11 @@ struct Located {
   std::vector<CirclePoint> points;
   std::vector<std::optional<DetectedCircle>> circles;  // one per site marker
   std::string problem;
-  CircleSearch search;  // in which they were found
+  CircleSearch search;  // the search that found them
 };
 
-// Circles are first looked for near where the last frame saw them, within this share of their diameter, so that a
-// neighbour cannot be taken for them; if any is not there, the whole picture is searched.
+// Search distance around a circle's last position, in diameters. It excludes neighbouring circles. If a circle is
+// missing, the whole image is searched. Chosen.
 constexpr double kCircleReach = 0.75;
 
 CircleSearch search_near(const GreyPicture& picture, const Reference& reference, const IdealFromBoard& predicted) {
@@ -49,7 +49,8 @@ Located located(const Reference& reference, const CircleSearch& search, const Id
   return result;
 }
 
-// Three circles cannot prove who they are; each is the one that stood there in the frame before.
+// Identifies three circles by their positions in the previous frame, because three alone do not determine their
+// identity.
 Located as_before(const Reference& reference, const CircleSearch& near, const IdealFromBoard& predicted) {
   const View view{predicted, reference.lens};
   Identified who;
@@ -91,7 +92,8 @@ Located locate(const GreyPicture& picture, const Reference& reference, const Pre
   return {{}, {}, who.error().reason, {}};
 }
 
-// The view that carries `board` to `ideal`: a homography through four or more; through three the pose of a known camera.
+// Returns the view from `board` to `ideal`: a homography through four points or more, or the pose of a known camera
+// through three.
 std::optional<IdealFromBoard> view_through(const Reference& reference, std::span<const BoardPoint> board,
                                            std::span<const IdealPoint> ideal, const IdealFromBoard& near) {
   if (board.size() == 3 && reference.knows_camera()) return view_of_three(board, ideal, reference.lens, near);
@@ -107,10 +109,10 @@ std::optional<IdealFromBoard> first_view(const Reference& reference, const std::
   return view_through(reference, board, ideal, prediction.view.value_or(reference.seen.stage1));
 }
 
-// A reference that slips by more than identification allows is no member of the layout any more. Its circle is the one of
-// its size nearest to its place; whether its print belongs to it, the print's template decides.
-constexpr double kSlipReach = 1.5;  // diameters
-constexpr double kSameSize = 0.1;   // relative
+// Limits for the circle of a reference that slipped out of the layout: the nearest one of the same size. Its template
+// decides whether the grating belongs to it.
+constexpr double kSlipReach = 1.5;  // diameters; chosen
+constexpr double kSameSize = 0.1;   // relative; chosen
 
 const DetectedCircle* circle_of_slipped(const Reference& reference, const Located& now, const View& view,
                                         const CirclePoint& lost) {
@@ -128,7 +130,7 @@ const DetectedCircle* circle_of_slipped(const Reference& reference, const Locate
   return nearest;
 }
 
-// Reads the print of a reference that slipped, with its circle. It counts as covered until its template matches.
+// Reads the grating of a slipped reference, with its circle. It counts as covered until its template matches.
 void read_slipped(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                   const DetectedCircle& circle, MarkerObservation& seen, PatchWorkspace& work) {
   const auto went = view.board(circle.centre) - reference.view.board(reference.seen.markers[i].circle->centre);
@@ -181,7 +183,8 @@ std::string too_few(std::size_t least, const char* what) {
   return std::string(least == kMinForPose ? "fewer than three " : "fewer than four ") + what;
 }
 
-// By how much a reference's print may be left behind by a lossy codec, told from its fainter fundamental; 0 of others.
+// Returns the distance by which a lossy codec may leave a reference's grating behind, from its weaker fundamental. 0
+// for other footage.
 double lag_mm(const GreyPicture& picture, const Reference& reference, const CirclePoint& point) {
   if (!(picture.rounding > 0.0)) return 0.0;
   const RasterPlan& plan = reference.plans[point.marker];
@@ -207,18 +210,18 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   const auto first = first_view(reference, now.points, prediction);
   if (!first) {
     if (observation.reference_problem.empty())
-      observation.reference_problem = too_few(least, "reference circles are seen");
+      observation.reference_problem = too_few(least, "reference circles are visible");
     return observation;
   }
   observation.stage1 = observation.stage2 = *first;
   for (std::size_t i = 0; i < now.circles.size(); ++i) observation.markers[i].circle = now.circles[i];
-  // Step 2: the patches of the references; what they moved is added at their circles.
+  // Step 2: gratings of the references, whose displacements are added at their circles.
   for (const CirclePoint& point : now.points)
     read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker], work);
   for (const CirclePoint& point : now.points) {
     MarkerObservation& seen = observation.markers[point.marker];
     const auto& at_rest = reference.seen.markers[point.marker].patch;
-    // A target's half reading may be told with its status; a reference's would spoil every target.
+    // A status can report the partial reading of a target. That of a reference would spoil every target.
     if (seen.loss == Loss::kNone && reference.site.markers[point.marker].grating &&
         is_bent(reference.plans[point.marker], at_rest, seen.patch, lag_mm(picture, reference, point)))
       seen.loss = Loss::kCovered;
@@ -240,7 +243,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   }
   observation.stage2 = *second;
   observation.references_seen = true;
-  // Step 3: the targets, through both.
+  // Step 3: targets, through the second homography.
   for (std::size_t i = 0; i < observation.markers.size(); ++i) {
     if (reference.site.markers[i].role != Role::kTarget) continue;
     const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};

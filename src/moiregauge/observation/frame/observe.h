@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame -> one Observation: the pixel side of the methods `conventional` and `two-stage`.
+// Reads one frame into one Observation: the part of the methods that needs pixels.
 #pragma once
 
 #include <optional>
@@ -9,42 +9,50 @@
 
 namespace moiregauge::internal {
 
-// What the past says about this frame. Only a hint for where to look: a wrong one costs time, not truth; but `travel`
-// decides the whole pitches of a target that has left its first half pitch.
+// Prediction of a frame from earlier ones. It only states the start of a search, so a wrong one costs time and not
+// correctness. One exception: `travel` determines the fringe order of a target that has moved by more than half a
+// pitch.
 struct Prediction {
-  std::optional<IdealFromBoard> view;        // how the last frame saw the board
-  std::vector<Extent<frame::Board>> travel;  // of each site marker since the reference frame, mm
-  // The same for this frame, at constant velocity; nothing when the last frame was lost.
+  std::optional<IdealFromBoard> view;        // view of the last frame
+  std::vector<Extent<frame::Board>> travel;  // displacement of each site marker in the last frame, mm
+  // The same predicted for this frame, at constant velocity. Empty if the last frame was lost.
   std::optional<IdealFromBoard> expected;
   std::vector<Extent<frame::Board>> travel_expected;
 };
 
-// Seed paper 2.1, camera assumed still: every window stays where it was in the reference frame.
+// Reads a frame by seed paper 2.1. The camera is assumed fixed: every window stays at its position in the reference
+// frame.
 [[nodiscard]] Observation observe_conventional(const GreyPicture& picture, const Reference& reference,
                                                const Prediction& prediction, PatchWorkspace& work);
 
-inline constexpr std::size_t kMinForHomography = 4, kMinForPose = 3;  // references
+// Fewest references that determine a homography, and the pose of a known camera.
+inline constexpr std::size_t kMinForHomography = 4, kMinForPose = 3;
 
-// The first stage and the second through at least so many references: kMinForPose of a known camera will do where the
-// frame before says which three are seen.
+// Reads a frame by both stages through at least `least` references. kMinForPose suffices for a known camera, if the
+// previous frame identifies the three references.
+// Fails (references_seen = false): reference_problem names the reason.
 [[nodiscard]] Observation observe_board(const GreyPicture& picture, const Reference& reference,
                                         const Prediction& prediction, std::size_t least, PatchWorkspace& work);
 
-// Seed paper 2.2, Fig. 5: circle centres -> homography -> patches of the references -> their displacements added at the
-// circles -> second homography -> target.
+// Reads a frame by seed paper 2.2, Fig. 5. The circle centres give the first homography, which serves to read the
+// references' gratings. Their displacements, added at the circles, give the second homography, which serves to read the
+// targets.
 [[nodiscard]] Observation observe_two_stage(const GreyPicture& picture, const Reference& reference,
                                             const Prediction& prediction, PatchWorkspace& work);
 
-// Fig. 5's second homography: stage 1 of `seen`, corrected by what its references' patches moved at their circles. None
-// when too few can be read.
+// Returns the second homography of Fig. 5: stage 1 of `seen`, corrected at the circles by the displacements of the
+// references' gratings.
+// Fails (nothing): too few references can be read.
 [[nodiscard]] std::optional<IdealFromBoard> second_view(const Reference& reference,
                                                         const std::vector<CirclePoint>& circles,
                                                         const Observation& seen);
 
-// What `precise` adds to the reference frame: every print's template, learned from its picture, and the points it shows there.
+// Learns the template of every grating from the reference frame, for `precise`, and fits its points there. A template
+// that cannot be learned stays empty.
 void learn_prints(const GreyPicture& picture, Reference& reference);
 
-// As two-stage, which says where everything is to a hundredth of a pixel; then every print's raw pixels against its template.
+// Reads a frame by tracking, or by detection where tracking fails, and fits every template to the raw pixels. Steps and
+// limits are in docs/methods/precise/frame-reading.md.
 [[nodiscard]] Observation observe_precise(const GreyPicture& picture, const Reference& reference,
                                           const Prediction& prediction, PatchWorkspace& work);
 

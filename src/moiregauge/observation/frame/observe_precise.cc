@@ -13,15 +13,16 @@
 namespace moiregauge::internal {
 namespace {
 
-// Where the print hangs, by the raster method: within a hundredth of a pixel of the truth in this frame's view.
+// Returns the displacement of a grating by the raster method, mm. Its error is about 0.01 px in this frame's view.
 Extent<frame::Board> moved(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
   return known_part(
       displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.patch, seen.window_shift));
 }
 
-// How many pitches round its last place a target is looked for that is not there any more.
+// Search distance of a lost target from its last position, pitches. Chosen.
 constexpr int kLostPitches = 12;
-// A circle beside a grating tells the whole pitch as long as it is nearer to one than to the next.
+// Largest difference between the displacements of circle and grating. A circle determines the fringe order only below
+// half a pitch. Chosen.
 constexpr double kCircleLimit = 0.4;  // pitches
 
 Order order_by_circle(const Reference& reference, const View& view, std::size_t i, const MarkerObservation& seen) {
@@ -32,7 +33,8 @@ Order order_by_circle(const Reference& reference, const View& view, std::size_t 
   return length(went) < kCircleLimit * reference.plans[i].pitch_mm ? Order::kProven : Order::kContradicted;
 }
 
-// Would the target, there, lie over another marker's grating? Other targets stand where the last frame left them.
+// Returns true if the target, displaced by `moved`, would overlap another marker's grating. Other targets count at
+// their positions in the last frame.
 bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> moved, const Prediction& prediction) {
   const Grating& own = *site.markers[target].grating;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
@@ -47,8 +49,8 @@ bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> 
   return false;
 }
 
-// The whole pitch a target stands in, told from its outline or its circle; the raster reading is taken again where
-// continuity had it wrong, or had lost it.
+// Determines the fringe order of a target from its outline or its circle. Repeats the raster reading if continuity gave
+// another order or lost the target.
 void prove(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
            const Prediction& prediction, MarkerObservation& seen, PatchWorkspace& work) {
   const auto& outline = reference.prints[i]->outline;
@@ -71,8 +73,8 @@ void prove(const GreyPicture& picture, const Reference& reference, const View& v
     follow_marker(picture, reference, view, i, verdict.moved, seen, work);
 }
 
-// The raster takes a reference whose window reaches beyond its print for covered; its template says whether it is, or
-// whether it slipped.
+// Fits the template of a marker. The raster reads a reference as covered if its window reaches beyond the grating. The
+// template decides whether it is covered or has slipped.
 void read(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
           MarkerObservation& seen) {
   if (!reference.prints[i]) return;
@@ -85,7 +87,7 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, print);
   if (!points) return;
   const auto& at_rest = reference.seen.markers[i].points;
-  if (!at_rest) {  // this is the reference frame
+  if (!at_rest) {  // in the reference frame
     seen.points = *std::move(points);
     return;
   }
@@ -112,16 +114,17 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
 
 namespace {
 
-// A site that knows its places this much better than the pitch means the symmetry points of its prints; one that does
-// not is served as well by the view through the circles.
+// Largest position uncertainty of a surveyed site. The grating positions of such a site are symmetry points. For other
+// sites the view through the circles is as good. Chosen.
 constexpr double kSurveyed = 0.05;  // pitches
-// The largest relative change that an unknown lens makes to the way from a circle to its grating: 5 % at the picture's corner.
+// Largest relative change of the distance from a circle to its grating by an unknown lens: 5 % at the image corner.
 constexpr double kLensAcross = 0.02;
-constexpr double kSureOfPlace = 3.0;  // u
-constexpr double kMinClipped = 0.01;  // share of a print's pixels: less is a sensor's faulty ones
+constexpr double kSureOfPlace = 3.0;  // coverage factor
+// Share of a grating's pixels. A smaller share may be faulty pixels of the sensor. Chosen.
+constexpr double kMinClipped = 0.01;
 
-// mm from where the view puts a reference's grating, within which the print's symmetry point is the one that the site
-// means; 0 where the site does not say well enough.
+// Returns the radius (mm) around the predicted position of a reference's grating, in which its symmetry point is
+// accepted as the site's. 0: the site does not know its positions well enough.
 double origin_within(const Reference& reference, std::size_t i) {
   const Marker& marker = reference.site.markers[i];
   const double u = reference.site.known_to.position_mm;
@@ -141,7 +144,7 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
     MarkerObservation& seen = reference.seen.markers[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
     const Grating& grating = *reference.site.markers[i].grating;
-    // Clipping is a tone curve too.
+    // Clipping acts as a tone curve, too.
     const bool in_light = reference.light_per_grey.empty() && seen.patch.clipped_share < kMinClipped;
     auto learned = learn_print(picture.luma, reference.view, grating, reference.options.template_use,
                                origin_within(reference, i) / grating.pitch_mm, in_light);
@@ -155,7 +158,7 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
 
 namespace {
 
-// Is the target where it was expected, and in the whole pitch in which its outline stands?
+// Tracks a target. Returns false if it is not at its predicted position, or not in the fringe order of its outline.
 bool tracked(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
              const Prediction& prediction, MarkerObservation& seen) {
   if (!reference.prints[i] || !reference.prints[i]->outline) return false;
@@ -173,7 +176,7 @@ bool tracked(const GreyPicture& picture, const Reference& reference, const View&
   return true;
 }
 
-// By rasters first, then by outline and template.
+// Reads a marker by the raster first, then by outline and template.
 void look_for(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
               const Prediction& prediction, bool by_raster, MarkerObservation& seen, PatchWorkspace& work) {
   const bool may_move = reference.site.markers[i].role == Role::kTarget;

@@ -8,13 +8,13 @@
 namespace moiregauge::internal {
 namespace {
 
-// A print that goes from facing the camera to 8 deg misses its template by a fifth more (rms squared) all over; less than
-// that is not worth a look at every block.
+// Change of sigma^2 from which on the blocks are examined. A grating that turns from facing the camera to 8 deg changes
+// it by a fifth in all blocks. Chosen.
 constexpr double kMissesChanged = 1.15;
-// Of the template's contrast: what a block must miss in excess for the print to move by half a thousandth of a pixel or
-// more, should all of it pull one way.
+// Smallest excess residual of a block, relative to the template's contrast. If all of it pulled one way, the grating
+// would move by 0.0005 px.
 constexpr double kMinMiss = 0.01;
-// The free part may miss by so much more, squared, than the print did at rest: blur and light take their share.
+// Largest sigma^2 of the free part relative to the reference frame's. Blur and light cause a part of it. Chosen.
 constexpr double kStillCovered = 2.0;
 
 double square(double v) { return v * v; }
@@ -41,7 +41,7 @@ std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel
   if (!window || !map) return std::nullopt;
   auto part = fit_patch(picture.luma, *map, *window, model.print, model.options);
   if (!part) return std::nullopt;
-  // What covered the print also bent the first fit: the blocks that are left must be as they were.
+  // The occlusion also displaced the first fit, so the free blocks are compared with the reference frame again.
   const double least = square(at_rest.sigma) + least_of(model, fit, picture.rounding);
   if (square(part->fit.sigma) > kStillCovered * least) return std::nullopt;
   return std::move(part->fit);

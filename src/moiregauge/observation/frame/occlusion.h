@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Something that lies over a part of a print: found by where the print's pixels miss its template, and left out.
+// Finds occlusions by the residuals of a template fit, and excludes them.
 #pragma once
 
 #include <optional>
@@ -8,14 +8,14 @@
 
 namespace moiregauge::internal {
 
-// Looked for only where the misses as a whole changed since the reference frame.
-//
-// at_rest, fit   the print's points then and now
-// A lossy codec leaves some blocks coarser than others: picture.rounding is allowed for.
+// Returns the blocks of a window that are covered in one frame only. `at_rest` is the fit of the reference frame, `fit`
+// that of this one. Blocks are examined only if sigma changed since the reference frame. `picture.rounding` allows for
+// blocks that a lossy codec leaves coarser than others.
 [[nodiscard]] CoveredBlocks find_occluded_blocks(const GreyPicture& picture, const PrintModel& model,
                                                  const PatchFit& at_rest, const PatchFit& fit);
 
-// The points of the part that is free; nothing when that is too little, or has something over it still.
+// Fits the free part of the window.
+// Fails (nothing): the free part is too small, or still partly covered.
 [[nodiscard]] std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel& model,
                                                   const PatchFit& at_rest, const PatchFit& fit,
                                                   const BlockSet& covered);

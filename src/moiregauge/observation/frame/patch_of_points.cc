@@ -12,12 +12,12 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kWholeContrast = 0.1;  // rms
-// Of a strip's pixels, squared: paper misses the template by its contrast at least, of which planes of light and contrast
-// can take up to six tenths.
+constexpr double kWholeContrast = 0.1;  // rms, of the template's contrast; chosen
+// Smallest squared residual of a strip that is no grating, in units of the template's contrast squared. Paper deviates
+// by at least the contrast, of which planes of light and contrast can absorb up to six tenths.
 constexpr double kStripMisses = 0.1;
 
-// Where points seem to be on the board, less where the site has them: a plane about the grating's middle.
+// Returns the points' positions on the board minus those of the site, as a plane about the grating's middle.
 PrintMotion off_the_site(const Reference& reference, const View& view, std::size_t i, const PatchFit& fit) {
   const Grating& grating = *reference.site.markers[i].grating;
   const auto board_from_print = print_from_board(grating, {}).inverse() * reference.prints[i]->correction.inverse();
@@ -35,7 +35,7 @@ PrintMotion off_the_site(const Reference& reference, const View& view, std::size
   return {{c(0, 0), c(0, 1)}, c.bottomRows<2>().transpose()};
 }
 
-// Of a shift of all nine points alike, pitches.
+// Returns u of a common shift of all nine points, pitches. 0 for an axis that is not shown.
 double u_of_shift(const PatchInformation& information, int axis) {
   const double weight = information.block<kPatchPoints, kPatchPoints>(axis * kPatchPoints, axis * kPatchPoints).sum();
   return weight > 0.0 ? 1.0 / std::sqrt(weight) : 0.0;

@@ -1,37 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a raster would have read, told from the points of a print's fit: phases against the reference frame's, so that
-// all that asks for a patch gets the same answer whichever way it was looked at.
+// Converts the points of a template fit to a raster reading, with phases relative to the reference frame's. Users of a
+// patch then need not know which method read it.
 #pragma once
 
 #include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge::internal {
 
-// How a print has gone on the board since the reference frame: a plane about its middle.
+// Displacement of a grating on the board since the reference frame, as a plane about its middle.
 struct PrintMotion {
-  Extent<frame::Board> displacement;   // mm, of the middle
-  Matrix2 gradient = Matrix2::Zero();  // d(displacement) / d(board point)
+  Extent<frame::Board> displacement;   // mm, at the middle
+  Matrix2 gradient = Matrix2::Zero();  // d(displacement) / d(board point), 1
 };
+// Returns the motion that the points of marker `i` show in `view`.
 [[nodiscard]] PrintMotion motion_of_points(const Reference& reference, const View& view, std::size_t i,
                                            const PatchFit& points);
 
-// As read in a window shifted by `shift`; its clipped share is that of the reference frame.
+// Returns the reading of a window displaced by `shift`. Its clipped share is that of the reference frame.
 [[nodiscard]] PatchReading patch_of_points(const Reference& reference, std::size_t i, const PatchFit& points,
                                            const PrintMotion& motion, Extent<frame::Board> shift);
 
-// Of the pixels between the outer points.
+// Returns the clipped share of the pixels between the outer points.
 [[nodiscard]] double clipped_share(const GreyPicture& picture, const PatchFit& points);
 
-// By how much pixels miss the print's template beyond their noise in the reference frame, and what a codec may round
-// away (GreyPicture), rms, of its contrast.
+// Returns the rms residual beyond the noise of the reference frame and the rounding of a codec, as a share of the
+// template's contrast. `rounding` is that of GreyPicture.
 [[nodiscard]] double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model,
                                       double rounding);
 
-// More than a tenth, and something hides a part of it.
+// Returns true if less than a tenth of the contrast is missing. More means that something hides a part of the grating.
 [[nodiscard]] bool is_whole(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model, double rounding);
 
-// One pitch beside its print, a window that ends with the print holds a strip of something else (its outline was seen to
-// stand out): does so little miss the template that it cannot be?
+// Returns true if the residual proves the fringe order. A window that ends with its grating would contain a strip of
+// something else if it were one pitch off. Returns false without an outline.
 [[nodiscard]] bool ends_with_print(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model,
                                    double rounding);
 

@@ -7,10 +7,10 @@
 namespace moiregauge::internal {
 namespace {
 
-// Rms of all circles about the homography since the reference frame. A lens of -2 % may make as much of a movement, but
-// then no single circle explains it.
+// Limit of the circles' rms deviation from a homography since the reference frame, px. A lens of -2 % can cause as
+// much, but then no single circle explains it. Chosen.
 constexpr double kSlip_px = 0.5;
-constexpr double kSlipExplains = 0.25;  // of that rms, the share that may stay without the circle
+constexpr double kSlipExplains = 0.25;  // largest share of that rms that may remain without the circle; chosen
 
 double circle_residual_px(const std::vector<CirclePoint>& points) {
   const auto view = fit_circles(points);

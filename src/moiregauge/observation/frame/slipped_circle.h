@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reference that slips drags the homography of all circles along, and with it every target.
+// Finds a slipped reference, which displaces the homography of all circles and with it every target.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,13 @@
 
 namespace moiregauge::internal {
 
-// Five circles that are left have two coordinates to spare.
+// The five that remain have two redundant coordinates.
 inline constexpr std::size_t kMinReferencesForSlip = 6;
 
-// Removes the circle that moved on the board since the reference frame, and returns its marker. Returns nothing if there are
-// fewer than six circles, if they are where the reference frame has them to 0.5 px rms, or if no single circle explains
-// the rest. The site's places do not count: they may be known to millimetres only.
+// Removes the circle that moved on the board since the reference frame, and returns its marker. Positions of the site
+// do not count, because they may be known to millimetres only. Returns nothing if there are fewer than six circles, or
+// if all agree with the reference frame to 0.5 px rms. Returns nothing, too, if no single circle explains the
+// deviation.
 std::optional<std::size_t> remove_slipped(const Reference& reference, std::vector<CirclePoint>& points);
 
 }  // namespace moiregauge::internal

@@ -11,9 +11,10 @@
 namespace moiregauge::internal {
 namespace {
 
-// A fit that still moves so much (pitches) in its last pass began too far away.
+// Limit of a fit's last step, pitches. A larger one started too far away. Chosen.
 constexpr double kConverged = 0.005;
-// A reference this far (of its pitch) from where the circles put it may be in the next lattice line.
+// Largest distance of a reference from the position that the circles imply, pitches. Beyond it the reference may be on
+// the next lattice line. Chosen.
 constexpr double kTrackFarOff = 0.3;
 
 bool expects_all(const Reference& reference, const Prediction& prediction) {
@@ -24,7 +25,7 @@ bool expects_all(const Reference& reference, const Prediction& prediction) {
   return !reference.circles.empty();
 }
 
-// The discs, each by itself; who they are, the frame before said.
+// Finds each disc separately. The previous frame identifies them.
 std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& reference,
                                   const IdealFromBoard& expected, Rows rows, Identified& who) {
   const View view{expected, reference.lens};

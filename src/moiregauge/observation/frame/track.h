@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// A frame in which everything is where the last ones let expect it, which is nearly every frame: discs by their
-// centroids, prints by their templates, nothing resampled. Whatever is not as expected is left to the long way.
+// Tracks a frame that agrees with the prediction, as nearly every frame does. Centroids locate the discs and templates
+// the gratings; nothing is resampled. Any other frame goes through detection (docs/methods/precise/frame-reading.md).
 #pragma once
 
 #include "moiregauge/observation/frame/observe.h"
 
 namespace moiregauge::internal {
 
-// The references; targets are not looked at yet. Nothing where any of them is not whole and in its place. Some of the
-// rows tell every phase in a fraction of the time, with a wider u.
+// Reads the references at their predicted positions, and no targets. With Rows::kSome it takes a fraction of the time,
+// and u is larger.
+// Fails (nothing): a reference is occluded or not at its predicted position.
 [[nodiscard]] std::optional<Observation> track_references(const GreyPicture& picture, const Reference& reference,
                                                           const Prediction& prediction, Rows rows = Rows::kAll);
 
-// One target in the view that the references tell, from where it should be by now. False: look for it.
+// Reads one target at its predicted position, in the view through the references.
+// Fails (false): the target must be searched.
 [[nodiscard]] bool track_target(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                                 const Prediction& prediction, MarkerObservation& seen, Rows rows = Rows::kAll);
 

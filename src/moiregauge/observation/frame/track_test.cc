@@ -38,9 +38,9 @@ Prediction as_at_rest(const Reference& reference) {
   return p;
 }
 
-// Frame 2: 0.02 deg and 0.1 mm after the reference frame. Both ways read the same print against the same template; the
-// long one begins a hundredth of a pixel beside the short one.
-TEST(Track, SeesWhatTheLongWaySees) {
+// Frame 2: 0.02 deg and 0.1 mm after the reference frame. Tracking and detection read the same gratings. Detection
+// starts a hundredth of a pixel away.
+TEST(Track, AgreesWithDetection) {
   const Reference& reference = rig().reference;
   const auto now = rig().picture(2);
   const GreyPicture picture{now.view(), 8};
@@ -55,11 +55,11 @@ TEST(Track, SeesWhatTheLongWaySees) {
     const double px = reference.view.mm_per_px(point.board);
     const auto& rest = reference.seen.markers[i].patch;
     EXPECT_LT(length(seen->markers[i].circle->centre - long_way.markers[i].circle->centre), 0.1);
-    // As places on the board, each in its own first view: where stage 2 puts them.
+    // Positions by stage 2, each in its own first view.
     const auto at = [&](const Observation& o) {
       return o.stage1(point.board + displacement_between(plan, rest, o.markers[i].patch));
     };
-    // A raster of some 60 px side at a noise of 1.5 grey levels reads to 0.004 px, the template to 0.001.
+    // The raster of about 60 px reads to 0.004 px at a noise of 1.5 grey levels, the template to 0.001 px.
     EXPECT_LT(length(at(*seen) - at(long_way)), 0.02) << reference.site.markers[i].name << ' ' << px;
     EXPECT_NEAR(seen->markers[i].patch.modulation[0] / long_way.markers[i].patch.modulation[0], 1.0, 0.02);
     EXPECT_NEAR(seen->markers[i].patch.gradient[0][1], long_way.markers[i].patch.gradient[0][1], 2e-3);
@@ -74,12 +74,13 @@ TEST(Track, ATargetIsWhereItWent) {
   ASSERT_TRUE(seen);
   MarkerObservation marker;
   ASSERT_TRUE(track_target({now.view(), 8}, reference, {seen->stage2, {}}, target, as_at_rest(reference), marker));
-  // The paper's motion: 0.5 mm/s at 10 frames/s. Ideal lens, 0.02 deg: what is left is noise, under a micrometre.
+  // The paper's motion is 0.5 mm/s at 10 frames/s. With an ideal lens and 0.02 deg only noise remains, below a
+  // micrometre.
   EXPECT_NEAR(marker.window_shift.y, 0.1, 0.005);
   EXPECT_NEAR(marker.window_shift.x, 0.0, 0.005);
 }
 
-TEST(Track, ACoveredReferenceIsLeftToTheLongWay) {
+TEST(Track, AnOccludedReferenceGoesThroughDetection) {
   simulator::Scenario covered = rig().scenario;
   covered.markers.front().cover.frames = {{2, 3}};
   covered.markers.front().cover.share = 0.5;
@@ -100,7 +101,8 @@ TEST(DiscCentre, IsWithinATwentiethOfAPixelAndOnlyWhereADiscIs) {
   like.contrast = -160.0;
   const auto found = disc_centre(picture.view(), {64.0, 58.0}, 40.0, like);
   ASSERT_TRUE(found);
-  // Light that falls by s a pixel moves the centroid of a window of radius R by (pi R^4 / 4) s over the disc's weight.
+  // Light that falls by s per pixel displaces the centroid of a window of radius R by (pi R^4 / 4) s over the disc's
+  // weight.
   constexpr double kReach = 25.0, kRadius = 20.0;
   EXPECT_LT(length(*found - centre), 0.05 + std::pow(kReach, 4) / (4.0 * kRadius * kRadius) * 0.2 / 160.0);
   EXPECT_FALSE(disc_centre(picture.view(), {64.0, 58.0}, 36.0, like)) << "too small";

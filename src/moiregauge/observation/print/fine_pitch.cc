@@ -27,10 +27,10 @@ std::optional<std::string> fine_pitch_note(const Site& site, const View& view) {
   const bool binary = finest_good == kGoodBinaryPitchPx;
   std::snprintf(
       text, sizeof text,
-      "the pitch of marker '%.60s' is %.1f px%s; below %.0f px %s: "
-      "move closer, take a longer lens or a coarser print",
+      "displacements may be less certain than u: the pitch of '%.60s' is %.1f px%s, and below %.0f px %s. Move closer, "
+      "or use a longer lens or a larger pitch",
       finest->name.c_str(), finest_px, more, finest_good,
-      binary ? "a binary print's harmonics fold onto one another" : "pixels and blur leave little of a cosine");
+      binary ? "the harmonics of a binary grating alias" : "pixels and blur attenuate a cosine grating");
   return text;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints finer in the picture than `precise` reads well.
+// Finds gratings that are too fine in the image for `precise`.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@
 
 namespace moiregauge::internal {
 
-// Below these a note. A binary print's third harmonic needs 6 px for a period of its own in the pixels, and a third
-// more for its template to hold it apart from the fundamental under blur and perspective; a cosine has no harmonics.
-// Under kMinPitchPx (raster.h) nothing is read at all.
+// Pitches below which a note appears, px. The third harmonic of a binary grating needs 6 px for a period of two pixels.
+// Its template needs a third more to separate it from the fundamental under blur and perspective. A cosine has no
+// harmonics. Below kMinPitchPx (raster.h) nothing is read. Chosen.
 inline constexpr double kGoodBinaryPitchPx = 8.0;
 inline constexpr double kGoodCosinePitchPx = 4.0;
 
-// Says which print of the site is finest below its limit in the view, how fine, and what to do; nullopt when none is. A
-// pattern that the site leaves open counts as binary.
+// Returns a note on the grating that is finest relative to its limit: its pitch and a remedy. Returns nothing if none
+// is below its limit. A pattern that the site does not state counts as binary.
 [[nodiscard]] std::optional<std::string> fine_pitch_note(const Site& site, const View& view);
 
 }  // namespace moiregauge::internal

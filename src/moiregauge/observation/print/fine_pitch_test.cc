@@ -44,7 +44,7 @@ TEST(FinePitch, ACosineIsFineBelowFourPixels) {
   EXPECT_TRUE(says(note_of({print_of(3.9, Pattern::kCosine)}), "is 3.9 px; below 4 px"));
 }
 
-// The fundamentals of a checkerboard lie on its diagonals: two squares over sqrt 2.
+// The fundamentals of a checkerboard are on its diagonals: two squares over sqrt 2.
 TEST(FinePitch, ACheckerboardCountsByItsDiagonals) {
   EXPECT_FALSE(note_of({print_of(8.001 * std::sqrt(2.0), Pattern::kCheckerboard)}));
   EXPECT_TRUE(note_of({print_of(7.999 * std::sqrt(2.0), Pattern::kCheckerboard)}));

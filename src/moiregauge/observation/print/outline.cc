@@ -12,16 +12,16 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kNear = 3;  // pitches looked round where the phase puts a print, at first
-constexpr int kFar = 24;  // and at most
-// From the best place to the next the score must fall by this part of what it does in the reference frame: a strip of
-// the print's edge may be half hidden, no more.
+// All limits are chosen (docs/methods/precise/fringe-order.md).
+constexpr int kNear = 3;  // pitches around the position from the phase, at first
+constexpr int kFar = 24;  // at last
+// Share of the reference frame's loss by which the score must fall from the best position to the next. Half a strip of
+// the edge may therefore be hidden, but no more.
 constexpr double kClear = 0.5;
-// The print found must be this whole, or the best place is a guess; and show this part of the reference frame's
-// lattice.
+// Limits of a grating that was found: share of its cells that show it, and visibility relative to the reference frame.
 constexpr double kWhole = 0.5;
 constexpr double kFaint = 0.1;
-// An outline stands out if one pitch aside this part of a strip of the inside is lost.
+// Smallest share of a strip of the inside that must be lost one pitch away.
 constexpr double kStandsOut = 0.4;
 
 struct Place {
@@ -29,13 +29,13 @@ struct Place {
   double score = -1.0;
 };
 
-// Places by which a lattice is displaced onto itself: whole pitches, and for a checkerboard half of both.
+// Returns true if a displacement maps the lattice onto itself: whole pitches, and for a checkerboard half of both.
 bool is_whole(const Grating& grating, int i, int j) {
   const bool diagonal = fundamental_pitch_mm(grating) < 0.9 * grating.pitch_mm;
   return diagonal ? (i + j) % 2 == 0 : i % 2 == 0 && j % 2 == 0;
 }
 
-// Does the window, displaced to the place, hold half of a print or more?
+// Returns true if the window, displaced to this position, contains half of a grating or more.
 bool is_print(const VisibilityMap& map, const Outline& outline, const Place& p) {
   auto cells = map.cells(outline.window, p.i, p.j);
   if (cells.empty()) return false;
@@ -57,7 +57,7 @@ struct Ranked {
   Place best, next;
 };
 
-// The best place and the best of those that lie beside it along an axis the print shows.
+// Returns the best position, and the best other one along an axis that the grating shows.
 Ranked rank(const VisibilityMap& map, const Grating& grating, const Outline& outline, int pitches,
             const std::function<bool(const Place&)>& is_taken) {
   Ranked r;
@@ -139,7 +139,7 @@ std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const Vie
 
 namespace {
 
-// The place at which a window holds most of the lattice.
+// Returns the position at which the window has the greatest total visibility.
 Place best_place(const VisibilityMap& map, const PatchWindow& window, int pitches) {
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
@@ -151,7 +151,7 @@ Place best_place(const VisibilityMap& map, const PatchWindow& window, int pitche
   return best;
 }
 
-// What a print loses when its window goes one pitch aside, to the low and to the high side.
+// Losses of a grating whose window is displaced by one pitch, to the low and to the high side.
 struct Beside {
   double low, high;
   [[nodiscard]] double middle() const { return low + high > 0.0 ? 0.5 * (low - high) / (low + high) : 0.0; }  // pitches
@@ -162,7 +162,8 @@ Beside beside(const VisibilityMap& map, const PatchWindow& window, const Place& 
   return {best.score - map.sum(window, best.i - x, best.j - y), best.score - map.sum(window, best.i + x, best.j + y)};
 }
 
-// Half a pitch off the middle of its cells, a print loses little on one side and twice that on the other.
+// Returns true if the losses show an outline. Half a pitch off the middle of its cells, a grating loses little on one
+// side and twice that on the other.
 bool stands_out(const Beside& b, double score, double half) {
   const double strip = kStandsOut * score * 0.5 / half;
   return 0.5 * (b.low + b.high) > strip && std::min(b.low, b.high) > 0.3 * strip;
@@ -172,7 +173,7 @@ bool is_plausible(const PrintFromPrint& lattice) {
   return (lattice.matrix().topLeftCorner<2, 2>() - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() < kMaxStretched;
 }
 
-constexpr double kRim = 0.25;  // pitches: cells of the print's rim are half paper
+constexpr double kRim = 0.25;  // pitches: cells at the edge are half paper
 constexpr int kLatticeRounds = 2;
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which whole pitch a print stands in, told from its outline. A phase repeats with every pitch; the print's own edges
-// do not. Round the place where the phase puts it, cells of half a pitch say whether they show its lattice
-// (fundamentals against the mean grey level, so light does not count), and every displacement by whole pitches is
-// scored by how much of the lattice the print's outline then holds.
+// Determines the fringe order of a grating from its outline (docs/methods/precise/fringe-order.md). A phase repeats
+// with every pitch, but the edges of the grating do not. Cells of half a pitch around the position from the phase show
+// the fringe visibility, which does not depend on light. Every displacement by whole pitches is scored by the total
+// visibility inside the outline.
 #pragma once
 
 #include <array>
@@ -17,48 +17,55 @@
 
 namespace moiregauge::internal {
 
-// A print's outline in its own pitches, and how clearly it stands out in the reference frame.
+// Outline of a grating in its own pitches, and its contrast to the surroundings in the reference frame.
 struct Outline {
-  PatchWindow window;            // where the print is
-  PrintFromPrint correction;     // to its own coordinates from those that the site gives it through a view
-  double present = 0.0;          // of a cell inside
-  std::array<double, 2> step{};  // the part of the score lost one pitch beside, along x and y
+  PatchWindow window;  // extent of the grating, pitches
+  // Map from the grating coordinates by site and view to the grating's own.
+  PrintFromPrint correction;
+  double present = 0.0;          // mean fringe visibility of a cell inside
+  std::array<double, 2> step{};  // share of the score lost one pitch away, along x and y
 };
 
 enum class Order {
-  kUnproven,      // nobody looked, or nothing in sight could tell: continuity alone has it
-  kProven,        // outline or circle agree with the phase
-  kContradicted,  // they do not, or cannot choose between two
+  // Not tested, or not decided by anything in the image. Continuity alone has determined it.
+  kUnproven,
+  kProven,  // outline or circle agree with the phase
+  // They contradict the phase, or cannot decide between two orders.
+  kContradicted,
 };
 
 struct OrderVerdict {
   Order order = Order::kUnproven;
-  Extent<frame::Board> moved;  // mm, by whole pitches where the print was found to stand
+  // mm: the displacement given, plus the whole pitches found.
+  Extent<frame::Board> moved;
 };
 
-// Empty where the print has no outline in sight: it goes on beyond the window, or like things surround it.
+// Learns the outline of a grating from the reference frame.
+// Fails (nothing): no outline is visible. The grating continues beyond the window, or similar patterns surround it.
 [[nodiscard]] std::optional<Outline> learn_outline(const LumaView& luma, const View& view, const Grating& grating,
                                                    const PatchWindow& window, const PrintFromPrint& correction);
 
-// Is this place (mm from where the site has the print) another marker's?
+// Returns true if a displacement (mm, from the site's position) belongs to another marker.
 using IsTaken = std::function<bool(Extent<frame::Board>)>;
 
-// `moved`: where the phase puts the print, right but for whole pitches. Looks three pitches round it, and further when
-// what it finds there is not the whole print.
+// Verifies the fringe order in a frame. `moved` (mm) is the displacement by the phase, right except for whole pitches.
+// Searches three pitches around it, and 24 if that does not show the whole grating.
 [[nodiscard]] OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const Grating& grating,
                                                const Outline& outline, Extent<frame::Board> moved,
                                                const IsTaken& is_taken);
 
-// Where the print may stand when nothing is known but that it is not at `from`: the place, to half a pitch, within
-// `pitches` of it that shows most of its lattice. Nothing when half of it is nowhere seen.
+// Searches a grating within `pitches` of `from`. Returns the displacement of greatest total visibility, mm, to half a
+// pitch.
+// Fails (nothing): less than half of the grating is visible anywhere.
 [[nodiscard]] std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view,
                                                                const Grating& grating, const Outline& outline,
                                                                Extent<frame::Board> from, int pitches,
                                                                const IsTaken& is_taken);
 
-// How far (mm, to a quarter pitch) a print hangs from where the site, which knows it but roughly, has it; the site's
-// scale and shear there may be wrong by a quarter. Looks within `pitches`; nothing when the print has no outline in
-// sight. `is_hidden`: pixels that show something else for certain, such as the marker's circle.
+// Returns the displacement (mm, to a quarter pitch) of a grating whose site position is uncertain. The site's scale and
+// shear may be wrong by a quarter there. Searches within `pitches`. `is_hidden` marks pixels that show something else,
+// such as the marker's circle.
+// Fails (nothing): the grating has no visible outline.
 [[nodiscard]] std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View& view,
                                                              const Grating& grating, int pitches,
                                                              const IsHidden& is_hidden);

@@ -9,7 +9,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kSide = 64;  // samples of a period
+constexpr int kSide = 64;  // samples per period
 
 struct Levels {
   double low = std::numeric_limits<double>::infinity(), high = -low;

@@ -16,12 +16,12 @@ constexpr double kBlur = 0.04;  // pitches, sigma: 0.8 px of 20
 
 double step(double x, double sigma) { return 0.5 * std::erfc(-x / (std::sqrt(2.0) * sigma)); }
 
-// An edge that was blurred, and then sharpened by `amount` against a blur 1.6 times as wide.
+// Returns the level of an edge that was blurred, and then sharpened by `amount` against a blur 1.6 times as wide.
 double sharpened_step(double x, double amount) {
   return (1.0 + amount) * step(x, kBlur) - amount * step(x, 1.6 * kBlur);
 }
 
-// Light squares between dark lines, half a pitch wide.
+// Returns light squares between dark lines, half a pitch wide.
 PrintModel squares_of_light(double amount, double shift) {
   const auto profile = [&](double x) {
     return sharpened_step(std::abs(std::remainder(x - shift, 1.0)) - 0.25, amount);

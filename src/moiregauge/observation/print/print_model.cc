@@ -17,35 +17,36 @@ namespace {
 
 using Failure = PatchFitFailure;
 
-// A slope power below this part of the other axis': lines, not a weak second grating.
+// Slope power relative to that of the other axis. With less, the grating has lines along one axis and no weak second
+// grating. Chosen.
 constexpr double kNoSlope = 1e-3;
-// Template and map are learned in turn. A template takes up a share of what is wrong with the map: of a wrong scale
-// over n periods all but 1 / n^2 is seen, so each round leaves about a tenth. The first rounds, with few harmonics, go
-// on until the map stands still; then the window grows, and the last rounds learn all harmonics. What a template leaves
-// over pushes the map by the same little in every round (1e-5 to 6e-5 pitch, mostly along, where the two may drift
-// together): a map that moves as it did before has nothing more to learn either.
+// Limits of the rounds that fit template and map alternately. A template absorbs a share of the map's errors: over n
+// periods, each round leaves about 1 / n^2 of a wrong scale. Rounds with few harmonics end when the map is constant.
+// Then the window grows, and the last rounds have all harmonics. Template and map then drift together by 1e-5 to 6e-5
+// pitch per round. So a map that moves as in the previous round has converged, too. Chosen.
 constexpr int kMaxRounds = 12;
 constexpr double kStandsStill = 1e-6;  // pitches
 constexpr double kAsBefore = 0.03;     // of the movement
 constexpr int kFirstOrders = 5;
 
-// To move a print as a whole, to within a hundredth of a pitch, not every row need be seen: three to a pitch, and never
-// so few that printed edges fall between them.
+// Rows for the shift of a window to a hundredth of a pitch: three per pitch. More than four apart, they could skip
+// printed edges. Chosen.
 constexpr double kRowsPerPitch = 3.0;
 constexpr int kMaxRowStep = 4;
 
-// A template that leaves this share less than the fundamentals alone is worth its harmonics: the rms residual of some
-// thousand pixels is known to 1 %.
+// Share by which a template must lower the rms residual of the fundamentals. The rms residual of some thousand pixels
+// is known to 1 %. Chosen.
 constexpr double kTemplateHelps = 0.02;
 
 constexpr std::array kTemplateWords{std::pair{TemplateUse::kAuto, std::string_view("auto")},
                                     std::pair{TemplateUse::kOn, std::string_view("on")},
                                     std::pair{TemplateUse::kOff, std::string_view("off")}};
 
-// As many whole pitches as the window holds, at least one: over these the harmonics are orthogonal to the fundamentals.
+// Returns half of the whole pitches in the window, at least half a pitch. Over whole pitches the harmonics are
+// orthogonal to the fundamentals.
 double whole_pitches(double half) { return std::max(0.5, 0.5 * std::floor(2.0 * half)); }
 
-// To begin with: so much smaller than the site's print that it may hang half a pitch from where the site has it.
+// Returns the first window. It remains inside the grating even if that is half a pitch off its stated position.
 PatchWindow safe_window(const Grating& grating, double mm_per_px) {
   const auto half = [&](double size) {
     const double whole = 0.5 * size / grating.pitch_mm, edge = kPrintEdgePx * mm_per_px / grating.pitch_mm;
@@ -54,7 +55,7 @@ PatchWindow safe_window(const Grating& grating, double mm_per_px) {
   return {{0, 0}, half(grating.width_mm), half(grating.height_mm)};
 }
 
-// Grey levels of the window's pixels, light and contrast taken out by an earlier fit if there is one.
+// Gathers the grey levels of the window's pixels, corrected for light and contrast if there is an earlier fit.
 template <typename Grey>
 void gather_grey(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit* light,
                  PrintBins& bins) {
@@ -73,15 +74,16 @@ void gather_grey(const ImageView<Grey>& picture, const PrintFromImage& map, cons
   }
 }
 
-// How far the print reaches to one side: strips beyond the window are taken in while they look like the template.
+// Limits of the grating's extent to one side. Strips beyond the window belong to it as long as they match the template.
+// Chosen.
 constexpr double kStrip = 0.05;        // pitches
-constexpr double kSameAsInside = 1.6;  // rms residual of a strip against that of the window
-constexpr double kMaxBeyond = 0.6;     // pitches beyond the site's size
+constexpr double kSameAsInside = 1.6;  // rms residual of a strip relative to that of the window
+constexpr double kMaxBeyond = 0.6;     // pitches beyond the stated size
 
 struct Side {
   int axis;     // 0: x, 1: y
-  double sign;  // towards
-  // How far a window reaches on this side, from the print's origin.
+  double sign;  // +1 or -1
+  // Returns the distance of the window's edge on this side from the grating's origin, pitches.
   [[nodiscard]] double edge(const PatchWindow& w) const {
     return axis == 0 ? w.half_x + sign * w.centre.x : w.half_y + sign * w.centre.y;
   }
@@ -93,7 +95,8 @@ double reach(const ImageView<Grey>& picture, const PrintFromImage& map, const Pa
   const auto back = map.inverse();
   const double from = side.edge(w), across = 0.9 * (side.axis == 0 ? w.half_y : w.half_x);
   const double middle = side.axis == 0 ? w.centre.y : w.centre.x;
-  // Points along every strip, about one a pixel; grey levels of the nearest pixel at its own print coordinates.
+  // Points along every strip, about one per pixel. Grey levels are those of the nearest pixel, compared at its own
+  // grating coordinates.
   const double step = 0.7 * kStrip;
   double good = from;
   for (double at = from; at < most; at += kStrip) {
@@ -122,7 +125,7 @@ PatchWindow grown(const ImageView<Grey>& picture, const PrintFromImage& map, con
                   const PrintTemplate& print, const Grating& grating, double pixel) {
   const double most_x = 0.5 * grating.width_mm / grating.pitch_mm + kMaxBeyond;
   const double most_y = 0.5 * grating.height_mm / grating.pitch_mm + kMaxBeyond;
-  // A strip's last good pixel may be half a pixel from its edge, and half a pixel of edge goes unnoticed in a strip.
+  // The last good pixel of a strip may be half a pixel from its edge. Half a pixel of edge is invisible in a strip.
   const auto limit = [&](Side side) {
     const double most = side.axis == 0 ? most_x : most_y;
     return std::max(side.edge(w), reach(picture, map, w, fit, print, side, most) - pixel);
@@ -131,7 +134,7 @@ PatchWindow grown(const ImageView<Grey>& picture, const PrintFromImage& map, con
   return {{0.5 * (right - left), 0.5 * (up - down)}, 0.5 * (right + left), 0.5 * (up + down)};
 }
 
-// The nine points say where the print is; a homography through them is the map corrected.
+// Returns the corrected map: a homography through the nine points.
 std::optional<PrintFromImage> corrected(const PatchFit& fit) {
   const auto h = fit_homography<frame::Print, frame::Image>(fit.image, fit.print);
   if (!h) return std::nullopt;
@@ -162,7 +165,8 @@ std::optional<PrintFromImage> local_map(const View& view, const Grating& grating
 
 namespace {
 
-// As many harmonics as pixels carry, and no more than those in the window can tell apart (six to each unknown).
+// Returns the highest order of the template. The pixels must resolve it, and each unknown needs six pixels in the
+// window.
 int order_of(const PatchWindow& w, double pitch_px) {
   const double pixels = 4.0 * w.half_x * w.half_y * pitch_px * pitch_px;
   const int most = static_cast<int>(std::floor(0.5 * (std::sqrt(pixels / 6.0) - 1.0)));
@@ -173,7 +177,7 @@ int order_of(const PatchWindow& w, double pitch_px) {
 
 namespace {
 
-// The state of learning, one round after the other.
+// State of the learning, round by round.
 class Learning {
  public:
   Learning(const LumaView& luma, const Grating& grating, PrintFromImage map, double mm_per_px, bool in_light)
@@ -185,7 +189,7 @@ class Learning {
     window_ = safe_window(grating, mm_per_px);
   }
 
-  // How far the map moved, pitches.
+  // Makes a round and returns the movement of the map, pitches.
   tl::expected<double, Failure> round(int most_orders) {
     PrintBins bins(std::min(most_orders, order_of(window_, 1.0 / pixel_)));
     std::visit([&](const auto& picture) { gather_grey(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); },
@@ -231,13 +235,14 @@ class Learning {
         *luma_);
   }
 
-  // Whole pitches only.
+  // Reduces the window to whole pitches.
   void trim() {
     window_.half_x = std::min(window_.half_x, whole_pitches(window_.half_x));
     window_.half_y = std::min(window_.half_y, whole_pitches(window_.half_y));
   }
 
-  // Grey levels, rms residual of what the template was not learned from: harmonics also fit the noise of their pixels.
+  // Returns the rms residual of pixels that the template was not learned from, grey levels. The harmonics also fit the
+  // noise of their own pixels.
   [[nodiscard]] double sigma() const {
     const double side = 2.0 * model_->print.order() + 1.0;
     return fit_->sigma / std::sqrt(std::max(0.1, 1.0 - side * side / fit_->pixels));
@@ -258,8 +263,8 @@ class Learning {
 
 constexpr int kAllOrders = 1 << 20;
 
-// A view through circles that are known to some millimetres only may be stretched or sheared by a third: more than
-// alternating fits find back from.
+// Smallest change of scale or shear that starts from the phases. A view through circles known to some millimetres may
+// stretch or shear by a third, from where alternating fits do not converge. Chosen.
 constexpr double kStretched = 0.02;
 
 PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Grating& grating,
@@ -276,7 +281,7 @@ PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Gratin
   return stretch > kStretched && stretch < kMaxStretched ? found : PrintFromPrint{};
 }
 
-// The print by all of its harmonics, or by its fundamentals.
+// Returns the template with all harmonics, or with the fundamentals, by `use`.
 tl::expected<Learning, Failure> chosen(Learning with_template, TemplateUse use) {
   if (use == TemplateUse::kOn) return with_template;
   Learning fundamentals = with_template;
@@ -307,9 +312,9 @@ std::optional<TemplateUse> template_use_named(std::string_view word) {
 
 namespace {
 
-// A print that shows no symmetry point: what the site means by its place is anywhere within about that, pitches.
+// Uncertainty of the origin of a grating without a symmetry point, pitches. Chosen.
 constexpr double kNoSymmetry = 0.25;
-// Nearer to half the way between two symmetry points it cannot be said which of them the site means.
+// Largest distance of the origin from a symmetry point. Near one half it is unknown which point the site states.
 constexpr double kClearlyOne = 0.35;  // of their spacing
 
 void take_own_origin(PrintModel& model, double within) {
@@ -340,7 +345,8 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   const auto start = lattice_seen(luma, view, grating, {});
   Learning learning(luma, grating, start * *map, view.mm_per_px(grating.centre), in_light);
   if (const auto done = learning.until_it_stands_still(kFirstOrders); !done) return tl::unexpected(done.error());
-  // A few harmonics leave so much over that an edge would pass for print: the window grows by all of them.
+  // With a few harmonics the residuals are large, and an edge would count as grating. The window therefore grows with
+  // all harmonics.
   if (const auto done = learning.round(kAllOrders); !done) return tl::unexpected(done.error());
   learning.grow();
   if (const auto done = learning.until_it_stands_still(kAllOrders); !done) return tl::unexpected(done.error());

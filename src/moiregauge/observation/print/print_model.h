@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A marker's print as it is demodulated by `precise`: its template, learned from the footage, and the pixels that
-// count.
+// Learns the template of a marker's grating, and fits it to later frames, for `precise`
+// (docs/methods/precise/template.md).
 #pragma once
 
 #include <optional>
@@ -14,9 +14,9 @@
 
 namespace moiregauge::internal {
 
-// Which harmonics of a print are used. Off: the fundamentals alone, in a window of whole pitches; what the harmonics
-// leave is then taken for noise, on a binary print ten times the pixels', and u is wide. Auto: the template where it
-// leaves less than the fundamentals do.
+// Harmonics of a grating that are used. `kOff`: the fundamentals alone, in a window of whole pitches. The residual of
+// the harmonics then counts as noise, on a binary grating ten times that of the pixels, and u is large. `kAuto`: the
+// template, if its residual is smaller than that of the fundamentals. `kOn`: the template.
 enum class TemplateUse { kAuto, kOn, kOff };
 [[nodiscard]] std::string_view word_for(TemplateUse use);
 [[nodiscard]] std::optional<TemplateUse> template_use_named(std::string_view word);
@@ -24,45 +24,52 @@ enum class TemplateUse { kAuto, kOn, kOff };
 struct PrintModel {
   PrintTemplate print = PrintTemplate::cosine(0.0, 0.0);
   PatchWindow window;                  // pitches
-  PatchFitOptions options;             // axes, and the rows that the first passes look at
-  std::optional<PatchAtRest> at_rest;  // as it was learned
+  PatchFitOptions options;             // axes, and the rows of the first passes
+  std::optional<PatchAtRest> at_rest;  // as learned from the reference frame
   std::optional<Outline> outline;
-  // From the print coordinates that the site gives through a view to those found: where the site's places are off by
-  // millimetres the view is stretched by per cents, the same in every frame, and a fit should not begin there.
+  // Map from the grating coordinates by site and view to those found. Where the site's positions are wrong by
+  // millimetres, the view is stretched by several per cent, the same in every frame. So fits start from this map.
   PrintFromPrint correction;
-  PrintMisses misses;     // in the reference frame
-  double u_origin = 0.0;  // pitches: of the template's origin against the symmetry point that the site means
+  PrintMisses misses;  // residuals in the reference frame
+  // Pitches. Standard uncertainty (k = 1) of the template's origin relative to the symmetry point of the site.
+  double u_origin = 0.0;
 };
 
-// Kept clear of the print's edge: three sigma of a PSF with its pixel box, as the rasters do.
+// Clearance from the grating's edge: three sigma of a PSF with its pixel box, as for rasters.
 inline constexpr double kPrintEdgePx = 2.4;
 
-// The print's own pitches at a board point, the grating standing `moved` away from where the site has it.
+// Returns the map from the board to the coordinates of a grating that is displaced by `moved` from its site position.
 [[nodiscard]] Homography<frame::Print, frame::Board> print_from_board(const Grating& grating,
                                                                       Extent<frame::Board> moved);
 
-// The map of a marker's raw pixels to its print, as `view` has it at the print's corners: a homography of its own for
-// every marker, so that the lens needs no attention inside a patch (over 100 px of a -2 % lens it stays below 0.001 px).
+// Returns the map from raw pixels to grating coordinates, by the grating's corners in `view`. Every marker has a
+// homography of its own, so the lens needs no attention inside a patch.
+// Fails (nothing): the corners determine no homography.
+// Error: below 0.001 px over 100 px of a -2 % lens.
 [[nodiscard]] std::optional<PrintFromImage> local_map(const View& view, const Grating& grating,
                                                       Extent<frame::Board> moved);
 
-// Learns the template of the grating from one picture: harmonics up to pitch / 2.2 px, the fundamental first; template
-// and map in turn, beginning with the map as `view` or the phases have it, until the map stands still; or the
-// fundamental alone, as `use` says. Zero displacement is where the site puts the print. With a positive `origin_within`
-// (pitches) it is the print's own symmetry point next to there, and `u_origin` is how well that is known. If no such
-// point is so near, the origin stays, and `u_origin` is how far off the nearest one is. Grey levels that are `in_light` already
-// need no width of lines: there more blur moves no edge.
+// Learns the template of a grating from one image, with harmonics up to pitch / 2.2 px, or the fundamentals alone by
+// `use`. Template and map are fitted alternately, from the map by `view` or by the phases, until the map is constant.
+// Displacement is zero where the site has the grating.
+//
+// With a positive `origin_within` (pitches), the origin is the grating's own symmetry point within that distance.
+// `u_origin` is then its uncertainty. If there is no such point, the origin remains, and `u_origin` is the distance of
+// the nearest one. Grey levels that are `in_light` need no width of lines, because more blur moves no edge there.
+// Fails: PatchFitFailure names the reason.
 [[nodiscard]] tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view,
                                                                     const Grating& grating, TemplateUse use,
                                                                     double origin_within = 0.0, bool in_light = true);
 
-// The nine points of the marker in a picture; `moved` to within a tenth of a pitch.
+// Fits the nine points of a marker in an image. `moved` (mm) must be right to a tenth of a pitch.
+// Fails: PatchFitFailure names the reason.
+// Error: the information matrix of the fit.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view,
                                                                   const Grating& grating, Extent<frame::Board> moved,
                                                                   const PrintModel& model, Rows rows = Rows::kAll);
 
-// Scale and shear of a lattice farther off than this are something else's. (The first round sees too much of a
-// stretch.)
+// Largest change of scale or shear of a lattice. A larger one belongs to another pattern. The first round finds
+// stretches too large. Chosen.
 inline constexpr double kMaxStretched = 0.6;
 
 }  // namespace moiregauge::internal

@@ -14,11 +14,11 @@ namespace {
 
 constexpr int kSide = 130;  // px
 constexpr double kPitchPx = 20.37;
-constexpr double kPitches = 5.0;  // of the print
+constexpr double kPitches = 5.0;  // size of the grating
 constexpr double kNoise = 1.5;    // grey levels
 constexpr double kBlurPx = 0.76;  // sigma of lens and pixel
 
-// A millimetre is a pixel; y is up.
+// Returns a view in which a millimetre is a pixel. y is up.
 View upright() {
   Matrix3 h;
   h << 1, 0, 0.5 * kSide, 0, -1, 0.5 * kSide, 0, 0, 1;
@@ -31,7 +31,7 @@ Grating print() {
 }
 
 double step(double px) { return 0.5 * std::erfc(-px / (std::sqrt(2.0) * kBlurPx)); }
-// Lines half a pitch wide about 0, 1, ... pitches: 0 in a line, 1 between.
+// Returns the level of lines half a pitch wide about 0, 1, ... pitches: 0 in a line, 1 between.
 double lines(double px) { return step(std::abs(std::remainder(px, kPitchPx)) - 0.25 * kPitchPx); }
 double crossed_lines(double x, double y) { return 40.0 + 170.0 * lines(x) * lines(y); }
 double cosines(double x, double y) {
@@ -59,7 +59,7 @@ PrintModel learned(const Image<std::uint8_t>& picture, TemplateUse use) {
   return model.value();
 }
 
-// A shift of the whole print along its x: the nine points against where the map has them, each as it counts.
+// Shift of the whole grating along its x: the nine points relative to the map, weighted by their information.
 struct Shift {
   double pitches = 0.0, u = 0.0;
 };
@@ -100,9 +100,9 @@ Scatter scatter(const PrintModel& model) {
   return s;
 }
 
-// The slopes of the template at the window's pixels are all that tells a shift. What 100 pictures scatter is known to
-// 7 %; light and the field's other columns take a few per cent more.
-TEST(PrintModel, WithItsTemplateAPrintScattersLessByWhatItsEdgesTell) {
+// The Fisher information of a shift is in the template's slopes at the window's pixels. The scatter of 100 images has u
+// = 7 %. Light and the other columns of the field add a few per cent.
+TEST(PrintModel, ATemplateLowersTheScatterByTheInformationOfTheEdges) {
   const auto first = seen(crossed_lines, 1);
   const PrintModel with = learned(first, TemplateUse::kOn), without = learned(first, TemplateUse::kOff);
   const Scatter on = scatter(with), off = scatter(without);
@@ -114,13 +114,13 @@ TEST(PrintModel, WithItsTemplateAPrintScattersLessByWhatItsEdgesTell) {
   EXPECT_NEAR(off.rms / predicted(without, off), 1.0, 0.25);
   const double fewer = predicted(without, off) / predicted(with, on);
   EXPECT_GT(fewer, 1.5);
-  EXPECT_NEAR(off.rms / on.rms / fewer, 1.0, 0.15);  // the same pictures: most of the noise is common
-  // With the template u is the scatter; without, what the harmonics leave passes for noise.
+  EXPECT_NEAR(off.rms / on.rms / fewer, 1.0, 0.15);  // the same images, so most of the noise is common
+  // With the template, u equals the scatter. Without it, the residual of the harmonics counts as noise.
   EXPECT_NEAR(on.u / on.rms, 1.0, 0.25);
   EXPECT_GT(off.u, 5.0 * off.rms);
 }
 
-TEST(PrintModel, HarmonicsAreTakenWhereThereAreAny) {
+TEST(PrintModel, HarmonicsAreUsedWhereTheyExist) {
   const auto binary = seen(crossed_lines, 1), cosine = seen(cosines, 1);
   EXPECT_EQ(learned(binary, TemplateUse::kAuto).print.order(), learned(binary, TemplateUse::kOn).print.order());
   EXPECT_EQ(learned(binary, TemplateUse::kOff).print.order(), 1);
@@ -128,8 +128,8 @@ TEST(PrintModel, HarmonicsAreTakenWhereThereAreAny) {
   EXPECT_GT(learned(cosine, TemplateUse::kOn).print.order(), 1);
 }
 
-// Over whole pitches harmonics are orthogonal to the fundamentals; a cosine has none, and its window keeps its size.
-TEST(PrintModel, WithoutItsTemplateABinaryPrintIsReadOverWholePitches) {
+// Over whole pitches harmonics are orthogonal to the fundamentals. A cosine has none, so its window keeps its size.
+TEST(PrintModel, FundamentalsOfABinaryGratingAreReadOverWholePitches) {
   const PatchWindow binary = learned(seen(crossed_lines, 1), TemplateUse::kOff).window;
   EXPECT_DOUBLE_EQ(2.0 * binary.half_x, std::round(2.0 * binary.half_x));
   EXPECT_DOUBLE_EQ(2.0 * binary.half_y, std::round(2.0 * binary.half_y));

@@ -11,12 +11,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kMaxOddPower = 0.01;  // of the print's power
+constexpr double kMaxOddPower = 0.01;  // of the template's power; chosen
 
 double to_nearest_half(double pitches) { return pitches - 0.5 * std::round(2.0 * pitches); }
 double to_nearest_whole(double pitches) { return pitches - std::round(pitches); }
 
-// Prints with lines along both axes: crossings of dark lines, and half a pitch further along both, of light ones.
+// Returns the nearest crossing of dark lines, or of light ones, which are half a pitch away along both axes.
 PrintOrigin of_crossings(Complex x, Complex y) {
   const double dx = to_nearest_whole(-std::arg(x) / kTwoPi), dy = to_nearest_whole(-std::arg(y) / kTwoPi);
   const PrintPoint light{dx, dy}, dark{to_nearest_whole(dx + 0.5), to_nearest_whole(dy + 0.5)};
@@ -24,7 +24,7 @@ PrintOrigin of_crossings(Complex x, Complex y) {
   return {is_light ? light : dark, std::sqrt(0.5), 0.0};
 }
 
-// Checkerboards, whose fundamentals run along the diagonals: corners and centres of squares.
+// Returns the nearest corner or centre of a square. The fundamentals of a checkerboard are along its diagonals.
 PrintOrigin of_checkers(Complex up, Complex down) {
   const double u = to_nearest_half(-std::arg(up) / kTwoPi), v = to_nearest_half(-std::arg(down) / kTwoPi);
   return {{0.5 * (u + v), 0.5 * (u - v)}, std::sqrt(0.125), 0.0};

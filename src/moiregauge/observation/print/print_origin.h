@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds a print's own symmetry point. A template learned through the reference frame's view has its origin where that
-// view puts `grating_mm`: off by what the lens does to the circles. The print itself shows the point that the site means.
+// Finds a grating's own symmetry point (docs/methods/precise/template.md). A template learned through the reference
+// frame's view has its origin where that view has `grating_mm`. The lens displaces this origin, because it acts on the
+// circles. The grating itself shows the point that the site states.
 #pragma once
 
 #include <optional>
@@ -11,17 +12,20 @@
 namespace moiregauge::internal {
 
 struct PrintOrigin {
-  PrintPoint at;         // of the nearest symmetry point, in the template's coordinates, pitches
+  PrintPoint at;         // nearest symmetry point in the template's coordinates, pitches
   double spacing = 0.0;  // pitches, to the next symmetry point
-  double u = 0.0;        // standard uncertainty of either coordinate, from what of the print is not symmetric about it
+  // Standard uncertainty (k = 1) of either coordinate, from the part of the grating that is not symmetric about the
+  // point.
+  double u = 0.0;
 };
 
-// Returns the symmetry point nearest to a template's origin: where dark lines cross or light ones do, the centre of a dot
-// or square, a corner or centre of a checkerboard's square. Uses only the axes that the print shows. Returns nothing where
-// the print is not symmetric (more than 1 % of its power is odd about every such point).
+// Returns the symmetry point nearest to a template's origin, from the axes that the grating shows. It is a crossing of
+// dark or of light lines, the centre of a dot or square, or a corner of a checkerboard.
+// Fails (nothing): the grating is not symmetric, because 1 % or more of its power is odd about that point.
+// Error: `u` of the result.
 [[nodiscard]] std::optional<PrintOrigin> nearest_symmetry(const PrintTemplate& print, bool along_x, bool along_y);
 
-// Returns the same print with its origin moved to `origin`.
+// Returns the same template with its origin moved to `origin`.
 [[nodiscard]] PrintTemplate with_origin(const PrintTemplate& print, PrintPoint origin);
 
 }  // namespace moiregauge::internal

@@ -20,7 +20,7 @@ double dark_grid(double x, double y) {
 }
 double checker_field(double x, double y) { return 60.0 * std::sin(kTwoPi * x) * std::sin(kTwoPi * y); }
 double upright_lines(double x, double /*y*/) { return 60.0 * std::cos(kTwoPi * x); }
-// A saw: its second harmonic is a quarter of a period out of step.
+// Returns a saw: its second harmonic is a quarter of a period out of phase.
 double saw_field(double x, double y) { return dark_grid(x, y) + 30.0 * std::sin(2.0 * kTwoPi * x); }
 
 template <typename Level>
@@ -58,7 +58,7 @@ TEST(PrintOrigin, APrintWithoutSymmetryHasNone) {
 TEST(PrintOrigin, MovingItMovesNothingOfThePrint) {
   const auto print = shifted_print(dark_grid, 0.0, 0.0);
   const auto other = with_origin(print, {0.21, -0.37});
-  EXPECT_NEAR(other.at({0.1, 0.2}).t, print.at({0.31, -0.17}).t, 0.5);  // the table's own error: 1e-2 of a harmonic
+  EXPECT_NEAR(other.at({0.1, 0.2}).t, print.at({0.31, -0.17}).t, 0.5);  // the table's error is 1e-2 of a harmonic
   EXPECT_NEAR(std::abs(other.coefficient(1, 1)), std::abs(print.coefficient(1, 1)), 1e-9);
 }
 

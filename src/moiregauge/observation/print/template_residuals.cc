@@ -11,16 +11,18 @@
 namespace moiregauge::internal {
 namespace {
 
+// Limits of covered blocks. Chosen.
 constexpr double kThrice = 3.0;
-constexpr double kBeyondNoise = 6.0;  // standard deviations
+constexpr double kBeyondNoise = 6.0;  // standard deviations of noise
 constexpr double kMinFree = 0.4;      // of the window
-constexpr int kMinPixels = 30;        // in a block, for its mean square to mean something
+// In a block. With fewer pixels its mean square is too uncertain.
+constexpr int kMinPixels = 30;
 
-// What a pixel at `p` should show.
+// Predicted grey level of a pixel. It contains light, contrast and blur, but no width of lines.
 class Expected {
  public:
   Expected(const PatchFit& fit, const PrintTemplate& print) : fit_(fit), print_(print) {
-    // fundamental = contrast - (2 pi)^2 blur, of the first harmonic (patch_fit.cc)
+    // By patch_fit.cc, fundamental = contrast - (2 pi)^2 blur.
     for (std::size_t a = 0; a < 2; ++a) blur_[a] = (fit.gain[0] - fit.fundamental[a]) / (kTwoPi * kTwoPi);
   }
   [[nodiscard]] double operator()(ImagePoint at, PrintPoint p) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where in a print its pixels miss the template. Noise, blur and a poor template are in all of the window alike, and u
-// tells of them; a hand, a leaf or a reflection lies in some of it and draws the print with it by more than u says.
+// Computes residuals of a template fit by blocks of the window (docs/methods/precise/frame-reading.md). Noise, blur and
+// a poor template affect the whole window alike, and u includes them. A hand, a leaf or a reflection covers a part and
+// displaces the grating by more than u states.
 #pragma once
 
 #include <array>
@@ -11,18 +12,19 @@
 
 namespace moiregauge::internal {
 
-inline constexpr int kMissBlocks = 6;  // to a side of the window
+inline constexpr int kMissBlocks = 6;  // per side of the window; chosen
 inline constexpr std::size_t kAllMissBlocks = std::size_t{kMissBlocks} * kMissBlocks;
 
-// Block by block of the window, row by row from low print coordinates.
+// Residuals of the window's blocks, row by row from low grating coordinates.
 struct PrintMisses {
-  std::array<double, kAllMissBlocks> mean_square{};  // grey levels squared
+  std::array<double, kAllMissBlocks> mean_square{};  // grey levels^2
   std::array<int, kAllMissBlocks> pixels{};
 };
+// Returns the residuals of a fit. All are zero if its points determine no homography.
 [[nodiscard]] PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
                                              const PrintTemplate& print);
 
-// In which blocks something lies that is not there in the other frame.
+// Blocks that are covered in one frame only: now or in the reference frame.
 using BlockSet = std::array<bool, kAllMissBlocks>;
 struct CoveredBlocks {
   BlockSet now{};
@@ -31,14 +33,16 @@ struct CoveredBlocks {
   bool any_then = false;
 };
 
-// The frames may differ in noise, light and blur: what counts is how a block stands to the window's median. Covered is a
-// block whose misses (squared) are three times what they are in the other frame, or more where it has so few pixels that
-// noise could do that (six standard deviations). Below that, if all of it pulled one way, a print of 13000 pixels would
-// move by 4.5 u: sqrt(2) / 36 of sigma over its slope, where u is a 114th.
-// `least`: grey levels squared that a block must miss by in excess.
+// Returns the blocks covered in one of two frames. The frames may differ in noise, light and blur, so each block counts
+// relative to the median of its frame. A block is covered if its mean square is three times that of the other frame. In
+// a block of few pixels it must exceed six standard deviations of noise, too. `least`: smallest excess of a mean
+// square, grey levels^2.
+// Error: a smaller change, if all of it pulled one way, would move a grating of 13000 pixels by 4.5 u. That is sqrt(2)
+// / 36 of sigma over its slope, and u is 1 / 114 of it.
 [[nodiscard]] CoveredBlocks covered_blocks(const PrintMisses& then, const PrintMisses& now, double least);
 
-// The largest rectangle of the window without those blocks; empty if it holds less than two fifths of it.
+// Returns the largest rectangle of the window without those blocks.
+// Fails (nothing): it is smaller than two fifths of the window.
 [[nodiscard]] std::optional<PatchWindow> free_window(const PatchWindow& window, const BlockSet& covered);
 
 }  // namespace moiregauge::internal

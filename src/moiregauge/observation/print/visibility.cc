@@ -15,18 +15,20 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kPerPitch = 8;  // points looked at along a pitch
+constexpr int kPerPitch = 8;  // points per pitch; chosen
 constexpr int kPerCell = kPerPitch / 2;
-constexpr double kDarkest = 4.0;  // grey levels: a mean below is taken for this, or noise in the dark would be print
+// Smallest mean grey level that a visibility is relative to. With less, noise in the dark would resemble a grating.
+// Chosen.
+constexpr double kDarkest = 4.0;
 
-// Running sums over a grid of points: 1, I and I times cosine and sine of both fundamentals.
+// Running sums over a grid of points: 1, I, and I times cosine and sine of both fundamentals.
 constexpr std::size_t kSums = 6;
 using CellSums = std::array<double, kSums>;
 
 class Table {
  public:
   Table(int columns, int rows) : wide_(columns + 1), sums_(static_cast<std::size_t>((columns + 1) * (rows + 1))) {}
-  // Points in order, row by row.
+  // Sets the points in order, row by row.
   void set(int i, int j, const CellSums& here) {
     CellSums& to = at(i + 1, j + 1);
     for (std::size_t k = 0; k < kSums; ++k) to[k] = here[k] + at(i, j + 1)[k] + at(i + 1, j)[k] - at(i, j)[k];
@@ -55,7 +57,7 @@ std::optional<double> level(const ImageView<Grey>& picture, ImagePoint p) {
 
 using Complex = std::complex<double>;
 
-// exp(2 pi i X) at the middles of points from `low` on.
+// Returns exp(2 pi i X) at the middles of points from `low` on.
 std::vector<Complex> turns(double low, int points) {
   std::vector<Complex> out;
   for (int i = 0; i < points; ++i) out.push_back(std::polar(1.0, kTwoPi * (low + (i + 0.5) / kPerPitch)));
@@ -64,7 +66,7 @@ std::vector<Complex> turns(double low, int points) {
 
 Presence presence(const CellSums& s, Axes axes) {
   constexpr double kPoints = kPerPitch * kPerPitch;
-  if (s[0] < kPoints) return {};  // cut by the picture's edge, or hidden
+  if (s[0] < kPoints) return {};  // beyond the image, or hidden
   const double mean = std::max(kDarkest, s[1] / kPoints);
   const Complex first = 2.0 / kPoints / mean * Complex(s[2], s[3]), second = 2.0 / kPoints / mean * Complex(s[4], s[5]);
   const double x = std::abs(first), y = std::abs(second);
@@ -99,7 +101,7 @@ std::vector<double> VisibilityMap::cells(const PatchWindow& w, int i, int j) con
 PrintFromPrint VisibilityMap::lattice(const PatchWindow& w, int i, int j, Axes axes) const {
   const Span s = span_of(w, i, j);
   const auto cell = [&](int a, int b) -> const Presence& { return cells_[static_cast<std::size_t>(b * columns_ + a)]; };
-  // Of each fundamental's phase, half a pitch along x and along y.
+  // Phase step of each fundamental over half a pitch along x and along y.
   std::array<std::array<Complex, 2>, 2> step{};
   for (int b = std::max(0, s.j0); b <= std::min(rows_ - 1, s.j1); ++b) {
     for (int a = std::max(0, s.i0); a <= std::min(columns_ - 1, s.i1); ++a) {
@@ -112,7 +114,7 @@ PrintFromPrint VisibilityMap::lattice(const PatchWindow& w, int i, int j, Axes a
       if (b < std::min(rows_ - 1, s.j1)) add(cell(a, b + 1), 1);
     }
   }
-  // A print ahead of the map turns the amplitude backwards; a whole turn is a pitch, a step half a pitch.
+  // The amplitude of a grating ahead of the map has a negative phase. 2 pi is one pitch, and a step is half a pitch.
   const auto slope = [&](std::size_t which, std::size_t along) {
     return -std::arg(step[which][along]) / (0.5 * kTwoPi);
   };
@@ -145,7 +147,7 @@ std::optional<VisibilityMap> presence_round(const LumaView& luma, const View& vi
   const auto cells = [&](double half) { return 2 * static_cast<int>(std::ceil(2.0 * (half + pitches))) + 1; };
   const int columns = cells(window.half_x), rows = cells(window.half_y);
   const PrintPoint low{window.centre.x - 0.25 * (columns - 1), window.centre.y - 0.25 * (rows - 1)};
-  // Points: one pitch round every cell's middle.
+  // Points: one pitch around the middle of every cell.
   const int wide = (columns + 1) * kPerCell, high = (rows + 1) * kPerCell;
   Table table(wide, high);
   const auto across = turns(low.x - 0.5, wide), up = turns(low.y - 0.5, high);

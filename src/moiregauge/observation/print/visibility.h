@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where in a picture a grating's lattice is to be seen: cells of half a pitch, each a number from 0 (not at all) to
-// about 1.
+// Maps the fringe visibility of a grating: cells of half a pitch, each from 0 (none) to about 1
+// (docs/methods/precise/template.md).
 #pragma once
 
 #include <complex>
@@ -15,14 +15,15 @@
 
 namespace moiregauge::internal {
 
-// Along which of its own axes a print's grey level varies.
+// Axes of a grating along which its grey level varies.
 struct Axes {
   bool x = true;
   bool y = true;
 };
 [[nodiscard]] Axes axes_of(const Grating& grating);
 
-// One cell: how much of the lattice it shows, and both fundamentals' amplitudes against the nominal lattice.
+// Cell of the map: fringe visibility, and the complex amplitudes of both fundamentals relative to the nominal lattice,
+// 1.
 struct Presence {
   double strength = 0.0;
   std::complex<double> first, second;
@@ -34,15 +35,16 @@ class VisibilityMap {
       : low_(low), columns_(columns), rows_(rows), diagonal_(diagonal) {
     cells_.resize(static_cast<std::size_t>(columns * rows));
   }
-  // The cell whose middle is `low` + (i, j) / 2 pitches.
+  // Returns the cell with its middle at `low` + (i, j) / 2 pitches.
   [[nodiscard]] Presence& at(int i, int j) { return cells_[static_cast<std::size_t>(j * columns_ + i)]; }
-  // The cells with their middle in the window, displaced by (i, j) half pitches. What lies outside the map counts as
-  // absent.
+  // Return the cells with their middle in the window, displaced by (i, j) half pitches, and their sum. Cells outside
+  // the map are zero.
   [[nodiscard]] double sum(const PatchWindow& window, int i, int j) const;
   [[nodiscard]] std::vector<double> cells(const PatchWindow& window, int i, int j) const;
-  // The lattice seen there, from how the fundamentals' phases change from cell to cell: the print's own coordinates as
-  // a linear function of the map's about the window's middle. Good to some per cents where scale or shear are off by a
-  // quarter. An axis that the print does not show stays as it is.
+  // Returns the lattice in that window, from the phase steps of the fundamentals between cells. It maps the map's
+  // coordinates to the grating's own, linearly about the window's middle. An axis that the grating does not show keeps
+  // its coordinate.
+  // Error: some per cent where scale or shear are wrong by a quarter.
   [[nodiscard]] PrintFromPrint lattice(const PatchWindow& window, int i, int j, Axes axes) const;
 
  private:
@@ -57,14 +59,14 @@ class VisibilityMap {
   std::vector<Presence> cells_;
 };
 
-// Does this pixel show something that is known not to be the print?
+// Returns true for a pixel that is known not to show the grating.
 using IsHidden = std::function<bool(ImagePoint)>;
 
-// The cells within `pitches` of a print's window, the print's coordinates being `correction` times those that the view
-// has for it standing `moved` from where the site has it. A cell looks at one pitch round its middle: the amplitudes of
-// the fundamentals there against the mean grey level (their geometric mean over both axes, so that a mere edge counts
-// nothing). Cells beyond the picture's edge, or with anything hidden, show nothing. Empty when the window itself does
-// not lie before the camera.
+// Returns the cells within `pitches` of a grating's window. The grating coordinates are `correction` times those of a
+// grating displaced by `moved` in the view. A cell uses one pitch around its middle: the amplitudes of the fundamentals
+// relative to the mean grey level. Their geometric mean over both axes excludes a lone edge. Cells beyond the image, or
+// with a hidden pixel, are zero.
+// Fails (nothing): the grating's corners determine no homography in this view.
 [[nodiscard]] std::optional<VisibilityMap> presence_round(const LumaView& luma, const View& view,
                                                           const Grating& grating, const PatchWindow& window,
                                                           Extent<frame::Board> moved, const PrintFromPrint& correction,

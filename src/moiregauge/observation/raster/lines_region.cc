@@ -9,10 +9,10 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kAlive =
-    0.5;  // of the strongest modulation: where the print ends under the window's triangle, it is half
+// Share of the largest modulation. At the end of the grating under the window's triangle it is one half.
+constexpr double kAlive = 0.5;
 
-// Mean modulus across the lines at every step along them.
+// Returns the mean modulus across the lines at every step along them.
 std::vector<double> profile(const Image<std::complex<double>>& fringe, bool lines_along_y) {
   std::vector<double> out(static_cast<std::size_t>(lines_along_y ? fringe.height() : fringe.width()), 0.0);
   for (int y = 0; y < fringe.height(); ++y) {

@@ -9,7 +9,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Rounding to whole grey levels alone is 1 / sqrt 12; no estimate may fall below it.
+// Noise of the rounding to whole grey levels, 1 / sqrt(12). No estimate may be lower.
 constexpr double kRounding = 0.28867513459481287;
 
 template <typename Grey>
@@ -24,7 +24,7 @@ PixelNoise noise_in(const ImageView<Grey>& p, int bits) {
     const Grey* c = p.data + (y + 1) * p.stride;
     for (int x = 1; x + 1 < p.width; ++x) {
       clipped += b[x] == 0 || b[x] >= top;
-      if ((x + y) % 2 != 0) continue;  // half the pixels tell as much as we need
+      if ((x + y) % 2 != 0) continue;  // half of the pixels suffice
       responses.push_back(std::abs(a[x - 1] - 2 * a[x] + a[x + 1] - 2 * b[x - 1] + 4 * b[x] - 2 * b[x + 1] + c[x - 1] -
                                    2 * c[x] + c[x + 1]));
     }
@@ -32,7 +32,7 @@ PixelNoise noise_in(const ImageView<Grey>& p, int bits) {
   if (responses.empty()) return {kRounding, 0.0};
   const auto middle = responses.begin() + static_cast<std::ptrdiff_t>(responses.size() / 2);
   std::nth_element(responses.begin(), middle, responses.end());
-  // The responses are whole numbers: place the median inside its step, or small noises come out in jumps.
+  // The responses are integers. The median is interpolated within its step, or small noise would change in jumps.
   const int m = *middle;
   const auto below = std::count_if(responses.begin(), responses.end(), [m](int r) { return r < m; });
   const auto equal = std::count(responses.begin(), responses.end(), m);
@@ -50,7 +50,7 @@ ImageView<Grey> clipped_to(const ImageView<Grey>& picture, int x0, int y0, int w
   return picture.part(left, top, right - left, bottom - top);
 }
 
-// Counted in pieces that a byte can count, so that the compiler's vectors are full.
+// Counts in pieces whose count fits a byte, so that the compiler's vectors are full.
 template <typename Grey>
 long clipped_in(std::span<const Grey> row, int most) {
   constexpr std::size_t kPiece = 128;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// What is no better than this is noise, not a fringe: pure noise has a phase uncertainty of about 1 rad.
+// Largest u of a phase. A worse one belongs to noise: that of pure noise is about 1 rad. Chosen.
 constexpr double kMaxPhaseUncertainty = 0.1;  // rad
 
 PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const RasterPlan& plan,
@@ -28,11 +28,12 @@ PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const R
   return pixel_noise(luma, bits, x0, y0, x1 - x0, y1 - y0);
 }
 
-// Lines show movement across themselves only. Turned by 1.5 deg against an axis they take 0.026 of what happens along
-// them for movement along that axis; beyond, neither axis is known. (A print is set up to 0.3 deg.)
+// Smallest cosine of the angle between a board axis and the normal of the lines, at 1.5 deg. Lines show movement across
+// themselves only. At 1.5 deg, 0.026 of the movement along them appears as movement along that axis. Beyond this limit
+// neither axis is known. A grating is mounted to 0.3 deg. Chosen.
 constexpr double kUpright = 0.99966;
 
-// A plane's slope over a side of n points with noise u of their mean: u sqrt(12) / n.
+// Returns u of a plane's slope over a side of n points, whose mean has the uncertainty u: u sqrt(12) / n.
 double slope_uncertainty(double u_mean, double side) { return side > 1.0 ? u_mean * std::sqrt(12.0) / side : kNaN; }
 
 }  // namespace
@@ -47,7 +48,7 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
   const PixelNoise noise = noise_round(luma, bits, view, plan, shift);
   reading.noise_sigma = noise.sigma;
   reading.clipped_share = noise.clipped_share;
-  // The raster holds as much information as the picture's pixels under it, not as its own points.
+  // The raster contains the information of the image's pixels under it, not that of its own points.
   const double step_px = plan.step_mm / view.mm_per_px(plan.centre + shift);
   const double pitch_px = plan.pitch_mm / plan.step_mm;
   const double mm_per_rad = plan.pitch_mm / kTwoPi;
@@ -99,7 +100,7 @@ bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReadin
   for (std::size_t a = 0; a < 2; ++a) {
     for (std::size_t b = 0; b < 2; ++b) {
       if (std::abs(now.gradient[a][b] - then.gradient[a][b]) > allowed)
-        return true;  // NaN where nothing is known: not bent
+        return true;  // NaN (not measured) counts as not bent
     }
   }
   return false;
@@ -124,7 +125,7 @@ Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchRea
   const double mm_per_rad = plan.pitch_mm / kTwoPi;
   const double d0 = plan.reads_x ? -mm_per_rad * wrapped(to.phase_rad[0] - from.phase_rad[0]) : kNaN;
   const double d1 = plan.reads_y ? -mm_per_rad * wrapped(to.phase_rad[1] - from.phase_rad[1]) : kNaN;
-  // A one-axis print that lies along the board's axes must not spoil the axis it does show.
+  // A grating of lines along a board axis must not spoil the axis that it shows.
   if (std::isnan(d0) || std::isnan(d1)) {
     const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
     const double known = std::isnan(d0) ? d1 : d0;
@@ -137,7 +138,7 @@ Extent<frame::Board> displacement_between(const RasterPlan& plan, const PatchRea
 
 Extent<frame::Board> displacement_at(const RasterPlan& plan, const PatchReading& from, const PatchReading& to,
                                      Extent<frame::Board> shift) {
-  // The raster is the window's: it reads the print's displacement minus the window's own.
+  // The raster moves with the window, so it reads the grating's displacement minus the window's own.
   return shift + displacement_between(plan, from, to);
 }
 

@@ -9,20 +9,20 @@
 namespace moiregauge::internal {
 namespace {
 
-// Side of the largest upright square that fits a w x h print when turned by `angle` against it.
+// Returns the side of the largest upright square inside a w x h grating that is rotated by `angle` against it.
 double inscribed_side(double width, double height, double angle) {
   return std::min(width, height) / (std::abs(std::cos(angle)) + std::abs(std::sin(angle)));
 }
 
-// How far the print repeats, of what is stated. A pattern of dots about a dot ends with its last whole one, and half a
-// pitch of paper beyond belongs to it; what is stated may reach further (4 pitches hold 3 dots).
+// Returns the length over which the grating repeats, mm. A pattern of dots about a dot ends with its last whole one,
+// plus half a pitch of paper. The stated size may be larger: 4 pitches contain 3 dots.
 double periodic_part(const Grating& grating, double size_mm) {
   if (grating.pattern != Pattern::kDots) return size_mm;
   const double last = std::floor(0.5 * size_mm / grating.pitch_mm - 0.25 + 1e-9);
   return std::min(size_mm, (2.0 * last + 1.0) * grating.pitch_mm);
 }
 
-// Raster pixels, counted from the raster's middle, as points of the picture.
+// Map from raster pixels, counted from the raster's middle, to the image.
 class RasterPoints {
  public:
   RasterPoints(const View& view, const RasterPlan& plan, Extent<frame::Board> shift)
@@ -40,7 +40,7 @@ class RasterPoints {
   double c_, s_;
 };
 
-// The part of the picture that the raster lies on: as its rim goes, so goes all of it. Empty when it is not all inside.
+// Part of the image under the raster, which the raster's border determines. Empty if a part is outside the image.
 struct Box {
   int x0 = 0, y0 = 0, width = 0, height = 0;
 };
@@ -105,7 +105,8 @@ tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, doub
                                          periodic_part(grating, grating.height_mm), diagonal ? kPi / 4.0 : 0.0) /
                           plan.step_mm;
   const int support = 2 * (plan.sampling_pitch_px - 1);
-  // A print that holds the bare window but not its clear edge is still read: its outermost taps weigh next to nothing.
+  // A grating that contains the window without its clear edge is still read, because the outermost taps have almost no
+  // weight.
   if (print_px < support + 1) return tl::unexpected(RasterFailure::kPrintTooSmall);
   const double room = print_px - support - 2.0 * kOversampling * options.edge_px;
   const int region = std::clamp(static_cast<int>(room), 1, kOversampling * options.region_px);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A marker's grating resampled into a square raster that lies along the print's own axes: what the two warps of the
-// seed paper do (Figs. 3 and 5), for the markers' windows only, straight from the raw frame and with exact coordinates.
+// Resamples a marker's grating into a square raster along the grating's own axes. This replaces the two warps of the
+// seed paper (Figs. 3 and 5) for the markers' windows only. It reads the raw frame and uses exact coordinates.
 #pragma once
 
 #include <tl/expected.hpp>
@@ -12,56 +12,65 @@
 
 namespace moiregauge::internal {
 
-// Where a raster lies on the board. Its axis 0 is turned by angle_rad counter-clockwise from the board's x, its axis 1
-// by 90 degrees more (so both grow as the board's x and y do when the angle is 0).
+// Position of a raster on the board. Axis 0 is rotated by angle_rad counter-clockwise from the board's x, and axis 1 by
+// 90 degrees more. At angle 0 both grow as the board's x and y do.
 struct RasterPlan {
   BoardPoint centre;
   double angle_rad = 0.0;
-  double pitch_mm = 0.0;      // period along both raster axes
-  double step_mm = 0.0;       // raster pixel; chosen so that one pitch is exactly sampling_pitch_px of them
+  double pitch_mm = 0.0;  // period along both raster axes
+  // Raster pixel. One pitch is exactly sampling_pitch_px of them, unless the options state a sampling pitch.
+  double step_mm = 0.0;
   int sampling_pitch_px = 0;  // T, raster pixels
   int region_px = 0;          // side of the averaged region, raster pixels
   int side_px = 0;            // region + 2 (T - 1), odd
-  double clearance_mm = 0.0;  // how far the print may move before its edge comes into the raster
-  bool reads_x = true;        // the print shows motion along raster axis 0
+  // Distance by which the grating may move before its edge enters the raster.
+  double clearance_mm = 0.0;
+  bool reads_x = true;  // the grating shows motion along raster axis 0
   bool reads_y = true;
 };
 
 struct RasterOptions {
-  int region_px = 100;        // the paper's region, picture pixels (section 3.3)
-  int sampling_pitch_px = 0;  // T in picture pixels; 0: the pitch in the picture, rounded
-  double edge_px = 2.4;       // kept clear of the print's edge: 3 sigma of a PSF with its pixel box
+  // Side of the averaged region, image pixels (section 3.3 of the paper).
+  int region_px = 100;
+  // T in image pixels. 0: the pitch in the image, rounded.
+  int sampling_pitch_px = 0;
+  // Clearance from the grating's edge: 3 sigma of a PSF with its pixel box.
+  double edge_px = 2.4;
 };
 
 enum class RasterFailure {
-  kTooCoarse,     // under kMinPitchPx the fundamental is beyond what pixels can carry
-  kPrintTooSmall  // the window of 2 T - 1 px does not fit the print
+  // A pitch below kMinPitchPx: pixels cannot resolve the fundamental.
+  kTooCoarse,
+  kPrintTooSmall  // the window of 2 T - 1 px exceeds the grating
 };
 
+// px. Pixels do not resolve a shorter fundamental. Chosen.
 inline constexpr double kMinPitchPx = 2.5;
 
-// Raster points per picture pixel along each axis. One would do for an upright cosine; an oblique binary print
-// interpolated at one point a pixel folds its harmonics back into the fundamental (0.002 px at 20 deg; below 0.001 px
-// with two).
+// Raster points per image pixel along each axis. One suffices for an upright cosine. An oblique binary grating at one
+// point per pixel folds its harmonics back into the fundamental: 0.002 px at 20 deg. With two points it is below 0.001
+// px.
 inline constexpr int kOversampling = 2;
 
-// The period along the axes on which the print's fundamental harmonics lie: the pitch, but for a checkerboard, whose
-// fundamentals lie on the diagonals (k, k) and (k, -k), pitch / sqrt 2 along axes turned by 45 degrees.
+// Returns the period along the axes of the grating's fundamentals, mm. It is the pitch, except for a checkerboard. The
+// fundamentals of a checkerboard are on the diagonals (k, k) and (k, -k), with pitch / sqrt 2 along axes rotated by 45
+// degrees.
 [[nodiscard]] double fundamental_pitch_mm(const Grating& grating);
 
-// `mm_per_px` in the picture's finest direction (View::finest_mm_per_px), so that no raster step skips a pixel: an
-// oblique binary print would alias.
+// Plans the raster of a grating. `mm_per_px` is the scale in the image's finest direction (View::finest_mm_per_px).
+// Then no raster step skips a pixel, which would alias an oblique binary grating.
+// Fails: RasterFailure names the reason.
 [[nodiscard]] tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, double mm_per_px,
                                                                   const RasterOptions& options);
 
-// Buffers that are kept from one raster to the next.
+// Buffers that are reused from one raster to the next.
 struct RasterWorkspace {
   Image<double> raster;
   Spline spline;
 };
 
-// Grey levels of `luma` at the raster's points, shifted on the board by `shift`, into work.raster.
-// Returns false (and leaves the raster unspecified) when any point falls outside the picture.
+// Resamples the grey levels of `luma` at the raster's points, displaced on the board by `shift`, into work.raster.
+// Fails (false, raster unspecified): a point is outside the image.
 [[nodiscard]] bool resample(const LumaView& luma, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
                             RasterWorkspace& work);
 

@@ -10,10 +10,11 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr int kPasses = 30;
-constexpr double kPriorTilt = 1.0;  // 1 sigma of the perspective terms over the picture's patches: wide open
-constexpr double kReading = 1e-3;   // 1 sigma of a local pitch, relative
+// Prior of the perspective terms over the gratings' part of the image, k = 1: practically free. Chosen.
+constexpr double kPriorTilt = 1.0;
+constexpr double kReading = 1e-3;  // u of a local pitch (k = 1), relative; chosen
 
-// Wave vectors (pitches per ideal px) at one place of the picture.
+// Wave vectors (pitches per ideal px) at one point of the image.
 struct LocalLattice {
   IdealPoint at;
   Eigen::Matrix2d k;
@@ -25,7 +26,7 @@ LocalLattice local(ImagePoint at, ImageExtent k_x, ImageExtent k_y, const Camera
   out.k << k_x.x, k_x.y, k_y.x, k_y.y;
   if (lens.is_distortion_free()) return out;
   out.at = lens.undistort(at);
-  // d image / d ideal, by differences over a pixel either way.
+  // d image / d ideal, by differences over a pixel in both directions.
   const ImagePoint right = lens.distort({out.at.x + 1, out.at.y}), left = lens.distort({out.at.x - 1, out.at.y});
   const ImagePoint below = lens.distort({out.at.x, out.at.y + 1}), above = lens.distort({out.at.x, out.at.y - 1});
   Eigen::Matrix2d j;
@@ -34,7 +35,7 @@ LocalLattice local(ImagePoint at, ImageExtent k_x, ImageExtent k_y, const Camera
   return out;
 }
 
-// Few patches: their own perspective says what their distances cannot.
+// Fewer than three gratings do not show the perspective by their positions. Their corners do.
 std::vector<LocalLattice> lattices(std::span<const DetectedPatch> patches, const Camera& lens) {
   std::vector<LocalLattice> out;
   for (const DetectedPatch& p : patches) {
@@ -48,7 +49,7 @@ std::vector<LocalLattice> lattices(std::span<const DetectedPatch> patches, const
   return out;
 }
 
-// Unknowns: the 2 x 2 part in mm per unit length of the picture, then the perspective terms per unit length.
+// Unknowns: the 2 x 2 part in mm per unit length of the image, then the perspective terms per unit length.
 using Unknowns = Eigen::Matrix<double, 6, 1>;
 
 struct Normalised {
@@ -67,7 +68,8 @@ Eigen::VectorXd misfit(const std::vector<LocalLattice>& seen, const Unknowns& u,
   Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * seen.size() + 2));
   const BoardFromIdeal board = map_of(u, n);
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const Eigen::Matrix2d k = seen[i].k * board.jacobian(seen[i].at).inverse() * pitch_mm;  // should be orthonormal
+    // This matrix is orthonormal for the right map.
+    const Eigen::Matrix2d k = seen[i].k * board.jacobian(seen[i].at).inverse() * pitch_mm;
     const auto at = static_cast<Eigen::Index>(3 * i);
     if (seen[i].reads_x) out[at] = (k.row(0).norm() - 1.0) / kReading;
     if (seen[i].reads_y) out[at + 1] = (k.row(1).norm() - 1.0) / kReading;
@@ -107,7 +109,7 @@ BoardFromIdeal board_from_gratings(std::span<const DetectedPatch> patches, const
   for (int pass = 0; pass < kPasses; ++pass) {
     const Eigen::MatrixXd j = slopes(seen, u, n, pitch_mm);
     Eigen::Matrix<double, 6, 6> normal = j.transpose() * j;
-    // A turn of the board changes no pitch: only the damping decides it.
+    // A rotation of the board changes no pitch, so only the damping determines it.
     const double floor = 1e-9 * normal.diagonal().maxCoeff();
     normal.diagonal() += damping * normal.diagonal();
     normal.diagonal().array() += floor;
@@ -135,7 +137,7 @@ double pitch_on(const DetectedPatch& patch, const BoardFromIdeal& board, const C
 double print_angle(const DetectedPatch& patch, const BoardFromIdeal& board, const Camera& lens) {
   const LocalLattice at = local(patch.centre, patch.k_x, patch.k_y, lens, patch.pattern);
   const Eigen::Matrix2d k = at.k * board.jacobian(at.at).inverse();
-  // Crossed prints have two readings of the one angle.
+  // Crossed gratings have two readings of this angle.
   const double by_x = std::atan2(k(0, 1), k(0, 0)), by_y = std::atan2(-k(1, 0), k(1, 1));
   const double angle = !at.reads_y ? by_x : !at.reads_x ? by_y : by_x + 0.5 * std::remainder(by_y - by_x, kTwoPi);
   return std::remainder(angle, 0.5 * kPi);

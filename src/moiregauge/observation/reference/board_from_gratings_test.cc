@@ -10,14 +10,14 @@
 namespace moiregauge::internal {
 namespace {
 
-// A board seen at about 40 degrees: 3 px per mm.
+// Returns the view of a board at about 40 degrees, with 3 px per mm.
 IdealFromBoard tilted() {
   Matrix3 h;
   h << 3.0, 0.2, 512, 0.1, -2.3, 256, 1e-4, 4e-4, 1;
   return IdealFromBoard(h);
 }
 
-// What an exact search would tell of a grating there: its local wave vectors.
+// Returns the result of an exact search for a grating: its local wave vectors.
 DetectedPatch patch_at(const IdealFromBoard& view, BoardPoint at, double angle_rad, double pitch_mm) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   Matrix2 turn;
@@ -64,7 +64,7 @@ TEST(BoardFromGratings, OneGratingIsEnoughWhereItsOwnPerspectiveShows) {
   EXPECT_NEAR(board_distance(board, view, {-10, 0}, {30, 10}), std::hypot(40.0, 10.0), 1e-3);
 }
 
-TEST(BoardFromGratings, LinesMeasureTheAxisTheyShow) {
+TEST(BoardFromGratings, LinesMeasureTheirAxis) {
   const IdealFromBoard view = tilted();
   std::vector<DetectedPatch> patches;
   int n = 0;
@@ -73,12 +73,13 @@ TEST(BoardFromGratings, LinesMeasureTheAxisTheyShow) {
     patches.push_back(patch_at(view, {x, y}, 0.0, 10.0));
     patches.back().pattern = n++ % 2 == 0 ? Pattern::kLinesX : Pattern::kLinesY;
   }
-  patches.push_back(patch_at(view, {0, 0}, 0.0, 10.0));  // without a crossed one nothing says that x and y are square
+  // Only a crossed grating shows that x and y are at right angles.
+  patches.push_back(patch_at(view, {0, 0}, 0.0, 10.0));
   const BoardFromIdeal board = board_from_gratings(patches, Camera{}, 10.0);
   EXPECT_NEAR(board_distance(board, view, {-100, 40}, {100, -40}), std::hypot(200.0, 80.0), 1e-3);
 }
 
-TEST(BoardFromGratings, AnotherPitchIsNamed) {
+TEST(BoardFromGratings, AnotherPitchIsMeasured) {
   const IdealFromBoard view = tilted();
   std::vector<DetectedPatch> patches;
   for (const auto& [x, y] : {std::pair{-100.0, 40.0}, {100.0, 40.0}, {-100.0, -40.0}, {100.0, -40.0}})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was seen in one frame: the pixel side of all methods, kept; the pixels are not looked at again.
+// Result of reading one frame, with any method. The pixels are not read again.
 #pragma once
 
 #include <optional>
@@ -13,32 +13,37 @@
 
 namespace moiregauge::internal {
 
-// Why a marker has no reading in a frame. The words of displacement.csv's `status` are made of these by `displacement`.
+// Reason why a marker has no reading in a frame. `displacement` derives the status words of displacement.csv from it.
 enum class Loss { kNone, kNotSeen, kOutsidePicture, kNoModulation, kCovered, kTooCoarse };
 
-// Does something lie over a part of the print? At rest: in the reference frame it did, and now does not.
+// Occlusion of a part of a grating, now or in the reference frame. `kAtRest`: covered in the reference frame, free now.
 enum class Occlusion { kNone, kNow, kAtRest };
 
 struct MarkerObservation {
   std::optional<DetectedCircle> circle;  // px, as displayed
-  std::optional<PatchFit> points;        // of `precise`: what nine pixels show of the print
-  PatchReading patch;                    // in the raster of the method's last stage for this marker
-  Extent<frame::Board> window_shift;     // by which the raster followed a travelling target, mm
+  // By `precise`: nine points of the grating.
+  std::optional<PatchFit> points;
+  PatchReading patch;  // in the raster of the method's last stage for this marker
+  // Displacement of the raster, which moves with a target, mm.
+  Extent<frame::Board> window_shift;
   Loss loss = Loss::kNone;
-  Occlusion occlusion = Occlusion::kNone;  // of `precise`; the points are then those of the part that is free
-  Order order = Order::kUnproven;          // of `precise`: the whole pitch it stands in
-  Quantiser quantiser;                     // of a lossy codec, where the marker is seen
+  // By `precise`. The points are then those of the free part.
+  Occlusion occlusion = Occlusion::kNone;
+  Order order = Order::kUnproven;  // by `precise`: fringe order
+  Quantiser quantiser;             // of a lossy codec, at the marker
 };
 
-// Stages of the two-stage method, as they were used on the pixels of this frame.
+// Readings of one frame, and the homographies through which they were made.
 struct Observation {
   long frame = 0;
   double time_s = 0.0;
   bool decode_error = false;
   bool references_seen = false;
-  std::string reference_problem;  // why not, in words
-  IdealFromBoard stage1;          // circles of this frame -> board (two-stage; conventional: the reference frame's)
-  IdealFromBoard stage2;          // after the patches' displacements were added at the circles
+  std::string reference_problem;  // reason, if references_seen is false
+  // By the circles of this frame. `conventional` has that of the reference frame.
+  IdealFromBoard stage1;
+  // After the displacements of the references' gratings were added at the circles.
+  IdealFromBoard stage2;
   std::vector<MarkerObservation> markers;  // one per site marker
 };
 

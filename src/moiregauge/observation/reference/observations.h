@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All frames of a run, packed: one is unpacked at a time, so that an hour of them fits into memory.
+// Observations of a run, packed. One frame is unpacked at a time, so that an hour of frames fits into memory.
 #pragma once
 
 #include <cstddef>
@@ -21,19 +21,21 @@ class Observations {
   Observations(std::initializer_list<Observation> frames) {
     for (const Observation& seen : frames) push_back(seen);
   }
-  // Sets the frame that others are packed against. None of those before it may hold points of prints.
+  // Sets the reference frame of the packing. No frame added before may contain points.
   void refer_to(const Reference& reference) { packing_ = ObservationPacking(reference); }
 
+  // Packs a frame and adds it.
   void push_back(const Observation& seen) { packed_.push_back(packing_.packed(seen)); }
   // Adds bytes that were unpacked once.
   void push_back_packed(std::string bytes) { packed_.push_back(std::move(bytes)); }
   [[nodiscard]] std::string packed(const Observation& seen) const { return packing_.packed(seen); }
-  // Returns the observation of bytes. Fails (no value): they are not an observation.
+  // Returns the observation in `bytes`.
+  // Fails (nothing): the bytes are not an observation.
   [[nodiscard]] std::optional<Observation> unpacked(const std::string& bytes) const { return packing_.unpacked(bytes); }
   void replace(std::size_t n, const Observation& seen) { packed_[n] = packing_.packed(seen); }
   // Adds frames [first, end) of `other`, which were packed against the same reference frame.
   void append(const Observations& other, std::size_t first, std::size_t end);
-  // Returns the observation as it will be read: packed and unpacked.
+  // Returns the observation as it will be read later: packed and unpacked.
   [[nodiscard]] Observation rounded(const Observation& seen) const { return read(packing_.packed(seen)); }
 
   [[nodiscard]] std::size_t size() const { return packed_.size(); }

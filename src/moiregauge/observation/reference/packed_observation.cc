@@ -10,23 +10,24 @@
 namespace moiregauge::internal {
 namespace {
 
-// Rounding makes 1e-7 of the shared information, a frame's own normal equations 1e-3 and more.
-constexpr double kSameInformation = 1e-6;  // of the largest entry
+// Largest deviation of an information matrix that counts as the shared one, relative to the largest entry. Rounding
+// causes 1e-7. A frame's own normal equations differ by 1e-3 and more.
+constexpr double kSameInformation = 1e-6;
 constexpr double kSamePlace_px = 1e-7;
 
 enum FrameFlag : unsigned { kIsDamaged = 1, kHasReferences = 2, kHasProblem = 4, kHasStage2 = 8 };
 enum MarkerFlag : unsigned {
   kHasCircle = 1,
-  kHasOwnCircle = 2,  // in more than its place and size
+  kHasOwnCircle = 2,  // in more than position and size
   kHasPatch = 4,
   kIsPatchValid = 8,
   kHasShift = 16,
   kHasStep = 32,
   kIsPredicted = 64,
   kHasPoints = 128,
-  kHasOwnImage = 256,  // points that no map of the window gives
+  kHasOwnImage = 256,  // points that do not follow from the window's map
   kHasOwnInformation = 512,
-  kHasExactPrint = 1024  // no template to count from
+  kHasExactPrint = 1024  // no template grid to refer to
 };
 
 template <typename Bits>
@@ -58,7 +59,7 @@ class PackedWriter {
   std::string bytes_;
 };
 
-// Gives zeros from the first byte on that is missing or impossible.
+// Reads packed values. From the first missing or impossible byte on it returns zeros.
 class PackedReader {
  public:
   static constexpr bool kReads = true;
@@ -68,7 +69,7 @@ class PackedReader {
   void whole(long& value) { value = static_cast<long>(taken<std::uint64_t>()); }
   void whole(int& value) { value = static_cast<int>(taken<std::uint32_t>()); }
   void flags(unsigned& value) { value = taken<std::uint16_t>(); }
-  // Everything counted has a byte at least.
+  // Every counted item has at least one byte, so a larger count is wrong.
   void count(std::size_t& value) {
     value = taken<std::uint32_t>();
     if (value > left_.size()) fail();
@@ -130,7 +131,7 @@ bool is_image_of_grid(const PatchFit& fit) {
   return true;
 }
 
-// As the fit of a followed print has it, from the numbers that are kept.
+// Returns the information matrix as the fit of a tracked grating computes it, from the stored values.
 PatchInformation shared_information(const ObservationPacking::Shared& shared, const PatchFit& fit) {
   const double sigma = static_cast<double>(single(fit.sigma)), gain = static_cast<double>(single(fit.gain[0]));
   if (!(sigma > 0.0)) return PatchInformation::Zero();
@@ -174,7 +175,7 @@ unsigned flags_of(const MarkerObservation& seen, const ObservationPacking::Share
   return flags;
 }
 
-// One description for packing and unpacking: `Archive` writes what a const object holds, or reads into it.
+// One description serves packing and unpacking: `Archive` writes the values of a const object, or reads them into it.
 
 template <typename Archive, typename To, typename From>
 void transfer(Archive& archive, Homography<To, From>& map) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame's observation in few bytes: 1.5 kB for five markers, where the struct takes 17 kB.
+// Packs one frame's observation: 1.5 kB for five markers, instead of 17 kB for the struct.
 //
-// Positions in the picture (maps, circle centres) and travel stay doubles: a float at 4000 px is off by 1e-4 px, a tenth
-// of u. All else is single precision, relative 6e-8. Phases (wrapped) are off by 1.2e-7 rad then, 0.2 nm of a pitch of
-// 10 mm. The readings of a print's points are kept as differences from the template's grid, 0.01 pitches at most for a
-// print that was followed: off by 5e-10 pitches. u of a print is 5e-5 pitches at best.
+// Positions in the image (maps, circle centres) and displacements remain doubles. A float at 4000 px is wrong by 1e-4
+// px, a tenth of u. All other values are floats, with relative errors of 6e-8. A wrapped phase is then wrong by up to
+// 1.2e-7 rad, which is 0.2 nm at a pitch of 10 mm.
 //
-// Nothing is kept that follows from the rest: the nine points are where the window's map has them, and their information
+// Grating coordinates of points are stored as differences from the regular grid of points. These are at most 0.01 pitch
+// for a tracked grating, with errors of 5e-10 pitch, where u is 5e-5 pitch or more.
+//
+// Values that follow from others are not stored. The nine image points follow from the window's map. Their information
 // matrix is the reference frame's times a factor (decision 0020).
 #pragma once
 
@@ -21,20 +23,22 @@ namespace moiregauge::internal {
 
 class ObservationPacking {
  public:
-  ObservationPacking() = default;  // no reference frame yet: points of prints are kept in full
+  ObservationPacking() = default;  // no reference frame yet: points are stored in full
   explicit ObservationPacking(const Reference& reference);
 
-  // Returns the observation's bytes. A second round of packing and unpacking changes no value.
+  // Returns the observation as bytes. A second round of packing and unpacking changes no value.
   [[nodiscard]] std::string packed(const Observation& seen) const;
-  // Returns the observation of such bytes. Fails (no value): they are not an observation.
+  // Returns the observation in `bytes`.
+  // Fails (nothing): the bytes are not an observation.
   [[nodiscard]] std::optional<Observation> unpacked(std::string_view bytes) const;
 
-  // The part that a marker's observations have in common.
+  // Values that all observations of a marker share.
   struct Shared {
     std::optional<DetectedCircle> circle;  // as in the reference frame
     bool has_print = false;
     PatchWindow window;
-    PatchInformation per_pixel = PatchInformation::Zero();  // of noise and contrast as at rest
+    // Information matrix of one pixel, for the noise and contrast of the reference frame.
+    PatchInformation per_pixel = PatchInformation::Zero();
     double gain = 1.0;
   };
 
@@ -42,7 +46,7 @@ class ObservationPacking {
   std::vector<Shared> shared_;  // one per site marker
 };
 
-// Part of run.mgj's layout: its number must rise when the bytes change their meaning.
+// Part of the layout of run.mgj. Increase its number when the bytes change their meaning.
 inline constexpr char kPackedLayout[] = "packed observation 1";
 
 }  // namespace moiregauge::internal

@@ -13,7 +13,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// The small rig, its reference frame and a frame in which the camera has turned by 0.4 deg.
+// Small rig: its reference frame and a frame after the camera has rotated by 0.4 deg.
 struct PackedRig {
   Reference reference;
   Observation seen;
@@ -39,14 +39,14 @@ const PackedRig& packed_rig() {
   return rig;
 }
 
-TEST(PackedObservation, OfFiveMarkersTakesLessThanTwoKilobytes) {
+TEST(PackedObservation, FiveMarkersTakeLessThanTwoKilobytes) {
   const PackedRig& rig = packed_rig();
   ASSERT_EQ(rig.seen.markers.size(), 5U);
   for (const MarkerObservation& marker : rig.seen.markers) ASSERT_TRUE(marker.points);
   EXPECT_LT(ObservationPacking(rig.reference).packed(rig.seen).size(), 1900U);
 }
 
-TEST(PackedObservation, IsOffByAThousandthOfUAtMost) {
+TEST(PackedObservation, RoundingIsBelowAThousandthOfU) {
   const PackedRig& rig = packed_rig();
   const ObservationPacking packing(rig.reference);
   const auto again = packing.unpacked(packing.packed(rig.seen));
@@ -66,7 +66,7 @@ TEST(PackedObservation, IsOffByAThousandthOfUAtMost) {
     EXPECT_EQ(got.loss, is.loss);
     EXPECT_EQ(got.order, is.order);
     for (const std::size_t a : {0U, 1U}) EXPECT_NEAR(got.patch.phase_rad[a], is.patch.phase_rad[a], 1.3e-7);
-    // u of a print is 5e-5 pitches at best, and 0.001 px.
+    // u of a grating is at least 5e-5 pitch, or 0.001 px.
     for (std::size_t n = 0; n < kPatchPoints; ++n) {
       EXPECT_LT(length(got.points->print[n] - is.points->print[n]), 5e-8);
       EXPECT_LT(length(got.points->image[n] - is.points->image[n]), 1e-8);
@@ -75,7 +75,7 @@ TEST(PackedObservation, IsOffByAThousandthOfUAtMost) {
   }
 }
 
-// A run that is resumed has its frames unpacked and packed once more than a run in one piece.
+// A resumed run unpacks and packs its frames once more than an uninterrupted one.
 TEST(PackedObservation, ChangesNoValueTheSecondTime) {
   const PackedRig& rig = packed_rig();
   Observations once(rig.reference), twice(rig.reference), thrice(rig.reference);
@@ -93,8 +93,8 @@ TEST(PackedObservation, ChangesNoValueTheSecondTime) {
   }
 }
 
-// As of a print of which a part is covered: normal equations of its own, in a window of its own.
-TEST(PackedObservation, KeepsNumbersOfItsOwn) {
+// A partly covered grating has its own normal equations, in its own window.
+TEST(PackedObservation, KeepsValuesThatDifferFromTheReferenceFrame) {
   const PackedRig& rig = packed_rig();
   Observation seen = rig.seen;
   PatchFit& fit = *seen.markers[0].points;
@@ -123,7 +123,7 @@ TEST(PackedObservation, KeepsNumbersOfItsOwn) {
   }
 }
 
-TEST(PackedObservation, OfOtherBytesIsNone) {
+TEST(PackedObservation, OtherBytesAreRefused) {
   const PackedRig& rig = packed_rig();
   const ObservationPacking packing(rig.reference);
   const std::string bytes = packing.packed(rig.seen);

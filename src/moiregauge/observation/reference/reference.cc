@@ -13,17 +13,18 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kSamePlace = 0.25;  // diameters: a circle seen where the site has one
+constexpr double kSamePlace = 0.25;  // diameters, between a circle and its site position; chosen
 
 double diameter_mm(const Circle& circle, const DetectedCircle& seen, const IdealFromBoard& h) {
   if (circle.diameter_mm > 0.0) return circle.diameter_mm;
   return seen.diameter_px * View{h, {}}.mm_per_px(circle.centre);
 }
 
-// Where the site's places are known so roughly that a print may hang beside its window, the window goes to the print.
-constexpr double kBeside = 0.35;  // pitches: nearer, the window holds enough of it
+// Distance from which on the window moves to its grating, pitches. At a smaller one the window contains enough of it.
+// Chosen.
+constexpr double kBeside = 0.35;
 
-// Beside a print with soft lines its own circle would pass for more of it.
+// Radius of a circle's mask, in radii. Next to a soft grating its circle would count as more grating. Chosen.
 constexpr double kCircleAndRim = 1.1;
 
 bool is_circle(const Reference& reference, ImagePoint p) {
@@ -35,8 +36,8 @@ bool is_circle(const Reference& reference, ImagePoint p) {
   });
 }
 
-// How far, at one standard uncertainty, a print may stand from where the view through the circles puts it: its own
-// place and that of every circle are known to position_mm, and far from short spacings a view magnifies that.
+// Returns the standard uncertainty of a grating's position in the view through the circles, mm. Its own position and
+// those of all circles are known to position_mm. Far from short spacings the view magnifies these errors.
 double u_of_place(const Reference& reference, BoardPoint place) {
   const double u = reference.site.known_to.position_mm;
   const IdealPoint seen = reference.view.ideal_from_board(place);
@@ -54,9 +55,10 @@ double u_of_place(const Reference& reference, BoardPoint place) {
   return std::sqrt(sum);
 }
 
+// Largest search distance. Chosen.
 constexpr int kMaxPitchesOff = 8;
 
-// A print beyond half the way to another's place would be that other one.
+// Returns half the distance to the nearest other grating. A grating found beyond it would be the other one.
 double half_way_mm(const Site& site, std::size_t own) {
   double nearest = 1e30;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
@@ -83,7 +85,7 @@ void centre_windows(Reference& reference, const LumaView& luma) {
   }
 }
 
-// Plans one raster per grating; says why where it cannot.
+// Plans one raster per grating, or records why it cannot.
 void plan_rasters(Reference& reference) {
   for (const Marker& marker : reference.site.markers) {
     RasterPlan plan;
@@ -105,7 +107,7 @@ std::string coarse_message(const Reference& reference, std::size_t i) {
   const Marker& marker = reference.site.markers[i];
   const double px = fundamental_pitch_mm(*marker.grating) / reference.view.mm_per_px(marker.grating->centre);
   char text[200];
-  std::snprintf(text, sizeof text, "the pitch of marker '%s' is %.2f px in the picture, at least %.1f px are needed",
+  std::snprintf(text, sizeof text, "the pitch of marker '%s' is %.2f px in the image, and at least %.1f px are needed",
                 marker.name.c_str(), px, kMinPitchPx);
   return text;
 }
@@ -133,7 +135,7 @@ std::optional<ReferenceFailure> problem_of(const Reference& reference) {
     if (loss != Loss::kNone && marker.role == Role::kReference)
       return ReferenceFailure{
           ReferenceProblem::kNoGrating,
-          "no grating of the stated pitch is seen where the site puts that of reference '" + marker.name + "'",
+          "there is no grating of the stated pitch at the position of reference '" + marker.name + "'",
           reference.search};
     if (marker.role != Role::kTarget || loss != Loss::kNone) continue;
     any_target = true;
@@ -144,11 +146,12 @@ std::optional<ReferenceFailure> problem_of(const Reference& reference) {
   }
   if (!any_target)
     return ReferenceFailure{ReferenceProblem::kNoGrating,
-                            "no grating of the stated pitch is seen where the site puts the targets", reference.search};
+                            "there is no grating of the stated pitch at the positions of the targets",
+                            reference.search};
   if (!any_axis)
     return ReferenceFailure{
         ReferenceProblem::kNoGrating,
-        "the lines of target '" + askew + "' lie askew to the board's axes and show neither dx nor dy",
+        "the lines of target '" + askew + "' are oblique to the board's axes and show neither dx nor dy",
         reference.search};
   if (const auto disagreement = site_disagreement(reference))
     return ReferenceFailure{ReferenceProblem::kSiteDisagrees, *disagreement, reference.search};
@@ -169,7 +172,7 @@ std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, con
     points.push_back({i, site.markers[i].circle->centre, lens.undistort(seen.centre), seen.u_centre_px});
     diameters.push_back(diameter_mm(*site.markers[i].circle, seen, rough));
   }
-  // The offset hardly depends on the homography's last digits: one pass with the rough one, one with the better.
+  // The offset hardly depends on the homography. The first pass uses the approximate one, the second pass a better one.
   const std::vector<CirclePoint> raw = points;
   for (int pass = 0; pass < 2; ++pass) {
     const IdealFromBoard h = fit_circles(points).value_or(rough);
@@ -193,8 +196,8 @@ tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<Ci
 
 namespace {
 
-// A wrong diameter in the site must be named, not end in "not found": without their diameters the circles may fit. Such
-// a fit is good for naming the mistake only, never for measuring.
+// Identifies circles without their diameters. A wrong diameter in the site can then be named instead of "not found".
+// Such a fit must not be used for measuring.
 tl::expected<Identified, IdentityFailure> identify_without_diameters(Site site, const CircleSearch& search) {
   for (Marker& marker : site.markers) {
     if (marker.circle) marker.circle->diameter_mm = 0.0;
@@ -224,9 +227,9 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
   reference.circles = circle_points(site, lens, reference.search, *who);
   const auto h = fit_circles(reference.circles);
   if (!h)
-    return tl::unexpected(ReferenceFailure{ReferenceProblem::kNotFound,
-                                           "the reference circles lie on a line: no homography follows from them",
-                                           reference.search});
+    return tl::unexpected(ReferenceFailure{
+        ReferenceProblem::kNotFound, "the reference circles are on one line, so they do not determine a homography",
+        reference.search});
   reference.view = {*h, lens};
   reference.seen.references_seen = true;
   reference.seen.stage1 = reference.seen.stage2 = *h;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference frame: where everything was when displacement was zero by definition.
+// Reference frame: the positions of all markers when displacement is zero by definition.
 #pragma once
 
 #include <string>
@@ -15,50 +15,53 @@ namespace moiregauge::internal {
 struct ObserveOptions {
   RasterOptions raster;
   CircleOptions circles;
-  TemplateUse template_use = TemplateUse::kAuto;  // of `precise`
+  TemplateUse template_use = TemplateUse::kAuto;  // for `precise`
 };
 
 struct GreyPicture {
   LumaView luma;
   int bits = 8;
-  double rounding =
-      0.0;  // grey levels, rms: by how much a lossy codec may have any pixel wrong; 0: it is as the sensor had it
+  // Error that a lossy codec may leave in a pixel, grey levels, rms. 0 for other footage.
+  double rounding = 0.0;
 };
 
-// A circle's centre as a point of the homography: the lens and the perspective offset of the ellipse's centre taken
-// out.
+// Centre of a circle as a point of the homography, corrected for the lens and for the perspective offset of the
+// ellipse's centre.
 struct CirclePoint {
   std::size_t marker = 0;  // index in the site
   BoardPoint board;        // mm, the site's circle centre
   IdealPoint ideal;        // px
-  double u_px = 0.0;       // standard uncertainty of each coordinate
+  double u_px = 0.0;       // standard uncertainty (k = 1) of each coordinate
 };
 
 struct Reference {
   Site site;
   Camera lens;
-  int width = 0;  // px, of the picture
+  int width = 0;  // px, of the image
   int height = 0;
   ObserveOptions options;
-  std::vector<CirclePoint> circles;               // of the reference markers, in the site's order
-  View view;                                      // the board as the circles of the reference frame show it
-  std::vector<RasterPlan> plans;                  // one per site marker; pitch_mm = 0 where there is no grating
-  Observation seen;                               // the reference frame itself, patches in `view`
-  std::vector<std::optional<PrintModel>> prints;  // of `precise`, one per site marker; empty: not learned
-  std::vector<Loss> plan_loss;                    // kTooCoarse etc., one per marker
-  CircleSearch search;                            // everything that looked like a circle, for the overlay
-  Tone tone;                                      // by which grey levels were mapped to light before all this
-  std::vector<double> light_per_grey;             // one per site marker, over its print; empty: no mapping
+  std::vector<CirclePoint> circles;  // of the reference markers, in the site's order
+  View view;                         // view of the board through the circles of the reference frame
+  // One per site marker; pitch_mm = 0 if it has no grating.
+  std::vector<RasterPlan> plans;
+  Observation seen;  // reference frame itself, with patches read in `view`
+  // For `precise`, one per site marker. Empty if it was not learned.
+  std::vector<std::optional<PrintModel>> prints;
+  std::vector<Loss> plan_loss;  // one per site marker: kTooCoarse etc.
+  CircleSearch search;          // all circle candidates, for the overlay
+  Tone tone;                    // curve that mapped the grey levels to light before
+  // Ratio of light to grey level over each marker's grating. Empty without a mapping.
+  std::vector<double> light_per_grey;
 
-  // Of a reference's circle in another view, px.
+  // Returns the diameter of a reference's circle in another view, px.
   [[nodiscard]] double diameter_px(const CirclePoint& point, const View& in) const {
     return seen.markers[point.marker].circle->diameter_px * view.mm_per_px(point.board) / in.mm_per_px(point.board);
   }
-  // The step of a codec's quantiser in the units that the marker's print was measured in: grey levels, or light.
+  // Returns a codec's quantisation step in the unit in which the marker was measured: grey levels, or light.
   [[nodiscard]] double step_of(std::size_t marker, const Quantiser& quantiser) const {
     return step_or_usual(quantiser.step) * (marker < light_per_grey.size() ? light_per_grey[marker] : 1.0);
   }
-  // Was a camera given? Then three references tell a pose where a homography needs four.
+  // Returns true if a camera was given. Three references then determine a pose, where a homography needs four.
   [[nodiscard]] bool knows_camera() const { return !lens.is_distortion_free() || lens.fx != 1.0; }
 };
 
@@ -70,22 +73,25 @@ struct ReferenceFailure {
   CircleSearch search;
 };
 
-// Finds circles and gratings by the site's layout in the picture that is to be the reference frame.
+// Finds circles and gratings of a site in the image of the reference frame, and reads them.
+// Fails: the message names the reason and the marker.
 [[nodiscard]] tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& picture, const Site& site,
                                                                        const Camera& lens,
                                                                        const ObserveOptions& options);
 
-// The same in a view that is known: for a method that takes the camera to stand still, and so needs no circles.
+// Reads a site in a known view, for a method that assumes a fixed camera and therefore needs no circles.
+// Fails: as make_reference.
 [[nodiscard]] tl::expected<Reference, ReferenceFailure> make_reference_in_view(const GreyPicture& picture,
                                                                                const Site& site, const View& view,
                                                                                CircleSearch search,
                                                                                const ObserveOptions& options);
 
-// The points of the reference circles among `seen`, given roughly how the frame sees the board.
+// Returns the points of the identified reference circles. `who` contains an approximate view of the board.
 [[nodiscard]] std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, const CircleSearch& search,
                                                      const Identified& who);
 
-// The homography of the circles (exact for four, least squares for more).
+// Fits the homography of the circles: exact for four, least squares for more.
+// Fails: HomographyFailure names the reason.
 [[nodiscard]] tl::expected<IdealFromBoard, HomographyFailure> fit_circles(const std::vector<CirclePoint>& points);
 
 }  // namespace moiregauge::internal

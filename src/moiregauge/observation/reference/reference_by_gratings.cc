@@ -11,8 +11,8 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::ptrdiff_t kCirclesOfAView = 4;  // what a homography needs
-constexpr double kSamePrint = 0.5;             // of a grating's shorter side: two prints cannot be nearer
+constexpr std::ptrdiff_t kCirclesOfAView = 4;  // circles that a homography needs
+constexpr double kSamePrint = 0.5;             // of a grating's shorter side: two gratings cannot be nearer
 
 std::vector<Grating> gratings_of(const Site& site) {
   std::vector<Grating> gratings;
@@ -22,7 +22,7 @@ std::vector<Grating> gratings_of(const Site& site) {
   return gratings;
 }
 
-// The seen grating for each of the site's, where the site is displaced by `shift` on the seen board.
+// Detected grating for each of the site's, if the site is displaced by `shift` on the detected board.
 struct GratingAssignment {
   Extent<frame::Board> shift;
   std::vector<std::optional<BoardPoint>> centres;
@@ -55,7 +55,7 @@ bool is_same(const GratingAssignment& a, const GratingAssignment& b) {
   return true;
 }
 
-// The shift that finds most of the site's gratings; nothing where two different ones find as many.
+// Returns the shift that finds most of the site's gratings. Returns nothing if two different shifts find as many.
 std::optional<GratingAssignment> best_assignment(const std::vector<Grating>& stated, const std::vector<Grating>& seen) {
   std::optional<GratingAssignment> best;
   bool is_ambiguous = false;
@@ -70,7 +70,7 @@ std::optional<GratingAssignment> best_assignment(const std::vector<Grating>& sta
   return is_ambiguous ? std::nullopt : best;
 }
 
-// The site where it is seen: every grating that was found has the place it was found at.
+// Returns the site with every detected grating at its detected position.
 Site placed_site(Site site, const GratingAssignment& assignment) {
   std::size_t i = 0;
   for (Marker& marker : site.markers) {
@@ -103,8 +103,7 @@ tl::expected<Reference, ReferenceFailure> make_reference_by_gratings(const GreyP
   if (!assignment)
     return tl::unexpected(ReferenceFailure{
         ReferenceProblem::kNotFound,
-        "the site fits the gratings of the picture in several ways: state every grating in the site file",
-        found->search});
+        "the site fits the gratings in several ways, so state every grating in the site file", found->search});
   Matrix3 shift = Matrix3::Identity();
   shift(0, 2) = assignment->shift.x;
   shift(1, 2) = assignment->shift.y;

@@ -9,7 +9,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// A share of the longest distance. The side of a square is 0.71 of its diagonal, and a side is easier to measure.
+// Share of the longest distance. The side of a square is 0.71 of its diagonal, and easier to measure. Chosen.
 constexpr double kNearlyLongest = 0.7;
 
 BoardPoint centre_of_marker(const Marker& marker) {
@@ -63,8 +63,8 @@ std::string short_length(double length, const char* unit) {
 std::string tape_text(const ScaleCheck& check, const Site& site, double unit_mm, const char* unit) {
   const std::string& from = site.markers[check.from].name;
   const std::string size = short_length(check.distance_mm / unit_mm, unit);
-  if (check.from == check.to) return "print of " + from + ": " + size + " wide";
-  return from + " to " + site.markers[check.to].name + ": " + size;
+  if (check.from == check.to) return "grating of " + from + " = " + size + " wide";
+  return from + " to " + site.markers[check.to].name + " = " + size;
 }
 
 }  // namespace moiregauge::internal

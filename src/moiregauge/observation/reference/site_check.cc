@@ -11,14 +11,15 @@
 namespace moiregauge::internal {
 namespace {
 
-// The view's scale is no better than the circles' places. Two of them, each known to u, a spacing s apart, tell it to
-// sqrt(2) u / s along their line; at a corner of the layout the perspective that their errors feign adds, and the short
-// spacing counts for both directions. In the mean over the references perspective drops out, and over both directions
-// half of either is left.
+// Uncertainty of the view's scale, which follows from that of the circles' positions. Two circles, each known to u and
+// at a distance s, determine the scale along their line to sqrt(2) u / s. At a corner of the layout their errors also
+// cause false perspective, and the short spacing counts for both directions. In the mean over the references,
+// perspective cancels. Over both directions half of either uncertainty remains.
 struct ScaleUncertainty {
   double alone = 0.0;  // relative, at one reference
-  double mean = 0.0;   // of the mean over all
+  double mean = 0.0;   // for the mean over all
 };
+// Factor for false perspective at one reference. Chosen.
 constexpr double kPerspective = 1.3;
 
 ScaleUncertainty scale_uncertainty(const Reference& reference) {
@@ -34,12 +35,12 @@ ScaleUncertainty scale_uncertainty(const Reference& reference) {
           0.5 * std::hypot(u / std::sqrt(xx), u / std::sqrt(yy))};
 }
 
-// Beyond so many standard uncertainties it is the site that is wrong, not a place that was hardly known.
+// Coverage factor k from which on the site is wrong, and not only uncertain.
 constexpr double kSure = 3.0;
 
-// How much longer the pitch is in the picture than the site says, by the scale of the circle spacing: the phase
-// gradient beyond the nominal carrier. A displacement gradient g along its own axis means the print is stretched by g
-// against the board. NaN where the print does not tell.
+// Returns the relative stretch of a pitch in the image against the site, by the scale of the circle spacing. It is the
+// phase gradient beyond the nominal carrier. A displacement gradient g along its own axis means that the grating is
+// stretched by g against the board. NaN if the grating does not determine it.
 double stretch_of(const PatchReading& patch) {
   double stretch = 0.0;
   int axes = 0;
@@ -53,22 +54,22 @@ double stretch_of(const PatchReading& patch) {
 
 std::string pitch_text(const Marker& marker, double stretch) {
   char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "pitch_mm = %.4g of marker '%s' disagrees with the spacing of the reference circles, by which it is %.4g mm",
-      marker.grating->pitch_mm, marker.name.c_str(), marker.grating->pitch_mm * (1.0 + stretch));
+  std::snprintf(text, sizeof text,
+                "pitch_mm = %.4g of marker '%s' contradicts the spacing of the reference circles, which gives %.4g mm",
+                marker.grating->pitch_mm, marker.name.c_str(), marker.grating->pitch_mm * (1.0 + stretch));
   return text;
 }
 
-// Along the board's x and y, in the mean over the references' prints.
+// Stretch along the board's x and y: mean over the references' gratings.
 struct MeanStretch {
   double x = 0.0, y = 0.0;
   [[nodiscard]] double both() const { return 0.5 * (x + y); }
-  // A printer stretches its sheets along both; circles that are 5 % off along x stretch nothing along y.
+  // Returns true if one axis differs from the other. A printer stretches its sheets along both. Circles with a 5 %
+  // error along x do not stretch y.
   [[nodiscard]] bool is_along_one() const { return std::abs(x - y) > std::max(kSiteTolerance, 0.5 * std::abs(both())); }
 };
 
-// Empty where a print is turned, or does not show both axes.
+// Returns the mean stretch. It is empty if a grating is rotated or does not show both axes.
 std::optional<MeanStretch> mean_stretch(const Reference& reference) {
   constexpr double kTurned = 0.1;  // rad
   MeanStretch sum;
@@ -85,7 +86,7 @@ std::optional<MeanStretch> mean_stretch(const Reference& reference) {
   return MeanStretch{sum.x / count, sum.y / count};
 }
 
-// Two references that are far apart along that direction, and what the prints say of their distance there.
+// Returns the text on two references far apart in this direction, with their distance by the gratings.
 std::string spacing_text(const Reference& reference, Extent<frame::Board> along, double stretch) {
   const auto part = [&](Extent<frame::Board> d) { return std::abs(d.x * along.x + d.y * along.y); };
   const CirclePoint *from = &reference.circles.front(), *to = from;
@@ -97,13 +98,13 @@ std::string spacing_text(const Reference& reference, Extent<frame::Board> along,
   const double stated = part(to->board - from->board);
   const auto& markers = reference.site.markers;
   char text[240];
-  std::snprintf(text, sizeof text, "'%s' and '%s' are %s apart and not %s", markers[from->marker].name.c_str(),
+  std::snprintf(text, sizeof text, "'%s' and '%s' are %s apart, not %s", markers[from->marker].name.c_str(),
                 markers[to->marker].name.c_str(), short_length(stated / (1.0 + stretch), "mm").c_str(),
                 short_length(stated, "mm").c_str());
   return text;
 }
 
-// Which of the two is wrong no picture shows; so both are named.
+// No image shows which of the two is wrong, so the text names both.
 std::string both_suspects(const Reference& reference, const Marker& first, double stretch) {
   const auto mean = mean_stretch(reference);
   const char* axis = "";
@@ -115,12 +116,12 @@ std::string both_suspects(const Reference& reference, const Marker& first, doubl
     if (!is_x) along = {0.0, 1.0};
   }
   char text[160];
-  std::snprintf(text, sizeof text, "; either the prints are %.1f %% too %s%s, or ", 100.0 * std::abs(stretch),
+  std::snprintf(text, sizeof text, ". Either the gratings are %.1f %% too %s%s, or ", 100.0 * std::abs(stretch),
                 stretch > 0.0 ? "large" : "small", axis);
   return pitch_text(first, stretch) + text + spacing_text(reference, along, stretch) + axis;
 }
 
-// All references by the same part: the common pitch or the circles' places are wrong.
+// Tests for a stretch that all references share, from a wrong common pitch or wrong circle positions.
 std::optional<std::string> common_pitch_disagreement(const Reference& reference) {
   double sum = 0.0, noise = 0.0, count = 0.0;
   const Marker* first = nullptr;
@@ -143,7 +144,7 @@ std::optional<std::string> pitch_disagreement(const Reference& reference, std::s
   const double stretch = stretch_of(patch);
   const double allowed = std::max(marker.role == Role::kTarget ? kTargetTolerance : kSiteTolerance,
                                   kSure * scale_uncertainty(reference).alone);
-  // A region of a few pixels tells no scale: ask three times its noise, too.
+  // The scale of a small region is noisy, so three times its noise is allowed, too.
   if (std::isnan(stretch) || std::abs(stretch) <= allowed + 3.0 * patch.u_gradient) return std::nullopt;
   return pitch_text(marker, stretch);
 }
@@ -161,8 +162,7 @@ std::optional<std::string> diameter_disagreement(const Reference& reference, std
   char text[240];
   std::snprintf(
       text, sizeof text,
-      "circle_diameter_mm = %.4g of marker '%s' disagrees with the spacing of the reference circles, by which it "
-      "is %.4g mm",
+      "circle_diameter_mm = %.4g of marker '%s' contradicts the spacing of the reference circles, which gives %.4g mm",
       marker.circle->diameter_mm, marker.name.c_str(), seen->diameter_px * mm_per_px);
   return text;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does the site agree with itself, as seen in the reference frame? Pitch against circle spacing, circles against spacing.
+// Checks that a site agrees with itself in the reference frame: pitches and circle diameters against the circle
+// spacing.
 #pragma once
 
 #include <optional>
@@ -9,13 +10,13 @@ namespace moiregauge::internal {
 
 struct Reference;
 
-// Values that differ by more than this are a wrong site file, not a printer's stretch or a tape measure's.
+// Larger differences are an error in the site file. A printer's stretch or a tape measure causes less. Chosen.
 inline constexpr double kSiteTolerance = 0.02;  // relative
-// A target that stands off the references' plane shows its pitch larger or smaller: 100 mm at a metre.
+// The pitch of a target off the references' plane looks larger or smaller: 100 mm at a metre cause 0.1.
 inline constexpr double kTargetTolerance = 0.1;    // relative
-inline constexpr double kDiameterTolerance = 1.0;  // px, a circle's edge is not known better
+inline constexpr double kDiameterTolerance = 1.0;  // px: a circle's edge is known to about that
 
-// Says which two values of the site disagree; nullopt when all agree.
+// Returns the text on two values of the site that disagree, or nothing if all agree.
 [[nodiscard]] std::optional<std::string> site_disagreement(const Reference& reference);
 
 }  // namespace moiregauge::internal

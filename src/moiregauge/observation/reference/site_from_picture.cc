@@ -19,8 +19,10 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kEnough = 4;  // circles that determine a view
-// A lens of -3 % makes gratings differ by 6 % at the most, and not in one place only.
-constexpr double kForeign = 0.05;  // relative difference of pitch
+// Limits for one grating of another pitch. A lens of -3 % changes pitches by at most 6 %, and not at one position only.
+// Chosen.
+constexpr double kForeign = 0.05;  // largest relative difference of a pitch
+// Largest relative difference of the others' pitches.
 constexpr double kAgreeing = 0.02;
 
 struct Parts {
@@ -48,7 +50,7 @@ std::string counted(std::size_t n, const char* what) {
   return (n == 0 ? std::string("no") : std::to_string(n)) + " " + what + (n == 1 ? "" : "s");
 }
 
-// The circle nearest to the patch's edge, when it is within reach of it; otherwise circles.size().
+// Returns the circle nearest to the patch's edge if it is within reach, otherwise circles.size().
 std::size_t circle_of(const DetectedPatch& patch, const std::vector<DetectedCircle>& circles) {
   std::size_t nearest = circles.size();
   double least = 0.0;
@@ -70,8 +72,8 @@ Parts sorted_out(std::vector<DetectedCircle> circles, const std::vector<Detected
       parts.targets.push_back(patch);
       continue;
     }
-    // One of two gratings at one circle may be a target that happens to be near: taken for one, a grating that stands
-    // still does no harm; taken for a reference's, one that moves would.
+    // One of two gratings at a circle may be a target nearby. As a target, a fixed grating does no harm. As a
+    // reference's grating, a moving one would.
     auto& own = parts.of_circle[i];
     const auto away = [&](const DetectedPatch& p) { return distance_px(p, parts.circles[i].centre); };
     DetectedPatch spare = patch;
@@ -82,14 +84,15 @@ Parts sorted_out(std::vector<DetectedCircle> circles, const std::vector<Detected
     if (away(patch) < away(*own)) std::swap(*own, spare);
     parts.targets.push_back(spare);
     parts.notes.push_back(
-        text_of("the grating at (%.0f, %.0f) px is within three diameters of a reference circle that has a "
-                "nearer one: taken for a target",
+        text_of("note: the grating at (%.0f, %.0f) px is used as a target, because its reference circle has a nearer "
+                "grating",
                 spare.centre.x, spare.centre.y));
   }
   return parts;
 }
 
-// Fewer than four circles carry no view: of use are only those whose grating tells whether the camera moved.
+// Fewer than four circles determine no view. Only those with a grating are useful, because it shows whether the camera
+// moved.
 void drop_bare_circles(Parts& parts) {
   Parts kept{{}, {}, std::move(parts.targets), std::move(parts.notes)};
   for (std::size_t i = 0; i < parts.circles.size(); ++i) {
@@ -100,7 +103,7 @@ void drop_bare_circles(Parts& parts) {
   parts = std::move(kept);
 }
 
-// How far the patches' pitches on the board are from the stated one, relative: the worst.
+// Returns the largest relative deviation of the patches' pitches on the board from the stated one.
 double lattice_disagreement(std::span<const DetectedPatch> patches, const BoardFromIdeal& board, const Camera& lens,
                             double pitch_mm) {
   double worst = 0.0;
@@ -109,7 +112,7 @@ double lattice_disagreement(std::span<const DetectedPatch> patches, const BoardF
   return worst;
 }
 
-// A circle's grating that repeats by another length than all the others is none of ours: it bends the metric of all.
+// Removes a circle's grating whose pitch differs from all others. It would bend the scale of all.
 void drop_foreign_reference(Parts& parts, const Camera& lens, double pitch_mm) {
   const std::vector<DetectedPatch> all = parts.reference_patches();
   if (all.size() < 4) return;
@@ -128,10 +131,10 @@ void drop_foreign_reference(Parts& parts, const Camera& lens, double pitch_mm) {
   if (foreign == all.size() || least > kAgreeing) return;
   for (auto& own : parts.of_circle) {
     if (!own || length(own->centre - all[foreign].centre) > 0.0) continue;
-    parts.notes.push_back(
-        text_of("the grating at (%.0f, %.0f) px, beside a reference circle, does not have the others' pitch: "
-                "left out",
-                own->centre.x, own->centre.y));
+    parts.notes.push_back(text_of(
+        "note: the grating at (%.0f, %.0f) px next to a reference circle is not used, because its pitch differs "
+        "from the others'",
+        own->centre.x, own->centre.y));
     own.reset();
   }
 }
@@ -141,13 +144,13 @@ void drop_foreign_targets(Parts& parts, const BoardFromIdeal& board, const Camer
     const double pitch = pitch_on(p, board, lens);
     if (std::abs(std::log(pitch / pitch_mm)) <= kTargetTolerance) return false;
     parts.notes.push_back(
-        text_of("the grating at (%.0f, %.0f) px repeats by %.3g mm on the board, not by %.4g mm: left out", p.centre.x,
-                p.centre.y, pitch, pitch_mm));
+        text_of("note: the grating at (%.0f, %.0f) px is not used, because its pitch is %.3g mm, not %.4g mm",
+                p.centre.x, p.centre.y, pitch, pitch_mm));
     return true;
   });
 }
 
-// Turned so that x is what the user asked for and y goes up, with the origin at the references' centroid.
+// Returns the map after a rotation to the requested x with y up. Its origin is the references' centroid.
 BoardFromIdeal placed(const BoardFromIdeal& rough, const Parts& parts, const Camera& lens, BoardAxes axes) {
   std::vector<ImagePoint> places;
   for (const DetectedCircle& c : parts.circles) places.push_back(c.centre);
@@ -167,7 +170,7 @@ BoardFromIdeal placed(const BoardFromIdeal& rough, const Parts& parts, const Cam
   if (axes == BoardAxes::kPrint) {
     std::vector<DetectedPatch> prints = parts.reference_patches();
     if (prints.empty()) prints = parts.targets;
-    std::complex<double> mean;  // prints repeat under quarter turns
+    std::complex<double> mean;  // gratings repeat under quarter turns
     for (const DetectedPatch& p : prints) mean += std::polar(1.0, 4.0 * print_angle(p, rough, lens));
     angle = 0.25 * std::arg(mean);
     angle += 0.5 * kPi * std::round((horizontal - angle) / (0.5 * kPi));
@@ -198,7 +201,8 @@ Grating grating_on(const BoardFromIdeal& board, const Camera& lens, const Detect
 BoardPoint place_of(const Marker& m) { return m.circle ? m.circle->centre : m.grating->centre; }
 double size_of(const Marker& m) { return m.circle ? m.circle->diameter_mm : m.grating->height_mm; }
 
-// Reading order: rows from the top, each from the left; what is less than half its size lower is in the same row.
+// Names markers in reading order: rows from the top, each from the left. A marker less than half its size lower is in
+// the same row.
 void name_in_order(std::vector<Marker>& markers, char letter) {
   std::stable_sort(markers.begin(), markers.end(),
                    [](const Marker& a, const Marker& b) { return place_of(a).y > place_of(b).y; });
@@ -247,30 +251,28 @@ tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& pictu
     return tl::unexpected(ReferenceFailure{problem, std::move(text), std::move(search)});
   };
   if (options.needs_references && seen < kEnough)
-    return fail(ReferenceProblem::kNotFound,
-                text_of("without a site file, four reference circles of one size are needed: found %zu, and %s (%s)",
-                        seen, counted(patches.size(), "grating").c_str(), best_rejected_outline(search).c_str()));
+    return fail(
+        ReferenceProblem::kNotFound,
+        text_of("four reference circles of one size were not found (%s and %s; %s)", counted(seen, "circle").c_str(),
+                counted(patches.size(), "grating").c_str(), best_rejected_outline(search).c_str()));
   if (options.needs_references && doubtful)
     return fail(
         ReferenceProblem::kNotFound,
-        text_of("three circles stand beside gratings of one kind, and the fourth reference cannot be told among the "
-                "%zu outermost",
+        text_of("three circles have gratings of one kind, and the fourth reference cannot be identified among the %zu "
+                "outermost circles",
                 seen));
   if (patches.empty())
     return fail(ReferenceProblem::kNoGrating,
-                text_of("without a site file, a grating of three pitches or more is needed: found %s and no grating",
-                        counted(seen, "circle").c_str()));
+                text_of("no grating of three pitches or more was found, only %s", counted(seen, "circle").c_str()));
   Parts parts = sorted_out(std::move(circles), patches);
   if (seen < kEnough) drop_bare_circles(parts);
   if (options.needs_references && parts.reference_patches().empty())
-    return fail(
-        ReferenceProblem::kNoGrating,
-        text_of("without a site file, the references need gratings: found %s and %s, none within three diameters of a "
-                "circle",
-                counted(seen, "circle").c_str(), counted(patches.size(), "grating").c_str()));
+    return fail(ReferenceProblem::kNoGrating,
+                text_of("no grating is within three diameters of a reference circle (%s and %s were found)",
+                        counted(seen, "circle").c_str(), counted(patches.size(), "grating").c_str()));
   drop_foreign_reference(parts, lens, options.pitch_mm);
-  // A target may stand before or behind the references, where the same pitch looks larger or smaller: they alone say
-  // the scale, unless they are too few to say the perspective.
+  // A target may be in front of or behind the references, where the same pitch looks larger or smaller. Only the
+  // references determine the scale, unless they are too few to determine the perspective.
   std::vector<DetectedPatch> scale = parts.reference_patches();
   if (scale.size() < 3) scale.insert(scale.end(), parts.targets.begin(), parts.targets.end());
   const BoardFromIdeal rough = board_from_gratings(scale, lens, options.pitch_mm);
@@ -278,9 +280,9 @@ tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& pictu
   if (parts.targets.empty())
     return fail(
         ReferenceProblem::kNoGrating,
-        text_of("no target: each of the %zu gratings found lies within three diameters of one of the %zu reference "
-                "circles%s",
-                patches.size(), seen, parts.notes.empty() ? "" : (", or " + parts.notes.back()).c_str()));
+        text_of("there is no target, because each of the %zu gratings is within three diameters of one of the %zu "
+                "reference circles%s",
+                patches.size(), seen, parts.notes.empty() ? "" : (", or " + parts.notes.back().substr(std::string_view("note: ").size())).c_str()));
   const BoardFromIdeal board = placed(rough, parts, lens, options.axes);
   return PictureSite{site_of(parts, board, lens, options.pitch_mm), board.inverse(), std::move(search),
                      std::move(parts.notes)};

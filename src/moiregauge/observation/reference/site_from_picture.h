@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The site of a picture of which only the gratings' pitch is known: circles and gratings found, sorted into references
-// and targets, and placed in millimetres.
+// Determines the site from an image and the gratings' pitch. Detects circles and gratings, sorts them into references
+// and targets, and computes their positions in mm.
 #pragma once
 
 #include <string>
@@ -13,27 +13,28 @@
 
 namespace moiregauge::internal {
 
-enum class BoardAxes { kPrint, kImage };  // x along the references' gratings, or along the picture's rows
+enum class BoardAxes { kPrint, kImage };  // x along the references' gratings, or along the image's rows
 
 struct PictureSiteOptions {
   double pitch_mm = 0.0;
   BoardAxes axes = BoardAxes::kPrint;
   CircleOptions circles;
-  // False for a method that takes the camera to stand still: then gratings are enough, and of fewer than four circles
-  // those that have one are references none the less.
+  // False for a method that assumes a fixed camera, for which gratings suffice. Among fewer than four circles, those
+  // with a grating are still references.
   bool needs_references = true;
 };
 
 struct PictureSite {
   Site site;
-  IdealFromBoard view;  // by the gratings' pitch; a homography of the circles is better
+  IdealFromBoard view;  // by the gratings' pitch; less accurate than a homography of the circles
   CircleSearch search;
-  std::vector<std::string> notes;  // what a user should know about who was taken for what
+  std::vector<std::string> notes;  // identifications that the user should check
 };
 
-// The outermost circles (four or more) are references R1, R2, ...; of the gratings whose edge is within three diameters
-// of the nearest of them, the nearest is its; every other one is a target T1, T2, ...; both in reading order. A grating
-// that repeats by another length than the references' is left out. The origin is the references' centroid.
+// Returns the site of an image. The outermost circles (four or more) are references R1, R2, ... in reading order. The
+// nearest grating whose edge is within three diameters of a circle belongs to it. All others are targets T1, T2, ... in
+// reading order. A grating with another pitch than the references' is excluded. The origin is the references' centroid.
+// Fails: ReferenceFailure names the missing circles or gratings.
 [[nodiscard]] tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
                                                                       const PictureSiteOptions& options);
 [[nodiscard]] tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& picture, const Camera& lens,

@@ -11,8 +11,9 @@
 namespace moiregauge::internal {
 namespace {
 
-// u across a layout grows as its length over its width: from here on a reading of 1 um would have a u of 0.1 mm.
-constexpr double kLine = 0.005;  // width over length
+// Smallest width of a layout relative to its length. The uncertainty across the layout grows as length / width. At this
+// limit a reading of 1 um has a u of 0.1 mm. Chosen.
+constexpr double kLine = 0.005;
 
 }  // namespace
 
@@ -41,8 +42,8 @@ std::optional<std::string> references_on_a_line(const Site& site) {
   if (width > kLine * length) return std::nullopt;
   char text[320];
   std::snprintf(text, sizeof text,
-                "the site's reference circles lie on a line, %.0f mm long and %.1f mm wide: no homography follows from "
-                "them, u_dx and u_dy would be without bound; move two of them off the line, %.0f mm and more",
+                "the site's reference circles are almost on one line, %.0f mm long and %.1f mm wide, so u_dx and u_dy "
+                "would have no bound. Move two of them off the line by %.0f mm or more",
                 length, width, 0.1 * length);
   return text;
 }

@@ -8,7 +8,8 @@
 
 namespace moiregauge::internal {
 
-// What is wrong with a site whose four or more reference circles stand on a line: no homography follows from them.
+// Returns the text on a site whose reference circles (four or more) are on a line, which determines no homography.
+// Returns nothing for any other site.
 [[nodiscard]] std::optional<std::string> references_on_a_line(const Site& site);
 
 }  // namespace moiregauge::internal

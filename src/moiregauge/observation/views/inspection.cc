@@ -13,8 +13,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// Without a pitch the gratings' own is the unit of length. Who is who is then found as on a board of this pitch, for
-// which the tolerances of a site (a millimetre here and there) are meant, and lengths are divided by it.
+// Assumed pitch without --pitch, mm. The tolerances of identification, about a millimetre, suit this pitch. Lengths are
+// divided by it afterwards, so their unit is the gratings' own pitch. Chosen.
 constexpr double kPitchForOrder_mm = 10.0;
 
 double area_of(const std::array<ImagePoint, 4>& p) {
@@ -45,7 +45,7 @@ std::vector<InspectedPatch> patches_of(const GreyPicture& picture) {
   for (DetectedPatch& patch : find_grating_patches(picture.luma, options)) {
     const PixelNoise noise = noise_of(picture, patch.outline);
     const double pixels = area_of(patch.outline);
-    patch.modulation = std::ldexp(patch.modulation, picture.bits - 8);  // as stored, like everything else here
+    patch.modulation = std::ldexp(patch.modulation, picture.bits - 8);  // grey levels as stored
     patch.noise = std::ldexp(patch.noise, picture.bits - 8);
     out.push_back({std::move(patch), noise, pixels});
   }
@@ -58,7 +58,8 @@ std::vector<IndexedLattice> lattices_of(const GreyPicture& picture, const Circle
   return out;
 }
 
-// A crossed pattern whose elements are round: more than half of its places hold a dot of a lattice.
+// Marks crossed patterns with round elements as dots. More than half of their positions must contain a dot of a
+// lattice.
 void name_dots(Inspection& inspection) {
   for (InspectedPatch& patch : inspection.patches) {
     if (patch.seen.pattern != Pattern::kAuto) continue;
@@ -84,7 +85,7 @@ int lattice_of(const DetectedCircle& circle, const std::vector<IndexedLattice>& 
 
 RejectedOutline too_small(const DetectedCircle& circle, const CircleOptions& options) {
   char why[96];
-  std::snprintf(why, sizeof why, "diameter %.2f px, need %.2f", circle.diameter_px, options.min_diameter_px);
+  std::snprintf(why, sizeof why, "too small, diameter %.2f px of at least %.2f", circle.diameter_px, options.min_diameter_px);
   return {circle.centre, circle.diameter_px, circle.circularity, why};
 }
 
@@ -106,7 +107,7 @@ bool same_circle(const DetectedCircle& a, const DetectedCircle& b) {
          std::abs(a.diameter_px - b.diameter_px) < 0.25 * a.diameter_px;
 }
 
-// The seen thing nearest to where the reference has the marker's.
+// Assigns each marker to the detection nearest to its position in the reference.
 void name_the_seen(Inspection& inspection) {
   const Reference& reference = *inspection.reference;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
@@ -138,7 +139,7 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   Inspection out;
   out.width = width_of(picture.luma);
   out.height = height_of(picture.luma);
-  // Dots of a lattice support one another and count from a smaller size on than a circle that stands alone.
+  // Dots of a lattice confirm each other, so they count from a smaller diameter than a separate circle.
   CircleOptions circles = options.observe.circles;
   circles.min_diameter_px = std::min(circles.min_diameter_px, DotSearchOptions{}.min_diameter_px);
   CircleSearch search = find_circles(picture.luma, circles);
@@ -173,7 +174,7 @@ PatchAxes axes_of(const DetectedPatch& patch) {
   const auto along = [](ImageExtent k) { return (1.0 / (k.x * k.x + k.y * k.y)) * k; };
   if (patch.pattern == Pattern::kLinesX) return {along(patch.k_x), {}};
   if (patch.pattern == Pattern::kLinesY) return {{}, along(patch.k_y)};
-  // The vectors that are one pitch along one axis and none along the other.
+  // Vectors of one pitch along one axis and zero along the other.
   const ImageExtent a = patch.k_x, b = patch.k_y;
   const double det = a.x * b.y - a.y * b.x;
   return {{b.y / det, -b.x / det}, {-a.y / det, a.x / det}};
@@ -182,7 +183,7 @@ PatchAxes axes_of(const DetectedPatch& patch) {
 PatchBound displacement_bound(const InspectedPatch& patch) {
   const PatchAxes axes = axes_of(patch.seen);
   const double u_phase = std::sqrt(2.0) * phase_bound(patch.noise.sigma, patch.seen.modulation, patch.pixels);
-  // A checkerboard's two fundamentals lie on the diagonals and share both axes between them.
+  // The fundamentals of a checkerboard are on its diagonals, so each informs both axes.
   const double shared = patch.seen.pattern == Pattern::kCheckerboard ? std::sqrt(0.5) : 1.0;
   const auto along = [&](ImageExtent pitch) {
     const double px = length(pitch);

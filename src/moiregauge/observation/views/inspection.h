@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that is seen in one picture before anything is measured: circles, gratings, lattices, and who is taken for
-// what.
+// Detects everything in one image before a measurement: circles, gratings, lattices, and their identification.
 #pragma once
 
 #include <optional>
@@ -17,61 +16,68 @@ namespace moiregauge::internal {
 
 struct InspectOptions {
   std::optional<Site> site = std::nullopt;
-  std::optional<double> pitch_mm = std::nullopt;  // no site file: markers are told apart as `measure --pitch` does
+  // Without a site file. The markers are then identified as by `measure --pitch`.
+  std::optional<double> pitch_mm = std::nullopt;
   BoardAxes axes = BoardAxes::kPrint;
   Camera lens = {};
   ObserveOptions observe = {};
 };
 
-inline constexpr int kNobody = -1;  // seen, and taken for no marker
+inline constexpr int kNobody = -1;  // detected, but identified as no marker
 
 struct InspectedCircle {
   DetectedCircle seen;
-  int marker = kNobody;   // index in the reference's site
-  int lattice = kNobody;  // index in the inspection's lattices: one of its dots
+  int marker = kNobody;  // index in the reference's site
+  // Index in the inspection's lattices, if the circle is a dot of one.
+  int lattice = kNobody;
 };
 
 struct InspectedPatch {
   DetectedPatch seen;   // modulation and noise in grey levels as stored
-  PixelNoise noise;     // of the raw pixels in and round the outline
-  double pixels = 0.0;  // picture pixels inside the outline
+  PixelNoise noise;     // raw pixels in and around the outline
+  double pixels = 0.0;  // image pixels inside the outline
   int marker = kNobody;
 };
 
-// What a length on the board is counted in.
+// Unit of lengths on the board.
 enum class BoardUnit { kMillimetre, kPitch };
-[[nodiscard]] const char* word_for(BoardUnit unit);  // "mm", "pitches"
+// Returns "mm" or "pitches".
+[[nodiscard]] const char* word_for(BoardUnit unit);
 
 struct Inspection {
   int width = 0;  // px
   int height = 0;
   std::vector<InspectedCircle> circles;
-  std::vector<RejectedOutline> rejected;  // by falling W
+  std::vector<RejectedOutline> rejected;  // highest W first
   std::vector<InspectedPatch> patches;    // strongest first
   std::vector<IndexedLattice> lattices;   // dots, then checkers, each largest first
-  std::optional<Reference> reference;     // empty: a measurement cannot begin with this picture
-  std::string missing;                    // why not, in words; empty otherwise
-  std::vector<std::string> notes;         // what a user should know about who was taken for what
+  std::optional<Reference> reference;     // empty: no measurement can start with this image
+  std::string missing;                    // reason, if `reference` is empty
+  std::vector<std::string> notes;         // identifications that the user should check
   BoardUnit unit = BoardUnit::kMillimetre;
-  double pitch_of_unit = 1.0;  // the reference's board lengths / this = lengths in `unit`
+  // Length on the board of one `unit`.
+  double pitch_of_unit = 1.0;
 };
 
+// Returns everything detected in an image. `reference` is empty if the markers cannot be identified.
 [[nodiscard]] Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& options);
 
-// One pitch along the print's own axes in the picture, px: along x (rightwards) and along y (upwards). Of lines, only
-// the axis along which grey varies; the other is zero.
+// One pitch along the grating's own axes in the image, px: along x (rightwards) and along y (upwards). For lines, only
+// the axis along which the grey level varies is given, and the other is zero.
 struct PatchAxes {
   ImageExtent x, y;
 };
+// Returns the axes of a detected grating.
 [[nodiscard]] PatchAxes axes_of(const DetectedPatch& patch);
 
-// Standard uncertainty (k = 1) of a displacement read in this patch alone by a camera that stands still, along the
-// print's axes, px: the Cramer-Rao bound of the fundamentals over every pixel of the outline, twice, for both frames
-// count. NaN along an axis that the print cannot show.
+// Standard uncertainty (k = 1) of a displacement read in this patch alone with a fixed camera, along the grating's
+// axes, px. It is the Cramér-Rao bound of the fundamentals over all pixels of the outline. Its variance counts twice,
+// once for each of the two frames. NaN for an axis that the grating does not show.
 struct PatchBound {
   double along_x_px = 0.0;
   double along_y_px = 0.0;
 };
+// Returns that bound for a detected grating.
 [[nodiscard]] PatchBound displacement_bound(const InspectedPatch& patch);
 
 }  // namespace moiregauge::internal

@@ -10,7 +10,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// Fisher's information of a displacement, summed pixel by pixel over a picture of the pattern's fundamentals.
+// Returns the bound of a displacement, px. The Fisher information is summed pixel by pixel over an image of the
+// fundamentals.
 double displacement_bound_of(bool checkerboard, double pitch, int pitches, double amplitude, double sigma) {
   double information = 0.0;
   const int side = static_cast<int>(pitch) * pitches;
@@ -22,10 +23,10 @@ double displacement_bound_of(bool checkerboard, double pitch, int pitches, doubl
       information += slope * slope / (sigma * sigma);
     }
   }
-  return std::sqrt(2.0 / information);  // of a difference of two such frames
+  return std::sqrt(2.0 / information);  // difference of two such frames
 }
 
-TEST(Inspection, APatchByItselfReachesFishersInformation) {
+TEST(Inspection, ASinglePatchReachesTheFisherInformation) {
   constexpr double kPitch = 20.0, kAmplitude = 50.0, kSigma = 2.0;
   InspectedPatch patch;
   patch.seen.k_x = {1.0 / kPitch, 0.0};

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kReferenceMargin = 0.1;  // of the marker's longer side
 constexpr double kTargetMargin = 0.5;
-// Sides are kept below this many of the picture's own: a site may say anything.
+// Largest side of a crop, in sides of the image. It limits the memory for wrong sites. Chosen.
 constexpr double kLargest = 2.0;
 
 struct BoardBox {
@@ -49,7 +49,7 @@ struct CropBox {
   int x0 = 0, y0 = 0, width = 0, height = 0;
 };
 
-// The part of the picture that the crop lies on: as its rim goes, so goes all of it.
+// Returns the part of the image under the crop, which the crop's border determines.
 CropBox part_under(const View& view, const CropPlan& plan, int width, int height) {
   double x0 = width, x1 = 0.0, y0 = height, y1 = 0.0;
   const auto add = [&](int column, int row) {
@@ -107,7 +107,7 @@ CropPlan plan_crop(const Reference& reference, std::size_t i) {
   CropPlan plan;
   plan.mm_per_px = reference.view.finest_mm_per_px(centre);
   const double largest = kLargest * std::max(reference.width, reference.height);
-  const auto pixels = [&](double mm) {  // odd: the marker's centre is a pixel's
+  const auto pixels = [&](double mm) {  // odd, so that the marker's centre is that of a pixel
     return 2 * static_cast<int>(std::min(0.5 * mm / plan.mm_per_px, 0.5 * largest)) + 1;
   };
   plan.width = pixels(box.x1 - box.x0 + 2.0 * margin);

@@ -13,7 +13,7 @@ namespace moiregauge::internal {
 namespace {
 
 using BoardExtent = Extent<frame::Board>;
-constexpr double kProbe_mm = 1.0;  // half distance over which the change of scale is taken
+constexpr double kProbe_mm = 1.0;  // half distance over which the change of scale is computed
 
 std::string text_about(const char* format, const std::string& name, double a = 0.0, double b = 0.0) {
   char text[240];
@@ -21,13 +21,14 @@ std::string text_about(const char* format, const std::string& name, double a = 0
   return text;
 }
 
-// The new site's markers in the order of the old one; none may be missing, new or of another kind: only places, turns
-// and heights, and pitches a little, may differ.
+// Returns the new site with its markers in the order of the old one. Markers may differ in positions, angles and
+// heights, and slightly in pitch.
+// Fails: a marker is missing, new or has another role.
 tl::expected<Site, std::string> in_old_order(const Site& then, const Site& now) {
   const auto same = [](const Marker& a, const Marker& b) { return a.name == b.name && a.role == b.role; };
   for (const Marker& m : now.markers) {
     if (std::none_of(then.markers.begin(), then.markers.end(), [&](const Marker& was) { return same(was, m); }))
-      return tl::unexpected(text_about("marker '%s' was not measured in this role", m.name));
+      return tl::unexpected(text_about("marker '%s' was not measured, or not in this role", m.name));
   }
   Site ordered{{}, now.known_to};
   for (const Marker& was : then.markers) {
@@ -40,20 +41,20 @@ tl::expected<Site, std::string> in_old_order(const Site& then, const Site& now) 
 
 std::optional<std::string> other_print(const Marker& was, const Marker& is) {
   if (is.circle.has_value() != was.circle.has_value() || is.grating.has_value() != was.grating.has_value())
-    return text_about("marker '%s' must have circle and grating as when it was measured", is.name);
+    return text_about("marker '%s' must have the circle and grating it was measured with", is.name);
   if (!is.grating) return std::nullopt;
-  if (is.grating->pattern != was.grating->pattern) return text_about("marker '%s' has another pattern", is.name);
+  if (is.grating->pattern != was.grating->pattern) return text_about("marker '%s' was measured with another pattern", is.name);
   const double pitch = is.grating->pitch_mm, before = was.grating->pitch_mm;
   if (std::abs(pitch / before - 1.0) > kRestatedPitch)
     return text_about("marker '%s' has pitch_mm = %.4g, but was measured with %.4g", is.name, pitch, before);
   const double turn = degrees_from_radians(wrapped(is.grating->angle_rad - was.grating->angle_rad));
   if (std::abs(turn) > kRestatedAngle_deg)
-    return text_about("marker '%s' has angle_deg %+.3g from what it was measured with, at most %.3g can be made good",
+    return text_about("marker '%s' has an angle_deg that differs by %+.3g from the measurement, and %.3g is the limit",
                       is.name, turn, kRestatedAngle_deg);
   return std::nullopt;
 }
 
-// The points of the circles seen in one frame, by the new site and lens.
+// Returns the circle points of one frame, for the new site and lens.
 std::vector<CirclePoint> points_of(const Site& site, const Camera& lens, const Observation& seen) {
   CircleSearch search;
   Identified who;
@@ -67,7 +68,7 @@ std::vector<CirclePoint> points_of(const Site& site, const Camera& lens, const O
   return circle_points(site, lens, search, who);
 }
 
-// Where a window of the new run lay in the old one's board coordinates.
+// Position of a new window in the board coordinates of the old run.
 struct Carried {
   BoardExtent off;  // mm, from the middle of the old window
   Matrix2 change;   // d(old board) / d(new board)
@@ -87,8 +88,8 @@ Matrix2 board_from_raster_axes(const RasterPlan& plan) {
   return (Matrix2() << c, -s, s, c).finished();
 }
 
-// The phase at the new middle, and the gradient against the new axes and pitch: with u the print's apparent
-// displacement along raster axis a, phase_a = 2 pi (x_a - u_a(x)) / pitch.
+// Converts phase and gradient to the new middle, axes and pitch. With u the grating's apparent displacement along
+// raster axis a, phase_a = 2 pi (x_a - u_a(x)) / pitch.
 void carry(PatchReading& patch, const RasterPlan& then, const RasterPlan& now, const Carried& to) {
   const auto e = raster_from_board(then, to.off);
   const Matrix2 change = board_from_raster_axes(then).transpose() * to.change * board_from_raster_axes(now);
@@ -112,7 +113,7 @@ class Restating {
   std::optional<std::string> reference_frame() {
     now_.circles = points_of(now_.site, now_.lens, then_.seen);
     const auto h = fit_circles(now_.circles);
-    if (!h) return "the reference circles do not determine the view: four are needed that do not lie on a line";
+    if (!h) return "the reference circles do not determine the view, so give four that are not on one line";
     now_.view = {*h, now_.lens};
     now_.seen.stage1 = now_.seen.stage2 = *h;
     for (std::size_t i = 0; i < now_.site.markers.size(); ++i) {
@@ -128,7 +129,7 @@ class Restating {
     if (!then.references_seen) return now;
     const auto points = points_of(now_.site, now_.lens, then);
     const auto first = fit_circles(points);
-    // A method that takes the camera to stand still looks for no circles.
+    // A method that assumes a fixed camera detects no circles.
     now.stage1 = now.stage2 = first ? *first : now_.seen.stage1;
     carry_role(Role::kReference, then, now);
     if (first) {
@@ -142,7 +143,7 @@ class Restating {
   [[nodiscard]] const Reference& reference() const { return now_; }
 
  private:
-  // The raster in the same pixels, by the new millimetres.
+  // Plans the raster of a marker in the same pixels, with the new millimetres.
   std::optional<std::string> plan(std::size_t i) {
     const Grating& was = *then_.site.markers[i].grating;
     const Grating& is = *now_.site.markers[i].grating;
@@ -152,13 +153,13 @@ class Restating {
     plan.angle_rad += is.angle_rad - was.angle_rad;
     for (double* length : {&plan.pitch_mm, &plan.step_mm, &plan.clearance_mm}) *length *= scale;
     const BoardExtent off = then_.view.board(now_.view(is.centre)) - was.centre;
-    // Of the template's pitches: where its zero would have been.
+    // Grating coordinate of the new zero in the old template, pitches.
     const auto zero = print_from_board(was, {})(was.centre + off);
     zero_.resize(now_.site.markers.size());
     zero_[i] = {zero.x, zero.y};
     const double most = kRestatedPlace * std::min(was.width_mm, was.height_mm);
     if (!(length(off) <= most))
-      return text_about("the grating of marker '%s' was read %.3g mm from where this site puts it",
+      return text_about("the grating of marker '%s' was measured %.3g mm from its position in this site",
                         now_.site.markers[i].name, length(off));
     return std::nullopt;
   }
@@ -185,7 +186,8 @@ class Restating {
 
   const Reference& then_;
   Reference now_;
-  std::vector<PrintPoint> zero_;  // pitches, by marker: where the new site puts the print's zero in the old template
+  // By marker: position of the new site's zero in the old template, pitches.
+  std::vector<PrintPoint> zero_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run as it would have been seen with a better site or lens. Readings belong to pixels; what a site and a lens decide
-// is where on the board these pixels lie. So nothing is looked at again: every reading is carried to the place where
-// its window would have stood, by the phase's own slope (exact to second order in how far that is).
+// Converts a run to a better site or lens. Readings belong to pixels, and site and lens determine the position of these
+// pixels on the board. So no image is read again. Every reading moves to the new position of its window, by the slope
+// of its phase. Error: second order in the distance of the two positions.
 #pragma once
 
 #include <string>
@@ -18,13 +18,15 @@ struct Reprojected {
   Observations observations;
 };
 
-// How much a site may differ from the one a run was measured with. Beyond, its windows would have lain elsewhere.
+// Largest differences between a site and that of the run. With larger ones the windows would have been elsewhere.
+// Chosen.
 inline constexpr double kRestatedPitch = 0.02;  // relative
 inline constexpr double kRestatedAngle_deg = 1.5;
-inline constexpr double kRestatedPlace =
-    0.5;  // of the print's smaller side, between where it was read and where it is now
+// Distance between the old and the new position of a grating, as a share of its smaller side.
+inline constexpr double kRestatedPlace = 0.5;
 
-// fails  what is wrong with the site, in words, marker by marker
+// Returns the run as if measured with `site` and `lens`.
+// Fails: the text names the marker and its problem.
 [[nodiscard]] tl::expected<Reprojected, std::string> reproject_observations(const Reference& reference,
                                                                             const Observations& observations,
                                                                             const Site& site, const Camera& lens);

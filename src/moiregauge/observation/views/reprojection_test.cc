@@ -14,9 +14,9 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr double kK1 = -0.37;  // -1 % at the small rig's corner
-constexpr long kLater = 60;    // the camera has turned by 0.4 deg
+constexpr long kLater = 60;    // the camera has rotated by 0.4 deg
 
-// The small rig without noise: what is left is the method's own.
+// Small rig without noise, so that only errors of the method remain.
 const simulator::Scenario& scenario() {
   static const auto made = [] {
     auto rig = simulator::built_in("small-1xyz").value();
@@ -49,7 +49,7 @@ Camera true_lens() {
   return camera;
 }
 
-// A reference off as a whole, one grating off against its circle, the target off, and a turn.
+// One reference is wrong as a whole, one grating relative to its circle, the target, and one angle.
 Site wrong_site() {
   Site site = true_site();
   Marker& first = site.markers[0];
@@ -78,25 +78,26 @@ Extent<frame::Board> displacement(const Reference& reference, const Observation&
                          seen.markers[target].window_shift);
 }
 
-// A fiftieth of what the change does: what is left is of second order, and the pixels at the windows' edges.
+// Allows a fiftieth of the effect of the change. The rest is of second order, and from the pixels at the windows'
+// edges.
 void expect_as_if_measured_with(const Film& now, const Film& then) {
   const auto again = reproject_observations(then.reference, then.observations, now.reference.site, now.reference.lens);
   ASSERT_TRUE(again) << again.error();
   const auto wanted = displacement(now.reference, now.observations[0]);
   const auto before = displacement(then.reference, then.observations[0]);
   const auto got = displacement(again->reference, again->observations[0]);
-  EXPECT_GT(length(before - wanted), 0.002);  // mm: there is something to make good
+  EXPECT_GT(length(before - wanted), 0.002);  // mm: the change has an effect
   EXPECT_LT(length(got - wanted), 0.02 * length(before - wanted) + 5e-5);
   // The second homography maps the board to the same pixels to 0.001 px.
   const BoardPoint corner{100.0, -40.0};
   EXPECT_LT(length(again->observations[0].stage2(corner) - now.observations[0].stage2(corner)), 0.001);
 }
 
-TEST(Reprojected, WithAnotherLensIsAsIfMeasuredWithIt) {
+TEST(Reprojected, AnotherLensGivesTheResultOfMeasuringWithIt) {
   expect_as_if_measured_with(seen_with(true_site(), true_lens()), seen_with(true_site(), {}));
 }
 
-TEST(Reprojected, WithAnotherSiteIsAsIfMeasuredWithIt) {
+TEST(Reprojected, AnotherSiteGivesTheResultOfMeasuringWithIt) {
   expect_as_if_measured_with(seen_with(true_site(), {}), seen_with(wrong_site(), {}));
 }
 
@@ -104,13 +105,13 @@ TEST(Reprojected, WithTheSameSiteAndLensNothingChanges) {
   const Film run = seen_with(true_site(), true_lens());
   const auto again = reproject_observations(run.reference, run.observations, true_site(), true_lens());
   ASSERT_TRUE(again) << again.error();
-  // But for the rounding of packed phases.
+  // Only the rounding of packed phases remains.
   EXPECT_LT(
       length(displacement(again->reference, again->observations[0]) - displacement(run.reference, run.observations[0])),
       1e-6);
 }
 
-TEST(Reprojected, PointsOfAPrintCountFromWhereTheNewSiteHasIt) {
+TEST(Reprojected, PointsReferToTheNewPositionOfTheGrating) {
   Film then = seen_with(wrong_site(), {}), now = seen_with(true_site(), {});
   learn_prints({picture(0).view(), 8}, then.reference);
   learn_prints({picture(0).view(), 8}, now.reference);
@@ -123,12 +124,12 @@ TEST(Reprojected, PointsOfAPrintCountFromWhereTheNewSiteHasIt) {
     return (*map)(PrintPoint{0, 0});
   };
   EXPECT_GT(length(middle(then.reference) - middle(now.reference)), 2.0);  // px: 0.8 and 0.5 mm
-  // A template's zero stays where its first map had it but for what the rounds move, which begin elsewhere by those 2 px:
-  // nothing measured hangs on it.
+  // A template's zero stays at its first map, except for the movement in the rounds. These start 2 px away here. No
+  // measurement depends on it.
   EXPECT_LT(length(middle(again->reference) - middle(now.reference)), 0.3);
 }
 
-TEST(Reprojected, SaysWhichMarkerCannotHaveBeenThere) {
+TEST(Reprojected, NamesTheMarkerThatDoesNotFit) {
   const Film run = seen_with(true_site(), {});
   const auto problem = [&](auto change) {
     Site site = true_site();

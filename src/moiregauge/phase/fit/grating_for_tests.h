@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gratings with a known phase, exact to rounding: what the tests of this module are judged by.
+// Gratings with a known phase, exact to rounding, for the tests of this module.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct Grating {
   double background = 125.0;
 };
 
-// Crossed cosine grating, phase zero at the picture's centre when not shifted.
+// Returns a crossed cosine grating. Without a shift its phase is zero at the centre of the image.
 inline Image<double> crossed_cosine(int width, int height, const Grating& g) {
   Image<double> picture(width, height);
   for (int y = 0; y < height; ++y) {
@@ -31,7 +31,8 @@ inline Image<double> crossed_cosine(int width, int height, const Grating& g) {
   return picture;
 }
 
-// One bar in two, 0 to 1, behind a Gaussian of sigma px: its Fourier series, which blur makes finite to rounding.
+// Returns the level (0 to 1) at `s` px of bars half a pitch wide, behind a Gaussian blur of sigma px. The blur makes
+// the Fourier series finite to rounding.
 inline double blurred_bars(double s, double pitch_px, double sigma_px) {
   double value = 0.5;
   for (int m = 1; m <= 61; m += 2) {
@@ -41,7 +42,7 @@ inline double blurred_bars(double s, double pitch_px, double sigma_px) {
   return value;
 }
 
-// White squares 210 on 40 where two sets of bars cross, pixel and lens blur together sigma = 0.757 px.
+// Returns light squares (210 on 40) where two sets of bars cross. Pixel and lens blur together have sigma = 0.757 px.
 inline Image<double> crossed_binary(int width, int height, const Grating& g) {
   Image<double> picture(width, height);
   for (int y = 0; y < height; ++y) {

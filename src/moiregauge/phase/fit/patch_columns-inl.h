@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every pixel of a vector shows by the model, and its columns. Included once for every SIMD target, by
-// patch_pass.cc.
+// Prediction and columns of a vector of pixels. patch_pass.cc includes this file once for every SIMD target.
 #if defined(MOIREGAUGE_PATCH_COLUMNS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MOIREGAUGE_PATCH_COLUMNS_INL_H
 #undef MOIREGAUGE_PATCH_COLUMNS_INL_H
@@ -23,7 +22,8 @@ using Whole = hn::RebindToSigned<Float>;
 using V = hn::Vec<Float>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
 
-HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }  // not MulAdd: it rounds once where it can
+// Returns a + b c. MulAdd would round once on some targets and twice on others.
+HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }
 
 struct Plane {
   V at_0, per_u, per_v;
@@ -33,11 +33,11 @@ struct Plane {
 };
 
 struct Level {
-  V t, tx, ty, bx, by;  // by nodes
+  V t, tx, ty, bx, by;  // level and derivatives per distance of nodes
   V edge;               // tx^2 + ty^2
 };
 
-// PrintTemplate::at
+// Evaluates the table of nodes as PrintTemplate::at does.
 struct Table {
   const std::int32_t* words;
   V side, per_side, wide, words_per_node, one;
@@ -50,7 +50,7 @@ struct Table {
     for (int k = 0; k < 2 * PrintNodes::kWords; ++k) scale[k] = set(nodes.scale[static_cast<std::size_t>(k)]);
   }
 
-  // The table begins a node before the period.
+  // Returns the node's index in the table, which begins one node before the period.
   HWY_INLINE V node_of(V whole) const {
     return hn::Add(hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))), one);
   }
@@ -92,7 +92,7 @@ HWY_INLINE void expand_field(V slope, V u, V v, const Put& put) {
   }
 }
 
-// The columns, all times `one`, which the level holds already.
+// Calls `put` with each column times `one`. The level contains this factor already.
 template <typename Put>
 HWY_INLINE void expand(V one, const Level& l, V u, V v, const Put& put) {
   put(0, one), put(1, hn::Mul(one, u)), put(2, hn::Mul(one, v));

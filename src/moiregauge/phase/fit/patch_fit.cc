@@ -14,22 +14,24 @@ using Failure = PatchFitFailure;
 using Field = Eigen::Matrix<double, kPatchPoints, 1>;
 using Bend = Eigen::Matrix<double, 8, 2 * kPatchPoints>;
 
+// Chosen: with fewer pixels per unknown the residual is no estimate of the noise.
 constexpr int kMinPixelsPerUnknown = 4;
-// A fit whose last pass still moves a point by this much (pitches) has found nothing to hold on to.
+// Limit of the last step, pitch. A fit that still moves by this much has found no grating. Chosen.
 constexpr double kStillMoving = 0.1;
-// Of noise, each of the print's columns explains one sigma^2, give or take a third.
+// Smallest variance that the template must explain per column, in sigma^2. Noise alone explains 1 +- 0.3. Chosen.
 constexpr double kSeenPattern = 4.0;
-// follow_patch, pitches. Normal equations of another frame leave up to a tenth of a step, and up to a hundredth of what
-// blur and width of lines make of the grey levels, given as the shift that makes as much. A remainder that follows the
-// camera's distance does not average over frames: 1e-5 pitches of it look like 0.4 mm of depth at 8 m.
+// Limits of follow_patch, pitch. The normal equations of another frame leave up to a tenth of a step. They leave up to
+// a hundredth of a change of blur and width, stated as the shift with an equal effect. A remainder that follows the
+// camera distance does not average out over frames. 1e-5 pitch of it resembles 0.4 mm of depth at 8 m (decision 0042).
 constexpr double kNear = 0.02;
 constexpr double kConverged = 2e-4;
 constexpr double kShapeConverged = 5e-4;
-constexpr double kStands = 0.002;  // farther off, the patch's own normal equations are needed
-constexpr int kMaxPasses = 3;      // of each kind
+constexpr double kStands = 0.002;  // beyond it, the frame's own normal equations are needed
+constexpr int kMaxPasses = 3;      // of each kind; chosen
 
-// The homography about the identity, in (u, v), that comes nearest to a field given at the nine points: rows are
-// a0 a1 a2 b0 b1 b2 g h of  u + a0 + a1 u + a2 v - u (g u + h v),  v + b0 + b1 u + b2 v - v (g u + h v).
+// Returns the matrix that fits a homography near the identity to a field at the nine points, by least squares. Rows: a0
+// a1 a2 b0 b1 b2 g h of
+//     u + a0 + a1 u + a2 v - u (g u + h v),    v + b0 + b1 u + b2 v - v (g u + h v)
 Bend made_bend() {
   Eigen::Matrix<double, 2 * kPatchPoints, 8> columns = Eigen::Matrix<double, 2 * kPatchPoints, 8>::Zero();
   for (int n = 0; n < kPatchPoints; ++n) {
@@ -40,20 +42,20 @@ Bend made_bend() {
   return (columns.transpose() * columns).ldlt().solve(columns.transpose());
 }
 
-// What the first pass takes off, so that single precision sees small numbers: the middle pixel will do.
+// Returns the grey level of the middle pixel. The first pass subtracts it, so that single precision sees small numbers.
 double first_light(const LumaView& luma, const PixelBox& box) {
   const int x = (box.x0 + box.x1) / 2, y = (box.y0 + box.y1) / 2;
   return std::visit([x, y](const auto& picture) { return static_cast<double>(picture.at(x, y)); }, luma);
 }
 
-// A patch and its map while passes go over it.
+// State of one fit over its passes: the map and the model's other parameters.
 class Passes {
  public:
   Passes(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window, const PrintTemplate& print,
          const PatchFitOptions& options)
       : luma_(luma), print_(print), options_(options), model_{start, window} {}
 
-  // Where the window lies in the picture.
+  // Computes the pixel box of the window. Returns false if it leaves the image.
   [[nodiscard]] bool aim() {
     box_ = box_round(model_.map.inverse(), model_.window);
     return box_.x0 >= 0 && box_.y0 >= 0 && box_.x1 < width_of(luma_) && box_.y1 < height_of(luma_);
@@ -68,11 +70,11 @@ class Passes {
     model_.contrast = model_.gain = at_rest->gain;
   }
 
-  // Over all rows. Without a system one is made, with the last pass' contrast.
+  // Makes a pass over all rows. Without `known`, it computes normal equations with the contrast of the last pass.
   tl::expected<void, Failure> pass(const PatchSystem* known) {
     if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
     if (known == nullptr && is_lit_) {
-      for (double& part : model_.shape) part *= relative_;  // it counts in units of the gain
+      for (double& part : model_.shape) part *= relative_;  // its unit contains the gain
       model_.gain = model_.contrast;
     }
     NormalMatrix normal;
@@ -85,14 +87,14 @@ class Passes {
     return take(known == nullptr ? *own_ : *known);
   }
 
-  // Of the patch as a whole, from every row_step-th row.
+  // Fits a shift of the whole window (b0, g0, dX, dY) to every row_step-th row.
   tl::expected<void, Failure> shift(int row_step) {
     if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
     ShiftSums sums;
     sum_shift(luma_, model_, print_.nodes(), box_, row_step, sums);
     if (row_step * sums.pixels < kMinPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
     Eigen::Matrix4d normal = sums.normal;
-    for (const int axis : {2, 3}) {  // one that is not shown stays where it is
+    for (const int axis : {2, 3}) {  // an axis that is not shown stays fixed
       if (axis == 2 ? options_.along_x : options_.along_y) continue;
       normal.row(axis).setZero(), normal.col(axis).setZero(), normal(axis, axis) = 1.0;
       sums.right(axis) = 0.0;
@@ -132,7 +134,7 @@ class Passes {
       model_.contrast[k] += value(static_cast<Eigen::Index>(3 + k));
     }
     if (!(model_.contrast[0] > 0.0)) return tl::unexpected(Failure::kNoPattern);
-    // The slopes were taken with an earlier contrast.
+    // The columns contain the earlier contrast.
     relative_ = model_.gain[0] / model_.contrast[0];
     for (std::size_t k = 0; k < model_.shape.size(); ++k)
       model_.shape[k] += value(static_cast<Eigen::Index>(kLightColumns + k));
@@ -150,8 +152,8 @@ class Passes {
     move();
   }
 
-  // What the print, with so much more contrast and so far away, has of the grey levels (squared, by each of its
-  // columns).
+  // Returns the sum of squares that the template explains with this change of contrast and this shift (pitches). The
+  // unit is grey levels^2 per column of the template.
   [[nodiscard]] double explained_by_print(double contrast, std::array<double, 2> place) const {
     const double level = std::pow((model_.contrast[0] + contrast) * print_.contrast(), 2);
     const double slope = std::pow(model_.gain[0] * place[0], 2) * print_.slope_power_x() +
@@ -159,7 +161,7 @@ class Passes {
     return sums_.pixels * (level + slope) / (kColumns - 3);
   }
 
-  // The map follows as a homography; what it cannot follow is left to the next pass, and to the points.
+  // Moves the map by the homography nearest to the field. The next pass and the points keep the remainder.
   void move() {
     static const Bend bend = made_bend();
     Eigen::Matrix<double, 2 * kPatchPoints, 1> field;
@@ -178,11 +180,12 @@ class Passes {
   PixelBox box_;
   PatchSums sums_;
   std::optional<PatchSystem> own_;
-  bool is_lit_ = false;          // light and contrast are this frame's
-  PrintFromImage seen_through_;  // the map of the last pass
-  Field dx_, dy_;                // what it added at the nine points, pitches
+  bool is_lit_ = false;          // true if light and contrast are those of this frame
+  PrintFromImage seen_through_;  // map of the last pass
+  Field dx_, dy_;                // correction of the last pass at the nine points, pitches
   double relative_ = 1.0, sigma_ = 0.0, last_step_ = 0.0;
-  double shape_step_ = 0.0;  // what it added to blur and width, as a shift that changes grey levels as much, pitches
+  // Change of blur and width in the last pass, as the shift that changes the grey levels as much, pitches.
+  double shape_step_ = 0.0;
 };
 
 PatchFit Passes::fit(const PatchSystem* known) const {
@@ -208,9 +211,9 @@ PatchFit Passes::fit(const PatchSystem* known) const {
   return fit;
 }
 
-// Few pixels in few pitches: the normal equations of the reference frame are so unlike this frame's that a corner does
-// not come to rest with them. A patch that is still on its way is neither where it says nor as sure as it says: its
-// residuals are told from the step, and come out at anything down to nothing.
+// Fits with the frame's own normal equations. Windows of few pixels in few pitches need this: with those of the
+// reference frame a corner does not converge. A fit that has not converged must not be used. Its residual is predicted
+// from the step and can be far too small.
 tl::expected<PatchFit, Failure> stand_by_own_equations(Passes& passes) {
   for (int k = 0; k < kMaxPasses; ++k) {
     if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());

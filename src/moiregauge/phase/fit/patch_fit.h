@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Demodulation without a warp: every raw pixel of a patch is compared with the print's template at the print
-// coordinates that a map gives it, and least squares corrects the map (docs/methods/precise.md).
+// Fits one grating to raw pixels, without a warp: least squares corrects the map from image to grating coordinates.
+// Method and limits are in docs/methods/precise/fit.md. The model predicts the grey level of pixel p.
 //
-//   I(p) = b0 + bu u + bv v + (g0 + gu u + gv v) t( X(p) + dX(p), Y(p) + dY(p) ) + hx t_XX + hy t_YY + noise
+//     I(p) = b(u, v) + g(u, v) [ t(X + dX, Y + dY) + hx t_XX + hy t_YY + w (t_X^2 + t_Y^2) ] + noise
+//     b = b0 + bu u + bv v    light, grey levels
+//     g = g0 + gu u + gv v    contrast relative to the template t, 1
+//     hx, hy                  change of blur along X and Y, pitch^2 (half the change of the PSF's variance)
+//     w                       width of the lines, pitch^2 per grey level of t
+//     dX, dY                  correction of the map, biquadratic in (u, v), pitches
 //
-// hx, hy: a little more or less blur than the template has, from focus, motion or a nearer camera.
-// p a pixel, (u, v) its place in the window, X, Y the map's print coordinates, dX, dY biquadratic in (u, v): as many
-// unknowns as 3 x 3 points with two coordinates, so these points carry all that the patch tells, in rows of one
-// information matrix.
+// (X, Y) is the map's grating coordinate of p, and (u, v) its position in the window, -1 to 1. The field (dX, dY) has
+// 18 unknowns, as many as nine points have coordinates. The nine points and their information matrix therefore contain
+// all information of the pixels. w is fitted only if PatchFitOptions::has_width is set.
 #pragma once
 
 #include <array>
@@ -19,24 +23,28 @@
 
 namespace moiregauge::internal {
 
-// Round the window's image, a pixel to spare on every side; it may reach beyond the picture.
+// Returns the pixels around the window's image, with a margin of a pixel or more. The box may extend beyond the image.
 [[nodiscard]] PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w);
 
 struct PatchFit {
-  std::array<ImagePoint, kPatchPoints> image;  // px, as displayed; 3 x 3, x fastest, from low to high print coordinates
-  std::array<PrintPoint, kPatchPoints> print;  // what each of them shows, pitches
-  // Inverse covariance of the print coordinates (x of all nine, then y), per pitch^2; zero for an axis not shown.
+  std::array<ImagePoint, kPatchPoints> image;  // px, as displayed: 3 x 3 points, X fastest, from low to high X and Y
+  std::array<PrintPoint, kPatchPoints> print;  // grating coordinate of each of them, pitches
+  // Inverse covariance of the grating coordinates (X of all nine, then Y), 1/pitch^2. Zero for an axis that is not
+  // shown.
   PatchInformation information = PatchInformation::Zero();
-  // Light and contrast relative to the template, across the window as it was seen.
+  // Window coordinates of an image point in this frame, for the planes of light and contrast.
   Homography<frame::Window, frame::Image> window_from_image;
   PatchPlane light{};  // grey levels
+  // Contrast relative to the template, 1.
   PatchPlane gain{};
+  // Returns the light at an image point, grey levels.
   [[nodiscard]] double background(ImagePoint p) const { return plane(light, p); }
+  // Returns the contrast at an image point relative to the template, 1.
   [[nodiscard]] double contrast(ImagePoint p) const { return plane(gain, p); }
-  double sigma = 0.0;  // grey levels, rms residual of one pixel
-  // Amplitudes of the first harmonics along x and y relative to the template's: contrast and blur together.
+  double sigma = 0.0;  // rms residual of a pixel, grey levels
+  // Amplitudes of the fundamentals along X and Y relative to the template's, 1. They contain contrast and blur.
   std::array<double, 2> fundamental{};
-  double last_step = 0.0;  // pitches, the largest correction of the last pass at any point
+  double last_step = 0.0;  // largest correction of a point in the last pass, pitches
   int pixels = 0;
 
  private:
@@ -47,12 +55,14 @@ struct PatchFit {
 };
 
 enum class PatchFitFailure {
-  kOutsidePicture,  // part of the window is not in the picture
+  kOutsidePicture,  // a part of the window is outside the image
+  // Fewer than four pixels per unknown.
   kTooFewPixels,
-  kNoPattern  // no contrast, or the window does not determine the points
+  // No contrast, a window that does not determine the points, or a last step of 0.1 pitch or more.
+  kNoPattern
 };
 
-// What is known of a patch from the frame in which its print was learned.
+// Normal equations, light (grey levels) and contrast (1) of a grating in the reference frame. Later frames use them.
 struct PatchAtRest {
   PatchSystem system;
   PatchPlane light{}, gain{};
@@ -62,18 +72,22 @@ struct FirstFit {
   PatchAtRest at_rest;
 };
 
-// Nothing known beforehand: normal equations are made in every pass.
+// Fits a grating from the map `start`, with normal equations of its own in each of `options.passes` passes.
+// Fails: PatchFitFailure names the reason.
+// Error: `fit.information`. u of a common shift is 1.04 times the bound of Rife and Boorstyn (1974).
 [[nodiscard]] tl::expected<FirstFit, PatchFitFailure> fit_patch(const LumaView& luma, const PrintFromImage& start,
                                                                 const PatchWindow& window, const PrintTemplate& print,
                                                                 const PatchFitOptions& options);
 
 enum class Rows {
-  kSome,  // every options.row_step-th: a wider information, in a fraction of the time
+  kSome,  // every options.row_step-th row: a fraction of the time, a larger u
   kAll
 };
 
-// The same from what is known: the patch is moved as a whole, by some of the rows, until it comes near; then passes
-// over all rows until its points stand.
+// Fits a grating of a later frame with the normal equations of the reference frame. First shifts the window as a whole,
+// by every row_step-th row. Then repeats passes over all rows until the points converge. If they do not, it uses the
+// frame's own normal equations. With Rows::kSome only the shift is fitted.
+// Fails and errs as fit_patch does.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> follow_patch(const LumaView& luma, const PrintFromImage& start,
                                                                    const PatchWindow& window,
                                                                    const PrintTemplate& print,

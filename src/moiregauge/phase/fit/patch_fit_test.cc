@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kFitSide = 180;  // px
 
-// Print coordinates of a pixel: pitch 29 px, turned, seen at an angle.
+// Returns the map from a pixel to grating coordinates: a pitch of 29 px, a rotation, and perspective.
 PrintFromImage oblique(double turn_deg) {
   const double a = radians_from_degrees(turn_deg), k = 1.0 / 29.0;
   Matrix3 h, centre;
@@ -26,12 +26,12 @@ PrintFromImage oblique(double turn_deg) {
 }
 
 struct Light {
-  double amplitude = 42.5;  // of the print's fundamentals
-  double slope = 0.0;       // relative, along the print, over as much of it as the picture is wide
+  double amplitude = 42.5;  // of the grating's fundamentals, grey levels
+  double slope = 0.0;       // change of light along the grating over the width of the image, relative
   double sigma = 0.0;       // noise, grey levels
 };
 
-// In 1/256 of a grey level. `grey_of` is the print, about 0.
+// Returns an image in units of 1/256 grey level. `grey_of` is the grating's grey level about 0.
 template <typename Print>
 Image<std::uint16_t> seen(const PrintFromImage& map, const Light& light, Print grey_of, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
@@ -70,23 +70,23 @@ tl::expected<PatchFit, PatchFitFailure> fitted(const LumaView& luma, const Print
   return fit_patch(luma, start, window, print, options).map([](const FirstFit& first) { return first.fit; });
 }
 
-TEST(PatchFit, WithoutNoiseEveryPointIsWhereThePrintHasIt) {
+TEST(PatchFit, PointsAreExactWithoutNoise) {
   for (const double turn : {0.0, 17.0, 45.0}) {
     const auto truth = oblique(turn);
     const auto picture = seen(truth, {}, crossed, 1);
     const auto fit =
         fitted(picture.view(), off_by(truth, 0.1, -0.07, 0.004), kWindow, PrintTemplate::cosine(40, 40), {});
     ASSERT_TRUE(fit) << turn;
-    // Rounding of 1/256 grey level over 8000 pixels, 18 unknowns: 1e-6 pitches.
+    // Rounding to 1/256 grey level over 8000 pixels, with 18 unknowns: 1e-6 pitch.
     EXPECT_LT(largest_error(*fit, truth), 1e-5) << turn;
-    // Of one harmonic, contrast and blur are the same; what blur takes of it is the table's error in t_XX / (2 pi)^2.
+    // Contrast and blur of a single harmonic are indistinguishable. Blur receives the table's error of t_XX / (2 pi)^2.
     EXPECT_NEAR(fit->gain[0], 256.0 * 42.5 / 40, 0.1);
   }
 }
 
-// A camera gone nearer, or out of focus, sees the same lines with more blur than the template has. Where a window ends
-// within an edge, what the template cannot hold would pass for displacement.
-TEST(PatchFit, MoreBlurThanTheTemplateHasMovesNothing) {
+// A nearer or defocused camera sees the same lines with more blur than the template has. In a window that ends within
+// an edge, a change that the model lacks would become displacement.
+TEST(PatchFit, MoreBlurThanInTheTemplateMovesNothing) {
   const auto amplitude = [](int k, double psf) {
     return 35.0 / k * std::exp(-0.5 * kTwoPi * kTwoPi * k * k * psf * psf);
   };
@@ -111,11 +111,11 @@ TEST(PatchFit, MoreBlurThanTheTemplateHasMovesNothing) {
   const PatchWindow cut{{0.05, -0.1}, 1.31, 1.24};  // ends within lines' edges
   const auto fit = fitted(picture.view(), truth, cut, PrintTemplate(9, series), {});
   ASSERT_TRUE(fit);
-  // The blur's second order, a thousandth of the edges' height over the half pixel that they are wide.
+  // The rest is of second order in the blur: a thousandth of the edges' height over their width of half a pixel.
   EXPECT_LT(largest_error(*fit, truth), 2e-5);
 }
 
-// Light falls on the print: a plane of it there, from one side, with the contrast that it gives, does not enter.
+// A plane of light across the grating changes level and contrast together and must not move the points.
 TEST(PatchFit, LightFromOneSideMovesNothing) {
   const auto truth = oblique(17.0);
   const auto picture = seen(truth, {.slope = 0.5}, crossed, 1);
@@ -124,8 +124,8 @@ TEST(PatchFit, LightFromOneSideMovesNothing) {
   EXPECT_LT(largest_error(*fit, truth), 1e-5);
 }
 
-// Over repeated noise: chi2 of the nine points against the stated information, and the common shift against the bound.
-TEST(PatchFit, ScattersAsItsInformationSaysAndReachesTheBound) {
+// Over repeated noise: chi2 of the nine points by the stated information, and the common shift against the bound.
+TEST(PatchFit, ScatterMatchesTheInformationAndReachesTheBound) {
   const auto truth = oblique(17.0);
   constexpr int kRuns = 150;
   constexpr double kSigma = 1.5;
@@ -141,7 +141,7 @@ TEST(PatchFit, ScattersAsItsInformationSaysAndReachesTheBound) {
       error(9 + i) = e.y;
     }
     chi2 += error.dot(fit->information * error) / kRuns;
-    // The common shift in x that the points show, all else right.
+    // Common shift of the points along x.
     Eigen::Matrix<double, 18, 1> common = Eigen::Matrix<double, 18, 1>::Zero();
     common.head<9>().setOnes();
     const double weight = common.dot(fit->information * common);
@@ -152,16 +152,15 @@ TEST(PatchFit, ScattersAsItsInformationSaysAndReachesTheBound) {
     bound += kSigma * kSigma / (0.5 * slope * slope * fit->pixels) / kRuns;
     EXPECT_NEAR(fit->sigma, 256.0 * kSigma, 0.05 * 256.0 * kSigma);
   }
-  // chi2 of 18 unknowns has sd 6; over 150 runs its mean 0.49. Four of these.
+  // chi2 of 18 unknowns has a standard deviation of 6, its mean over 150 runs 0.49. Four of these are allowed.
   EXPECT_NEAR(chi2, 18.0, 2.0);
-  // A variance from 150 runs is good to 12 %.
+  // A variance from 150 runs has u = 12 %.
   EXPECT_NEAR(shift2 / stated, 1.0, 0.4);
-  // Above the bound by what light and contrast from one side, unknown here, share with a shift: 4 % in u for 3.2
-  // pitches.
+  // u is 4 % above the bound for 3.2 pitches, because the unknown slopes of light and contrast correlate with a shift.
   EXPECT_NEAR(stated / bound, 1.08, 0.05) << "the bound of Rife and Boorstyn, in pitches";
 }
 
-// The mean of what the points show beyond the truth, along x and y, weighed as `fit` says, and its u.
+// Error of the points' common shift along x and y, weighted by the information matrix of `fit`, and its u. Pitches.
 struct CommonShift {
   double x = 0.0, y = 0.0, u_x = 0.0;
 };
@@ -178,8 +177,8 @@ CommonShift common_shift(const PatchFit& fit, const PrintFromImage& truth) {
   return {mean(along_x), mean(along_y), 1.0 / std::sqrt(along_x.dot(fit.information * along_x))};
 }
 
-// What was made in a reference frame serves where the camera has turned, gone nearer and the light has halved.
-TEST(PatchFit, FollowedFromAnotherFrameItSaysWhatAFreshFitSays) {
+// The normal equations of the reference frame serve a camera that has rotated and moved nearer, at half the light.
+TEST(PatchFit, TrackedFitEqualsAFreshFitInAnotherFrame) {
   const auto at_rest = oblique(5.0);
   const auto print = PrintTemplate::cosine(42.5, 42.5);
   const auto rest = fit_patch(seen(at_rest, {.sigma = 1.5}, crossed, 1).view(), at_rest, kWindow, print, {});
@@ -194,16 +193,16 @@ TEST(PatchFit, FollowedFromAnotherFrameItSaysWhatAFreshFitSays) {
   const auto followed = follow_patch(picture.view(), start, kWindow, print, {.row_step = 4}, rest->at_rest);
   ASSERT_TRUE(fresh && followed);
   const CommonShift a = common_shift(*fresh, truth), b = common_shift(*followed, truth);
-  // Both stop when a step is small against u, 2e-4 pitch here: what is left of it is per cents of that step.
+  // Both stop when a step is small against u (2e-4 pitch here). The rest is a few per cent of that step.
   EXPECT_NEAR(b.x, a.x, 0.1 * a.u_x);
   EXPECT_NEAR(b.y, a.y, 0.1 * a.u_x);
-  // Eight degrees mix the window's columns, which a plane of density over the patch does not know: per cents.
+  // Eight degrees mix the window's columns by a few per cent, which a pixel density in one plane does not describe.
   EXPECT_NEAR(b.u_x / a.u_x, 1.0, 0.03);
   EXPECT_NEAR(followed->sigma / fresh->sigma, 1.0, 0.01);
   EXPECT_NEAR(followed->gain[0] / fresh->gain[0], 1.0, 0.01);
 }
 
-TEST(PatchFit, SomeOfTheRowsTellThePlaceWithAWiderU) {
+TEST(PatchFit, SomeRowsGiveThePositionWithALargerU) {
   const auto truth = oblique(13.0);
   const auto print = PrintTemplate::cosine(42.5, 42.5);
   const auto rest = fit_patch(seen(truth, {.sigma = 1.5}, crossed, 1).view(), truth, kWindow, print, {});
@@ -219,11 +218,12 @@ TEST(PatchFit, SomeOfTheRowsTellThePlaceWithAWiderU) {
     chi2 += std::pow(shift.x / shift.u_x, 2) / kRuns;
     EXPECT_NEAR(shift.u_x / all.u_x, std::sqrt(kStep), 0.1);
   }
-  // Of 100 runs: 1 +- 0.14. A stated u 4 % above the bound (a slope of the light that is not asked for here) lowers it.
+  // Over 100 runs: 1 +- 0.14. The stated u is 4 % above the bound, for a slope of light that is not fitted here. That
+  // lowers it.
   EXPECT_NEAR(chi2, 1.0, 0.45);
 }
 
-TEST(PatchFit, LinesShowOneAxisAndSayNothingOfTheOther) {
+TEST(PatchFit, LinesMeasureOneAxisOnly) {
   const auto truth = oblique(10.0);
   const auto picture = seen(
       truth, {}, [](PrintPoint p) { return 60.0 * std::cos(kTwoPi * p.x); }, 1);
@@ -237,7 +237,7 @@ TEST(PatchFit, LinesShowOneAxisAndSayNothingOfTheOther) {
   EXPECT_GT((fit->information.topLeftCorner<9, 9>().norm()), 0.0);
 }
 
-TEST(PatchFit, FlatPaperIsNoPatternAndTheEdgeOfThePictureNoPatch) {
+TEST(PatchFit, FlatPaperAndTheImageEdgeAreRefused) {
   const auto truth = oblique(0.0);
   const auto flat = seen(
       truth, {.sigma = 1.0}, [](PrintPoint) { return 0.0; }, 7);
@@ -255,16 +255,16 @@ TEST(PatchFit, FlatPaperIsNoPatternAndTheEdgeOfThePictureNoPatch) {
   EXPECT_EQ(outside.error(), PatchFitFailure::kOutsidePicture);
 }
 
-// A camera's tone curve bends dark and bright ends of an edge differently: there more blur makes dark lines wider, on both
-// sides alike. With three periods in the window the outermost edges are of one kind, and a fit that has no term for the
-// width of lines reads a smaller print.
+// A tone curve bends dark and bright ends of an edge differently, so more blur widens dark lines on both sides alike.
+// With three periods in the window the outermost edges are of one kind. A fit without the width of lines then reads a
+// smaller grating.
 double grey_of_grid(PrintPoint p, double sigma_px, double gamma) {
   const double light = 0.15 + 0.7 * testing::blurred_bars(29.0 * p.x, 29.0, sigma_px) *
                                   testing::blurred_bars(29.0 * p.y, 29.0, sigma_px);
   return 255.0 * std::pow(light, 1.0 / gamma) - 125.0;
 }
 
-// By how much the print's edge at the right is read further to the right than that at the left, px.
+// Returns the growth of the grating as read, px: movement of its right edge minus that of its left edge.
 double growth_by_blur(double gamma) {
   constexpr double kLearned = 0.757, kSeen = 0.777;  // px
   const auto print = testing::template_of(13, [gamma](double x, double y) {
@@ -283,13 +283,13 @@ double growth_by_blur(double gamma) {
   return growth;
 }
 
-TEST(PatchFit, MoreBlurBehindAToneCurveMakesNoPrintSmaller) {
-  // Each edge moves by 0.0025 px; what is left after the term for it is of second order in a change of blur by 2.6 %.
+TEST(PatchFit, MoreBlurBehindAToneCurveKeepsTheSize) {
+  // Each edge moves by 0.0025 px. With the width of lines, the rest is of second order in a change of blur by 2.6 %.
   EXPECT_NEAR(growth_by_blur(2.2), growth_by_blur(1.0), 0.001);
 }
 
-// A camera 6 % nearer sees less blur, in pitches. What the reference frame's normal equations make of that must not pass
-// for a larger print. A remainder that changes with distance looks like depth: 1e-5 pitches like 0.4 mm at 8 m.
+// A camera 6 % nearer sees less blur, in pitches. The normal equations of the reference frame must not turn that into a
+// larger grating. A remainder that changes with distance resembles depth: 1e-5 pitch resembles 0.4 mm at 8 m.
 TEST(PatchFit, FollowedNearerThePrintIsAsLargeAsAFreshFitSays) {
   constexpr double kBlur_px = 0.757, kNearer = 0.94;
   const auto print = testing::template_of(13, [](double x, double y) { return grey_of_grid({x, y}, kBlur_px, 1.0); });

@@ -6,7 +6,7 @@
 
 #include "moiregauge/image/fetch_row.h"
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // the scalar one too: it is what the others are compared with
+#define HWY_COMPILE_ALL_ATTAINABLE  // includes the scalar target, which tests compare with the others
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moiregauge/phase/fit/patch_pass.cc"
 #include <hwy/foreach_target.h>
@@ -24,14 +24,14 @@ HWY_INLINE void add_to(float* sums, V value) {
   hn::Store(hn::Add(hn::Load(d, sums), value), d, sums);
 }
 
-// What all pixels of a patch share.
+// Values that all pixels of a window share.
 struct Patch {
   Table table;
   Plane light, contrast, gain;
   V side, x0, half_x, y0, half_y, one;
   V blur_x, blur_y, width;
-  bool has_shape;         // a first pass knows of none
-  V row_x, row_y, row_z;  // by which u z, v z and z change along a row
+  bool has_shape;         // false in a first pass
+  V row_x, row_y, row_z;  // changes of u z, v z and z from one pixel of a row to the next
 
   explicit Patch(const PatchJob& job) : table(*job.table), light(job.light), contrast(job.contrast), gain(job.gain) {
     const auto set = [](float value) { return hn::Set(Float(), value); };
@@ -43,7 +43,7 @@ struct Patch {
   }
 };
 
-// The same of a row, where its middle is.
+// Values u z, v z and z at the middle of a row.
 struct Row {
   V x, y, z;
   Row(const PatchJob& job, float dy) {
@@ -55,7 +55,7 @@ struct Row {
 template <Sum kSum>
 using Registers = V[registers_of(kSum)];
 
-// `left`: of the grey levels, nothing outside the window.
+// Adds to the sums of a shift. `left`: residual, zero outside the window.
 HWY_INLINE void add_shift(V left, V inside, const Level& l, Registers<Sum::kShift>& sums) {
   const V c[kShiftColumns] = {inside, hn::Mul(l.t, inside), hn::Mul(l.tx, inside), hn::Mul(l.ty, inside)};
   int to = 0;
@@ -83,7 +83,8 @@ HWY_INLINE void add_normal(V inside, const Level& l, V u, V v, int lane, LaneSum
   }
 }
 
-// `grey`: of the lanes; `dx`: of the lanes from the middle pixel; `there`: those in the box.
+// Adds a block of pixels and returns the number inside the window. `grey`: grey levels of the lanes. `dx`: distances of
+// the lanes from the middle pixel, px. `there`: lanes inside the box.
 template <Sum kSum, typename Mask>
 HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask there, int lane, LaneSums& lanes,
                          Registers<kSum>& sums) {
@@ -108,7 +109,7 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
   return static_cast<int>(hn::CountTrue(d, in));
 }
 
-// Sixteen lanes into one, by halves.
+// Returns the sum of sixteen lanes, added by halves.
 HWY_INLINE double folded(float* lanes) {
   const hn::CappedTag<float, 4> d;
   for (int half = kBlockWidth / 2; half >= 4; half /= 2) {
@@ -118,7 +119,7 @@ HWY_INLINE double folded(float* lanes) {
   return static_cast<double>((lanes[0] + lanes[2]) + (lanes[1] + lanes[3]));
 }
 
-// Sixteen grey levels from (x, y) on; those beyond the picture are nothing, and its memory is not touched.
+// Returns sixteen grey levels from (x, y) on. Those beyond the image are zero, and its memory is not read there.
 template <typename Grey>
 const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[kBlockWidth]) {
   const Grey* const at = picture.row(y).data() + x;
@@ -128,6 +129,7 @@ const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[k
   return edge;
 }
 
+// Rows by which memory is fetched ahead. Chosen.
 constexpr int kRowsAhead = 4;
 
 template <Sum kSum, typename Grey>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One pass over a patch's raw pixels: all that least squares needs of them, as sums. The hot loop of `precise`; it
-// allocates nothing. Sixteen pixels side by side have a lane each, lanes are added in one fixed order, and no product
-// is fused with a sum: the same bits on every SIMD target (Highway, chosen at run time).
+// Sums the raw pixels of one grating for least squares. This is the hot loop of `precise`, and it allocates nothing.
+// Each of sixteen adjacent pixels has a lane. Lanes are added in one fixed order, and no product is fused with a sum.
+// So every SIMD target gives the same bits (Highway, chosen at run time; decision 0016).
 #pragma once
 
 #include <array>
@@ -15,32 +15,33 @@
 namespace moiregauge::internal {
 
 namespace frame {
-struct Window;  // (u, v): a patch's window, from -1 to 1 both ways
+struct Window;  // (u, v): position in the window of a grating, -1 to 1 along both axes
 }
 
 using PrintFromImage = Homography<frame::Print, frame::Image>;
 using PrintFromPrint = Homography<frame::Print, frame::Print>;
 
-// The pixels that count: |X - centre.x| <= half_x, |Y - centre.y| <= half_y in pitches, the print's edge left out.
+// Pixels of the fit: |X - centre.x| <= half_x and |Y - centre.y| <= half_y, in pitches. The grating's edge is outside.
 struct PatchWindow {
   PrintPoint centre;
   double half_x = 0.0;
   double half_y = 0.0;
 };
 
+// Returns the map from grating coordinates (pitches) to window coordinates (-1 to 1).
 [[nodiscard]] inline Homography<frame::Window, frame::Print> window_from_print(const PatchWindow& w) {
   Matrix3 h;
   h << 1.0 / w.half_x, 0, -w.centre.x / w.half_x, 0, 1.0 / w.half_y, -w.centre.y / w.half_y, 0, 0, 1;
   return Homography<frame::Window, frame::Print>(h);
 }
 
-// Pixels, ends included.
+// Range of pixels, both ends included.
 struct PixelBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
-// Unknowns in this order, in the window's own (u, v), each from -1 to 1: light b0 bu bv, contrast g0 gu gv, blur along
-// X and along Y, width of the lines, then dX of u^i v^j (i fastest, i, j <= 2), then dY.
+// Order of the unknowns, in window coordinates (u, v): light b0 bu bv, contrast g0 gu gv, blur along X and Y, width.
+// Then come the terms u^i v^j of dX (i fastest, i, j <= 2), then those of dY.
 inline constexpr int kLightColumns = 6;
 inline constexpr int kBlurColumns = 2;
 inline constexpr int kWidthColumns = 1;
@@ -51,30 +52,33 @@ inline constexpr int kColumns = kBaseColumns + 2 * kFieldColumns;
 using NormalMatrix = Eigen::Matrix<double, kColumns, kColumns>;
 using NormalVector = Eigen::Matrix<double, kColumns, 1>;
 
-// A quantity that changes across the patch: its parts along 1, u, v.
+// Coefficients of 1, u and v of a quantity that is a plane over the window.
 using PatchPlane = std::array<double, 3>;
 
-// What a pixel should show.
+// Predicted grey levels of a window.
 struct PatchModel {
   PrintFromImage map;
   PatchWindow window;
-  PatchPlane light{}, contrast{};                            // taken off the grey levels before they are summed
-  std::array<double, kBlurColumns + kWidthColumns> shape{};  // blur along X and Y, width of the lines: also taken off
-  PatchPlane gain{1.0, 0.0, 0.0};  // times the template's slopes and second derivatives: the columns of blur and field
+  // Light (grey levels) and contrast (1), subtracted from the grey levels before these are summed.
+  PatchPlane light{}, contrast{};
+  // Blur along X and Y and width of the lines, subtracted, too.
+  std::array<double, kBlurColumns + kWidthColumns> shape{};
+  // Factor of the template's derivatives in the columns of blur, width and field.
+  PatchPlane gain{1.0, 0.0, 0.0};
 };
 
-// Over the window's pixels, of what is left of the grey level.
+// Sums over the window's pixels of the residual: grey level minus prediction.
 struct PatchSums {
-  NormalVector right = NormalVector::Zero();  // times each column
-  double left2 = 0.0;                         // squared
+  NormalVector right = NormalVector::Zero();  // residual times each column
+  double left2 = 0.0;                         // squared residual, grey levels^2
   int pixels = 0;
 };
 
-// Over `box`, which must lie in the picture. With `normal` also the columns' products.
+// Sums the residuals over `box`, which must lie inside the image. With `normal`, sums the columns' products, too.
 void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
                PatchSums& sums, NormalMatrix* normal = nullptr);
 
-// Where only light, contrast and place of the patch as a whole are asked for (b0, g0, dX, dY), every row_step-th row.
+// Unknowns of a window that moves as a whole: b0, g0, dX, dY.
 inline constexpr int kShiftColumns = 4;
 struct ShiftSums {
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
@@ -82,6 +86,7 @@ struct ShiftSums {
   double left2 = 0.0;
   int pixels = 0;
 };
+// Sums the residuals and products of these four columns over every row_step-th row of `box`.
 void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
                int row_step, ShiftSums& sums);
 

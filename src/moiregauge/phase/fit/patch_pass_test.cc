@@ -54,7 +54,7 @@ struct Summed {
 
 Summed summed(const LumaView& luma, int row_step) {
   Summed out;
-  // The last block of a row reaches beyond the picture.
+  // The last block of a row reaches beyond the image.
   const PixelBox box{4, 6, kPassSide - 1, kPassSide - 2};
   sum_patch(luma, oblique_model(), binary().nodes(), box, out.sums);
   sum_patch(luma, oblique_model(), binary().nodes(), box, out.with_normal, &out.normal);
@@ -87,8 +87,8 @@ TEST(PatchPass, GivesTheSameBitsOnEverySimdTarget) {
   ASSERT_TRUE(use_simd_target(simd_targets().front()));
 }
 
-// Against the columns written down pixel by pixel in doubles.
-TEST(PatchPass, SumsWhatItSaysItSums) {
+// Compares the sums with columns computed pixel by pixel in doubles.
+TEST(PatchPass, SumsEqualAPixelByPixelComputation) {
   const auto picture = speckled<std::uint8_t>(256);
   const Summed seen = summed(picture.view(), 1);
   const PatchModel model = oblique_model();
@@ -122,12 +122,12 @@ TEST(PatchPass, SumsWhatItSaysItSums) {
   EXPECT_NEAR(seen.sums.pixels, pixels, 2.0) << "pixels on the window's very edge";
   EXPECT_NEAR(seen.sums.left2 / left2, 1.0, 1e-3);
   for (int i = 0; i < kColumns; ++i) {
-    // Of sums over random signs: a fiftieth of their own scatter, sqrt(sum left^2 c^2).
+    // A sum over random signs scatters by sqrt(sum left^2 c^2). A fiftieth of that is allowed.
     EXPECT_NEAR(seen.sums.right(i), right(i), 0.02 * std::sqrt(left2 * normal(i, i) / pixels)) << i;
     for (int j = 0; j <= i; ++j)
       EXPECT_NEAR(seen.normal(i, j), normal(i, j), 1e-3 * std::sqrt(normal(i, i) * normal(j, j))) << i << " " << j;
   }
-  // The patch as a whole: of the same columns the first of light, contrast and field.
+  // Shift of the whole window: the first columns of light, contrast and field.
   EXPECT_EQ(seen.shift.pixels, seen.sums.pixels);
   EXPECT_NEAR(seen.shift.left2 / left2, 1.0, 1e-3);
   constexpr std::array<int, kShiftColumns> kOf{0, 3, kBaseColumns, kBaseColumns + kFieldColumns};

@@ -9,9 +9,10 @@
 namespace moiregauge::internal {
 namespace {
 
-// Relative. On a print of one harmonic more blur is less contrast: then contrast has it.
+// Ridge, relative to the diagonal. A single-harmonic grating cannot separate blur from contrast. The ridge assigns the
+// change to contrast. Chosen.
 constexpr double kBlurRidge = 1e-4;
-constexpr double kMinPivot = 1e-9;  // of columns of unit length
+constexpr double kMinPivot = 1e-9;  // for columns of unit length; chosen
 
 using Values = Eigen::Matrix<double, kPatchPoints, kFieldColumns>;
 
@@ -34,10 +35,10 @@ PatchInformation at_points(const NormalMatrix& n, const PatchFitOptions& options
   if (options.along_x) both.topLeftCorner<kFieldColumns, kPatchPoints>() = back;
   if (options.along_y) both.bottomRightCorner<kFieldColumns, kPatchPoints>() = back;
   const PatchInformation whole = both.transpose() * field * both;
-  return whole.selfadjointView<Eigen::Lower>();  // symmetric to the last bit, so that one triangle tells it all
+  return whole.selfadjointView<Eigen::Lower>();  // symmetric to the last bit, because files keep one triangle
 }
 
-// A column that is not there: unit diagonal, nothing else.
+// Removes columns from the fit: unit diagonal, zeros elsewhere.
 void silence(NormalMatrix& n, int first, int columns) {
   for (int i = first; i < first + columns; ++i) {
     n.row(i).setZero();
@@ -61,7 +62,7 @@ std::optional<PatchSystem> PatchSystem::of(const NormalMatrix& normal, int pixel
   if (!options.along_y) silence(n, kLightColumns + 1, 1), silence(n, kBaseColumns + kFieldColumns, kFieldColumns);
   if (!options.has_width) silence(n, kWidthColumn, kWidthColumns);
   PatchSystem s;
-  // Columns of unit length, or the pivots would compare grey levels with slopes.
+  // Columns of unit length make the pivots of grey levels and slopes comparable.
   s.per_length_ = n.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   s.ldlt_.compute(s.per_length_.asDiagonal() * n * s.per_length_.asDiagonal());
   if (s.ldlt_.info() != Eigen::Success || !s.ldlt_.isPositive() || !(s.ldlt_.vectorD().minCoeff() > kMinPivot))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The normal equations of a patch, ready to be solved for one right-hand side after another. In the window's own
-// coordinates they are the same wherever the camera goes, but for how many pixels see the window: the print's slopes
-// move with the print. So they are made once, in the reference frame, and later passes need right-hand sides only.
+// Normal equations of one grating, prepared for many right-hand sides. In window coordinates they are the same in every
+// frame, except for the number of pixels. The reason is that the template's slopes move with the grating. So they are
+// computed once, in the reference frame, and later passes need right-hand sides only (decision 0020).
 #pragma once
 
 #include <optional>
@@ -16,34 +16,40 @@ inline constexpr int kPatchPoints = 9;
 using PatchInformation = Eigen::Matrix<double, 2 * kPatchPoints, 2 * kPatchPoints>;
 
 struct PatchFitOptions {
-  int passes = 3;       // where normal equations are made in every pass. From 0.1 pitch two reach the fixed point
-  int row_step = 1;     // follow_patch moves the patch as a whole by every row_step-th row
-  bool along_x = true;  // the print shows motion along its x
+  // Passes of fit_patch, each with normal equations of its own. From 0.1 pitch two reach the fixed point.
+  int passes = 3;
+  int row_step = 1;     // follow_patch shifts the window by every row_step-th row
+  bool along_x = true;  // the grating shows motion along X
   bool along_y = true;
-  bool has_width = true;  // the width of lines is fitted: not of fundamentals alone, which have none
+  // The width of the lines is fitted. Fundamentals alone have none.
+  bool has_width = true;
 };
 
 class PatchSystem {
  public:
-  // Nothing when the window does not determine the unknowns. Columns of an axis that is not shown stay 0.
+  // Factorises the normal equations. Columns of an axis that is not shown stay 0.
+  // Fails (nothing): the window does not determine the unknowns.
   [[nodiscard]] static std::optional<PatchSystem> of(const NormalMatrix& normal, int pixels,
                                                      const PatchFitOptions& options);
-  // What it was made of.
+  // Return the arguments of `of`.
   [[nodiscard]] const NormalMatrix& normal() const { return normal_; }
   [[nodiscard]] int pixels() const { return pixels_; }
   [[nodiscard]] const PatchFitOptions& options() const { return options_; }
 
-  // The unknowns, where as many pixels as in the sums see the window.
+  // Returns the unknowns for the sums over a window, whose number of pixels may differ from that of the normal
+  // equations.
   [[nodiscard]] NormalVector solved(const PatchSums& sums) const;
-  // Returns the shift (pitches) that changes grey levels as much, rms, as blur and width of `value` do.
+  // Returns the shift (pitches) that changes grey levels as much, rms, as the largest of the changes of blur and width
+  // in `value`.
   [[nodiscard]] double shift_like(const NormalVector& value) const;
-  // Of the field at the nine points (x of all, then y), per (grey level / gain)^2 of noise; the rest eliminated.
+  // Returns the information matrix of the field at the nine points (X of all, then Y), 1/pitch^2. The noise is one grey
+  // level at unit gain. All other unknowns are eliminated.
   [[nodiscard]] PatchInformation information(int pixels) const {
     return (static_cast<double>(pixels) / pixels_) * information_;
   }
 
  private:
-  Eigen::LDLT<NormalMatrix> ldlt_;  // of columns of unit length
+  Eigen::LDLT<NormalMatrix> ldlt_;  // factors for columns of unit length
   NormalVector per_length_ = NormalVector::Zero();
   PatchInformation information_ = PatchInformation::Zero();
   NormalMatrix normal_ = NormalMatrix::Zero();
@@ -51,7 +57,8 @@ class PatchSystem {
   PatchFitOptions options_;
 };
 
-// The field's nine coefficients to its values at the nine points, (u, v) = -2/3, 0, 2/3, u fastest.
+// Returns the matrix from the field's nine coefficients to its values at the nine points. These are at (u, v) = -2/3,
+// 0, 2/3, u fastest.
 [[nodiscard]] const Eigen::Matrix<double, kPatchPoints, kFieldColumns>& values_at_points();
 
 }  // namespace moiregauge::internal

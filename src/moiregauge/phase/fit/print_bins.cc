@@ -15,19 +15,22 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Bins per period of the highest harmonic. A pixel is shared among the 4 x 4 bins round it as a cubic B-spline has it,
-// which acts on a harmonic of k periods as sinc^4(k / side), taken out again, and folds (k / (side - k))^4 of others
-// into it: 1e-4 at worst, 2e-3 of the weights, whose orders go twice as far.
+// Bins per period of the highest harmonic. A cubic B-spline shares each pixel among 4 x 4 bins. Its response to a
+// harmonic of k periods is sinc^4(k / side), which is divided out (decision 0019). Other harmonics fold into it by (k /
+// (side - k))^4. This is at most 1e-4, or 2e-3 for the weights, whose orders are twice as high.
 constexpr int kBinsPerPeriod = 12;
+// Chosen.
 constexpr int kMinBins = 48;
-// Relative to the mean weight: enough to keep a series that the bins leave open from running away, 1e-6 of what they
-// say.
+// Ridge relative to the mean weight. It bounds coefficients that the bins do not determine, and changes the others by
+// 1e-6. Chosen.
 constexpr double kRidge = 1e-6;
+// Chosen.
 constexpr long kMinPixelsPerCoefficient = 4;
 
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
-// a * b in blocks of a fixed depth: how Eigen cuts a deeper sum depends on the machine's caches, and so would its bits.
+// Returns a * b in blocks of fixed depth. Eigen splits a deeper sum by the machine's cache sizes, which would change
+// its bits.
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
   constexpr Eigen::Index kDepth = 128;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(a.rows(), b.cols());
@@ -38,8 +41,8 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
   return out;
 }
 
-// sum over pixels of value exp(-2 pi i (m X + n Y)) for |m|, |n| <= highest, from what they left in the bins; n
-// slowest. As products of matrices: so few orders of so many bins are wanted that a fast transform is the slower way.
+// Returns the sum over pixels of value exp(-2 pi i (m X + n Y)) for |m|, |n| <= highest, from the bins; n slowest.
+// Matrix products are faster than a fast transform, because few orders of many bins are needed (decision 0019).
 std::vector<Complex> spectrum(const std::vector<double>& value, int side, int highest) {
   const int wide = 2 * highest + 1;
   Eigen::MatrixXd c(side, highest + 1), s(side, highest + 1);
@@ -52,7 +55,7 @@ std::vector<Complex> spectrum(const std::vector<double>& value, int side, int hi
       s(j, m) = t.imag();
     }
   }
-  // A column of the bins, x, is a column of this: the map has y slowest.
+  // Eigen stores columns first: a column of the map contains the bins along x.
   const Eigen::Map<const Eigen::MatrixXd> bins(value.data(), side, side);
   const Eigen::MatrixXd ct = c.transpose(), st = s.transpose();
   const Eigen::MatrixXd xc = product(ct, bins), xs = product(st, bins);  // orders of x by bins of y
@@ -74,14 +77,16 @@ std::vector<Complex> spectrum(const std::vector<double>& value, int side, int hi
   return sums;
 }
 
-// Cubic B-spline: shares of the four bins from the one before `at`'s on; f is how far `at` lies beyond its bin.
+// Returns the cubic B-spline's shares of four bins, from the one before the pixel's on. `f` is the pixel's distance
+// beyond its bin, 0 to 1.
 std::array<double, 4> shares(double f) {
   const double g = 1.0 - f, f2 = f * f, g2 = g * g;
   return {g * g2 / 6.0, (4.0 - 3.0 * f2 * (2.0 - f)) / 6.0, (4.0 - 3.0 * g2 * (2.0 - g)) / 6.0, f * f2 / 6.0};
 }
 
-// A matrix whose entries depend on differences of orders only, times a vector of orders: a convolution, so products of
-// spectra on a grid wide enough for all differences. A direct solution would cost the sixth power of the order.
+// Product of a vector of orders with a matrix whose entries depend on differences of orders only. It is a convolution,
+// computed by spectra on a grid wide enough for all differences. A direct solution would cost the sixth power of the
+// order.
 class DifferenceMatrix {
  public:
   DifferenceMatrix(const std::vector<Complex>& weight, int order) : wide_(2 * order + 1) {
@@ -133,10 +138,10 @@ class DifferenceMatrix {
   Grid weight_;
 };
 
-// Conjugate gradients. How often the window shows each part of the print differs by a small factor, so the error falls
-// several times a step; what it does not show stays near zero.
+// Limits of the conjugate gradients. The window shows all parts of the grating about equally often, so the error falls
+// several times per step. Parts that it does not show stay near zero. Chosen.
 constexpr int kMaxSteps = 60;
-constexpr double kSmallEnough = 1e-9;  // residual against the right side
+constexpr double kSmallEnough = 1e-9;  // residual relative to the right-hand side
 
 Eigen::VectorXcd solved(DifferenceMatrix& normal, double ridge, const Eigen::VectorXcd& right) {
   Eigen::VectorXcd x = Eigen::VectorXcd::Zero(right.size()), r = right, p = r;
@@ -183,7 +188,7 @@ void PrintBins::add(PrintPoint p, double grey) {
 std::optional<PrintTemplate> PrintBins::fit() const {
   const int wide = 2 * order_ + 1, unknowns = wide * wide;
   if (pixels_ < kMinPixelsPerCoefficient * unknowns) return std::nullopt;
-  // The normal equations of exponentials depend on differences of their orders only.
+  // The normal equations of exponentials depend only on differences of their orders.
   const auto weight = spectrum(count_, side_, 2 * order_);
   const auto right = spectrum(sum_, side_, order_);
   DifferenceMatrix normal(weight, order_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learning a print's template from pixels whose print coordinates are known.
+// Learns the template of a grating from pixels with known grating coordinates (docs/methods/precise/template.md).
 #pragma once
 
 #include <complex>
@@ -10,15 +10,16 @@
 
 namespace moiregauge::internal {
 
-// Grey levels summed over bins of one pitch in both directions. The fractions of a pitch at which pixels fall fill
-// them.
+// Grey levels summed over bins of one pitch in both directions. Pixels are at all fractions of a pitch, so they fill
+// the bins.
 class PrintBins {
  public:
   explicit PrintBins(int order);
+  // Adds a pixel at grating coordinate `p` (pitches).
   void add(PrintPoint p, double grey);
-  // The series that fits the bins' means best, each counted by its pixels (least squares; the bins' width is taken
-  // out). The level is that of the pixels: c(0, 0) is dropped. Nothing when the bins do not determine it (too few
-  // pixels, or a pitch of a whole few pixels seen upright).
+  // Fits the Fourier series to the bins by least squares, each bin weighted by its pixels. Corrects for the width of
+  // the bins and drops the mean c(0, 0). A ridge bounds coefficients that the bins do not determine.
+  // Fails (nothing): fewer than four pixels per coefficient.
   [[nodiscard]] std::optional<PrintTemplate> fit() const;
   [[nodiscard]] long pixels() const { return pixels_; }
 

@@ -12,24 +12,26 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Nodes per period of the highest harmonic: half a step is 0.39 rad, the third term of its series 1e-2.
+// Nodes per period of the highest harmonic. Half a step is 0.39 rad, so the third term of the Taylor series is 1e-2.
 constexpr int kNodesPerPeriod = 8;
+// Fewest nodes per pitch. Chosen.
 constexpr int kMinSide = 64;
+// Largest coefficient of 16 bits.
 constexpr double kFullScale = 32767.0;
 
 std::size_t index_of(int order, int m, int n) {
   return static_cast<std::size_t>((n + order) * (2 * order + 1) + m + order);
 }
 
-// exp(2 pi i k / side), k = 0 .. side - 1.
+// Returns exp(2 pi i k / side) for k = 0 to side - 1.
 std::vector<Complex> turns(int side) {
   std::vector<Complex> out;
   for (int k = 0; k < side; ++k) out.push_back(std::polar(1.0, kTwoPi * k / side));
   return out;
 }
 
-// The series on the grid: its rows summed over m for every column, then over n for every row. It is real, so that rows
-// n and -n give the same twice.
+// Returns the series on the grid: summed over m for every column, then over n for every row. The series is real, so
+// rows n and -n contribute the same.
 std::vector<double> tabulated(const std::vector<Complex>& series, int order, int side) {
   const auto turn = turns(side);
   const auto points = static_cast<std::size_t>(side);
@@ -37,7 +39,7 @@ std::vector<double> tabulated(const std::vector<Complex>& series, int order, int
   for (int n = 0; n <= order; ++n) {
     for (int i = 0; i < side; ++i) {
       Complex sum = 0.0;
-      int at = (order * (side - i)) % side;  // -order i, then i more with every m
+      int at = (order * (side - i)) % side;  // -order * i, increased by i with every m
       for (int m = -order; m <= order; ++m) {
         sum += series[index_of(order, m, n)] * turn[static_cast<std::size_t>(at)];
         at = at + i < side ? at + i : at + i - side;
@@ -61,7 +63,7 @@ std::vector<double> tabulated(const std::vector<Complex>& series, int order, int
   return table;
 }
 
-// Of the series' derivative: each harmonic times (2 pi i m)^p / p! (2 pi i n)^q / q!, per node.
+// Returns the series of a Taylor coefficient per node: each harmonic times (2 pi i m)^p / p! (2 pi i n)^q / q!.
 std::vector<Complex> derived(const std::vector<Complex>& series, int order, int side, NodePower power) {
   std::vector<Complex> out = series;
   const double step = kTwoPi / side;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // as in the hot loops
+#define HWY_COMPILE_ALL_ATTAINABLE  // the same targets as in patch_pass.cc
 #include <hwy/targets.h>
 
 namespace moiregauge::internal {
@@ -17,7 +17,7 @@ std::string name_of(std::int64_t target) {
   return name;
 }
 
-// Not those of an earlier choice.
+// Returns all targets, whatever use_simd_target selected before.
 std::vector<std::int64_t> targets_here() {
   hwy::SetSupportedTargetsForTest(0);
   return hwy::SupportedAndGeneratedTargets();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which instructions the hot loops use. The best of this machine unless told otherwise; all give the same bits.
+// SIMD instructions of the hot loops. The default is the best target of this machine. All targets give the same bits.
 #pragma once
 
 #include <string>
@@ -8,10 +8,12 @@
 
 namespace moiregauge::internal {
 
-// What this program was built for and this machine has: "scalar", "ssse3", "sse4", "avx2", "avx3" (AVX-512), ...
+// Returns the targets that this program contains and this machine supports: "scalar", "ssse3", "sse4", "avx2", "avx3"
+// (AVX-512), ...
 [[nodiscard]] std::vector<std::string> simd_targets();
 
-// For tests and benchmarks, before anything is measured. False when there is no such target here.
+// Selects the target, for tests and benchmarks. Call it before any measurement. Fails (false): this machine has no such
+// target.
 [[nodiscard]] bool use_simd_target(std::string_view name);
 
 }  // namespace moiregauge::internal

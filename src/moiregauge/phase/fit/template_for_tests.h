@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Templates of prints given by a formula, by the discrete Fourier transform of one period.
+// Templates of gratings given by a formula, from the discrete Fourier transform of one period.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace moiregauge::internal::testing {
 
-// `level`: of a point (x, y), pitches. The template holds harmonics up to `order` and no mean.
+// Returns the template of level(x, y), with x and y in pitches. It contains harmonics up to `order` and no mean.
 template <typename Level>
 PrintTemplate template_of(int order, const Level& level) {
   constexpr int kSide = 64;

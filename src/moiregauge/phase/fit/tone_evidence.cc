@@ -9,20 +9,27 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kLines = 48;             // across the period
-constexpr int kPoints = 256;           // along it
-constexpr double kStraight = 0.05;     // an edge leans by no more than that, rad, rms over its slope
-constexpr double kSteep = 0.3;         // of the power of the steepest line: less is a line between the edges
-constexpr double kFlat = 0.1;          // of the steepest slope: flatter is black or white
-constexpr double kMinFlatShare = 0.1;  // of a line, of black and of white each
-constexpr double kMinLines = 0.2;      // of the period, straight: a dot's edge is straight over a twentieth of it
+// All limits are chosen (docs/methods/precise/light.md).
+constexpr int kLines = 48;    // per period
+constexpr int kPoints = 256;  // along a line, per period
+// Largest angle between edge and axis, rad, as the mean over a line weighted by the squared slope.
+constexpr double kStraight = 0.05;
+// Share of the slope power of the steepest line. A line with less runs between the edges.
+constexpr double kSteep = 0.3;
+constexpr double kFlat = 0.1;          // share of the steepest slope; flatter parts are black or white
+constexpr double kMinFlatShare = 0.1;  // share of a line, for black and for white each
+// Share of the period in which edges must be straight. That of a dot is straight over a twentieth only.
+constexpr double kMinLines = 0.2;
+// Range of the search.
 constexpr double kMinExponent = 0.25, kMaxExponent = 4.0;
-constexpr int kSteps = 14;          // of the search for a change of sign, each of a fifth
-constexpr double kMinLevel = 1e-4;  // of white: a power of less says nothing
+constexpr int kSteps = 14;  // in the search for a change of sign, each by a fifth
+// Lowest level relative to white. The power of a lower one carries no information.
+constexpr double kMinLevel = 1e-4;
 
 using Profile = std::vector<double>;
 
-// Lines across straight edges along one axis of the print, in grey levels from 0 to 1.
+// Returns grey levels (0 to 1) on lines across the straight edges of one axis. Returns none if too few lines are
+// straight.
 std::vector<Profile> straight_profiles(const ToneSample& sample, bool along_x, const ToneCurve& from,
                                        double (*grey_of)(const ToneCurve&, double)) {
   struct Line {
@@ -52,8 +59,8 @@ std::vector<Profile> straight_profiles(const ToneSample& sample, bool along_x, c
   return out;
 }
 
-// The first moment of the level about the middle of black and white, weighed by the squared slope: 0 where edges are
-// symmetric, positive where their bright ends are the steeper ones. NaN without black or white.
+// Returns the first moment of the level about the middle of black and white, weighted by the squared slope. It is 0 for
+// symmetric edges, positive if their bright ends are steeper, and NaN without black or white.
 double asymmetry(const std::vector<Profile>& profiles, double exponent) {
   double moment = 0.0, norm = 0.0;
   Profile level(kPoints), slope(kPoints);
@@ -83,7 +90,7 @@ double asymmetry(const std::vector<Profile>& profiles, double exponent) {
 
 std::optional<double> exponent_of(const std::vector<Profile>& profiles) {
   if (profiles.empty()) return std::nullopt;
-  // Far from the true power black or white may show no flat part: the change of sign is looked for where they do.
+  // Far from the true power, black or white may have no flat part. The change of sign is searched where both have one.
   double low = std::log(kMinExponent), high = low, before = asymmetry(profiles, kMinExponent);
   bool found = false;
   for (int k = 1; k <= kSteps && !found; ++k) {
@@ -102,7 +109,7 @@ std::optional<double> exponent_of(const std::vector<Profile>& profiles) {
   return std::exp(0.5 * (low + high));
 }
 
-// The grey level, 0 to 1, that a curve shows light as: the curve's inverse, by bisection.
+// Returns the grey level (0 to 1) of a light relative to white, by bisection of the curve.
 double grey_by(const ToneCurve& curve, double light) {
   if (curve.is_linear()) return light;
   const double wanted = light * light_of(curve, 1.0);

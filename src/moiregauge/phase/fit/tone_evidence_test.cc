@@ -37,8 +37,8 @@ std::optional<ToneExponent> shown_by(const Light& light, double gamma) {
   return edge_exponent(samples, ToneCurve{});
 }
 
-// A template in grey levels lacks the highest harmonics of an edge that a tone curve sharpens, and shows a part of the
-// curve only. So the power is found in rounds, and what must hold is where it comes to rest: at 1, for a template of light.
+// A template in grey levels lacks the highest harmonics of an edge that a tone curve sharpens. It therefore shows only
+// a part of the curve, and the power is found in rounds. The rounds must end at 1 for a template of light.
 TEST(ToneEvidence, EdgesOfAGridInLightShowNoCurve) {
   const auto shown = shown_by(grid_light, 1.0);
   ASSERT_TRUE(shown);
@@ -55,7 +55,7 @@ TEST(ToneEvidence, EdgesBehindACurveShowAGoodPartOfIt) {
   }
 }
 
-// The curved edge of a dot is no more symmetric in light than in grey levels.
+// The curved edge of a dot is not symmetric in light, either.
 TEST(ToneEvidence, DotsShowNone) { EXPECT_FALSE(shown_by(dot_light, 2.2)); }
 
 }  // namespace

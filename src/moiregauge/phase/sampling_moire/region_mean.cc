@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// The part of the field that is averaged; (x0, y0) its first pixel, in field pixels.
+// Averaged part of the field. (x0, y0) is its first pixel, in field pixels.
 struct Region {
   int x0, y0, width, height;
   [[nodiscard]] double x_from_centre(int x) const { return x - 0.5 * (width - 1); }
@@ -21,7 +21,7 @@ Region centred(int width, int height, int region_px) {
   return {(width - w) / 2, (height - h) / 2, w, h};
 }
 
-// The turn of `wrapped_rad` nearest to a neighbour's phase.
+// Returns `wrapped_rad` plus the multiple of 2 pi that brings it nearest to a neighbour's phase.
 double continued(double wrapped_rad, double neighbour_rad) {
   return wrapped_rad + kTwoPi * std::round((neighbour_rad - wrapped_rad) / kTwoPi);
 }
@@ -40,7 +40,7 @@ double mean_amplitude(const Image<std::complex<double>>& fringe, const Region& r
   return sum / (static_cast<double>(region.width) * region.height);
 }
 
-// phi minus carrier, wrapped.
+// Returns phi minus the carrier, rad, known up to multiples of 2 pi.
 Image<double> less_carrier(const Image<std::complex<double>>& fringe, const Region& region, Axis axis,
                            double pitch_px) {
   Image<double> phase(region.width, region.height);
@@ -53,8 +53,8 @@ Image<double> less_carrier(const Image<std::complex<double>>& fringe, const Regi
   return phase;
 }
 
-// Continues the phase from the centre along its row, then from that row up and down every column. False when two
-// neighbours of different columns end up a turn apart: a dislocation, round which no continuation is right.
+// Unwraps the phase from the centre along its row, then from that row up and down every column. Returns false at a
+// dislocation, where neighbours of different columns differ by a whole period. No unwrapping is right around one.
 bool continue_outwards(Image<double>& phase) {
   const int xc = phase.width() / 2;
   const int yc = phase.height() / 2;
@@ -76,7 +76,8 @@ bool continue_outwards(Image<double>& phase) {
   return true;
 }
 
-// Mean, least-squares plane (its columns are orthogonal on a full rectangle) and what the plane leaves.
+// Fits the mean and the least-squares plane, and computes the rms deviation from it. The plane's columns are orthogonal
+// on a full rectangle.
 void fit_plane(const Image<double>& phase, const Region& region, RegionPhase& result) {
   double sum = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_yy = 0.0;
   for (int y = 0; y < region.height; ++y) {
@@ -119,7 +120,7 @@ RegionPhase region_mean(const FringeField& field, Axis axis, double pitch_px, in
   const double response =
       field.sampling_pitch_px > 0.0 ? window_response(field.sampling_pitch_px, 1.0 / pitch_px) : 1.0;
   result.modulation = 2.0 * amplitude / std::abs(response);
-  // Written so that a NaN is refused too.
+  // This form of the condition refuses NaN, too.
   if (!(result.modulation > kMinModulation && least > kMinRelativeModulation * amplitude)) return result;
   Image<double> phase = less_carrier(field.fringe, region, axis, pitch_px);
   if (!continue_outwards(phase)) return result;
@@ -147,8 +148,8 @@ double phase_bound(double noise_sigma, double modulation, double pixels) {
 double region_mean_uncertainty(double noise_sigma, double modulation, double sampling_pitch_px, double pitch_px,
                                int region_px) {
   const SamplingWindow window(sampling_pitch_px);
-  // Weight of the pixel j px from the region's first: the taps of every window of the region that hold it, each turned
-  // to the phase of the pixel it is for.
+  // Weight of pixel j, counted from the region's first: the taps of all windows of the region that contain it. Each is
+  // rotated to the phase of the window's own pixel.
   double along = 0.0, across = 0.0;
   for (int j = -window.margin; j < region_px + window.margin; ++j) {
     std::complex<double> weight_along;

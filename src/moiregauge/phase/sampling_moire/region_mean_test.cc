@@ -26,14 +26,14 @@ RegionPhase measured(Print print, const Grating& grating, Axis axis, const Sampl
   return phase;
 }
 
-// Eq. (4), within half a pitch.
+// Returns the displacement by Eq. (4), within half a pitch.
 double displacement_px(const RegionPhase& before, const RegionPhase& after, double pitch_px) {
   return -pitch_px / kTwoPi * wrapped(after.phase_rad - before.phase_rad);
 }
 
 TEST(RegionMean, AGratingMovedTowardsLargerCoordinatesLosesPhase) {
   for (const double d : {-9.3, -0.01, 0.4, 12.0}) {
-    // T = P: fringe and carrier are exact, only rounding is left.
+    // T = P: fringe and carrier are exact, so only rounding remains.
     const RegionPhase x = measured(crossed_cosine, {.shift_x_px = d}, Axis::kX, kMatched);
     const RegionPhase y = measured(crossed_cosine, {.shift_y_px = d}, Axis::kY, kMatched);
     EXPECT_NEAR(x.phase_rad, -kTwoPi * d / 29.0, 1e-12);
@@ -61,16 +61,16 @@ TEST(RegionMean, MotionAlongXDoesNotMoveY) {
   const RegionPhase rest = measured(crossed_cosine, {}, Axis::kY, kPaper);
   const RegionPhase rest_binary = measured(crossed_binary, {}, Axis::kY, kMatched);
   for (const double d : {-11.0, 0.37, 5.0, 13.9}) {
-    // Cosines add, and the crossed one has no fringe along y at all: rounding only.
+    // Cosines add, and the crossed one has no fringe along y. Only rounding remains.
     EXPECT_NEAR(displacement_px(rest, measured(crossed_cosine, {.shift_x_px = d}, Axis::kY, kPaper), 29.0), 0.0, 1e-12);
-    // The binary print is a product; with T = P the mean across is over whole pitches and the product separates.
+    // The binary grating is a product. With T = P the mean across is over whole pitches, so the factors separate.
     const RegionPhase moved = measured(crossed_binary, {.shift_x_px = d}, Axis::kY, kMatched);
     EXPECT_NEAR(displacement_px(rest_binary, moved, 29.0), 0.0, 1e-12);
   }
 }
 
-// 10 mm of pitch on 29 px: half a micrometre is 0.00145 px. What differs is the mirror term (response 0.0011 for T =
-// 31) and, on the binary print, the third harmonic, both averaged down by the region.
+// At 10 mm per 29 px, half a micrometre is 0.00145 px. The two differ in the mirror term (response 0.0011 for T = 31).
+// On a binary grating the third harmonic adds to it. The region averages both.
 TEST(RegionMean, SamplingPitch31Or29OnAPitchOf29DiffersByLessThanHalfAMicrometre) {
   for (const Print print : {&crossed_cosine, &crossed_binary}) {
     const RegionPhase rest_29 = measured(print, {}, Axis::kX, kMatched);
@@ -88,15 +88,15 @@ TEST(RegionMean, SamplingPitch31Or29OnAPitchOf29DiffersByLessThanHalfAMicrometre
   }
 }
 
-TEST(RegionMean, AmplitudeIsThatOfThePrintWhateverTheSamplingPitch) {
-  // |z| swings by the mirror term, 0.0041 at most for these T; its mean over 3.4 pitches by less.
+TEST(RegionMean, ModulationDoesNotDependOnTheSamplingPitch) {
+  // z| varies by the mirror term, at most 0.0041 for these T. Its mean over 3.4 pitches varies less.
   for (const double pitch : {27.0, 29.0, 30.5, 31.0}) {
     EXPECT_NEAR(measured(crossed_cosine, {}, Axis::kX, {pitch, 29.0, 100}).modulation / 42.5, 1.0, 0.0041);
   }
 }
 
-TEST(RegionMean, AWrongPitchShowsAsAGradientAndLeavesThePhaseAtTheCentre) {
-  // 27 px taken for 29: phi gains 2 pi (1/27 - 1/29) per px, 1.6 turns over the region, so it must be continued.
+TEST(RegionMean, AWrongPitchBecomesAGradientAndKeepsThePhaseAtTheCentre) {
+  // A pitch of 27 px is assumed to be 29 px. phi then gains 2 pi (1/27 - 1/29) per px, 1.6 rad over the region.
   const RegionPhase phase =
       measured(crossed_cosine, {.pitch_px = 27.0, .shift_x_px = 2.0}, Axis::kX, {27.0, 29.0, 100});
   EXPECT_NEAR(phase.gradient_x_rad_per_px, kTwoPi * (1.0 / 27.0 - 1.0 / 29.0), 1e-12);
@@ -106,14 +106,14 @@ TEST(RegionMean, AWrongPitchShowsAsAGradientAndLeavesThePhaseAtTheCentre) {
   EXPECT_GT(std::abs(phase.gradient_x_rad_per_px) * 100.0, kPi / 2);
 }
 
-TEST(RegionMean, OnlyThePartOfThePictureTheRegionNeedsIsLookedAt) {
+TEST(RegionMean, OnlyTheSupportOfTheRegionIsRead) {
   Image<double> picture = crossed_cosine(201, 190, {.shift_x_px = 3.0});
   const RegionPhase whole = region_mean(sampling_moire(picture.view(), Axis::kX, 31.0), Axis::kX, 29.0, 100);
   const RegionPhase part = measure_region(picture.view(), Axis::kX, kPaper);
   EXPECT_NEAR(whole.phase_rad, part.phase_rad, 1e-12);
   EXPECT_EQ(whole.centre_x_px, part.centre_x_px);
   EXPECT_EQ(whole.centre_y_px, part.centre_y_px);
-  EXPECT_EQ(part.centre_x_px, 99.5);  // an even region in an odd picture: half a pixel off its centre, and said so
+  EXPECT_EQ(part.centre_x_px, 99.5);                  // an even region in an odd image: half a pixel off its centre
   for (double& value : picture.row(14)) value = 1e6;  // region + 2 (T - 1) = 160 rows: 15 to 174
   EXPECT_EQ(measure_region(picture.view(), Axis::kX, kPaper).phase_rad, part.phase_rad);
 }
@@ -140,14 +140,14 @@ TEST(RegionMean, ADislocationOfTheFringeIsRefused) {
     }
   }
   EXPECT_FALSE(region_mean(field, Axis::kX, 7.0, 40).valid);
-  EXPECT_TRUE(region_mean(field, Axis::kX, 7.0, 8).valid);  // 16 to 23: the dislocation is outside
+  EXPECT_TRUE(region_mean(field, Axis::kX, 7.0, 8).valid);  // pixels 16 to 23: the dislocation is outside
 }
 
 TEST(PhaseBound, IsRifeAndBoorstyns) {
   EXPECT_NEAR(phase_bound(1.5, 42.5, 1e4), 0.015 * std::numbers::sqrt2 / 42.5, 1e-15);
 }
 
-// The relative standard error of a scatter from n trials is 1 / sqrt(2 n); four of them are allowed.
+// The relative standard error of a scatter from n trials is 1 / sqrt(2 n). Four of them are allowed.
 TEST(RegionMeanUncertainty, ScatterOverRepeatedNoiseMatchesTheStatedStandardUncertainty) {
   constexpr int kTrials = 4000;
   std::mt19937_64 rng(kMeanSeed);

@@ -25,11 +25,11 @@ Image<double> rows_as_columns(ImageView<double> in) {
   return out;
 }
 
-// Sum of n rows: out(y) = in(y) + ... + in(y + n - 1), three additions a pixel whatever n.
+// Returns sums of n rows: out(y) = in(y) + ... + in(y + n - 1), with three additions per pixel for any n.
 //
-// Rows are taken in blocks of n. A sum that starts in one block is the tail of that block plus the head of the next;
-// both grow by one addition a row. Nothing is ever subtracted, so round-off stays that of n additions however long the
-// picture.
+// Rows are processed in blocks of n. A sum that starts in one block is the tail of that block plus the head of the
+// next. Each of the two grows by one addition per row. Nothing is ever subtracted, so round-off stays that of n
+// additions for any size of image.
 Image<double> box_down(ImageView<double> in, int n) {
   Image<double> out(in.width, in.height - n + 1);
   std::vector<double> running(static_cast<std::size_t>(in.width));
@@ -49,8 +49,9 @@ Image<double> box_down(ImageView<double> in, int n) {
   return out;
 }
 
-// Triangle down the columns, 2 margin rows fewer than `in`. With n = margin + 1 = ceil(T):
-//   T - |u| = (n - |u|) - (n - T), |u| < n:  a box of n applied twice, less (n - T) boxes of 2 n - 1.
+// Returns the triangle applied down the columns, with 2 margin rows fewer than `in`. With n = margin + 1 = ceil(T) it
+// is a box of n applied twice, less (n - T) boxes of 2 n - 1:
+//     T - |u| = (n - |u|) - (n - T),  |u| < n
 Image<double> triangle_down(ImageView<double> in, const SamplingWindow& window) {
   const int n = window.margin + 1;
   Image<double> out = box_down(box_down(in, n).view(), n);
@@ -67,13 +68,14 @@ Image<double> triangle_down(ImageView<double> in, const SamplingWindow& window) 
   return out;
 }
 
-// exp(-2 pi i s / T); s is reduced to one turn first, exactly, so that far pixels are as good as near ones.
+// Returns exp(-2 pi i s / T). s is first reduced to one period, exactly, so that far pixels are as accurate as near
+// ones.
 std::complex<double> carrier(int s, double pitch_px) {
   return std::polar(1.0, -kTwoPi * (std::fmod(static_cast<double>(s), pitch_px) / pitch_px));
 }
 
-// Each row (real, one per step along the axis) times the carrier, side by side: real parts, imaginary parts and, where
-// the window leaks, the plain row.
+// Returns each row (real, one per step along the axis) times the carrier. The columns are the real parts, the imaginary
+// parts and, if the window leaks, the plain row.
 Image<double> demodulated(const Image<double>& rows, const SamplingWindow& window) {
   const auto width = static_cast<std::size_t>(rows.width());
   Image<double> out(rows.width() * (window.leak != 0.0 ? 3 : 2), rows.height());
@@ -88,7 +90,7 @@ Image<double> demodulated(const Image<double>& rows, const SamplingWindow& windo
   return out;
 }
 
-// The averaged rows turned back by the carrier, so that the phase is Eq. (1)'s and not the moire's.
+// Returns the averaged rows times the conjugate carrier. Their phase is that of Eq. (1) and not that of the moiré.
 Image<std::complex<double>> remodulated(const Image<double>& parts, int width, Axis axis,
                                         const SamplingWindow& window) {
   const bool along_x = axis == Axis::kX;
@@ -112,7 +114,7 @@ FringeField sampling_moire(ImageView<double> picture, Axis axis, double sampling
   if (!(sampling_pitch_px >= kMinSamplingPitchPx)) return {};
   const SamplingWindow window(sampling_pitch_px);
   if (std::min(picture.width, picture.height) < 2 * window.margin + 1) return {};
-  // Across first, while the picture is still real; then rows that run along the axis, one per step.
+  // Average across the axis first, while the image is real. Then each row is one step along the axis.
   const Image<double> averaged = triangle_down(axis == Axis::kX ? picture : rows_as_columns(picture).view(), window);
   const Image<double> rows = rows_as_columns(averaged.view());
   const Image<double> parts = triangle_down(demodulated(rows, window).view(), window);

@@ -35,7 +35,7 @@ double largest_difference(const FringeField& a, const FringeField& b) {
   return most;
 }
 
-// The fringe as its definition says, tap by tap; for T the textbook has no form of.
+// Returns the fringe by its definition, tap by tap. It covers fractional T, for which there is no textbook form.
 std::complex<double> fringe_by_taps(const Image<double>& picture, int x, int y, double pitch) {
   const int margin = window_margin(pitch);
   std::complex<double> fringe, leak;
@@ -80,7 +80,7 @@ TEST(SamplingMoire, AFractionalPitchIsTheSameTriangleTapByTap) {
     for (int y = 0; y < field.fringe.height(); y += 3) {
       for (int x = 0; x < field.fringe.width(); x += 5) {
         const auto expected = fringe_by_taps(picture, x + field.margin, y + field.margin, pitch);
-        // 1e-12 of the grey levels' own scale: at one pixel the fringe itself may be near zero.
+        // The limit is 1e-12 of the grey levels, because the fringe itself may be near zero at a pixel.
         EXPECT_LT(std::abs(field.fringe.at(x, y) - expected), 1e-12 * 255.0) << "T = " << pitch;
       }
     }
@@ -95,9 +95,11 @@ TEST(SamplingMoire, AnEvenlyLitSheetHasNoFringe) {
   }
 }
 
-// The sampled triangle of integer T answers exp(2 pi i f x) by (sin(pi T d) / (T sin(pi d)))^2, d = f - 1/T. At f =
-// -1/P it is sinc^2(1 + T/P) but for sin(pi d) against pi d, a relative (pi d)^2 / 3 at most to this order.
-TEST(SamplingMoire, TheMirrorTermIsAnsweredBySincSquared) {
+// The sampled triangle of integer T has a closed response to exp(2 pi i f x), with d = f - 1/T.
+//     (sin(pi T d) / (T sin(pi d)))^2
+// At f = -1/P it is sinc^2(1 + T/P), except that sin(pi d) replaces pi d. The relative difference is at most (pi d)^2 /
+// 3 to this order.
+TEST(SamplingMoire, TheResponseToTheMirrorTermIsSincSquared) {
   for (const int pitch : {25, 29, 31, 36}) {
     const double d = 1.0 / pitch + 1.0 / 29.3;
     const double sampled = std::pow(std::sin(kPi * pitch * d) / (pitch * std::sin(kPi * d)), 2);
@@ -132,7 +134,7 @@ TEST(SamplingMoire, APictureSmallerThanOneWindowHasNoField) {
   EXPECT_EQ(sampling_moire(Image<double>(61, 61).view(), Axis::kX, 2.0).fringe.width(), 0);
 }
 
-TEST(SamplingMoire, AMissingPixelIsMissedOnlyByTheWindowsThatHoldIt) {
+TEST(SamplingMoire, AMissingPixelAffectsOnlyTheWindowsThatContainIt) {
   Image<double> picture = crossed_cosine(90, 90, {.pitch_px = 7.0});
   picture.at(45, 40) = std::numeric_limits<double>::quiet_NaN();
   const FringeField field = sampling_moire(picture.view(), Axis::kY, 7.0);

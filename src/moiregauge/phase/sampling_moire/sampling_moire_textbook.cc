@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written as the seed paper writes it, picture by picture; slow on purpose, so that the fast form has something to
-// agree with.
+// Sampling moiré as the seed paper describes it, image by image. It is slow on purpose: tests compare the fast form
+// with it.
 #include <algorithm>
 #include <utility>
 
@@ -10,7 +10,7 @@
 namespace moiregauge::internal {
 namespace {
 
-// Eq. (2): the k-th down-sampled line (every T-th pixel, from k on), interpolated linearly to s.
+// Returns Eq. (2): the k-th down-sampled line (every T-th pixel from k on), linearly interpolated at s.
 template <typename PixelAt>
 double down_sampled(const PixelAt& pixel_at, int s, int k, int pitch) {
   const int left = s - (((s - k) % pitch) + pitch) % pitch;
@@ -18,7 +18,7 @@ double down_sampled(const PixelAt& pixel_at, int s, int k, int pitch) {
   return part == 0.0 ? pixel_at(left) : (1.0 - part) * pixel_at(left) + part * pixel_at(left + pitch);
 }
 
-// The zero-frequency term of the T points: the mean of the down-sampled pictures, down the columns.
+// Returns the zero-frequency term of the T points: the mean of the down-sampled images, down the columns.
 Image<double> mean_down(ImageView<double> in, int pitch) {
   Image<double> out(in.width, in.height - 2 * (pitch - 1));
   for (int y = 0; y < out.height(); ++y) {
@@ -32,8 +32,9 @@ Image<double> mean_down(ImageView<double> in, int pitch) {
   return out;
 }
 
-// Eq. (3) along the rows: z_m = (1/T) sum_k f_m(k) (cos 2 pi k/T - i sin 2 pi k/T), whose argument is the moire phase;
-// then the carrier 2 pi x / T between the moire's phase and the grating's.
+// Returns Eq. (3) along the rows, times the carrier 2 pi x / T between the moiré's phase and the grating's. The
+// argument of z_m is the phase of the moiré:
+//     z_m = (1/T) sum_k f_m(k) (cos 2 pi k/T - i sin 2 pi k/T)
 Image<std::complex<double>> dft_right(ImageView<double> in, int pitch) {
   Image<std::complex<double>> out(in.width - 2 * (pitch - 1), in.height);
   for (int y = 0; y < out.height(); ++y) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window that linear interpolation between every T-th pixel amounts to, shared by the estimator and its
-// uncertainty.
+// Window of the linear interpolation between every T-th pixel. The estimator and its uncertainty share it.
 #pragma once
 
 #include <cmath>
@@ -11,7 +10,8 @@
 
 namespace moiregauge::internal {
 
-// Along the axis  h(u) = triangle(u) (exp(-2 pi i u / T) - leak),  across it  triangle(u),  |u| <= margin.
+// Window along the axis (h) and across it (triangle), for |u| <= margin:
+//     h(u) = triangle(u) (exp(-2 pi i u / T) - leak)
 struct SamplingWindow {
   explicit SamplingWindow(double sampling_pitch_px)
       : pitch_px(sampling_pitch_px), margin(window_margin(sampling_pitch_px)) {
@@ -28,9 +28,9 @@ struct SamplingWindow {
 
   double pitch_px;
   int margin;
-  double area = 0.0;  // sum of (T - |u|); T^2 for integer T
-  // What a constant would leave behind. Zero for integer T, where T points make whole turns; a fractional T samples the
-  // triangle unevenly and needs it taken off, or the lighting would move the grating.
+  double area = 0.0;  // sum of (T - |u|), which is T^2 for integer T
+  // Response of the triangle to a constant, which is subtracted. Otherwise a change of lighting would shift the phase.
+  // It is zero for integer T, whose T points cover whole periods. A fractional T samples the triangle unevenly.
   double leak = 0.0;
 };
 

@@ -16,7 +16,8 @@ bool overlaps(const PrintedMarker& a, const PrintedMarker& b) {
   return a.low().x < b.high().x && b.low().x < a.high().x && a.low().y < b.high().y && b.low().y < a.high().y;
 }
 
-// Dark discs on white squares wherever no marker stands; a place that is taken is given up after some tries.
+// Returns dark discs on white squares at random positions that overlap no marker and no other disc. Returns fewer than
+// requested if 50 tries per disc do not suffice.
 std::vector<SceneMarker> stratified_points(const Scenario& scenario) {
   std::vector<PrintedMarker> taken;
   for (const SceneMarker& marker : scenario.markers) taken.emplace_back(marker);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands behind the markers: a flat grey, a rough wall, look-alike circles. It belongs to the board and moves with
-// it.
+// Background of the markers: a flat grey, a rough wall, false candidates. It is part of the board and moves with it.
 #pragma once
 
 #include <span>
@@ -14,7 +13,7 @@ namespace moiregauge::internal::simulator {
 class Background {
  public:
   Background(const Scenario& scenario, long frame);
-  // One row in grey levels.
+  // Writes one row in grey levels.
   void fill(int y, std::span<double> row) const;
   [[nodiscard]] const std::vector<SceneMarker>& decoys() const { return decoys_; }
 
@@ -22,7 +21,7 @@ class Background {
   Camera camera_;
   double grey_, texture_;
   std::uint64_t seed_;
-  std::vector<Matrix3> board_from_ray_;  // one, or one for every row of a rolling shutter
+  std::vector<Matrix3> board_from_ray_;  // one, or one per row for a rolling shutter
   std::vector<SceneMarker> decoys_;
 };
 

@@ -13,18 +13,19 @@
 namespace moiregauge::internal::simulator {
 namespace {
 
-// A square cell stands in for by a Gaussian of its variance; what is left is its fourth moment, h^4 / 2880 of the
-// fourth derivative. With these the worst pixel is 5e-5 of the contrast off, at point spreads of 0.35 px and more.
+// Returns the number of cells per side of a pixel. A Gaussian of equal variance replaces each square cell of side h.
+// The error is the fourth moment: h^4 / 2880 times the fourth derivative. It is at most 5e-5 of the contrast for a
+// point spread of 0.35 px or more.
 int cells_for(double psf_sigma_px) {
   if (psf_sigma_px >= 1.2) return 1;
   if (psf_sigma_px >= 0.6) return 2;
   return psf_sigma_px >= 0.35 ? 4 : 8;
 }
 
-// A movement of one point spread is averaged well by two moments; each further one buys 0.8 px. One alone is for what
-// is short (its smear widens the point spread by less than 1e-3) and straight: its mean is then the middle.
-constexpr double kShort_px = 0.1;
-constexpr double kStraight_px = 1e-4;
+// A movement is averaged over one moment per 0.8 px, plus one. A single moment suffices for a short and straight
+// movement. Its smear widens the point spread by less than 1e-3, and its mean position is the middle.
+constexpr double kShort_px = 0.1;      // px, path
+constexpr double kStraight_px = 1e-4;  // px, sag
 
 int moments_for(Movement movement) {
   if (movement.way_px < kShort_px && movement.sag_px < kStraight_px) return 1;
@@ -32,7 +33,7 @@ int moments_for(Movement movement) {
 }
 
 std::vector<BoardPoint> outline(const PrintedMarker& print) {
-  constexpr int kSteps = 8;  // the lens bends the sides
+  constexpr int kSteps = 8;  // points per side, because the lens bends the sides
   const BoardPoint a = print.low(), b = print.high();
   std::vector<BoardPoint> points;
   for (int i = 0; i <= kSteps; ++i) {
@@ -42,7 +43,8 @@ std::vector<BoardPoint> outline(const PrintedMarker& print) {
   return points;
 }
 
-// The exposure cut where anything starts or stops: quadrature is exact only between.
+// Returns the exposure's times of start, end and all kinks of the movements. The quadrature is accurate only between
+// kinks.
 std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marker, double from_s, double to_s) {
   const Mount& m = scenario.mount;
   std::vector<double> cuts{from_s, to_s};
@@ -58,16 +60,15 @@ std::vector<double> pieces_of(const Scenario& scenario, const SceneMarker& marke
   return cuts;
 }
 
-// What both kinds of point spread make of the middle of an exposure.
+// Returns sigma in px of point spread and Gaussian defocus at the middle of the exposure.
 double gaussian_sigma(const Scenario& scenario, long frame) {
   const double defocus = scenario.sensor.defocus_px.at(time_of(scenario, frame));
   return defocus == 0.0 ? scenario.sensor.psf_sigma_px : std::hypot(scenario.sensor.psf_sigma_px, defocus);
 }
 
-// A disc as equal Gaussians on a spiral, each a little blurred itself (`soft` of the radius), all together of a disc's
-// variance, radius^2 / 4. They stand 1.5 of their own sigma apart: a net that wide shows by 2 exp(-2 pi^2 / 1.5^2) =
-// 3e-4.
-constexpr double kSoft = 0.12;
+// A defocus disc is a set of equal Gaussians on a spiral, with the variance of a disc in total, radius^2 / 4. Their
+// distance is 1.5 sigma, which gives a ripple of 2 exp(-2 pi^2 / 1.5^2) = 3e-4.
+constexpr double kSoft = 0.12;  // of the radius, sigma of the rim
 
 std::vector<ImagePoint> disc_of(double radius_px, double sigma_px) {
   if (radius_px <= 0.0) return {};
@@ -97,7 +98,7 @@ ExposedMarker::ExposedMarker(const Scenario& scenario, const SceneMarker& marker
   ink_ = marker.ink;
 }
 
-// It hangs before the sheet and moves with it, or across it; at a share of 1 nothing of the sheet shows beside it.
+// The cover moves with the sheet, plus its own movement across it. At a share of 1 it extends beyond the sheet.
 ExposedMarker ExposedMarker::cover_of(const Scenario& scenario, const SceneMarker& marker, long frame) {
   const PrintedMarker whole(marker);
   const Cover& cover = marker.cover;
@@ -162,7 +163,7 @@ void ExposedMarker::add_moment_at(const Scenario& scenario, const SceneMarker& m
   const Matrix3 print_from_ray = inverse(camera_from_print(scenario, marker, time_s));
   if (disc_.empty()) return moments_.push_back({print_from_ray, weight});
   for (const ImagePoint offset : disc_) {
-    // The sight of a pixel so far away; a lens's bending of so short a way is left out.
+    // The ray of a pixel at this offset, without the change of distortion over the disc.
     const double x = offset.x / camera_.fx, y = offset.y / camera_.fy;
     Matrix3 beside = print_from_ray;
     for (auto& row : beside) row[2] += row[0] * x + row[1] * y;
@@ -170,7 +171,7 @@ void ExposedMarker::add_moment_at(const Scenario& scenario, const SceneMarker& m
   }
 }
 
-// The longest way of two opposite corners, and the largest distance of the middle from the chord.
+// Returns the longer path of two opposite corners, and the larger sag.
 Movement ExposedMarker::movement(const Scenario& scenario, const SceneMarker& marker, double from_s,
                                  double to_s) const {
   constexpr int kLegs = 8;
@@ -203,7 +204,7 @@ void ExposedMarker::find_window(const Scenario& scenario, const SceneMarker& mar
     const Matrix3 seen = camera_from_print(scenario, marker, time);
     for (const BoardPoint point : outline(print_)) {
       const double depth_mm = product(seen, Vector3{point.x, point.y, 1.0})[2];
-      if (depth_mm <= 1.0) return;  // next to or behind the camera
+      if (depth_mm <= 1.0) return;  // too close to the camera, or behind it: the window remains empty
       defocus = std::max(defocus, focus_.variance(1.0 / depth_mm));
       const ImagePoint pixel = image_of(camera_, ray_of(seen, point));
       x0 = std::min(x0, pixel.x);
@@ -238,7 +239,7 @@ void ExposedMarker::see(const Moment& moment, const RayPatch& sight, double& pap
   const Vector3 w = product(m, Vector3{sight.ray.x, sight.ray.y, 1.0});
   const double scale = 1.0 / w[2];
   const BoardPoint centre{w[0] * scale, w[1] * scale};
-  // Millimetres of print per unit of ray, then per pixel.
+  // Derivatives of the point on the sheet in mm, by the ray, then by pixels.
   const double xa = (m[0][0] - centre.x * m[2][0]) * scale, xb = (m[0][1] - centre.x * m[2][1]) * scale;
   const double ya = (m[1][0] - centre.y * m[2][0]) * scale, yb = (m[1][1] - centre.y * m[2][1]) * scale;
   const double xu = xa * sight.dx_du + xb * sight.dy_du, xv = xa * sight.dx_dv + xb * sight.dy_dv;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One marker during one exposure: its window in the picture, and what each pixel of it receives.
+// One marker during one exposure: its window in the image, and the light that each pixel of it receives.
 #pragma once
 
 #include <cstddef>
@@ -13,33 +13,33 @@
 
 namespace moiregauge::internal::simulator {
 
-// A marker's movement on the sensor over a part of an exposure, px.
+// Movement of a marker on the sensor during a part of an exposure.
 struct Movement {
-  double way_px = 0.0;
-  double sag_px = 0.0;  // of the middle from the straight line
+  double way_px = 0.0;  // px, length of the path
+  double sag_px = 0.0;  // px, distance of the path's middle from the chord
 };
 
-// The blur of points nearer or farther than the lens's focus.
+// Blur of points nearer or farther than the focus of the lens.
 class Focus {
  public:
   explicit Focus(const Scenario& scenario);
-  // Returns the variance of a point's picture along one axis, px^2, for a point 1 / `per_depth` mm before the lens.
+  // Returns the variance in px^2, along one axis, of the image of a point at a depth of 1 / `per_depth` mm.
   [[nodiscard]] double variance(double per_depth) const {
     const double sigma = half_radius_ * (per_depth - per_focus_);
     return sigma * sigma;
   }
 
  private:
-  double half_radius_ = 0.0;  // px mm: a disc's standard deviation along one axis is half its radius
+  double half_radius_ = 0.0;  // px mm; the standard deviation of a disc along one axis is half its radius
   double per_focus_ = 0.0;    // 1 / mm
 };
 
 class ExposedMarker {
  public:
   ExposedMarker(const Scenario& scenario, const SceneMarker& marker, long frame);
-  // What covers a marker in this frame.
+  // Returns the object in front of a marker in this frame.
   [[nodiscard]] static ExposedMarker cover_of(const Scenario& scenario, const SceneMarker& marker, long frame);
-  // Half open; empty when the marker is out of sight.
+  // Window in px, right and bottom excluded; empty if the marker is outside the image.
   [[nodiscard]] int left() const { return left_; }
   [[nodiscard]] int right() const { return right_; }
   [[nodiscard]] int top() const { return top_; }
@@ -51,11 +51,11 @@ class ExposedMarker {
  private:
   struct Moment {
     Matrix3 print_from_ray;
-    double weight;
+    double weight;  // share of the exposure
   };
   struct Paper {
-    double white;
-    double contrast;  // to black
+    double white;     // grey level
+    double contrast;  // grey levels, white minus black
     double opacity = 1.0;
     double texture = 0.0;
     std::uint64_t seed = 0;
@@ -75,13 +75,14 @@ class ExposedMarker {
   Paper paper_;
   Ink ink_;
   Focus focus_;
-  double disc_radius_px_;         // of a point out of focus
-  std::vector<ImagePoint> disc_;  // that disc in equal shares, px; empty: a point
-  int cells_ = 2;                 // a pixel is cells x cells squares, each as good as a Gaussian
+  double disc_radius_px_;         // px, image of a point out of focus
+  std::vector<ImagePoint> disc_;  // px, points of that disc with equal weights; empty: in focus
+  int cells_ = 2;                 // a pixel is divided into cells x cells squares, each approximated by a Gaussian
   double cell_variance_ = 0.0;    // px^2, point spread and cell together
-  double reach_px_ = 0.0;         // of the blur, and half a pixel's diagonal
+  double reach_px_ = 0.0;         // px, reach of the blur plus half a pixel's diagonal
   std::vector<Moment> moments_;
-  std::vector<std::size_t> row_begins_;  // in moments_, from top_ on, one more than rows; empty when all rows share all
+  // Index into moments_ per row, from top_ on, with one entry more than rows. Empty if all rows share all moments.
+  std::vector<std::size_t> row_begins_;
   int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;
 };
 

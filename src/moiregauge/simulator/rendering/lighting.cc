@@ -24,7 +24,7 @@ Lighting::Lighting(const Scenario& scenario, long frame)
   find_spots(scenario, frame);
 }
 
-// Where they are in the middle of the exposure: a spot is many times wider than its way meanwhile.
+// Places the spots at the middle of the exposure. A spot is many times wider than its movement during the exposure.
 void Lighting::find_spots(const Scenario& scenario, long frame) {
   const double now = time_of(scenario, frame);
   for (const SceneMarker& marker : scenario.markers) {

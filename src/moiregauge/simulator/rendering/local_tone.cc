@@ -13,9 +13,9 @@ namespace moiregauge::internal::simulator {
 namespace {
 
 constexpr std::size_t kBins = 256;
-using Curve = std::array<double, kBins + 1>;  // at the bins' edges: grey levels
+using Curve = std::array<double, kBins + 1>;  // grey levels at the edges of the bins
 
-// The part of the picture from one edge to the next.
+// Rectangle of the image in px, right and bottom excluded.
 struct Tile {
   int left, top, right, bottom;
 };
@@ -45,7 +45,7 @@ double value_of(const Curve& curve, double grey) {
   return curve[i] + (at - static_cast<double>(i)) * (curve[i + 1] - curve[i]);
 }
 
-// Two neighbouring tiles along one axis and how far between their middles a pixel is.
+// Two neighbouring tiles along one axis, and the position of a pixel between their middles (0 to 1).
 struct Between {
   std::size_t low, high;
   double share;

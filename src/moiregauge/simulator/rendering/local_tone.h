@@ -7,8 +7,8 @@
 
 namespace moiregauge::internal::simulator {
 
-// Takes every grey level `strength` of the way to what its tile's equalisation makes of it, joined between tiles by
-// straight lines.
+// Moves each grey level by the share `strength` towards its equalised value. Between the middles of tiles the curves
+// are interpolated linearly.
 void map_local_tones(const LocalTone& how, Image<double>& picture);
 
 }  // namespace moiregauge::internal::simulator

@@ -33,7 +33,7 @@ Stripes Stripes::box(double reach) {
 double Stripes::seen(double x, double sigma) const {
   const double reach = kGaussianReach * sigma, per_sigma = 1.0 / sigma;
   std::size_t i = first_edge_after(x - reach);
-  double sum = static_cast<double>(i & 1U);  // what the edges already passed leave
+  double sum = static_cast<double>(i & 1U);  // value left of edge i
   for (; i < edges_.size() && edges_[i] < x + reach; ++i) {
     const double passed = gaussian_below((x - edges_[i]) * per_sigma);
     sum += (i & 1U) == 0 ? passed : -passed;
@@ -48,10 +48,9 @@ bool Stripes::is_even(double x, double distance) const {
 
 namespace {
 
-constexpr double kSmallDisc =
-    6.0;  // radius in point spreads: below it the rim is no longer a straight edge to the blur
+constexpr double kSmallDisc = 6.0;  // radius / sigma: below it the rim is too curved for the approximation by an edge
 
-// Chord by chord, as wide as the blur allows: the rows of the disc at radius sin(turn), evenly spaced in turn.
+// Integrates a small disc over its chords at height radius * sin(turn), by Gauss-Legendre nodes in turn.
 double seen_small_disc(double x, double y, double radius, const Blur& blur) {
   static const std::vector<Node> nodes = gauss_legendre(24);
   const double slant = blur.xy / blur.yy, own = std::sqrt(blur.xx - slant * blur.xy);
@@ -76,7 +75,7 @@ double seen_disc(double x, double y, double radius, const Blur& blur) {
   const double sigma = std::sqrt(normal), d = distance / sigma;
   if (d > kGaussianReach) return 0.0;
   if (d < -kGaussianReach) return 1.0;
-  // The rim is at normal offset -t^2 / 2R for tangential offset t: E[t^2] given that the rim is met.
+  // At a tangential offset t the rim has a normal offset of -t^2 / 2R. t2 is the mean of t^2 on the rim.
   const double cross = nx * ny * (blur.yy - blur.xx) + (nx * nx - ny * ny) * blur.xy;
   const double tangential = ny * ny * blur.xx - 2.0 * nx * ny * blur.xy + nx * nx * blur.yy;
   const double slant = cross / normal;
@@ -87,7 +86,7 @@ double seen_disc(double x, double y, double radius, const Blur& blur) {
 PrintedGrating::PrintedGrating(const Grating& grating, bool inverted, const Ink& ink)
     : grating_(grating), inverted_(inverted) {
   const double p = grating.pitch_mm, x = 0.5 * grating.width_mm, y = 0.5 * grating.height_mm;
-  // Ink is dark; what is inverted has its ink between the lines.
+  // An inverted grating has its ink between the lines.
   const double gain = inverted ? -ink.gain_mm : ink.gain_mm;
   const double dark = 0.5 * p * ink.line_share + gain, light = 0.5 * p - dark;
   dot_radius_ = dark;
@@ -128,11 +127,11 @@ double PrintedGrating::cosine_ink(double x, double y, const Blur& blur) const {
   const double inside = extent_x_.seen(x, blur.sigma_x) * extent_y_.seen(y, blur.sigma_y);
   const double wave_x = std::exp(-0.5 * k * k * blur.xx) * std::cos(k * x);
   const double wave_y = std::exp(-0.5 * k * k * blur.yy) * std::cos(k * y);
-  const double sign = inverted_ ? 1.0 : -1.0;  // the crest is light
+  const double sign = inverted_ ? 1.0 : -1.0;  // crests are light unless inverted
   return inside * (0.5 + sign * 0.25 * (wave_x + wave_y));
 }
 
-// Whole dots only: a printer's pattern ends with its last whole element.
+// Returns the offset from the nearest dot. The pattern ends with its last whole dot.
 double PrintedGrating::offset_from_dot(double at, double size_mm) const {
   const double p = grating_.pitch_mm, last = std::floor((0.5 * size_mm - dot_radius_) / p + 1e-9);
   return at - p * std::clamp(std::round(at / p), -last, last);
@@ -141,7 +140,7 @@ double PrintedGrating::offset_from_dot(double at, double size_mm) const {
 double PrintedGrating::dots_ink(double x, double y, const Blur& blur) const {
   const double p = grating_.pitch_mm, radius = dot_radius_;
   const double dx = offset_from_dot(x, grating_.width_mm), dy = offset_from_dot(y, grating_.height_mm);
-  // The blur may reach the neighbours' rims: each at most once, none beyond the last whole one.
+  // The blur may reach the rims of neighbouring dots. Dots beyond the last whole one do not exist.
   const double reach = radius + kGaussianReach * std::max(blur.sigma_x, blur.sigma_y);
   const auto is_beyond_last = [&](double at, double size_mm) {
     return std::abs(offset_from_dot(at, size_mm)) > 0.5 * p;
@@ -165,7 +164,7 @@ double PrintedGrating::ink(double x, double y, const Blur& blur) const {
   const double correlation = blur.xy / (sigma_x * sigma_y);
   const bool is_corner = !is_even_x(x, sigma_x * kGaussianReach) && !is_even_y(y, sigma_y * kGaussianReach);
   if (std::abs(correlation) < 1e-4 || !is_corner) return ink_uncorrelated(x, y, sigma_x, sigma_y);
-  // Two correlated Gaussians are two independent ones that share a third: average over the third.
+  // Correlated Gaussians x and y are independent ones plus a shared third. The sum averages over the shared one.
   const double shared = std::sqrt(std::abs(correlation)), own = std::sqrt(1.0 - std::abs(correlation));
   const double step_x = shared * sigma_x, step_y = std::copysign(shared, correlation) * sigma_y;
   double sum = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is printed, seen through a Gaussian: closed forms, so that pictures are exact far below a thousandth of a pixel.
+// Printed patterns convolved with a Gaussian, in closed form: positions are exact far below 0.001 px.
 #pragma once
 
 #include <algorithm>
@@ -12,41 +12,43 @@
 
 namespace moiregauge::internal::simulator {
 
-// The Gaussian that blurs a board point, as covariance in mm^2.
+// Gaussian blur on the sheet.
 struct Blur {
   Blur(double variance_x, double covariance, double variance_y)
       : xx(variance_x), xy(covariance), yy(variance_y), sigma_x(std::sqrt(xx)), sigma_y(std::sqrt(yy)) {}
-  double xx, xy, yy;
+  double xx, xy, yy;        // mm^2, covariance
   double sigma_x, sigma_y;  // mm
 };
 
-// A square pixel on the print: its centre, the sides of its cells, and how far the blur reaches.
+// Projection of a square pixel onto the sheet.
 struct Footprint {
-  BoardPoint centre;
-  double xu, xv, yu, yv;  // mm per pixel along u (right) and v (down)
+  BoardPoint centre;      // mm
+  double xu, xv, yu, yv;  // mm per px along u (right) and v (down)
   int cells;              // per side
-  double reach_mm;        // beyond it nothing matters to any cell
+  double reach_mm;        // mm from the centre; points farther away do not affect any cell
 };
 
-// Shares of what a blurred eye sees: paper against background, and ink (black) against paper.
+// Blurred shares of a pixel: paper against background, and ink (black) against paper.
 struct Seen {
   double paper = 0.0;
   double ink = 0.0;
 };
 
-// 0 and 1 alternating along one axis, symmetric about its zero.
+// Function of one axis that alternates between 0 and 1, symmetric about 0.
 class Stripes {
  public:
   Stripes() = default;
-  // Every interval of half-width `half` about (n + offset) period, cut to [-reach, reach].
+  // Intervals of half width `half` around (n + offset) * period, cut to [-reach, reach]. All in mm.
   Stripes(double period, double half, double offset, double reach);
+  // Returns one interval, [-reach, reach].
   [[nodiscard]] static Stripes box(double reach);
+  // Returns the value at x, blurred by a Gaussian.
   [[nodiscard]] double seen(double x, double sigma) const;
-  // True when no edge is nearer than `distance`.
+  // Returns true if no edge is within `distance` of x.
   [[nodiscard]] bool is_even(double x, double distance) const;
 
  private:
-  // The first edge beyond x: a guess from the even spacing, put right by looking.
+  // Returns the index of the first edge beyond x, starting from a guess by the mean spacing.
   [[nodiscard]] std::size_t first_edge_after(double x) const {
     const std::size_t count = edges_.size();
     if (count == 0) return 0;
@@ -61,20 +63,21 @@ class Stripes {
     edges_per_mm_ = is_empty ? 0.0 : static_cast<double>(edges_.size() - 1) / (edges_.back() - edges_.front());
   }
 
-  std::vector<double> edges_;  // rising; up, down, up, ...
+  std::vector<double> edges_;  // mm, ascending; the value goes up at even indices, down at odd ones
   double edges_per_mm_ = 0.0;
 };
 
-// Share of a disc about the origin, seen from (x, y): a straight edge plus the first term of its curvature; chord by
-// chord where the disc is so small that this would not do.
+// Returns the blurred value at (x, y) of a disc around the origin. Uses a straight edge plus the first term of its
+// curvature, or chords if the radius is below six sigma.
 [[nodiscard]] double seen_disc(double x, double y, double radius, const Blur& blur);
 
-// One grating in its own axes.
+// Grating in its own axes, mm from its symmetry point.
 class PrintedGrating {
  public:
   PrintedGrating(const Grating& grating, bool inverted, const Ink& ink);
+  // Returns the blurred share of ink at a point.
   [[nodiscard]] double ink(double x, double y, const Blur& blur) const;
-  // True when all within `distance` has the same ink.
+  // Returns true if the ink is uniform within `distance` of a point.
   [[nodiscard]] bool is_even(double x, double y, double distance) const;
 
  private:
@@ -91,16 +94,16 @@ class PrintedGrating {
   Stripes extent_x_, extent_y_, dark_x_, dark_y_, light_x_, light_y_;
 };
 
-// A marker's sheet: white paper, a grating, a disc.
+// Sheet of a marker: white paper, a grating, a disc.
 class PrintedMarker {
  public:
-  // `fold_mm`: by how much its part right of the centre has been pushed to the right; `seed`: of its ink.
+  // `fold_mm` is the shift to the right of the part right of the centre. `seed` determines the roughness of the ink.
   explicit PrintedMarker(const SceneMarker& marker, double fold_mm = 0.0, std::uint64_t seed = 0);
-  // A bare sheet.
+  // Blank sheet.
   PrintedMarker(BoardPoint low, BoardPoint high);
-  // What a pixel sees of the sheet: the mean over its cells, each blurred.
+  // Returns the shares of paper and ink in a pixel: the mean over its cells, each blurred.
   [[nodiscard]] Seen seen(const Footprint& pixel, const Blur& blur) const;
-  // The sheet's corners: low, high.
+  // Corners of the sheet, mm.
   [[nodiscard]] BoardPoint low() const { return low_; }
   [[nodiscard]] BoardPoint high() const { return high_; }
 
@@ -108,9 +111,9 @@ class PrintedMarker {
   [[nodiscard]] double seen_paper(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_circle(const Footprint& pixel, const Blur& blur) const;
   [[nodiscard]] double seen_grating(const Footprint& pixel, const Blur& blur) const;
-  // Returns the ideal print's point for the ink that is really at a point of the grating's own axes.
+  // Returns the point of the ideal grating whose ink is at a point of the rough one.
   [[nodiscard]] BoardPoint smoothed(BoardPoint own) const;
-  // Where on the flat sheet what is seen at x was printed.
+  // Returns the position on the flat sheet of a point at x on the folded one.
   [[nodiscard]] double unfolded(double x) const { return x > crease_mm_ ? x - fold_mm_ : x; }
 
   double crease_mm_ = 0.0, fold_mm_ = 0.0;

@@ -45,7 +45,7 @@ PrintedMarker::PrintedMarker(BoardPoint low, BoardPoint high)
 
 namespace {
 
-// The mean of `at(x, y)` over the cells of a pixel; one look at the centre where all is even.
+// Returns the mean of `at(x, y)` over the cells of a pixel; its value at the centre if the area is uniform.
 template <typename At>
 double mean_over(const Footprint& pixel, bool is_even, const At& at) {
   if (is_even) return at(pixel.centre.x, pixel.centre.y);
@@ -83,7 +83,7 @@ double PrintedMarker::seen_circle(const Footprint& pixel, const Blur& blur) cons
 }
 
 namespace {
-constexpr double kMaxGrain = 2.4;  // of `grain`
+constexpr double kMaxGrain = 2.4;  // largest absolute value of `grain`
 }
 
 BoardPoint PrintedMarker::smoothed(BoardPoint own) const {

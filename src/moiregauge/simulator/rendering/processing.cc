@@ -29,17 +29,17 @@ void DrawnParts::add(int left, int top, int right, int bottom) {
 
 namespace {
 
-// Half the width of each filter, px.
+// Half widths of the filters in px.
 int half_of_gaussian(double sigma_px) { return static_cast<int>(std::ceil(3.0 * sigma_px)); }
 int half_of_bilateral(double sigma_px) { return static_cast<int>(std::ceil(2.0 * sigma_px)); }
 constexpr int kHalfOfLowPass = 12;
 
-// A picture continued by its border pixels without end.
+// Returns a pixel of the image, continued beyond its edges by its border pixels.
 double beyond_edges(const Image<double>& picture, int x, int y) {
   return picture.at(std::clamp(x, 0, picture.width() - 1), std::clamp(y, 0, picture.height() - 1));
 }
 
-// Puts `value(x, y)` of the picture as it is into every drawn pixel.
+// Replaces each drawn pixel by value(x, y), clipped. `value` reads the unchanged image.
 template <typename Value>
 void replace(const DrawnParts& parts, Image<double>& picture, const Value& value) {
   Image<double> made = picture;
@@ -92,7 +92,7 @@ void bilateral(double sigma_px, double sigma_grey, const DrawnParts& parts, Imag
   });
 }
 
-// A symmetric filter along both axes: its middle and what comes on one side, adding up to 1 with both sides.
+// Taps of a symmetric separable filter: the middle one and those of one side. The sum with both sides is 1.
 using Taps = std::vector<double>;
 
 Taps unit_sum(Taps taps) {
@@ -108,14 +108,14 @@ Taps gaussian_taps(double sigma_px) {
   return unit_sum(taps);
 }
 
-// sin(2 pi c n) / (pi n), cut off: edges ring as after a scaler.
+// Returns the truncated low-pass sin(2 pi c n) / (pi n), which rings at edges as an image scaler does.
 Taps low_pass_taps(double cycles_per_px) {
   Taps taps{2.0 * cycles_per_px};
   for (int i = 1; i <= kHalfOfLowPass; ++i) taps.push_back(std::sin(kTwoPi * cycles_per_px * i) / (kPi * i));
   return unit_sum(taps);
 }
 
-// Filters without cutting to 0 to 255.
+// Returns the filtered image without clipping.
 Image<double> filtered(const Taps& taps, const DrawnParts& parts, const Image<double>& picture) {
   Image<double> across = picture, both = picture;
   const auto pass = [&](const Image<double>& from_image, Image<double>& made, int step_x, int step_y) {
@@ -136,7 +136,7 @@ Image<double> filtered(const Taps& taps, const DrawnParts& parts, const Image<do
   return both;
 }
 
-// Blocks of `size` px along one axis: which pixels, each with its share of the block.
+// Block of pixels along one axis: the first pixel, and the share of each pixel in the block.
 struct Block {
   int first = 0;
   std::vector<double> shares;

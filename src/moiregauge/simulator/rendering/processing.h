@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The processing of one picture after the camera's tone curve and before it is stored.
+// Processing of one image after the camera's tone curve and before storage.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@
 
 namespace moiregauge::internal::simulator {
 
-// The parts of a picture in which anything is drawn, in blocks of pixels: the rest is one flat grey, which filters leave
-// as it is.
+// Parts of an image in which anything is drawn, in blocks of 16 x 16 px. The rest is a flat grey, which filters do not
+// change.
 class DrawnParts {
  public:
   DrawnParts(int width, int height);
-  // Adds pixels left..right of rows top..bottom, ends excluded; cut to the picture.
+  // Adds the pixels left..right - 1 of rows top..bottom - 1, clipped to the image.
   void add(int left, int top, int right, int bottom);
-  // Calls `act(from, to)` for every run of pixels of row y in any of them.
+  // Calls act(from, to) for all intervals of pixels [from, to) of row y in these parts.
   template <typename Act>
   void for_each_run(int y, const Act& act) const {
     const std::size_t first = static_cast<std::size_t>(y / kBlock) * columns_;
@@ -37,13 +37,13 @@ class DrawnParts {
   std::vector<std::uint8_t> is_drawn_;
 };
 
-// True when `develop` would change anything.
+// Returns true if `develop` would change an image.
 [[nodiscard]] bool has_spatial_steps(const Processing& processing);
-// Returns how far from a pixel others change it, px.
+// Returns the distance in px over which a pixel affects others. Local tone mapping is not included.
 [[nodiscard]] int reach_of(const Processing& processing);
 
-// Applies, in this order: median, bilateral filter, local tone mapping, unsharp mask, low-pass, larger pixels. Grey levels
-// are cut to 0 to 255 after each. The same bits for any number of threads.
+// Applies median, bilateral filter, local tone mapping, unsharp mask, low-pass and larger pixels, in this order. Clips
+// grey levels to 0 to 255 after each step. The result does not depend on the number of threads.
 void develop(const Processing& processing, const DrawnParts& parts, Image<double>& picture);
 
 }  // namespace moiregauge::internal::simulator

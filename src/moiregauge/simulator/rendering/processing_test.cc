@@ -35,7 +35,7 @@ Scenario quiet_lines() {
   return scenario;
 }
 
-// Mean and scatter of a patch of the background.
+// Statistics of a corner of the background, in grey levels.
 struct Patch {
   double mean = 0.0, scatter = 0.0;
 };
@@ -51,7 +51,8 @@ Patch corner_of(const Image<std::uint8_t>& picture) {
   const double mean = sum / count;
   return {mean, std::sqrt(squares / count - mean * mean)};
 }
-// A standard deviation from 480 pixels is good to 3.2 %; 4 of these, and rounding, 1 / 12 of a grey level squared.
+// A standard deviation from 480 pixels has a relative standard error of 3.2 %. The limit is 4 of these, plus the
+// variance 1 / 12 of the rounding.
 constexpr double kScatterTolerance = 0.15;
 
 TEST(ToneCurve, StretchesTheNoiseOfTheDark) {
@@ -64,7 +65,7 @@ TEST(ToneCurve, StretchesTheNoiseOfTheDark) {
   EXPECT_NEAR(patch.scatter, 2.0 * slope, 2.0 * slope * kScatterTolerance);
 }
 
-// A picture dark up to column 20, light from there on.
+// Returns an image of 50 grey levels left of column 20, and 200 from there.
 Image<double> step_edge() {
   Image<double> picture(40, 24, 50.0);
   for (int y = 0; y < 24; ++y) {
@@ -79,9 +80,9 @@ Image<double> developed(const Processing& processing, Image<double> picture) {
   return picture;
 }
 
-TEST(Processing, SharpeningOvershootsByItsAmountAndIsCutAtWhite) {
-  // Before a step of 150 a wide Gaussian takes nearly half of it: the pixel next to the edge of a radius of 4 px holds
-  // Phi(0.5 / 4) of its own side.
+TEST(Processing, SharpeningOvershootsByItsAmountAndIsClippedAtWhite) {
+  // The edge is 0.5 px from the centre of the next pixel. A Gaussian of 4 px gives the other side a weight of
+  // 1 - Phi(0.5 / 4), on a step of 150 grey levels.
   const double other_side = 150.0 * 0.5 * std::erfc(0.5 / 4.0 / std::sqrt(2.0));
   const auto picture = developed({.sharpen_amount = 0.3, .sharpen_radius_px = 4.0}, step_edge());
   EXPECT_NEAR(picture.at(19, 12), 50.0 - 0.3 * other_side, 0.5);
@@ -95,11 +96,11 @@ TEST(Processing, ALowPassRingsByANinthOfAStep) {
   const auto picture = developed({.low_pass = 0.2}, step_edge());
   double highest = 0.0;
   for (int x = 20; x < 40; ++x) highest = std::max(highest, picture.at(x, 12));
-  // Gibbs: 8.9 % of the step; pixels miss the crest by a little.
+  // The Gibbs overshoot is 8.9 % of the step; pixels miss the crest by a little.
   EXPECT_NEAR(highest, 200.0 + 0.08 * 150.0, 0.02 * 150.0);
 }
 
-TEST(Processing, SmoothingKeepsEdgesAndTakesASinglePixelAway) {
+TEST(Processing, SmoothingKeepsEdgesAndRemovesASinglePixel) {
   auto picture = step_edge();
   picture.at(8, 8) = 90.0;
   const auto by_median = developed({.median_px = 3}, picture);
@@ -112,7 +113,7 @@ TEST(Processing, SmoothingKeepsEdgesAndTakesASinglePixelAway) {
   }
 }
 
-TEST(Processing, LargerPixelsShowTheMeanOfWhatTheyCover) {
+TEST(Processing, LargerPixelsShowTheMeanOfTheirArea) {
   const auto twice = developed({.pixel_size = 2.0}, step_edge());
   for (int x = 0; x < 40; x += 2) EXPECT_EQ(twice.at(x, 6), twice.at(x + 1, 6));
   Image<double> ramp(30, 8);
@@ -120,11 +121,11 @@ TEST(Processing, LargerPixelsShowTheMeanOfWhatTheyCover) {
     for (int x = 0; x < 30; ++x) ramp.at(x, y) = 4.0 * x;
   }
   const auto coarse = developed({.pixel_size = 1.5}, ramp);
-  // The block of 1.5 to 3 px holds half of pixel 1 and all of pixel 2.
+  // The block from 1.5 to 3 px contains half of pixel 1 and all of pixel 2.
   EXPECT_NEAR(coarse.at(2, 4), 4.0 * (0.5 * 1.0 + 2.0) / 1.5, 1e-9);
 }
 
-TEST(Processing, LocalTonesSpreadWhatIsNarrowNoMoreThanTheirSlope) {
+TEST(Processing, LocalToneMappingStretchesANarrowRangeUpToItsLargestSlope) {
   Image<double> soft(64, 64);
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) soft.at(x, y) = 100.0 + 0.5 * x;
@@ -135,7 +136,7 @@ TEST(Processing, LocalTonesSpreadWhatIsNarrowNoMoreThanTheirSlope) {
   EXPECT_LT(slope, 4.0) << "the limit, and what was cut is given to all";
 }
 
-// All spatial steps but local tone mapping, which sees the whole picture.
+// Returns all spatial steps except local tone mapping, which depends on the whole image.
 Processing everything() {
   Processing p;
   p.tone = *tone_named("srgb");
@@ -162,13 +163,13 @@ TEST(Processing, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_TRUE(are_equal(render(scenario, 0, {.threads = 1}), render(scenario, 0, {.threads = 3})));
 }
 
-TEST(Processing, OfTheMarkersAloneIsThatOfTheWholePicture) {
+TEST(Processing, OfTheMarkersAloneEqualsThatOfTheWholeImage) {
   Scenario scenario = quiet_lines();
   scenario.processing = everything();
   EXPECT_TRUE(are_equal(render(scenario, 0), render(scenario, 0, {.area = Area::kMarkersOnly})));
 }
 
-TEST(Recorder, AveragesTakeNoiseAwayByTheRootOfTheirNumber) {
+TEST(Recorder, AveragesReduceNoiseByTheRootOfTheirNumber) {
   Scenario scenario = lines(Pattern::kGrid);
   scenario.sensor.noise_sigma = 8.0;
   scenario.processing.average_frames = 4;
@@ -176,7 +177,7 @@ TEST(Recorder, AveragesTakeNoiseAwayByTheRootOfTheirNumber) {
   EXPECT_NEAR(patch.scatter, 8.0 / 2.0, 4.0 * kScatterTolerance);
 }
 
-TEST(Recorder, RecursionTakesNoiseAway) {
+TEST(Recorder, RecursionReducesNoise) {
   Scenario scenario = lines(Pattern::kGrid);
   scenario.sensor.noise_sigma = 8.0;
   scenario.processing.recursion = 0.6;
@@ -185,7 +186,7 @@ TEST(Recorder, RecursionTakesNoiseAway) {
   EXPECT_NEAR(patch.scatter, 8.0 * left, 8.0 * left * kScatterTolerance);
 }
 
-TEST(Recorder, MotionIsLeftAloneByAnAdaptiveFilter) {
+TEST(Recorder, AnAdaptiveFilterDoesNotChangeMotion) {
   Scenario scenario = quiet_lines();
   scenario.markers[0].dy.knots = {{0.0, 0.0}, {0.1, 1.5}};
   const auto sharp = render(scenario, 1);
@@ -195,7 +196,7 @@ TEST(Recorder, MotionIsLeftAloneByAnAdaptiveFilter) {
   EXPECT_TRUE(are_equal(render(scenario, 1), sharp)) << "what changed is taken as it is";
 }
 
-TEST(Recorder, GivesWhatRenderGivesInAnyOrder) {
+TEST(Recorder, EqualsRenderInAnyOrderOfFrames) {
   Scenario scenario = lines(Pattern::kGrid);
   scenario.markers[0].dy.amplitude = 1.0;
   scenario.markers[0].dy.frequency_hz = 1.0;
@@ -205,7 +206,7 @@ TEST(Recorder, GivesWhatRenderGivesInAnyOrder) {
   for (const long frame : {2L, 3L, 5L, 1L}) EXPECT_TRUE(are_equal(recorder.frame(frame), render(scenario, frame)));
 }
 
-TEST(Focus, MakesADiscOfTheApertureOfWhatIsNearerThanTheFocus) {
+TEST(Focus, APointNearerThanTheFocusBecomesAGaussianOfHalfTheDiscRadius) {
   Scenario scenario = lines(Pattern::kLinesX);
   scenario.optics = {.focus_mm = 1260.0, .aperture_mm = 20.0};
   const double radius_px = 3478.26 * 10.0 * (1.0 / 1200.0 - 1.0 / 1260.0);

@@ -49,11 +49,11 @@ Matrix3 rotation_xyz(double x_deg, double y_deg, double z_deg) {
 namespace {
 
 struct Distorted {
-  double x, y;            // where the lens bends the ray to
+  double x, y;            // distorted ray
   double xx, xy, yx, yy;  // d(x, y) / d(ray)
 };
 
-// docs.opencv.org, calib3d: radial 1 + k1 r^2 + k2 r^4 + k3 r^6, tangential p1 p2.
+// Distorts a ray (docs.opencv.org, calib3d): radial 1 + k1 r^2 + k2 r^4 + k3 r^6, tangential p1, p2.
 Distorted distort(const Camera& c, Ray ray) {
   const double x = ray.x, y = ray.y, r2 = x * x + y * y;
   const double radial = 1.0 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
@@ -87,7 +87,7 @@ RayPatch ray_through(const Camera& camera, ImagePoint pixel, Ray start) {
     patch.dx_dv = -d.xy / (determinant * camera.fy);
     patch.dy_du = -d.yx / (determinant * camera.fx);
     patch.dy_dv = d.xx / (determinant * camera.fy);
-    // Newton squares the error: 1e-8 before this step is 1e-16 after it (a pixel is 3e-4).
+    // Newton's method squares the error: 1e-8 before this step is 1e-16 after it. A pixel is 3e-4.
     if (ex * ex + ey * ey < 1e-16) break;
   }
   return patch;
@@ -100,11 +100,11 @@ BoardPoint centre_of(const Marker& marker) {
 
 namespace {
 
-// How a marker's picture moves while it stands.
+// Returns the marker jitter in mm: the apparent movement of a marker beyond its displacement.
 BoardPoint wander_of(const Scenario& scenario, const SceneMarker& marker, double time_s) {
   BoardPoint wander{marker.wander_x.at(time_s), marker.wander_y.at(time_s)};
   if (scenario.haze.rms_mm == 0.0 || marker.print.name.empty()) return wander;
-  const double widest = std::sqrt(3.0) * scenario.haze.rms_mm;  // of an even draw of that rms
+  const double widest = std::sqrt(3.0) * scenario.haze.rms_mm;  // half range of a uniform distribution of this rms
   Track haze{.random = widest, .random_step_s = scenario.haze.step_s, .random_seed = own_seed(scenario, marker)};
   wander.x += haze.at(time_s);
   ++haze.random_seed;
@@ -112,7 +112,7 @@ BoardPoint wander_of(const Scenario& scenario, const SceneMarker& marker, double
   return wander;
 }
 
-// A longer focal length and a shifted lens, said in rays.
+// Applies zoom and lens shift to a map into camera mm.
 Matrix3 through(const Scenario& scenario, double time_s, Matrix3 seen) {
   const Optics& optics = scenario.optics;
   const double scale = 1.0 + optics.zoom.at(time_s);
@@ -137,7 +137,7 @@ Matrix3 camera_from_print(const Scenario& scenario, const SceneMarker& marker, d
   const double x0 = centre.x - cx * centre.x + s * centre.y + place.x_mm + marker.dx.at(time_s) + wander.x;
   const double y0 = centre.y - sx * centre.x - c * centre.y + place.y_mm + marker.dy.at(time_s) + wander.y;
   const double z0 = marker.print.z_mm.value_or(0.0) + place.z_mm + marker.dz.at(time_s);
-  // The board's y points up and its z to the camera; the camera's the other way.
+  // The board's y points up and its z to the camera. The camera's axes have the opposite signs.
   const Matrix3 turned_over{{{cx, -s, x0}, {-sx, -c, -y0}, {0, 0, -z0}}};
   Matrix3 at_rest = product(rotation_xyz(m.board_x_deg, m.board_y_deg, m.board_z_deg), turned_over);
   const Vector3 pivot{m.pivot_x_mm, m.pivot_y_mm, m.pivot_z_mm};

@@ -8,7 +8,7 @@
 namespace moiregauge::internal::simulator {
 namespace {
 
-// Uniform numbers at the knots of a square net, smoothly joined; rms about 0.19 of their full range.
+// Returns uniform random numbers (-0.5 to 0.5) at the knots of a square grid, smoothly interpolated. The rms is 0.21.
 double value_noise(std::uint64_t seed, double x, double y) {
   const double x0 = std::floor(x), y0 = std::floor(y), u = x - x0, v = y - y0;
   const auto knot = [&](double kx, double ky) {
@@ -29,8 +29,8 @@ double roughness(std::uint64_t seed, double x_mm, double y_mm) {
          2.5 * value_noise(seed + 2, x_mm / 2.0, y_mm / 2.0);
 }
 
-// An even draw of +-1/2 at the knots has the variance 1/12; between them the weights of smooth steps leave 26/35 of it
-// along each axis: that is their squares' mean.
+// A uniform draw of +-1/2 at the knots has the variance 1/12. The interpolation weights have a mean square of 26/35
+// along each axis, so the variance is 1/12 * (26/35)^2.
 double grain(std::uint64_t seed, double x, double y) {
   constexpr double kRms = 0.28867513459481287 * 26.0 / 35.0;
   return value_noise(seed, x, y) / kRms;

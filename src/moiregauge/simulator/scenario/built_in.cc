@@ -80,7 +80,8 @@ void draw_poses(Mount& mount, double within_deg, double within_mm) {
   for (Track* track : {&mount.shift_x, &mount.shift_y, &mount.shift_z}) track->random = within_mm;
 }
 
-// The pivot is the board's middle: it stays where it is, and as far away. Half the angle up and down meanwhile.
+// Moves the camera around the board's middle, which stays at its image position and distance. The elevation is a sine
+// of half the angle.
 void orbit(Scenario& scenario, double angle_deg) {
   scenario.mount.pivot_z_mm = scenario.mount.distance_mm;
   scenario.mount.rotation_y.knots = {{0.0, -angle_deg}, {kRunLength_s, angle_deg}};
@@ -95,13 +96,13 @@ SceneMarker& marker_named(Scenario& scenario, std::string_view name) {
   return scenario.markers.front();
 }
 
-// The site does not state the target's height, so the instrument must find it.
+// Moves the camera and the target's plane. The site does not state the target's height, so the instrument must find it.
 void travel(Scenario& scenario, double within_mm) {
   draw_poses(scenario.mount, 1.0, within_mm);
   marker_named(scenario, "mid").place.z_mm = -30.0;
 }
 
-// 145 px more to every side.
+// Adds 160 px on each side of the image.
 void enlarge(Camera& camera) {
   constexpr int kMore = 160;
   camera.width += 2 * kMore;
@@ -110,7 +111,7 @@ void enlarge(Camera& camera) {
   camera.cy += kMore;
 }
 
-// 0.63 pitch, 6.3 mm, in the fastest tenth of a second.
+// Moves the target by up to 63 mm/s: 6.3 mm or 0.63 pitch per frame.
 void walk(Scenario& scenario) {
   turn(scenario.mount, kSways[2]);
   SceneMarker& target = marker_named(scenario, "mid");
@@ -129,7 +130,7 @@ void add_two_references(Scenario& scenario) {
   }
 }
 
-// A drone before a wall. Nothing of the layout is its own mirror image or half turn.
+// Layout of the wall in front of the drone, without mirror or rotational symmetry.
 struct WallPrint {
   const char* name;
   double x_mm, y_mm;
@@ -149,7 +150,7 @@ SceneMarker wall_print(const WallPrint& print, double apart) {
   return marker;
 }
 
-// It hovers: slow sines, each axis at its own pace, so that all poses mix.
+// Moves the drone by slow sines of different frequencies, so that the combinations of poses vary.
 void hover(Mount& mount, double within_mm, double within_deg) {
   constexpr std::array kHertz{0.11, 0.17, 0.07, 0.13, 0.19, 0.09};
   const std::array tracks{&mount.shift_x,    &mount.shift_y,    &mount.shift_z,
@@ -162,7 +163,8 @@ void hover(Mount& mount, double within_mm, double within_deg) {
   mount.pivot_z_mm = 0.0;
 }
 
-// `size` 1: 3840x2160 from 8 m. `apart`: how far from each other the prints are, which are always as large.
+// Returns the drone scenario. `size` scales image, focal length and distance: 1 is 3840x2160 from 8 m. `apart` scales
+// the distances between the markers, which keep their size.
 Scenario drone(double size, double apart) {
   Scenario scenario;
   const int width = static_cast<int>(3840 * size), height = static_cast<int>(2160 * size);
@@ -190,8 +192,8 @@ Scenario drone(double size, double apart) {
   return scenario;
 }
 
-// Thin-line grids from an ink-jet printer, photographed by a telephone: lines of 3.5 px, 22 px apart, and white paper
-// that is full.
+// Returns thin-line grids from an ink-jet printer, photographed by a phone: lines of 3.5 px at a pitch of 22 px. The
+// white paper saturates the sensor.
 Scenario ink_jet(double share_of_picture) {
   Scenario scenario;
   const int width = static_cast<int>(4032 * share_of_picture), height = static_cast<int>(3024 * share_of_picture);
@@ -269,20 +271,20 @@ const std::vector<BuiltIn>& built_in_scenarios() {
       {"small-0.1x", "the small rig, 1024x512, camera turning 0 to 0.1 deg about x"},
       {"small-1x", "the small rig, camera turning 0 to 1 deg about x"},
       {"small-1xyz", "the small rig, camera turning 0 to 1 deg about x, y and z"},
-      {"small-still", "the small rig, camera standing still"},
-      {"small-spread-1", "the small rig, camera posed anew within -1 to 1 deg about x, y and z for every frame"},
-      {"small-orbit-20", "the small rig, camera going round the board from -20 to 20 deg"},
-      {"small-orbit-40", "the small rig, camera going round the board from -40 to 40 deg"},
-      {"small-travel-5", "the small rig, target 30 mm behind the plane, camera posed anew within -5 to 5 mm, 1 deg"},
-      {"small-travel-50", "the same in a larger picture, within -50 to 50 mm, 1 deg"},
-      {"small-walk", "the small rig as small-1xyz, target walking up and down 60 mm, up to 0.63 pitch per frame"},
-      {"small-six-slip", "the small rig as small-1xyz with six references, of which NE slips up 1 mm half way"},
-      {"small-covered", "the small rig as small-1xyz, NE covered in frames 40 to 59, target in frames 90 to 99"},
+      {"small-still", "the small rig, camera fixed"},
+      {"small-spread-1", "the small rig, random camera pose in every frame, -1 to 1 deg about x, y and z"},
+      {"small-orbit-20", "the small rig, camera circling the board from -20 to 20 deg"},
+      {"small-orbit-40", "the small rig, camera circling the board from -40 to 40 deg"},
+      {"small-travel-5", "the small rig, target 30 mm behind the plane, random camera pose, -5 to 5 mm and 1 deg"},
+      {"small-travel-50", "the same in a larger image, -50 to 50 mm and 1 deg"},
+      {"small-walk", "as small-1xyz, target moving up and down by 60 mm, up to 0.63 pitch per frame"},
+      {"small-six-slip", "as small-1xyz with six references, of which NE slips up by 1 mm half way"},
+      {"small-covered", "as small-1xyz, NE covered in frames 40 to 59, target covered in frames 90 to 99"},
       {"drone",
-       "a drone 8 m from a wall, 3840x2160, moving 0.5 m and 3 deg on every axis, prints of 60 mm pitch (21 px)"},
-      {"ink", "thin-line grids from an ink-jet printer, 4032x3024, as a telephone stores them"},
-      {"small-ink", "the same with a quarter of the pixels, prints nearer to each other"},
-      {"small-drone", "the same from 4 m with a quarter of the pixels, moving 0.25 m and 3 deg, prints as large"},
+       "a drone 8 m from a wall, 3840x2160, moving 0.5 m and 3 deg on every axis, 60 mm pitch (21 px)"},
+      {"ink", "thin-line grids from an ink-jet printer, 4032x3024, as stored by a phone"},
+      {"small-ink", "the same with a quarter of the pixels and gratings closer together"},
+      {"small-drone", "the same from 4 m with a quarter of the pixels, moving 0.25 m and 3 deg"},
   };
   return list;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recordings that need no file: the rig of the paper and a small one, each with the paper's camera movements.
+// Built-in scenarios: the rig of the paper and a small one with several camera movements, a drone, and ink-jet
+// gratings.
 #pragma once
 
 #include <optional>
@@ -19,8 +20,8 @@ struct BuiltIn {
 [[nodiscard]] const std::vector<BuiltIn>& built_in_scenarios();
 [[nodiscard]] std::optional<Scenario> built_in(const std::string& name);
 
-// The target's movement of the paper's section 3.2, mm: up 1 mm in 2 s, hold 2 s, up to 2 mm, hold, down to 1, hold,
-// down to 0, hold; 16 s in all.
+// Returns the target's movement of section 3.2 of the paper in mm. It rises to 1 mm in 2 s, holds for 2 s, and rises to
+// 2 mm. It returns in the same steps and takes 16 s.
 [[nodiscard]] Track paper_motion();
 
 }  // namespace moiregauge::internal::simulator

@@ -18,7 +18,7 @@ std::vector<double> make_below() {
   return table;
 }
 
-// Bisection on erfc: slow, once.
+// Returns the quantile of the normal distribution by bisection. It is slow, but runs only once per table entry.
 double quantile(double share) {
   double low = -8.0, high = 8.0;
   for (int i = 0; i < 60; ++i) {
@@ -30,7 +30,7 @@ double quantile(double share) {
 
 constexpr std::size_t kQuantiles = 1U << 16U;
 
-// Middles of 65536 equal shares, stretched to a variance of exactly 1; the largest is 4.3.
+// Returns the quantiles at the middles of 65536 equal shares, scaled to a variance of exactly 1. The largest is 4.3.
 std::vector<float> make_quantiles() {
   std::vector<double> exact(kQuantiles);
   double sum = 0.0;
@@ -45,7 +45,7 @@ std::vector<float> make_quantiles() {
   return table;
 }
 
-// The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
+// Mixes the bits (finaliser of SplitMix64: Steele, Lea, Flood 2014).
 std::uint64_t mixed(std::uint64_t z) {
   z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
   z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
@@ -59,7 +59,7 @@ constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15U;
 const std::vector<double> kGaussianBelow = make_below();
 
 std::span<const Node> gauss_hermite(double correlation) {
-  // Exact to degree 3, 5 and 9: the terms left out are of the order of correlation^2, ^3 and ^5.
+  // Exact to degree 3, 5 and 9. The neglected terms are of the order of correlation^2, ^3 and ^5.
   static constexpr std::array kTwo{Node{-1.0, 0.5}, Node{1.0, 0.5}};
   static constexpr std::array kThree{Node{-1.7320508075688772, 1.0 / 6}, Node{0.0, 2.0 / 3},
                                      Node{1.7320508075688772, 1.0 / 6}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The normal distribution by table, quadrature rules, and noise that depends on nothing but its address.
+// Normal distribution by table, quadrature rules, and reproducible noise that depends on its address only.
 #pragma once
 
 #include <cmath>
@@ -10,11 +10,11 @@
 
 namespace moiregauge::internal::simulator {
 
-inline constexpr double kGaussianReach = 4.5;  // beyond it 3e-6 of the area is left: 6e-4 grey levels of 170
-
-// Phi(t) within the reach (cut to 0 and 1 outside), to 3e-7: a table, straight between its entries.
-inline constexpr double kGaussianSteps = 512.0;  // per unit of t
+inline constexpr double kGaussianReach = 4.5;    // sigma; the tail holds 3e-6, or 6e-4 of 170 grey levels
+inline constexpr double kGaussianSteps = 512.0;  // table entries per unit of t
 extern const std::vector<double> kGaussianBelow;
+
+// Returns Phi(t) by linear interpolation in a table; 0 or 1 beyond the reach. Error: 3e-7.
 [[nodiscard]] inline double gaussian_below(double t) {
   const double at = (t + kGaussianReach) * kGaussianSteps;
   if (at <= 0.0) return 0.0;
@@ -30,12 +30,13 @@ struct Node {
   double weight = 0.0;
 };
 
-// Averages over a standard normal, with as many nodes as a shared part of this size needs.
+// Returns the nodes for an average over a standard normal variable. The number of nodes (2, 3 or 5) grows with the
+// correlation that the variable causes.
 [[nodiscard]] std::span<const Node> gauss_hermite(double correlation);
-// Averages over [-1/2, 1/2]; weights add up to 1.
+// Returns `count` nodes for an average over [-1/2, 1/2]. The weights add up to 1.
 [[nodiscard]] std::vector<Node> gauss_legendre(int count);
 
-// A standard normal number for (seed, frame, pixel): the same whoever asks, in whatever order.
+// Standard normal noise as a function of (seed, frame, pixel), independent of the order of calls.
 class Noise {
  public:
   Noise(std::uint64_t seed, long frame);
@@ -46,7 +47,7 @@ class Noise {
   const float* quantiles_;
 };
 
-// A number in [0, 1) for an address; for textures and layouts.
+// Returns a pseudo-random number in [0, 1) for an address, for textures and layouts.
 [[nodiscard]] double hashed_unit(std::uint64_t seed, std::uint64_t address);
 
 }  // namespace moiregauge::internal::simulator

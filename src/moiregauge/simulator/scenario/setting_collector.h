@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gathers the settings of a scenario: one call for each value, by its kind.
+// Collects the settings of a scenario: one call per value, by its kind.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace moiregauge::internal::simulator {
 
-// "[[0, 1], [2, 3]]" and "0 1 2 3" alike; nothing if a word is no finite number.
+// Reads numbers from "[[0, 1], [2, 3]]" or "0 1 2 3". Empty if a word is no finite number.
 [[nodiscard]] std::optional<std::vector<double>> numbers_in(std::string text);
 [[nodiscard]] std::optional<double> number_in(const std::string& text);
 
@@ -36,11 +36,11 @@ class Collector {
   void pair(const std::string& name, std::function<void(double, double)> take);
   void text(const std::string& name, const std::string& kind, std::function<bool(const std::string&)> take);
   void frames(const std::string& name, std::vector<FrameSpan>& spans);
-  // All that a track is made of; the name alone, with a number, sets its offset.
+  // Adds all values of a track. The bare name sets its offset.
   void track(const std::string& name, Track& track);
 };
 
-// What goes wrong in the world, and what is wrong about the site (settings_faults.cc).
+// Adds the settings of faults in the scene, the camera and the site (settings_faults.cc).
 void add_faults(Collector& all, Scenario& scenario);
 void add_faults_of(Collector& all, SceneMarker& marker);
 

@@ -82,7 +82,7 @@ void add_site_errors(Collector& all, Scenario& s) {
   all.number("known_to.rotation_deg", [&s](double value) { s.known_to.rotation_rad = radians_from_degrees(value); });
   all.number("known_to.height_mm", s.known_to.height_mm);
   all.number("known_to.print_scale", s.known_to.print_scale);
-  // As a total station gives it, and a printer that has been checked with a rule.
+  // Uncertainties of a survey with a total station, and of a printer checked with a ruler.
   all.text("site.surveyed", "true or false", [&s](const std::string& word) {
     s.known_to = KnownTo{};
     if (word == "true")
@@ -111,7 +111,7 @@ std::function<bool(const std::string&)> pattern_setter(std::vector<SceneMarker*>
 
 constexpr const char* kPatterns = "one of grid, squares, dots, lines-x, lines-y, checkerboard, cosine";
 
-// What [grating] says holds for every grating there is.
+// Adds the settings of [grating], which apply to all gratings.
 void add_print(Collector& all, Scenario& s) {
   std::vector<SceneMarker*> markers;
   std::vector<bool*> inverted;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every value of a scenario by name, so that files and --set speak of all of them in one way.
+// All values of a scenario by name, for files and --set.
 #pragma once
 
 #include <functional>
@@ -14,13 +14,13 @@ namespace moiregauge::internal::simulator {
 struct Setting {
   std::string name;                             // "lens.k1", "marker.mid.dy.scale"
   std::string kind;                             // "a number", for messages
-  std::function<bool(const std::string&)> set;  // false: not of this kind
+  std::function<bool(const std::string&)> set;  // returns false if the text is not of this kind
 };
 
-// The settings of this scenario; they write into it and live no longer than it.
+// Returns the settings of a scenario. They write to `scenario` and must not outlive it.
 [[nodiscard]] std::vector<Setting> settings_of(Scenario& scenario);
 
-// What makes no sense about it, in the user's words.
+// Returns the first contradiction in a scenario as a message for the user; empty if there is none.
 [[nodiscard]] std::optional<std::string> problem_with(const Scenario& scenario);
 
 }  // namespace moiregauge::internal::simulator

@@ -47,7 +47,7 @@ void add_ink(Collector& all, const std::string& name, const std::vector<Ink*>& i
   add("grain_length_mm", &Ink::grain_length_mm);
 }
 
-// Every print of the scene alike, as from one printer.
+// Adds settings that apply to all sheets, as from one printer.
 void add_prints(Collector& all, Scenario& s) {
   std::vector<Ink*> inks;
   for (SceneMarker& marker : s.markers) inks.push_back(&marker.ink);
@@ -60,7 +60,7 @@ void add_prints(Collector& all, Scenario& s) {
   });
 }
 
-// "NW NE SW SE": NW with NE, SW with SE.
+// Adds the setting of exchanged markers: "NW NE SW SE" exchanges NW with NE, and SW with SE.
 void add_exchanges(Collector& all, Scenario& s) {
   all.text("site.exchanged", "pairs of names of markers", [&s](const std::string& words) {
     std::istringstream in(words);

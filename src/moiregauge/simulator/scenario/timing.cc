@@ -12,7 +12,7 @@ bool holds(const std::vector<FrameSpan>& spans, long frame) {
   return std::any_of(spans.begin(), spans.end(), [&](FrameSpan s) { return frame >= s.from && frame < s.to; });
 }
 
-// The shot taken for a frame, had none of the frames been a repetition.
+// Returns the shot of a frame, without regard to repeated frames.
 long own_shot_of(const Scenario& scenario, long frame) {
   const auto& dropped = scenario.timing.dropped;
   if (dropped.empty()) return frame;
@@ -21,7 +21,7 @@ long own_shot_of(const Scenario& scenario, long frame) {
   return shot;
 }
 
-// Within -1 .. 1.
+// Returns a uniform random number from -1 to 1.
 double drawn(const Scenario& scenario, std::uint64_t what, long number) {
   return 2.0 * hashed_unit(scenario.seed + what, static_cast<std::uint64_t>(number)) - 1.0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tone curves of cameras: which grey level they store for how much light.
+// Tone curves of cameras: relation between light and the stored grey level.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace moiregauge::internal::simulator {
 
-// Light and grey levels of 0 to 255 are mapped onto each other, 0 to 0 and 255 to 255. x is light / 255, cut to 0 to 1.
+// Map from light (0 to 255) to grey levels (0 to 255). x is light / 255, clipped to 0 to 1.
 struct ToneCurve {
   enum class Kind {
     kLinear,  // y = x
@@ -17,17 +17,18 @@ struct ToneCurve {
   };
   Kind kind = Kind::kLinear;
   double gamma = 2.2;
-  // An S-curve on top of it: y - contrast sin(2 pi y) / (2 pi). At 1 black and white have slope 0, the middle slope 2.
+  // Additional S-curve: y - contrast sin(2 pi y) / (2 pi). At 1 the slope is 0 at black and white, 2 in the middle.
   double contrast = 0.0;
   [[nodiscard]] bool is_linear() const { return kind == Kind::kLinear && contrast == 0.0; }
 };
 
 inline constexpr double kUsualContrast = 0.4;  // "s-curve" without a number
 
-// Reads "linear", "srgb", "bt709", "gamma:2.2", "s-curve" or "s-curve:0.4"; an S-curve is that of sRGB.
+// Reads "linear", "srgb", "bt709", "gamma:2.2", "s-curve" or "s-curve:0.4". An S-curve is added to sRGB. Empty for any
+// other text, a gamma outside 0.1 to 10, or a contrast outside 0 to 1.
 [[nodiscard]] std::optional<ToneCurve> tone_named(const std::string& text);
 
-// Returns the grey level that the curve makes of light, both 0 to 255.
+// Returns the grey level for an amount of light, both 0 to 255.
 [[nodiscard]] double encoded(const ToneCurve& tone, double light);
 
 }  // namespace moiregauge::internal::simulator

@@ -22,7 +22,7 @@ double value_of(const std::vector<Knot>& knots, double time_s) {
   return knots.back().value;
 }
 
-// The area under the knots; exact, since a straight piece's mean is its middle's value.
+// Returns the integral of the knots. It is exact, because the mean of a straight line is its value in the middle.
 double area_under(const std::vector<Knot>& knots, double from_s, double to_s) {
   double area = 0.0;
   double at = from_s;

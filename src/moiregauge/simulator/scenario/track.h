@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One quantity over time: straight lines between knots, plus one sine, plus steps at random.
+// A quantity over time: straight lines between knots, plus a sine, plus random steps.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@ struct Knot {
   double value = 0.0;
 };
 
-// offset + scale * (knots, held before the first and after the last) + amplitude * sin(2 pi f t + phase)
-// + a value of -random .. random, drawn anew for every step; the middle of step n is at n * random_step_s.
+// Sum of an offset, the scaled knots (constant before the first and after the last), amplitude * sin(2 pi f t + phase)
+// and a random step. A random step is uniform in -random..random. The middle of step n is at n * random_step_s.
 struct Track {
-  std::vector<Knot> knots{};  // rising in time
+  std::vector<Knot> knots{};  // ascending in time
   double scale = 1.0;
   double offset = 0.0;
   double amplitude = 0.0;
@@ -26,12 +26,12 @@ struct Track {
   std::uint64_t random_seed = 1;
 
   [[nodiscard]] double at(double time_s) const;
-  // The exact mean over [from_s, to_s], which is what an exposure sees.
+  // Returns the exact mean over [from_s, to_s], e.g. over an exposure.
   [[nodiscard]] double mean(double from_s, double to_s) const;
   [[nodiscard]] bool moves() const {
     return knots.size() > 1 || (amplitude != 0.0 && frequency_hz != 0.0) || random != 0.0;
   }
-  // Where it bends or jumps within from_s..to_s.
+  // Returns the times of kinks and steps between from_s and to_s.
   [[nodiscard]] std::vector<double> corners(double from_s, double to_s) const;
 };
 

@@ -18,7 +18,7 @@ TEST(PaperMotion, GoesUpTwoMillimetresAndComesBack) {
   EXPECT_EQ(motion.at(16.0), 0.0);
 }
 
-TEST(Track, ItsMeanIsTheIntegralOfItsPath) {
+TEST(Track, TheMeanIsTheIntegralDividedByTheTime) {
   Track track = paper_motion();
   track.amplitude = 0.3;
   track.frequency_hz = 4.0;

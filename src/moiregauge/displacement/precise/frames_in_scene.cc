@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/frames_in_scene.h"
+
+#include <span>
+#include <utility>
+
+#include "moiregauge/calibration/scene/frame_pose.h"
+#include "moiregauge/displacement/continuity.h"
+#include "moiregauge/displacement/precise/precise_status.h"
+#include "moiregauge/displacement/sample_parts.h"
+
+namespace moiregauge::internal {
+namespace {
+
+// Largest noise of an axis that the grating shows; beyond it the axis is NaN. Chosen.
+constexpr double kShownWithin = 0.25;  // pitches
+
+void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, const FrameFit& now,
+          const FitsByNoise& by_noise) {
+  const std::size_t i = sample.marker;
+  const FrameFit& then = budget.then();
+  if (!then.ok || std::isnan(then.shift[i].x)) {
+    sample.status = Status::kLost;
+    return;
+  }
+  sample.displacement = now.shift[i] - then.shift[i];
+  sample.budget = by_noise.now.ok ? budget.budget(now, by_noise.now, by_noise.then, i, sample.displacement)
+                                  : budget.budget(now, i, sample.displacement);
+  sample.u = total(sample.budget);
+  // Only noise decides this: far from the reference frame u is mostly that of scale and axis.
+  const auto& b = sample.budget;
+  const auto by_noise_alone = hypot3(b.noise, b.references, b.reference_frame);
+  for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
+    if (!(by_noise_alone.*axis < kShownWithin * grating.pitch_mm))
+      sample.displacement.*axis = sample.u.*axis = kNotMeasured;
+  }
+}
+
+// Adds the uncertainty of the target's own motion between the time of its rows and the frame time.
+void widen_by_target(Sample& sample, const Shutter& shutter, std::size_t place) {
+  const auto now = shutter.u_target[place][sample.marker], then = shutter.u_target.front()[sample.marker];
+  sample.budget.shutter = hypot3(sample.budget.shutter, now, then);
+  const auto all = total(sample.budget);
+  for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
+    if (!std::isnan(sample.u.*axis)) sample.u.*axis = all.*axis;
+  }
+}
+
+}  // namespace
+
+FramesInScene::FramesInScene(const Reference& reference, const PreciseScene& scene, std::optional<FrameSeries> by_noise)
+    : reference_(reference),
+      site_(reference.site),
+      solved_(scene),
+      scene_(scene.calibration.bundle.scene),
+      by_noise_(std::move(by_noise)),
+      // The reference frame is the first key frame.
+      budget_(site_, scene_.full_covariance, scene.calibration.fits.front(),
+              scene.shutter ? scene.shutter->u_readout_s : 0.0) {}
+
+Sample FramesInScene::sample_of(const Observation& seen, std::size_t marker, const FrameFit& now,
+                                const FitsByNoise& by_noise, bool is_far) const {
+  Sample sample = initial_sample(reference_, seen, marker);
+  if (seen.frame == reference_.seen.frame) return sample;
+  sample.status = precise_status(reference_, seen, marker, now, solved_.shutter ? kRollingChi2 : kUntrustedChi2);
+  const bool unproven = is_far && seen.markers[marker].order == Order::kUnproven;
+  if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
+  if (has_numbers(sample.status)) fill(sample, *site_.markers[marker].grating, budget_, now, by_noise);
+  return sample;
+}
+
+void FramesInScene::measure(const Observations& observations, const std::vector<std::size_t>& place,
+                            Solution& solution) const {
+  FitsByNoise by_noise;
+  if (by_noise_) by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
+  const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames.starts());
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    const Observation& seen = observations[n];
+    FrameFit now;
+    if (place[n] > 0) {
+      const BundleFrame frame = placed(solved_.frames[place[n]]);
+      now = fit_frame(site_, scene_, frame);
+      if (by_noise_) by_noise.now = fit_by_noise(place[n], frame);
+    }
+    solution.chi2_dof.push_back(now.ok && now.dof > 0 ? now.chi2_sum / static_cast<double>(now.dof) : kNotMeasured);
+    for (std::size_t i = 0; i < site_.markers.size(); ++i) {
+      if (!is_target(reference_, i)) continue;
+      Sample sample = sample_of(seen, i, now, by_noise, outruns[i]);
+      if (seen.frame != reference_.seen.frame && solved_.shutter && has_numbers(sample.status))
+        widen_by_target(sample, *solved_.shutter, place[n]);
+      solution.samples.push_back(judged(std::move(sample)));
+    }
+  }
+}
+
+Samples FramesInScene::measure_one(const Observation& seen, const std::optional<BundleFrame>& read,
+                                   const std::vector<bool>& is_far) const {
+  const FrameFit now = read ? fit_frame(site_, scene_, placed(*read)) : FrameFit{};
+  Samples samples;
+  for (std::size_t i = 0; i < site_.markers.size(); ++i) {
+    if (is_target(reference_, i)) samples.push_back(judged(sample_of(seen, i, now, {}, is_far[i])));
+  }
+  return samples;
+}
+
+// No row of a scene in doubt is trusted.
+Sample FramesInScene::judged(Sample sample) const {
+  const bool is_doubtful = solved_.doubtful || solved_.camera_contradicted;
+  if (is_doubtful && sample.frame != reference_.seen.frame && sample.status == Status::kOk)
+    sample.status = Status::kUntrusted;
+  return sample;
+}
+
+BundleFrame FramesInScene::weighed(const BundleFrame& frame) const {
+  return with_print_error(site_, std::span(&frame, 1), solved_.print_error).front();
+}
+
+// Starts from the solved camera, because another focal length gives another pose. In rest frames the position is
+// measured like any other.
+BundleFrame FramesInScene::placed(const BundleFrame& seen) const {
+  BundleFrame frame = weighed(seen);
+  frame.pose = pose_of(site_, scene_, frame).value_or(frame.pose);
+  frame.at_rest = false;
+  return frame;
+}
+
+// Fits a frame from the result of another fit of it.
+FrameFit FramesInScene::fit_by_noise(std::size_t place, const BundleFrame& from) const {
+  BundleFrame frame = weighed((*by_noise_)[place]);
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    if (!from.points[i]) frame.points[i].reset();
+    if (frame.points[i]) frame.points[i]->image = from.points[i]->image;  // at frame time, for a rolling shutter
+  }
+  frame.pose = from.pose;
+  frame.shift = from.shift;
+  frame.rows = from.rows;
+  frame.motion = from.motion;
+  frame.at_rest = from.at_rest;
+  return fit_frame(site_, scene_, frame);
+}
+
+}  // namespace moiregauge::internal

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples from frames and a solved scene: one pose fit per frame, then displacement, budget and status of each target.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "moiregauge/displacement/precise/precise_budget.h"
+#include "moiregauge/displacement/precise/precise_scene.h"
+
+namespace moiregauge::internal {
+
+// Fits of compressed frames without the codec's error. Not ok for other footage.
+struct FitsByNoise {
+  FrameFit now, then;
+};
+
+class FramesInScene {
+ public:
+  // `reference` and `scene` must outlive this object. `by_noise`: for compressed footage, its frames without the codec's
+  // error.
+  FramesInScene(const Reference& reference, const PreciseScene& scene, std::optional<FrameSeries> by_noise);
+
+  // Adds the samples of all observations to `solution`. `place`: index of each observation among the scene's frames;
+  // 0: it is not among them.
+  void measure(const Observations& observations, const std::vector<std::size_t>& place, Solution& solution) const;
+
+  // Returns the samples of one frame, targets in the site's order. The frame need not be among the scene's frames.
+  // `read`: the frame with pose and shifts to start from; empty: too few references were read.
+  // `is_far`: targets whose fringe order continuity does not give, one per site marker.
+  [[nodiscard]] Samples measure_one(const Observation& seen, const std::optional<BundleFrame>& read,
+                                    const std::vector<bool>& is_far) const;
+
+ private:
+  [[nodiscard]] BundleFrame weighed(const BundleFrame& frame) const;
+  [[nodiscard]] BundleFrame placed(const BundleFrame& seen) const;
+  [[nodiscard]] FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const;
+  [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const FrameFit& now,
+                                 const FitsByNoise& by_noise, bool is_far) const;
+  [[nodiscard]] Sample judged(Sample sample) const;
+
+  const Reference& reference_;
+  const Site& site_;
+  const PreciseScene& solved_;
+  const Scene& scene_;
+  std::optional<FrameSeries> by_noise_;
+  PreciseBudget budget_;
+};
+
+}  // namespace moiregauge::internal

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/tracked_scene.h"
+
+#include <utility>
+
+#include "moiregauge/calibration/scene/frame_pose.h"
+#include "moiregauge/displacement/precise/precise_prior.h"
+#include "moiregauge/displacement/sample_parts.h"
+
+namespace moiregauge::internal {
+
+TrackedScene::TrackedScene(const Reference& reference, std::shared_ptr<const Observations> keys, SolveOptions options)
+    : reference_(reference),
+      keys_(std::move(keys)),
+      options_(std::move(options)),
+      min_references_(reference.knows_camera() ? kMinForPose : kMinForHomography) {
+  options_.readout_s = 0.0;
+  const ScenePrior prior = precise_prior(reference_, options_);
+  start_camera_ = prior.camera;
+  frames_ = bundle_frames(reference_, *keys_, start_camera_, options_, min_references_);
+  if (references_in(reference_.site, frames_.frames.front()) < kMinForHomography) {
+    scene_.problem = "the gratings of four references could not be learned from the reference frame";
+    return;
+  }
+  scene_ = precise_scene(reference_, frames_.frames, prior, options_, false);
+  if (scene_.problem.empty()) measured_ = std::make_unique<const FramesInScene>(reference_, scene_, std::nullopt);
+}
+
+Samples TrackedScene::measure(const Observation& seen, const std::vector<Extent<frame::Board>>& travel,
+                              const std::vector<bool>& is_far) const {
+  auto frame = bundle_frame(reference_, seen, start_camera_, travel, min_references_);
+  if (frame && scene_.excluded) frame->points[*scene_.excluded].reset();
+  return measured_->measure_one(seen, frame, is_far);
+}
+
+}  // namespace moiregauge::internal

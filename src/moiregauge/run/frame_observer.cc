@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/run/frame_observer.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "moiregauge/image/upper_bits.h"
+#include "moiregauge/observation/reference/reference_by_gratings.h"
+#include "moiregauge/run/codec.h"
+
+namespace moiregauge::internal {
+namespace {
+
+Observation unmeasured(const Frame& frame, std::size_t markers, std::string why) {
+  Observation observation;
+  observation.frame = frame.number;
+  observation.time_s = frame.time_s;
+  observation.decode_error = frame.damaged;
+  observation.reference_problem = std::move(why);
+  observation.markers.resize(markers);
+  for (MarkerObservation& marker : observation.markers) marker.loss = Loss::kNotSeen;
+  return observation;
+}
+
+// Builds the reference from an image. `notes` receives the remarks on a site detected in it.
+tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& picture, const MeasureOptions& options,
+                                                       std::vector<std::string>& notes) {
+  const Camera lens = options.camera.value_or(Camera{});
+  if (!options.pitch_mm && !options.method->needs_circles && lacks_circles(options.site))
+    return make_reference_by_gratings(picture, options.site, lens, options.observe);
+  if (!options.pitch_mm) return make_reference(picture, options.site, lens, options.observe);
+  const bool needs_circles = options.method->needs_circles;
+  auto found = detect_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});
+  if (!found) return tl::unexpected(std::move(found.error()));
+  found->site = with_prints_scaled(std::move(found->site), {1.0, options.print_scale.u, options.print_scale.spread});
+  auto made = needs_circles ? make_reference(picture, found->site, lens, options.observe)
+                            : make_reference_in_view(picture, found->site, {found->view, lens},
+                                                     std::move(found->search), options.observe);
+  if (made) notes = std::move(found->notes);
+  return made;
+}
+
+// Largest number of rounds. A template learned with a wrong tone curve shows the right one only roughly, but each round
+// leaves at most a third of the error.
+constexpr int kMaxToneRounds = 5;
+
+}  // namespace
+
+void FrameObserver::resume(Reference reference, int bits) {
+  light_ = LightMap(reference.tone, bits);
+  out_.reference = std::move(reference);
+  out_.observations.refer_to(*out_.reference);
+  follower_.emplace(*out_.reference);
+}
+
+// Tries to make `frame` the reference frame. The first failure is kept as the refusal.
+bool FrameObserver::refer_to(const Frame& frame) {
+  if (!refer_as_light(frame)) {
+    light_ = LightMap(stated_tone(), out_.input.bits);
+    if (!refer_in_light(frame) || !follow_shown_tone(frame)) return false;
+  }
+  out_.notes.insert(out_.notes.end(), reference_notes_.begin(), reference_notes_.end());
+  return true;
+}
+
+// Tries a linear tone curve. An input that does not state its curve may well be linear (industrial cameras). Returns
+// false if a curve is stated, or if the grating edges do not show linear light.
+bool FrameObserver::refer_as_light(const Frame& frame) {
+  const Tone stated = stated_tone();
+  if (options_.tone || stated.source != ToneSource::kAssumed || stated.curve.is_linear()) return false;
+  light_ = LightMap({{.is_full_range = stated.curve.is_full_range}, ToneSource::kFootage}, out_.input.bits);
+  return refer_in_light(frame) && shows_light(*out_.reference, out_.input.bits);
+}
+
+// Repeats the reference frame with the tone curve of the grating edges, if they contradict the stated one.
+bool FrameObserver::follow_shown_tone(const Frame& frame) {
+  const Tone stated = light_.tone();
+  for (int round = 0; round < kMaxToneRounds && !options_.tone; ++round) {
+    const auto shown = contradicting_tone(*out_.reference, light_.tone(), out_.input.bits);
+    if (!shown) break;
+    light_ = LightMap(*shown, out_.input.bits);
+    if (refer_in_light(frame)) continue;
+    light_ = LightMap(stated, out_.input.bits);
+    return refer_in_light(frame);
+  }
+  if (light_.tone().source != ToneSource::kFootage) return true;
+  reference_notes_.push_back(
+      fmt::format("note: the tone curve {} is used, because the edges of the gratings show it (the input states {}{}). "
+                  "Give --tone to use another",
+                  name_of(light_.tone().curve), stated.source == ToneSource::kTag ? "" : "none, typical is ",
+                  name_of(stated.curve)));
+  return true;
+}
+
+// Returns the tone curve stated by the user, or else by the input.
+Tone FrameObserver::stated_tone() const {
+  Tone tone = out_.input.tone;
+  if (!options_.tone) return tone;
+  const bool is_full_range = tone.curve.is_full_range;  // a property of the stream
+  tone = {*options_.tone, ToneSource::kOption};
+  tone.curve.is_full_range = is_full_range;
+  return tone;
+}
+
+bool FrameObserver::refer_in_light(const Frame& frame) {
+  std::vector<std::string> notes;
+  const GreyPicture picture = light_.picture(frame.luma);
+  auto made = reference_of(picture, options_, notes);
+  if (!made) {
+    if (out_.refusal.empty()) {
+      out_.refusal = made.error().message;
+      out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
+    }
+    cannot_succeed_ = made.error().problem == ReferenceProblem::kSiteDisagrees ||
+                made.error().problem == ReferenceProblem::kTooCoarse;
+    return false;
+  }
+  out_.refusal.clear();
+  reference_notes_ = std::move(notes);
+  out_.reference = std::move(*made);
+  out_.reference->tone = light_.tone();
+  if (light_.maps()) out_.reference->light_per_grey = light_per_grey(*out_.reference, frame.luma, picture.luma);
+  if (options_.method->prepare != nullptr) options_.method->prepare(picture, *out_.reference);
+  out_.reference->seen.frame = frame.number;
+  out_.reference->seen.time_s = frame.time_s;
+  note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, out_.reference->seen);
+  out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
+  follower_.emplace(*out_.reference);
+  processing_.refer(*out_.reference, frame.luma);
+  out_.observations.refer_to(*out_.reference);
+  return true;
+}
+
+void FrameObserver::keep_picture(const Frame& frame) {
+  if (frame.number != out_.reference->seen.frame) return;
+  if (!processing_.is_referred()) processing_.refer(*out_.reference, frame.luma);
+  out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
+}
+
+Observation FrameObserver::observe(const Frame& frame) {
+  const std::size_t markers = site_of(out_, options_).markers.size();
+  if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
+  if (!out_.reference && !refer_to(frame)) return unmeasured(frame, markers, out_.refusal);
+  const Observation& where = last_ && last_->references_seen ? *last_ : out_.reference->seen;
+  // Skipped blocks may report a smaller step than the one that applied, so the coarsest step so far counts.
+  const double now = rounding_of(frame.quantiser, *out_.reference, where);
+  const double rounding = std::max({now, rounding_, rounding_of(*out_.reference, out_.reference->seen)});
+  Observation seen =
+      options_.method->observe(light_.picture(frame.luma, rounding), *out_.reference, follower_->prediction(), work_);
+  seen.frame = frame.number;
+  seen.time_s = frame.time_s;
+  note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
+  // Track and solve rounded values only, so that a resumed or repeated solution has the same bits.
+  seen = out_.observations.rounded(seen);
+  (void)follower_->follow(*out_.reference, seen);
+  return seen;
+}
+
+
+void FrameObserver::skip(const Observation& seen) {
+  // As in the first run, damaged frames and frames before the reference frame are not tracked.
+  if (!seen.decode_error && (options_.reference_frame || seen.frame >= out_.reference->seen.frame))
+    (void)follower_->follow(*out_.reference, seen);
+}
+
+void FrameObserver::add(const Frame& frame, const Observation& seen) {
+  last_ = seen;
+  if (out_.reference) rounding_ = std::max(rounding_, rounding_of(*out_.reference, seen));
+  if (repeats_.repeats(frame.luma) && !frame.damaged)
+    processing_.repeat(frame.number);
+  else if (frame.damaged || !out_.reference)
+    processing_.interrupt();
+  else
+    processing_.add(*out_.reference, seen, frame, out_.input.bits);
+}
+
+}  // namespace moiregauge::internal
