@@ -7,7 +7,7 @@
 namespace moiregauge::internal::bench {
 namespace {
 
-// Goes on through the frames from repetition to repetition: a camera does not jump back either.
+// Each repetition continues at the next frame, because a camera does not jump back.
 struct Case {
   const Size size;
   const Memory memory;
@@ -23,7 +23,7 @@ struct Case {
   void run(benchmark::State& state) {
     const std::vector<Shot>& shots = Recording::of(size).shots(memory);
     const Work& now = *work();
-    // Another case of the same work may have left its memory of the past elsewhere: two frames bring it here.
+    // Another case of the same work may have left the tracking at another frame. Two frames correct that.
     for (int n = 0; n < 2; ++n) frame(now, shots);
     std::size_t lost = 0;
     for (auto _ : state) lost += frame(now, shots) ? 0 : 1;
@@ -52,7 +52,7 @@ Errors errors_of(const Work& work, const Recording& recording) {
   return errors;
 }
 
-// Made once, with its errors.
+// Work shared by the cases of one size, made once, with its errors.
 struct Shared {
   std::shared_ptr<Work> work;
   Errors errors;

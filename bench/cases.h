@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Benchmark cases over the frames of a recording, named NAME/SIZE/MEMORY; bench/ratios.py reads them by these names.
+// Benchmark cases over the frames of a recording. bench/ratios.py reads them by their names, NAME/SIZE/MEMORY.
 #pragma once
 
 #include <functional>
@@ -15,23 +15,28 @@
 
 namespace moiregauge::internal::bench {
 
-// One case at one size: what is timed, and how far it is from the truth.
+// One case at one size: the timed function, and its error.
 struct Work {
-  std::function<bool(const Shot&)> frame;  // false: lost; timed
-  // Measured minus true x and y of the same in one frame; NaN: not measured. Without it nothing is measured.
+  std::function<bool(const Shot&)> frame;  // timed; returns false for a lost frame
+  // Returns measured minus true x and y in one frame; NaN: not measured. Empty for cases without a measured value.
   std::function<Error(const Shot&)> error;
   std::string error_unit;  // "mm", "px"
-  std::size_t bytes = 0;   // of the picture that the work is about
+  std::size_t bytes = 0;   // bytes of the image, or of its part, that the work uses
 };
-// Finding the circles of a whole picture: `find` gives their centres, or nothing when some are missing.
+// Returns the centres of all circles in an image; empty if some are missing.
 using FindCentres = std::function<std::optional<std::vector<ImagePoint>>(const Shot&)>;
+// Returns the case of a detection in the whole image.
 [[nodiscard]] std::shared_ptr<Work> detection_of(const Recording& recording, FindCentres find);
 
 using MakeWork = std::function<std::shared_ptr<Work>(const Recording&)>;
 
-// Counters: bytes; lost, the share of the frames; of what is measured, along either axis, error_x_<unit>, rms over the
-// ring's frames, scatter_x_<unit>, about their mean, in which the noise of the one reference frame has dropped out, and
-// error_frames, how many they are. Work is made when its first case runs, and shared by the cases of one size.
+// Adds one case per size and memory. The work is made when its first case runs, and shared by the cases of one size.
+// Counters:
+//     bytes               as in Work
+//     lost                share of the frames
+//     error_x_<unit>      rms of the error over the ring's frames (x and y)
+//     scatter_x_<unit>    scatter of the error around its mean, without the noise of the reference frame (x and y)
+//     error_frames        number of these frames
 void add_cases(const std::string& name, std::initializer_list<Memory> memories, const MakeWork& make);
 
 void add_yardstick_cases();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardsticks and our chains beside them in one program, so that ratios can be taken within one run:
-// bench/ratios.py does. MOIREGAUGE_SIMD=avx2 asks for narrower vectors than the machine has.
+// Reference implementations and our chains in one program, so that bench/ratios.py can compute ratios within one run.
+// MOIREGAUGE_SIMD=avx2 selects narrower vectors than those of the machine.
 #include <cstdlib>
 #include <iostream>
 
@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
   moiregauge::internal::bench::add_stage_cases();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::AddCustomContext("last_level_cache_bytes", std::to_string(moiregauge::internal::bench::last_level_cache_bytes()));
+  benchmark::AddCustomContext("last_level_cache_bytes",
+                              std::to_string(moiregauge::internal::bench::last_level_cache_bytes()));
   benchmark::AddCustomContext("simd", target);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our chains, as `measure` runs them for one frame.
+// Cases of our methods for one frame, as run by `measure`.
 #include "cases.h"
 #include "moiregauge/detection/circles/circles.h"
 #include "product_chain.h"
@@ -9,7 +9,7 @@ namespace {
 
 using Look = void (ProductChain::*)(const Shot&);
 
-// Its error is that of the displacement that follows.
+// Returns the case of a method. Its error is that of the displacement.
 std::shared_ptr<Work> chain_work(const Recording& recording, const char* method, Look look, bool solves) {
   const auto chain = std::make_shared<ProductChain>(recording, *method_named(method));
   auto work = std::make_shared<Work>();
@@ -42,7 +42,7 @@ std::shared_ptr<Work> detection_work(const Recording& recording) {
 void add_chain_cases() {
   using enum Memory;
   add_cases("detection", {kHot, kRing}, detection_work);
-  // What a frame of `precise` begins with; and both methods with everything up to millimetres and their u.
+  // "tracking" is the first part of a frame of `precise`. The methods include displacement and u.
   add_cases("tracking", {kHot, kRing, kCold},
             [](const Recording& r) { return chain_work(r, "precise", &ProductChain::track, false); });
   add_cases("two-stage", {kRing},

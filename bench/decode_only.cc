@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens a file as `measure` does, takes every frame and drops it: what measuring is compared with.
-//   decode_only FILE           decodes
-//   decode_only --bytes FILE   one pass over the file's bytes instead
-// Prints the number of frames, or of bytes.
+// Opens a file as `measure` does and decodes all frames, for comparison. Prints the number of frames or bytes.
+//
+//     decode_only FILE           decodes the frames
+//     decode_only --bytes FILE   reads the file's bytes once instead
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -49,7 +49,7 @@ int pass_over(const char* path) {
   }
   const auto sum = moiregauge::internal::bench::floor_pass({static_cast<const std::uint8_t*>(bytes), size});
   std::printf("%zu\n", size);
-  return sum == 0 ? 3 : 0;  // so that the pass is not optimised away
+  return sum == 0 ? 3 : 0;  // uses the sum, so that the compiler cannot remove the pass
 }
 
 }  // namespace

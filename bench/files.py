@@ -1,11 +1,10 @@
 #!/usr/bin/python3
-"""Times `moiregauge measure` on files against decoding them and doing nothing.
+"""Times `moiregauge measure` on files, compared with decoding only and with reading the bytes.
 
   bench/files.py BIN WORK --frames N --memory-frames N --repeats N > files.json
 
-BIN holds moiregauge and decode_only; WORK is an empty folder for the recordings (some GB). Wall times of the three are
-taken in turn, and medians kept. Peak memory is that of the largest process (/usr/bin/time), as `measure` and as
-decode_only have it.
+BIN contains moiregauge and decode_only. WORK is an empty folder for the recordings (some GB). The three programs run in
+turn, and the results are medians. Peak memory is that of the largest process (/usr/bin/time).
 """
 import argparse
 import json
@@ -15,18 +14,18 @@ import subprocess
 import sys
 
 SCENARIO, SIZE = "rig-1xyz", (4096, 2168)
-# An integer shift of the principal point, as the larger picture has it on every side.
+# The principal point is shifted by whole pixels, because the image is larger on all sides.
 CAMERA = {"camera.width": 4096, "camera.height": 2168, "camera.cx": 2055.3, "camera.cy": 1072.3}
 ENCODINGS = {
     "raw": ("avi", ["-c:v", "rawvideo", "-pix_fmt", "gray"]),
     "ffv1": ("mkv", ["-c:v", "ffv1", "-level", "3", "-slices", "4", "-pix_fmt", "gray"]),
     "h264": ("mkv", ["-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"]),
 }
-RENDERED = 40  # frames drawn; a longer recording is these over and over
+RENDERED = 40  # frames; longer recordings repeat them
 
 
 def run(*command):
-    """Wall seconds, CPU seconds and peak memory in bytes of a program that must succeed."""
+    """Returns wall time in s, CPU time in s and peak memory in bytes of a program that must succeed."""
     words = ["/usr/bin/time", "-f", "%e %U %S %M", *map(str, command)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode != 0:
@@ -41,7 +40,7 @@ def draw(binaries, folder, frames):
 
 
 def encode(drawn, path, arguments, frames, rendered):
-    """The drawn frames, over and over; only the first round is encoded."""
+    """Writes a recording that repeats the rendered frames. They are encoded once."""
     once = path.with_name("once-" + path.name)
     run("ffmpeg", "-loglevel", "error", "-y", "-framerate", "10", "-i", drawn / "frames" / "%06d.png", *arguments, once)
     rounds = -(-frames // rendered)

@@ -14,8 +14,8 @@ std::uint64_t word(const std::uint8_t* bytes) {
 
 }  // namespace
 
-// Sums of eight bytes at a time, four streams side by side: no addition waits for another, and the compiler makes
-// vectors of any instruction set of it that are as fast as memory.
+// Adds eight bytes at a time in four independent streams, so that no addition waits for another. The compiler
+// vectorises this for any instruction set, and it is as fast as memory.
 std::uint64_t floor_pass(std::span<const std::uint8_t> bytes) {
   const std::size_t stream = bytes.size() / (4 * sizeof(std::uint64_t)) * sizeof(std::uint64_t);
   const std::uint8_t* const p = bytes.data();

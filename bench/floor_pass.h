@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One plain pass over the bytes of a picture: what the machine's memory allows, the floor of everything else.
+// One pass over the bytes of an image, as the lower limit of the time by memory bandwidth.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 
 namespace moiregauge::internal::bench {
 
+// Returns a checksum of the bytes.
 [[nodiscard]] std::uint64_t floor_pass(std::span<const std::uint8_t> bytes);
 
 }  // namespace moiregauge::internal::bench

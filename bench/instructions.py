@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Instructions of a frame, counted by callgrind: a witness that no other load on the machine can change.
+"""Counts the instructions of a frame by callgrind. Unlike times, they do not depend on other load of the machine.
 
   bench/instructions.py CHAIN_BENCH > instructions.json
 
-Of the parts of a frame of `precise`, 4104x1012, with AVX2 (valgrind knows nothing wider): how many instructions, and for
-each byte of the prints' windows. Minutes.
+Counts the parts of a frame of `precise`, 4104x1012, per frame and per byte of the gratings' windows. Uses AVX2, because
+valgrind knows no wider vectors. Takes minutes.
 """
 import json
 import pathlib
@@ -13,18 +13,18 @@ import subprocess
 import sys
 import tempfile
 
-TRACK = ("moiregauge::track_references(", "moiregauge::track_target(")
-# Part: the case that runs it, the functions that are counted, and one that they call once in each frame.
+TRACK = ("moiregauge::internal::track_references(", "moiregauge::internal::track_target(")
+# Part: (case to run, functions to count, function that they call once per frame)
 PARTS = {
-    "tracking": ("tracking", TRACK, "moiregauge::second_view("),
-    "tracking and five patches": ("precise", TRACK, "moiregauge::second_view("),
-    "pose, displacement and u": ("precise", ("moiregauge::bench::ProductChain::solve_in_scene(",), "moiregauge::fit_frame("),
+    "tracking": ("tracking", TRACK, "moiregauge::internal::second_view("),
+    "tracking and five patches": ("precise", TRACK, "moiregauge::internal::second_view("),
+    "pose, displacement and u": ("precise", ("moiregauge::internal::bench::ProductChain::solve_in_scene(",), "moiregauge::internal::fit_frame("),
 }
 SIZE = "4104x1012"
 
 
 def calls_of(function, lines):
-    """How often a callgrind file says that the function was called."""
+    """Returns the number of calls of a function according to a callgrind file."""
     names, callee, calls = {}, None, 0
     for line in lines:
         if match := re.match(r"c?fn=\((\d+)\)(?: (.*))?", line):

@@ -58,7 +58,7 @@ void ProductChain::track(const Shot& shot) {
   auto seen = track_references(picture, reference_, follower_.prediction(), Rows::kSome);
   const bool all = seen && track_target(picture, reference_, {seen->stage2, reference_.lens}, target_,
                                         follower_.prediction(), seen->markers[target_], Rows::kSome);
-  if (!all) return observe(shot);  // not where it was expected
+  if (!all) return observe(shot);  // detection, because a marker is not at its predicted position
   keep(*std::move(seen), shot.frame);
 }
 
@@ -78,7 +78,7 @@ ProductChain::Reading ProductChain::solve(const Observations& one) const {
   return {};
 }
 
-// What `precise` does with a frame once the scene is known.
+// Solves one frame as `precise` does with a known scene.
 ProductChain::Reading ProductChain::solve_in_scene(const Observations& one) const {
   auto [frames, place] = bundle_frames(reference_, one, scene_->camera, {}, kMinForHomography);
   if (place.front() == 0) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One of our methods, frame by frame, as `measure` and `solve` run it.
+// One of our methods, frame by frame, as run by `measure` and `solve`.
 #pragma once
 
 #include <memory>
@@ -14,22 +14,23 @@ namespace moiregauge::internal::bench {
 
 class ProductChain {
  public:
-  // For a method that solves a scene, that of the recording is solved here; what is left then is one frame's part.
+  // Prepares the method. A method with a scene solves the scene of the recording here, so that it is not timed.
   ProductChain(const Recording& recording, const Method& method);
 
-  void observe(const Shot& shot);  // the pixels: looks, and remembers where to look next
-  void track(const Shot& shot);    // of that only discs and the phases of all prints, from some of their rows
+  void observe(const Shot& shot);  // reads the pixels and predicts the next frame
+  void track(const Shot& shot);    // as observe, but only discs and phases of all gratings, from some of their rows
   struct Reading {
     Extent<frame::Board> displacement{kNotMeasured, kNotMeasured};
     Extent<frame::Board> u{kNotMeasured, kNotMeasured};
   };
-  [[nodiscard]] Reading solve() const { return solve(seen_); }  // of the frame observed last, with its uncertainty
+  // Returns displacement and u of the frame observed last.
+  [[nodiscard]] Reading solve() const { return solve(seen_); }
   [[nodiscard]] Reading solve(const Observations& one) const;
 
   [[nodiscard]] bool is_lost() const { return seen_.front().markers[target_].loss != Loss::kNone; }
   [[nodiscard]] std::size_t target() const { return target_; }
   [[nodiscard]] const Reference& reference() const { return reference_; }
-  [[nodiscard]] const Observations& seen() const { return seen_; }  // one: the last
+  [[nodiscard]] const Observations& seen() const { return seen_; }  // one observation: the last
 
  private:
   void keep(Observation seen, long frame);

@@ -1,13 +1,15 @@
 #!/usr/bin/python3
-"""Ratios of one run of the benchmarks, against what they must reach.
+"""Computes ratios within one run of the benchmarks, and compares them with their limits.
 
   bench/ratios.py CHAIN_JSON [MORE_CHAIN_JSON ...] [--files FILES_JSON]
 
-CHAIN_JSON is what chain_bench wrote (aggregates), one file for each instruction set; FILES_JSON what bench/files.py
-wrote. Prints a Markdown table; ends 1 when a gate fails. Milliseconds are of the machine; only ratios within one run mean anything. A ratio counts only when
-nothing was lost and the error is no worse than the yardstick's: its scatter, about the mean of the frames, in which the
-noise of the one reference frame that all of them share has dropped out. A scatter of n frames is itself known to
-1 / sqrt(2 (n - 1)) only; so much is allowed.
+CHAIN_JSON is the output of chain_bench (aggregates), one file per instruction set. FILES_JSON is the output of
+bench/files.py. Prints a Markdown table. Ends 1 if a limit is not met.
+
+Times depend on the machine, ratios within one run do not. A ratio counts only if no frame is lost and the error is not
+larger than that of the reference implementation. The error is the scatter around the mean of the frames, without the
+common noise of the reference frame. The scatter of n frames has a relative standard error of 1 / sqrt(2 (n - 1)), which
+is allowed.
 """
 import argparse
 import json
@@ -22,7 +24,7 @@ MIB = 1024 * 1024
 
 @dataclass
 class Limit:
-    """What is compared with what, and how far: `at least` a number of times as fast, or `at most` a share."""
+    """Limit of a ratio: at least N times as fast, or at most a share."""
     value: float
     least: bool
     of: str = ""
@@ -48,9 +50,9 @@ class Row:
     gate: Limit
     aim: Limit
     reached: float
-    for_aim: float = math.nan  # where the aim is a ratio to something else
+    for_aim: float = math.nan  # ratio for the aim, if it differs from that of the gate
     error: str = ""
-    spoilt: str = ""  # why the ratio does not count
+    spoilt: str = ""  # reason why the ratio does not count
 
     def verdict(self):
         if self.spoilt or not self.gate.holds(self.reached):
@@ -73,7 +75,7 @@ class Chain:
         aggregates = {kind: {row["run_name"]: row for row in content["benchmarks"] if row.get("aggregate_name") == kind}
                       for kind in ("mean", "median")}
         self.medians = aggregates["median"]
-        for name, row in self.medians.items():  # a median would hide a frame that was lost once
+        for name, row in self.medians.items():  # a median would hide a single lost frame
             row["lost"] = aggregates["mean"][name]["lost"]
 
     @property
@@ -91,11 +93,11 @@ class Chain:
         return row["cpu_time"] * {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}[row["time_unit"]]
 
     def share(self, ours, yardstick, size):
-        """Of the yardstick's time; each is (name, memory)."""
+        """Returns the time of `ours` divided by that of `yardstick`; each is (name, memory)."""
         return self.seconds(ours[0], size, ours[1]) / self.seconds(yardstick[0], size, yardstick[1])
 
     def errors(self, ours, yardstick, size, unit):
-        """In words, and why the comparison is spoilt (empty: it is not)."""
+        """Returns the errors as text, and the reason why the comparison does not count (empty: it counts)."""
         mine, other = (self.case(name, size, memory) for name, memory in (ours, yardstick))
         spoilt = ""
         for (name, _), case in ((ours, mine), (yardstick, other)):
@@ -105,7 +107,7 @@ class Chain:
         texts = []
         for axis in ("x", "y"):
             a, b = (case[f"scatter_{axis}_{unit}"] for case in (mine, other))
-            if not spoilt and not a <= b * (1 + 1 / math.sqrt(2 * (mine["error_frames"] - 1))):  # NaN is spoilt too
+            if not spoilt and not a <= b * (1 + 1 / math.sqrt(2 * (mine["error_frames"] - 1))):  # also true for NaN
                 spoilt = f"less exact along {axis}"
             texts.append(f"{scale * a:.2g} / {scale * b:.2g}")
         return f"{', '.join(texts)} {shown}", spoilt

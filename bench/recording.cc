@@ -13,9 +13,9 @@ namespace {
 
 constexpr const char* kScenario = "rig-1xyz";
 constexpr long kFrames = 24;              // 100 and 213 MB: more than most last-level caches
-constexpr long kStep = 4;                 // of the scenario's frames: 1.7 px of camera movement from one to the next
-constexpr double kBeyondCache = 1.5;      // cold: so many times the last-level cache
-constexpr double kMarginDiameters = 1.0;  // round the markers: what a search for a circle may look at
+constexpr long kStep = 4;                 // frames of the scenario: 1.7 px of camera movement per step
+constexpr double kBeyondCache = 1.5;      // size of the cold windows, relative to the last-level cache
+constexpr double kMarginDiameters = 1.0;  // diameters: margin around the markers for the search for circles
 constexpr double kCacheLine = 64.0;       // bytes
 
 simulator::Scenario scenario_of(const Size& size) {
@@ -89,7 +89,7 @@ const std::vector<Shot>& Recording::shots(Memory memory) const {
   return memory == Memory::kHot ? hot_ : memory == Memory::kRing ? ring_ : cold_;
 }
 
-// Only the rows in which there are markers are copied: the rest takes no memory, and nobody looks at it.
+// Copies only the rows with markers. The other rows are never read and take no memory.
 std::vector<Shot> Recording::cold_copies() const {
   const double share =
       kBeyondCache * static_cast<double>(last_level_cache_bytes()) / static_cast<double>(window_bytes());
@@ -99,7 +99,7 @@ std::vector<Shot> Recording::cold_copies() const {
   std::vector<Shot> shots;
   for (std::size_t n = 0; n < std::max<std::size_t>(rounds, 1) * ring_.size(); ++n) {
     const Shot& from = ring_[n % ring_.size()];
-    copies_.emplace_back(new std::uint8_t[frame_bytes()]);  // not filled: no page is taken before it is written
+    copies_.emplace_back(new std::uint8_t[frame_bytes()]);  // not initialised: unused pages take no memory
     const ImageView<std::uint8_t> to{copies_.back().get(), from.picture.width, from.picture.height, from.picture.width};
     for (int y = rows.begin; y < rows.end; ++y) {
       const auto row = from.picture.row(y);

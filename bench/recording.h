@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording of the paper's rig, rendered into memory; its truth is known.
+// A simulated recording of the paper's rig in memory, with known truth.
 #pragma once
 
 #include <array>
@@ -19,43 +19,45 @@ struct Size {
   int height = 0;
   [[nodiscard]] std::string name() const { return std::to_string(width) + "x" + std::to_string(height); }
 };
-inline constexpr std::array kSizes{Size{4104, 1012}, Size{4096, 2168}};  // the paper's recording, its whole sensor
+inline constexpr std::array kSizes{Size{4104, 1012}, Size{4096, 2168}};  // px: the paper's recording, its whole sensor
 
-// How far away the pixels are when a frame's turn comes.
+// State of the caches before a frame is read.
 enum class Memory {
-  kHot,   // the same frame again and again
-  kRing,  // a few frames in turn: the markers' windows fit into the last-level cache, the frames as a whole do not
-  kCold,  // so many copies that not even the windows fit
+  kHot,   // one frame, repeated
+  kRing,  // 24 frames in turn: the markers' windows fit into the last-level cache, the whole frames do not
+  kCold,  // copies of the frames, whose windows together do not fit into the last-level cache
 };
 [[nodiscard]] const char* word_for(Memory memory);
 
 struct Shot {
   ImageView<std::uint8_t> picture;
-  long frame = 0;  // in the scenario
+  long frame = 0;  // number in the scenario
 };
 
 using Error = std::array<double, 2>;  // measured minus true, along x and y
 
 class Recording {
  public:
-  // Rendered when first asked for, and kept.
+  // Returns the recording, which is rendered at the first call.
   [[nodiscard]] static const Recording& of(const Size& size);
 
   [[nodiscard]] const simulator::Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const Reference& reference() const { return reference_; }
   [[nodiscard]] const Image<std::uint8_t>& reference_frame() const { return frames_.front(); }
-  // In an order in which the camera never moves further than between neighbouring frames, at the wrap too. Every frame
-  // of the ring is among its first frames().
+  // Returns the frames forwards and then backwards, so that the camera moves by one step only, also from the last to
+  // the first. The first frames() of the ring are all different.
   [[nodiscard]] const std::vector<Shot>& shots(Memory memory) const;
   [[nodiscard]] std::size_t frames() const { return frames_.size() - 1; }
   [[nodiscard]] std::size_t frame_bytes() const {
     return static_cast<std::size_t>(scenario_.camera.width) * static_cast<std::size_t>(scenario_.camera.height);
   }
-  // Of the markers' prints in one frame, in whole cache lines: a row of a window takes one more than it fills.
+  // Returns the bytes of the markers' windows in one frame. Each row of a window counts one cache line more than its
+  // width.
   [[nodiscard]] std::size_t window_bytes() const;
-  // Of a site marker's displacement, mm.
+  // Returns the error in mm of a marker's displacement.
   [[nodiscard]] Error error(std::size_t marker, Extent<frame::Board> measured, long frame) const;
-  // Of the circle that was found nearest to the first reference's, px; the others have the same noise.
+  // Returns the error in px of the detected circle nearest to that of the first reference. The others have the same
+  // noise.
   [[nodiscard]] Error circle_error(const std::vector<ImagePoint>& found, long frame) const;
 
  private:
@@ -63,10 +65,10 @@ class Recording {
   [[nodiscard]] std::vector<Shot> cold_copies() const;
 
   simulator::Scenario scenario_;
-  std::vector<Image<std::uint8_t>> frames_;  // the reference frame first
+  std::vector<Image<std::uint8_t>> frames_;  // the first one is the reference frame
   Reference reference_;
   std::vector<Shot> ring_, hot_;
-  mutable std::vector<Shot> cold_;  // large, so made when first asked for
+  mutable std::vector<Shot> cold_;  // made at the first use, because it is large
   mutable std::vector<std::unique_ptr<std::uint8_t[]>> copies_;
 };
 

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Writes docs/performance.md to stdout, from what chain_bench, bench/files.py, bench/instructions.py and bench/report_page.py measured.
+"""Writes docs/performance.md to stdout, from the results of chain_bench and the other scripts of this folder.
 
   bench/report.py CHAIN_JSON [MORE_CHAIN_JSON ...] --files FILES_JSON --instructions INSTRUCTIONS_JSON --page PAGE_JSON --cpu MODEL --compiler NAME --command "tools/bench ..."
 
-Ends 1 when a gate fails (bench/ratios.py); the document is written all the same.
+Ends 1 if a limit is not met (bench/ratios.py), but writes the page.
 """
 import argparse
 import json
@@ -12,7 +12,7 @@ import sys
 import ratios
 import report_page
 
-# Cases and memories in the order of the table; what a reader calls them.
+# Cases in the order of the table, with their names for the reader.
 CASES = (("floor", "one pass over the frame's bytes"), ("textbook", "textbook chain (OpenCV)"),
          ("textbook detection", "its search for the circles"), ("detection", "first detection, full frame"),
          ("tracking", "tracking: circles and five phases"), ("two-stage", "`two-stage`, with u"),
@@ -35,7 +35,7 @@ overlay. Of decoded files all but the scene at the end is hidden behind the deco
 
 
 def errors(row):
-    """Along x, y: rms, and scatter in brackets."""
+    """Returns the errors along x and y as text: rms, and scatter in brackets."""
     for unit, scale, shown in (("mm", 1000, "um"), ("px", 1, "px")):
         if f"error_x_{unit}" in row:
             return ", ".join(f"{scale * row[f'error_{axis}_{unit}']:.2g} ({scale * row[f'scatter_{axis}_{unit}']:.2g})"

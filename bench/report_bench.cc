@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times what it takes to write report.html of a long run, and writes it to be opened:
-//   report_bench FRAMES TARGETS FILE      prints JSON: seconds for spectra and all, bytes
-// The run is made up: targets that swing at 1.7 Hz on a slow drift, with noise; gaps; a picture of 4096 x 2168 is left
-// out.
+// Times the writing of report.html for a long synthetic run, and writes the page. Prints JSON: seconds and bytes.
+//
+//     report_bench FRAMES TARGETS FILE
+//
+// The targets vibrate at 1.7 Hz on a slow drift, with noise and gaps. The page has no overlay image.
 #include <chrono>
 #include <cmath>
 #include <cstdlib>

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Times report.html: how long a run takes to write it, and a browser to show it.
+"""Times report.html: writing by the program, and display in a browser.
 
   bench/report_page.py BINARIES WORK [--put DOCUMENT]
 
-Runs report_bench, opens its pages in headless Chromium (tests/report/browser.py), and prints JSON; --put also replaces the section
-of docs/performance.md that these figures make. Times are medians of three, in milliseconds of this machine.
+Runs report_bench, opens its pages in headless Chromium (tests/report/browser.py), and prints JSON. --put also replaces
+the section of these figures in docs/performance.md. Times are medians of three in ms, on this machine.
 """
 import argparse
 import json
@@ -19,7 +19,7 @@ from browser import Browser  # pylint: disable=wrong-import-position
 RUNS = ((20000, 3), (1000000, 1))
 REPEATS = 3
 TITLE = "## The report"
-# All plots in view anew, half as wide, until they are on the screen.
+# JavaScript: times zoom and pan of the plots in view, until they are drawn.
 ZOOM = """(async () => {
   document.querySelector('#displacement .canvas').focus();
   const times = [];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the time of a frame of `precise` goes: its stages one by one, each on the ring's frames with everything before
-// it already known.
+// Cases of the stages of a frame of `precise`, one by one. Each uses the ring's frames and the known results of the
+// stages before it.
 #include <map>
 #include <vector>
 
@@ -11,10 +11,10 @@
 namespace moiregauge::internal::bench {
 namespace {
 
-// What `precise` saw in every frame of the ring.
+// Observations of `precise` in all frames of the ring.
 struct SeenRing {
   std::unique_ptr<ProductChain> chain;
-  std::map<long, Observations> seen;  // by frame, one each
+  std::map<long, Observations> seen;  // by frame, one observation each
 
   [[nodiscard]] Observation at(const Shot& shot) const { return seen.at(shot.frame).front(); }
   [[nodiscard]] View view(const Shot& shot) const { return {at(shot).stage2, chain->reference().lens}; }
@@ -84,7 +84,7 @@ bool fit_ring(const SeenRing& ring, const Shot& shot) {
   return reading.u.y > 0.0;
 }
 
-// The last two are done once per run, not per frame.
+// This stage and the next one are done once per run, not once per frame.
 bool reference(const SeenRing& ring, const Shot& shot) {
   auto made = make_reference({shot.picture, 8}, ring.chain->reference().site, Camera{}, {});
   if (made) method_named("precise")->prepare({shot.picture, 8}, *made);

@@ -9,10 +9,10 @@
 namespace moiregauge::internal::bench {
 namespace {
 
-constexpr double kMinCircularity = 0.84;  // W, seed paper Eq. (6)
+constexpr double kMinCircularity = 0.84;  // W, paper Eq. (6)
 constexpr double kTwoPi = 2.0 * CV_PI;
 
-// Minus the turn of the phase, averaged over the patch, in pitches: seed paper Eq. (4).
+// Returns the displacement in pitches: minus the phase change averaged over the patch (paper Eq. 4).
 double moved_pitches(const std::vector<cv::Point2f>& then, const std::vector<cv::Point2f>& now) {
   std::complex<double> sum;
   for (std::size_t i = 0; i < now.size(); ++i)
@@ -44,8 +44,8 @@ std::optional<std::array<cv::Point2f, 4>> textbook_circles(const cv::Mat& frame,
   return std::array{found[0], found[1], found[2], found[3]};
 }
 
-// Seed paper Eqs. (2) and (3) along the rows: T pictures of every T-th pixel, linear in between, and their DFT at 1/T.
-// Pixel x of the picture that begins at pixel k lies between x - j and x - j + T, where j = (x - k) mod T.
+// Computes sampling moire along the rows (paper Eqs. 2 and 3): T images of every T-th pixel, interpolated linearly, and
+// their DFT at 1/T. Pixel x of the image that begins at pixel k is between x - j and x - j + T, with j = (x - k) mod T.
 TextbookChain::Fringe TextbookChain::sampling_moire(const cv::Mat& patch) const {
   const int pitch = site_.sampling_pitch_px, width = patch.cols - 2 * pitch;
   std::vector<float> cosine(static_cast<std::size_t>(patch.cols)), sine(cosine.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardsticks: one pass over the frame, and the textbook chain.
+// Cases of the reference implementations: one pass over the frame, and the textbook chain.
 #include <limits>
 #include <stdexcept>
 
@@ -17,7 +17,7 @@ cv::Mat as_mat(const ImageView<std::uint8_t>& picture) {
           static_cast<std::size_t>(picture.stride)};
 }
 
-// Windows a few pixels inside the prints, as a user would draw them.
+// Returns windows 4 px inside the gratings, as a user would draw them.
 TextbookSite textbook_site(const Reference& reference) {
   constexpr int kInside = 4;
   TextbookSite site;
@@ -29,7 +29,7 @@ TextbookSite textbook_site(const Reference& reference) {
     return cv::Rect(static_cast<int>(centre.x) - width / 2, static_cast<int>(centre.y) - height / 2, width, height);
   };
   std::size_t references = 0;
-  for (const Marker& marker : reference.site.markers) {  // the rig's: NW, NE, SW, SE, target
+  for (const Marker& marker : reference.site.markers) {  // order of the rig: NW, NE, SW, SE, target
     if (marker.role == Role::kReference) {
       site.references.at(references++) = window(marker);
       continue;

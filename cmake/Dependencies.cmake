@@ -1,4 +1,4 @@
-# What we stand on; every name is a package of tools/packages.txt.
+# Dependencies. Their Debian packages are in tools/packages.txt.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tl-expected REQUIRED)
 find_package(Ceres 2.1 REQUIRED)
@@ -12,7 +12,7 @@ if(BUILD_TESTING)
   find_package(GTest REQUIRED)
 endif()
 
-# libopencv-imgproc-dev has no CMake config of its own.
+# libopencv-imgproc-dev has no CMake configuration.
 find_path(OPENCV_INCLUDE opencv2/imgproc.hpp PATH_SUFFIXES opencv4 REQUIRED)
 find_library(OPENCV_CORE opencv_core REQUIRED)
 find_library(OPENCV_IMGPROC opencv_imgproc REQUIRED)

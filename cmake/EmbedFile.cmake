@@ -1,4 +1,4 @@
-# Writes a C++ source that holds one file, byte for byte:
+# Writes a C++ source with the bytes of one file:
 #   cmake -DFILE=page.html -DHEADER=moiregauge/report/report_page.h -DFUNCTION=report_template -DOUTPUT=page.cc -P EmbedFile.cmake
 file(READ ${FILE} bytes HEX)
 string(REGEX REPLACE "(................................................................)" "\\1\n" bytes "${bytes}")

@@ -1,5 +1,5 @@
-# Writes a C++ source that holds the pages of a folder: cmake -DFOLDER=docs/cli -DOUTPUT=pages.cc -P EmbedPages.cmake
-# So the program tells what the documentation tells, word for word.
+# Writes a C++ source with the pages of a folder. The program's help then has the text of the documentation:
+#   cmake -DFOLDER=docs/cli -DOUTPUT=pages.cc -P EmbedPages.cmake
 file(GLOB files ${FOLDER}/*.md)
 list(SORT files)
 set(text "// Made by cmake/EmbedPages.cmake; edit the pages instead.\n#include <array>\n\n#include \"moiregauge/cli/help/page.h\"\n\n")

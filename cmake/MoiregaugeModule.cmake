@@ -1,6 +1,6 @@
-# moiregauge_module(NAME name [PRIVATE] LINK libs... TEST_LINK libs...): the library of src/moiregauge/<name> and the tests beside it.
-# Every *_test.cc becomes part of <name>_test; every other *.cc part of the static library moiregauge_<name>.
-# Unless PRIVATE it is installed as moiregauge::<name> with its headers (cmake/Install.cmake).
+# moiregauge_module(NAME name [PRIVATE] LINK libs... TEST_LINK libs...) adds the library and the tests of
+# src/moiregauge/<name>. All *_test.cc files are part of <name>_test, all other *.cc files of the static library
+# moiregauge_<name>. Unless PRIVATE, it is installed as moiregauge::<name> with its headers (cmake/Install.cmake).
 function(moiregauge_module)
   cmake_parse_arguments(ARG "PRIVATE" "NAME" "LINK;TEST_LINK" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/src/moiregauge/${ARG_NAME})

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""What each command says of words, files and folders it can do nothing with: a table of (words, exit code, what the line must name).
+"""Checks the errors of a command for invalid arguments, files and folders, by a table.
 
     bad_input.py MOIREGAUGE COMMAND WORK
-Of every row: exactly one line that starts with `error: `, nothing on stdout, the exit code of the table, and a line of the form
-`error: what: where: what to do`: three parts at least, the last of them with a word to act on.
+
+Each row of the table is (arguments, exit code, texts in the error line). Requires exactly one line that starts with
+`error: `, nothing on stdout, and the exit code. The line has at least three parts, `error: what: where: what to do`,
+and the last part is an instruction to the user.
 """
 import pathlib
 import re
@@ -16,8 +18,8 @@ TABLE = {
     "moiregauge": [
         ("frobnicate", 2, "moiregauge -h"),
         ("mesure clip.mp4", 2, "moiregauge measure"),
-        ("--quiet", 2, "behind its command"),
-        ("--pitch 10mm measure x", 2, "behind its command"),
+        ("--quiet", 2, "after the command"),
+        ("--pitch 10mm measure x", 2, "after the command"),
     ],
     "help": [
         ("help frobnicate", 2, "moiregauge help"),
@@ -35,7 +37,7 @@ TABLE = {
         ("measure clip.avi --pitch 10", 2, "10mm"),
         ("measure clip.avi --pitch -10mm", 2, "greater than 0"),
         ("measure clip.avi --pitch 10parsec", 2, "parsec"),
-        ("measure clip.avi --pitch 10mm --site site.toml", 2, "leave one"),
+        ("measure clip.avi --pitch 10mm --site site.toml", 2, "give one of them"),
         ("measure clip.avi --site nowhere.toml", 2, "nowhere.toml"),
         ("measure clip.avi --pitch 10mm --camera nowhere.toml", 2, "nowhere.toml"),
         ("measure clip.avi --pitch 10mm --method best", 2, "two-stage"),
@@ -52,7 +54,7 @@ TABLE = {
         ("measure clip.avi --pitch 10mm --exaggerate 5", 2, "--video"),
         ("measure clip.avi --pitch 10mm --video --exaggerate 0", 2, "from 1 to"),
         ("measure clip.avi --pitch 10mm --max-pixels 0", 2, "--max-pixels"),
-        ("measure clip.avi --pitch 10mm --resume --restart", 2, "leave one out"),
+        ("measure clip.avi --pitch 10mm --resume --restart", 2, "give one of them"),
         ("measure clip.avi --pitch 10mm --print-scale 100.12mm", 2, "1.0012"),
         ("measure clip.avi --pitch 10mm --print-scale 1.0012,", 2, "1.0012,0.9990"),
         ("measure clip.avi --pitch 10mm --print-scale 100.12", 2, "1.0012"),
@@ -71,7 +73,7 @@ TABLE = {
         ("plan --distance 5m --camera imx999", 2, "imx250, imx255"),
         ("plan --distance 5m --camera imx255", 2, "--focal 12mm"),
         ("plan --distance 5m --camera imx255 --focal 12", 2, "unit"),
-        ("plan --distance 5m --camera imx255 --focal 12mm --fov 60", 2, "leave one out"),
+        ("plan --distance 5m --camera imx255 --focal 12mm --fov 60", 2, "give one of them"),
         ("plan --distance 5m --resolution 4096 --fov 60", 2, "4096x2160"),
         ("plan --distance 5m --resolution 4096x2160 --focal 12mm", 2, "--pixel"),
         ("plan --distance 5m --camera text.mp4", 2, "text.mp4"),
@@ -80,7 +82,7 @@ TABLE = {
         ("plan --distance 5m --camera imx255 --focal 12mm --vibration 2mm", 2, "0.5mm@5Hz"),
         ("plan --distance 5m --camera imx255 --focal 12mm --vibration 1e300mm@1e300Hz", 2, "0.5mm@5Hz"),
         ("plan --distance 5m --camera imx255 --focal 12mm --camera-vibration 2mm@3Hz", 2, "0.01deg@10Hz"),
-        ("plan --distance 500m --camera imx255 --focal 12mm --span 9x3m", 2, "px in the picture"),
+        ("plan --distance 500m --camera imx255 --focal 12mm --span 9x3m", 2, "px in the image"),
         ("plan --distance 5m --camera imx255 --focal 12mm --site nowhere.toml", 2, "nowhere.toml"),
     ],
     "sheet": [
@@ -92,7 +94,7 @@ TABLE = {
         ("sheet --pitch 1e-6mm", 2, "0.01"),
         ("sheet --span 1e9x1e9m", 2, "1e+06 mm"),
         ("sheet --span 760", 2, "760x56mm"),
-        ("sheet --references 5", 2, "4, or 6"),
+        ("sheet --references 5", 2, "give 4, or 6"),
         ("sheet --targets -1", 2, "--targets"),
         ("sheet --targets 9", 2, "fewer targets"),
         ("sheet --pitch 90mm", 2, "smaller --pitch"),
@@ -101,7 +103,7 @@ TABLE = {
         ("sheet --ink 0", 2, "--ink"),
         ("sheet --gamma 9 --pattern cosine", 2, "--gamma"),
         ("sheet --site nowhere.toml", 2, "nowhere.toml"),
-        ("sheet --site nowhere.toml --pitch 10mm", 2, "leave those out"),
+        ("sheet --site nowhere.toml --pitch 10mm", 2, "remove those options"),
         ("sheet -o empty/../text.mp4", 2, "text.mp4"),
     ],
     "solve": [
@@ -116,7 +118,7 @@ TABLE = {
     "export": [
         ("export", 2, "DIR"),
         ("export nowhere", 3, "nowhere"),
-        ("export text.mp4", 3, "not a folder"),
+        ("export text.mp4", 3, "is not a folder"),
         ("export empty", 3, "run.json"),
         ("export empty --format parquet", 2, "wide, long, hdf5, uff58"),
         ("export empty --gaps fill", 2, "refuse, split"),

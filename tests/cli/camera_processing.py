@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Processing inside a camera that leaves no noise behind to show its error: no row that it makes wrong may be `ok`.
+"""Checks temporal processing in the camera, which causes errors without noise: wrong rows must not be `ok`.
 
-A target before a still camera goes up and down by 1 mm and creeps by 0.12 mm to the right; errors are those against truth.csv.
+A target in front of a fixed camera moves up and down by 1 mm and creeps by 0.12 mm to the right. Errors are relative to
+truth.csv.
 """
 import csv
 
@@ -13,7 +14,7 @@ RESTING = ["marker.mid.dy.scale=0", "marker.mid.dx.scale=0", "noise.sigma=0.8"]
 
 
 def measured(name, settings, video_filter=None, expected=0):
-    """The rows called ok and those called untrusted, the wrong ones among the former, and what was said."""
+    """Returns the numbers of ok, untrusted and wrong ok rows, and stderr."""
     clip = work / name
     command = [program, "simulate", "small-still", "--frames", 40, "--markers-only", "--codec", "ffv1", "-o", clip]
     for setting in settings:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Validates a run.json against its schema:  check_run_json.py SCHEMA RUN_JSON"""
+"""Validates a run.json against its schema: check_run_json.py SCHEMA RUN_JSON."""
 import json
 import sys
 

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-"""Completion as bash does it: complete.py MOIREGAUGE WORK. Of zsh only the grammar is read, by zsh -n.
+"""Tests completion in bash, and the syntax of the completion for zsh (zsh -n).
 
-Every row: the words before the cursor, and what must and must not be offered.
+    complete.py MOIREGAUGE WORK
+
+Each row of the table has the words before the cursor, the words that must be offered, and those that must not.
 """
 import pathlib
 import shutil

@@ -1,4 +1,7 @@
-"""Cases 1 to 14 of damaged and hostile input: damaged_input.py PROGRAM WORK SOURCE CASE. What a case promises stands in it."""
+"""Tests damaged and hostile input, cases 1 to 14: damaged_input.py PROGRAM WORK SOURCE CASE.
+
+The function of a case contains its requirements.
+"""
 import ctypes
 import json
 import os
@@ -21,7 +24,7 @@ H264 = ["-pix_fmt", "yuv420p", "-c:v", "libx264", "-g", "8", "-bf", "2", "-qp", 
 
 
 def clip(name, how, frames=24):
-    """A small simulated video, and the site it shows: 25 frames a second."""
+    """Makes a small simulated video with 25 frames/s, and its site. Returns the path of the video."""
     if not (work / "run").exists():
         simulate(program, work / "run", "small-1xyz", frames)
     run(["ffmpeg", "-nostdin", "-loglevel", "error", "-framerate", "25", "-i", work / "run/frames/%06d.png", *how, work / name])
@@ -29,7 +32,7 @@ def clip(name, how, frames=24):
 
 
 def measure(path, expected, *more):
-    """By a method that lets no frame judge another."""
+    """Measures with two-stage, in which frames do not affect each other."""
     return run([program, "measure", path, "--site", work / "run/site.toml", "--method", "two-stage", "-o", out_of(path), *more],
                expected)
 
@@ -39,7 +42,7 @@ def out_of(path):
 
 
 def refuse(path, words, *more):
-    """Exit 3 with one line that says so, and nothing on the disc."""
+    """Checks that measure ends with exit 3 and one error line, and writes nothing."""
     done = run([program, "measure", path, "--pitch", "10mm", "-o", out_of(path), *more], 3)
     lines = done.stderr.splitlines()
     insist(len(lines) == 1 and lines[0].startswith("error: ") and words in lines[0], f"{path}: {done.stderr}, not {words}")
@@ -57,7 +60,7 @@ def states(path):
 
 
 def luma(path):
-    """Every picture that ffmpeg finds, whatever it thinks of it."""
+    """Returns all frames that ffmpeg decodes, with or without errors."""
     done = subprocess.run(["ffmpeg", "-nostdin", "-loglevel", "quiet", "-i", str(path), "-vf", "extractplanes=y", "-vsync",
                            "passthrough", "-f", "rawvideo", "-"], capture_output=True, check=False)
     return numpy.frombuffer(done.stdout, numpy.uint8).reshape(-1, 512, 1024)
@@ -73,22 +76,22 @@ def insist_incomplete(path):
 
 
 def case_01_no_such_input():
-    refuse(work / "absent.mp4", "no such file")
+    refuse(work / "absent.mp4", "does not exist")
     (work / "folder").mkdir()
-    refuse(work / "folder", "no picture")
+    refuse(work / "folder", "there are no images")
     (work / "secret.mp4").write_bytes(b"x" * 100)
     (work / "secret.mp4").chmod(0)
     if os.geteuid() != 0:
-        refuse(work / "secret.mp4", "cannot open")
+        refuse(work / "secret.mp4", "cannot be opened")
 
 
 def case_02_no_video():
     (work / "empty.mp4").write_bytes(b"")
     refuse(work / "empty.mp4", "is empty")
     (work / "letter.mp4").write_text("This is a letter, not a film.\n")
-    refuse(work / "letter.mp4", "(found: text)")
+    refuse(work / "letter.mp4", "(it is text)")
     (work / "noise.avi").write_bytes(numpy.random.default_rng(1).bytes(5000))
-    refuse(work / "noise.avi", "no video")
+    refuse(work / "noise.avi", "is not a video")
 
 
 def case_03_index_lost():
@@ -105,21 +108,22 @@ def case_04_cut_at_60_percent():
         cut.write_bytes(whole.read_bytes()[:whole.stat().st_size * 6 // 10])
         measure(whole, 0)
         done = measure(cut, 5)
-        frames = int(says(done, r"^warning: input ends at frame (\d+)(?: of (?:about )?24)? \(0\.\d\d s(?: of 0.96 s)?\)").group(1))
+        frames = int(says(done, r"^warning: the input ends at frame (\d+)(?: of (?:about )?24)? \(0\.\d\d s(?: of 0.96 s)?\)").group(1))
         kept = rows(out_of(cut))
         insist(8 <= frames == len(kept) <= 20, f"{name}: {len(kept)} rows, {frames} frames")
-        # By their times: of frames stored in another order than shown, one may be missing just before the cut.
+        # Frames are compared by time. If the storage order differs from the display order, one frame before the cut may
+        # be missing.
         values = ("time_s", "dx_mm", "dy_mm", "status")
         good = {row[0]: row for row in rows(out_of(cut), values) if row[-1] == "ok"}
         before = {row[0]: row for row in rows(out_of(whole), values)}
         changes = [abs(float(a) - float(b)) for at, row in good.items() for a, b in zip(row[1:3], before[at][1:3])]
-        insist(max(changes) < 1e-4, f"{name}: frames before the cut changed by {max(changes)} mm")  # behind a gap it looks anew
+        insist(max(changes) < 1e-4, f"{name}: frames before the cut changed by {max(changes)} mm")  # the first frame after a gap uses detection
         insist(len(good) >= frames - 8, f"{name}: {len(good)} good rows of {frames}")
         insist_incomplete(cut)
 
 
 def insist_marked(whole, hit):
-    """Every frame of which ffmpeg shows other pixels is marked."""
+    """Checks that all frames with changed pixels, as decoded by ffmpeg, have the status decode-error."""
     good, bad, found = luma(whole), luma(hit), states(hit)
     insist(len(good) == len(bad) == len(found), f"{len(good)}, {len(bad)} and {len(found)} frames")
     differ = [i for i in range(len(good)) if (good[i] != bad[i]).any()]
@@ -138,8 +142,8 @@ def case_05_damaged_bytes():
         hit.write_bytes(content)
         done = measure(hit, 5)
         found = insist_marked(whole, hit)
-        told = says(done, r"^warning: input damaged from frame (\d+); (\d+) frames marked decode-error")
-        insist((int(told.group(1)), int(told.group(2))) == (found.index("decode-error"), found.count("decode-error")), told.group(0))
+        told = says(done, r"^warning: (\d+) frames have no values \(decode-error\): the input is damaged from frame (\d+) on")
+        insist((int(told.group(2)), int(told.group(1))) == (found.index("decode-error"), found.count("decode-error")), told.group(0))
         insist(found.count("ok") >= 8, f"{found}")
         insist(all(row[2] == "NaN" for row in rows(out_of(hit)) if row[-1] == "decode-error"), "a damaged frame has a number")
         insist_incomplete(hit)
@@ -150,26 +154,26 @@ def case_05_damaged_pictures():
     frames = sorted((work / "run/frames").glob("*.png"))
     frames[3].write_bytes(frames[3].read_bytes()[:3000])
     done = measure(work / "run", 5, "--fps", "25")
-    says(done, r"^warning: frame 3 counts as damaged: .*000003.png")
+    says(done, r"^warning: frame 3 has no values: .*000003.png")
     insist([s == "decode-error" for s in states(work / "run")] == [i == 3 for i in range(8)], f"{states(work / 'run')}")
     pictures.write_png(frames[6], numpy.full((64, 64), 99, numpy.uint8))
     (work / "run.out").rename(work / "before")
     done = measure(work / "run", 5, "--fps", "25")
-    says(done, r"^warning: frame size changed 1024x512 of 8 bit -> 64x64 of 8 bit at frame 6")
+    says(done, r"^warning: the image size changes from 1024x512 of 8 bits to 64x64 of 8 bits at frame 6")
     insist(len(states(work / "run")) == 6, "what came before counts")
     insist_incomplete(work / "run")
 
 
 def case_06_hole():
     for name in ["a.mkv", "a.ts", "a.mp4"]:
-        whole = clip(name, [*H264, "-movflags", "faststart", "-cluster_time_limit", "200"], 32)  # libav goes on at a cluster
+        whole = clip(name, [*H264, "-movflags", "faststart", "-cluster_time_limit", "200"], 32)  # libav resumes at the next cluster
         hole = work / ("hole" + whole.suffix)
         content = bytearray(whole.read_bytes())
         begin, size = len(content) * 45 // 100, len(content) // 12
         content[begin:begin + size] = bytes(size)
         hole.write_bytes(content)
         done = measure(hole, 5)
-        says(done, r"^warning: input damaged from frame \d+; \d+ frames? marked decode-error")
+        says(done, r"^warning: \d+ frames? (has|have) no values \(decode-error\): the input is damaged from frame \d+ on")
         good = [float(row[1]) for row in rows(out_of(hole), ("frame", "time_s", "status")) if row[-1] == "ok"]
         insist(min(good) < 0.2 and max(good) > 1.0, f"{name}: both sides of the hole count: {good}")
         insist_incomplete(hole)
@@ -180,7 +184,7 @@ def case_07_frame_size_changes():
     half = clip("b.ts", ["-vf", "scale=512:256", *H264])
     (work / "c.ts").write_bytes(first.read_bytes() + half.read_bytes())
     done = measure(work / "c.ts", 5)
-    says(done, r"^warning: frame size changed 1024x512 -> 512x256 at frame 12")
+    says(done, r"^warning: the frame size changes from 1024x512 to 512x256 at frame 12")
     insist(len(states(work / "c.ts")) == 12 and states(work / "c.ts").count("ok") >= 6, f"{states(work / 'c.ts')}")
     insist_incomplete(work / "c.ts")
 
@@ -189,7 +193,7 @@ def case_08_time_runs_backwards():
     first = clip("a.ts", H264, 12)
     (work / "b.ts").write_bytes(2 * first.read_bytes())
     done = measure(work / "b.ts", 5)
-    says(done, r"^warning: time runs backwards at frame 12 \(0\.\d\d -> 0.00 s\)")
+    says(done, r"^warning: the times run backwards at frame 12 \(0\.\d\d to 0.00 s\)")
     insist(len(states(work / "b.ts")) == 12, f"{states(work / 'b.ts')}")
     insist_incomplete(work / "b.ts")
 
@@ -197,7 +201,7 @@ def case_08_time_runs_backwards():
 def case_09_variable_frame_rate():
     gap = clip("a.mp4", ["-vf", "select='not(between(n\\,6\\,16))'", "-vsync", "vfr", *H264])
     done = measure(gap, 0)
-    says(done, r"^note: variable frame rate, largest gap 0.48 s at 0.20 s")
+    says(done, r"^note: the frame rate varies \(largest gap 0.48 s at 0.20 s\)")
     times = [float(row[1]) for row in rows(out_of(gap), ("frame", "time_s"))]
     insist(numpy.allclose(times, [i / 25 for i in range(24) if not 6 <= i <= 16], atol=1e-6), f"{times}")
 
@@ -215,14 +219,14 @@ def case_10_depth_and_rotation():
 def case_11_too_few_frames():
     one = clip("a.mkv", ["-frames:v", "1", "-pix_fmt", "gray", "-c:v", "ffv1"], 2)
     done = measure(one, 4)
-    says(done, r"^error: refused: .*two frames are needed")
+    says(done, r"^error: the run is refused because .*two frames are needed")
     run([program, "inspect", one, "--site", work / "run/site.toml", "-o", work / "seen"])
     run(["ffmpeg", "-nostdin", "-loglevel", "error", "-f", "lavfi", "-i", "color=gray:s=64x64:d=0", "-c:v", "ffv1", work / "none.mkv"])
     refuse(work / "none.mkv", "no ")
 
 
 class Watch:
-    """Was a file opened meanwhile? inotify(7), IN_OPEN."""
+    """Detects whether a file is opened (inotify(7), IN_OPEN)."""
 
     def __init__(self, path):
         libc = ctypes.CDLL(None)
@@ -249,7 +253,7 @@ def case_12_inputs_that_name_others():
         (work / name).write_text(text)
         refuse(work / name, words)
     for name in ["http://127.0.0.1:9/a.mp4", f"file:{secret}", f"concat:{secret}|{secret}", f"subfile,,start,0,end,0,,:{secret}"]:
-        refuse(name, "no such file")
+        refuse(name, "does not exist")
     secret.rename(work / "001.ts")
     watch = Watch(work / "001.ts")
     refuse(work / "%03d.ts", "--sequence")
@@ -271,7 +275,7 @@ def tiff_that_claims(width, height):
 
 
 def measured_run(command, expected):
-    """Seconds and kilobytes of a command."""
+    """Returns the time in s and the peak memory in kB of a command."""
     begin = time.monotonic()
     child = subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, used = os.wait4(child.pid, 0)
@@ -292,10 +296,10 @@ def case_13_bombs():
     (work / "e.jpg").write_bytes(jpeg)
     for name, size in [("a.png", "32000x32000"), ("b.png", "65535x65535"), ("c.tif", "65535x65535"), ("d.y4m", "9000x9000"),
                        ("e.jpg", "60000x60000")]:
-        refuse(work / name, f"image {size} exceeds the limit of 64 Mpx")
+        refuse(work / name, f"size {size} exceeds the limit of 64 Mpx")
         seconds, kilobytes = measured_run([program, "measure", work / name, "--pitch", "10mm", "-o", work / "o"], 3)
         insist(kilobytes < empty_kb + 50000, f"{name}: {kilobytes} kB, {empty_kb} to begin with")
-        insist(seconds < empty_s + 2.0, f"{name}: {seconds} s, {empty_s} to begin with")  # 0.1 s on a machine of one's own
+        insist(seconds < empty_s + 2.0, f"{name}: {seconds} s, {empty_s} to begin with")  # s; 0.1 s on an idle machine
     pictures.write_png(work / "f.png", numpy.zeros((100, 100), numpy.uint8))
     refuse(work / "f.png", "--max-pixels", "--max-pixels", "9999")
 
@@ -312,7 +316,7 @@ def decoder_of(process):
 
 
 def strike(stroke, words):
-    """The decoder is struck when some frames have come."""
+    """Sends a signal to the decoder process after some frames, and returns the time in s until the program ends."""
     clip("a.mkv", ["-pix_fmt", "gray", "-c:v", "ffv1"], 12)
     film = work / "b.mkv"
     run(["ffmpeg", "-nostdin", "-loglevel", "error", "-stream_loop", "30", "-i", work / "a.mkv", "-c", "copy", film])
@@ -326,7 +330,7 @@ def strike(stroke, words):
     begin = time.monotonic()
     told = process.communicate(timeout=120)[1]
     insist(process.returncode == 5, f"exit {process.returncode}: {told}")
-    found = re.search(rf"^warning: video decoder stopped \({words}\) at frame (\d+); (\d+) frames kept", told, re.MULTILINE)
+    found = re.search(rf"^warning: the video decoder stopped \({words}\) at frame (\d+) \((\d+) frames kept\)", told, re.MULTILINE)
     insist(found, told)
     kept = rows(out)
     insist(4 <= len(kept) == int(found.group(2)) < 372, f"{len(kept)} rows: {told}")

@@ -1,4 +1,4 @@
-# The edges of files, terminals and numbers, each by name (edges.py says what is promised).
+# Limits of files, terminals and numbers: cases by name. edges.py contains their requirements.
 foreach(case missing_pictures stride_of_pictures special_files huge_claims fine_texture no_threads export_targets
              lost_output empty_values impossible_numbers control_characters video_that_begins_late targets_alone)
   add_test(NAME cli.edge_${case} COMMAND ${MOIREGAUGE_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/edges.py

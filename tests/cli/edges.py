@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Input and output at the edges of what a file system, a terminal and a number can hold: edges.py PROGRAM WORK SOURCE CASE."""
+"""Tests input and output at the limits of file systems, terminals and numbers: edges.py PROGRAM WORK SOURCE CASE."""
 import csv
 import json
 import os
@@ -18,7 +18,7 @@ program, work, _ = runs.start()
 
 
 def recording(frames=12):
-    """A folder of numbered pictures, the site they show and the run that measured them all."""
+    """Makes a folder of numbered images, its site, and a run of all images. Returns the folder."""
     simulate(program, work / "run", "small-1xyz", frames)
     run([program, "measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", "10", "--method", "two-stage",
          "--quiet", "-o", work / "whole"])
@@ -41,7 +41,7 @@ def warnings_of(done):
 
 
 def refuses(words, code, *named, stdout="", timeout=20):
-    """One error line that holds `named`, within the time."""
+    """Checks that a command ends with one error line that contains `named`, within the timeout in s."""
     done = subprocess.run([str(word) for word in [program, *words]], capture_output=True, text=True, timeout=timeout,
                           stdin=subprocess.DEVNULL, check=False)
     lines = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
@@ -52,12 +52,12 @@ def refuses(words, code, *named, stdout="", timeout=20):
 
 
 def case_missing_pictures():
-    """Rows of the frames that are there are those of the whole recording: same frame, same time, same values."""
+    """The rows of the present images equal those of the whole recording: same frame, same time, same values."""
     frames = recording()
     whole = {row[0]: row for row in rows(work / "whole")}
 
     def is_as_before(row):
-        """The search starts from the frame before, which may be another one: the last digits differ."""
+        """Compares with a tolerance, because tracking starts from another frame and changes the last digits."""
         old = whole[row[0]]
         return row[-1] == old[-1] and all(abs(float(row[k]) - float(old[k])) < 5e-5 for k in (2, 3))
 
@@ -78,7 +78,7 @@ def case_missing_pictures():
     insist(len(naming) == 1 and "000006.png" in naming[0] and "000008.png" in naming[0] and "000010.png" in naming[0],
            f"no single warning names them all: {done.stderr}")
     insist(json.loads((out / "run.json").read_text())["complete"] is False, "the run is called complete")
-    first = work / "later"  # the first picture is missing too: the next one is the reference frame
+    first = work / "later"  # the first image is missing, so the next one is the reference frame
     shutil.copytree(frames, first)
     (first / "000000.png").unlink()
     (first / "000000.png").symlink_to("../nowhere")
@@ -88,7 +88,7 @@ def case_missing_pictures():
 
 
 def case_stride_of_pictures():
-    """Every second picture of a recording: the same rows, numbered one by one, and nothing to warn of."""
+    """Every second image of a recording gives the same rows, numbered one by one, without a warning."""
     frames = recording()
     folder = work / "second"
     folder.mkdir()
@@ -96,23 +96,23 @@ def case_stride_of_pictures():
         shutil.copy(frames / f"{n:06}.png", folder)
     out, done = measured(folder, 0)
     insist(list(times(out)) == list(range(6)), f"frames: {times(out)}")
-    insist(not [line for line in warnings_of(done) if "would pass unnoticed" not in line], done.stderr)
+    insist(not [line for line in warnings_of(done) if "cannot be recognised" not in line], done.stderr)
 
 
 def case_special_files():
-    """Nothing waits for a FIFO, and nothing but a plain file is read."""
+    """Only plain files are read; the program does not wait for a FIFO."""
     simulate(program, work / "run", "small-1xyz", 2)
     site = work / "run/site.toml"
     fifo, folder = work / "f.fifo", work / "folder"
     os.mkfifo(fifo)
     folder.mkdir()
-    for what, kind in [(fifo, "it is a FIFO"), ("/dev/zero", "it is a device")]:
+    for what, kind in [(fifo, "is a FIFO"), ("/dev/zero", "is a device")]:
         refuses(["measure", what, "--pitch", "10mm"], 3, kind)
         refuses(["inspect", what, "--pitch", "10mm"], 3, kind)
         refuses(["calibrate", what, "--pitch", "10mm", "-o", work / "camera.toml"], 3, kind)
         refuses(["simulate", what, "-o", work / "out"], 2, str(what))
         refuses(["plan", "--distance", "5m", "--camera", what], 2, str(what))
-    for what, kind in [(fifo, "it is a FIFO"), ("/dev/zero", "it is a device"), (folder, "it is a folder")]:
+    for what, kind in [(fifo, "is a FIFO"), ("/dev/zero", "is a device"), (folder, "is a folder")]:
         refuses(["measure", work / "run/frames", "--site", what], 2, kind)
         refuses(["measure", work / "run/frames", "--site", site, "--camera", what], 2, kind)
     for name in ["run.mgj", "run.json"]:
@@ -125,7 +125,7 @@ def case_special_files():
 
 
 def case_huge_claims():
-    """A file with huge claims is refused before it costs memory or time."""
+    """A file that states huge sizes is refused before it takes memory or time."""
     simulate(program, work / "run", "small-1xyz", 2)
     site = (work / "run/site.toml").read_text()
     head, target = site.split("[[target]]")
@@ -133,7 +133,7 @@ def case_huge_claims():
     body = struct.pack(">IIBBBBB", 2147483647, 2147483647, 8, 0, 0, 0, 0)
     big.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
                                                    for kind, data in [(b"IHDR", body), (b"IDAT", bytes(12))]))
-    memory = ["bash", "-c", 'ulimit -v 1500000; exec "$0" "$@"', program]  # kB: far less than one row of that picture
+    memory = ["bash", "-c", 'ulimit -v 1500000; exec "$0" "$@"', program]  # kB: far less than one row of that image
 
     def refused(words, code, named):
         done = subprocess.run([*memory, *map(str, words)], capture_output=True, text=True, timeout=30, check=False)
@@ -152,19 +152,19 @@ def case_huge_claims():
 
 
 def case_fine_texture():
-    """A fine checkerboard over the whole picture is looked at in bounded time: 87 000 corners took a minute, four times as many ten."""
+    """The detection has bounded time for a fine checkerboard over the whole image (87 000 corners)."""
     size, side = (1024, 1366), 4  # px
     y, x = numpy.mgrid[0:size[0], 0:size[1]]
     noise = numpy.random.default_rng(1).normal(0, 1.5, size)
     pictures.write_png(work / "fine.png", numpy.clip(60 + 130 * ((x // side + y // side) % 2) + noise, 0, 255).astype(numpy.uint8))
-    refuses(["inspect", work / "fine.png", "--pitch", "10mm", "-o", work / "seen.png"], 4, "nothing to measure", timeout=40)
+    refuses(["inspect", work / "fine.png", "--pitch", "10mm", "-o", work / "seen.png"], 4, "fine.png, frame 0", timeout=40)
 
 
 def case_no_threads():
-    """A limit on processes is no internal error: what a thread would have done is done without it, or one line says why not."""
+    """A limit on processes is no internal error: the program works without threads, or reports one error line."""
     frames = recording(3)
     if os.geteuid() != 0:
-        return  # the limit counts all processes of a user: only root can become one without any
+        return  # the limit counts all processes of a user, and only root can change to a user without any
     work.chmod(0o777)
     words = ["setpriv", "--reuid", "54321", "--regid", "54321", "--clear-groups", "prlimit", "--nproc=1", program, "measure", frames,
              "--site", work / "run/site.toml", "-o", work / "limited"]
@@ -175,7 +175,7 @@ def case_no_threads():
 
 
 def case_export_targets():
-    """An export replaces plain files only, and nothing of the run; - is stdout."""
+    """An export replaces plain files only, and no files of the run. The path - is stdout."""
     recording(3)
     whole = work / "whole"
     plain = work / "plain.csv"
@@ -198,7 +198,7 @@ def case_export_targets():
 
 
 def case_lost_output():
-    """Text that cannot be written is exit 6, whichever command wrote it."""
+    """All commands end with exit 6 if their text cannot be written."""
     frames = recording(3)
     site = ["--site", work / "run/site.toml"]
     for words in [["--version"], ["--help"], ["help", "measure"], ["simulate", "--list"], ["completion", "bash"],
@@ -214,19 +214,19 @@ def case_lost_output():
 
 
 def case_empty_values():
-    """An option with an empty value is a mistake, not an option that was not given."""
+    """An option with an empty value is an error."""
     simulate(program, work / "run", "small-1xyz", 2)
     measure = ["measure", work / "run/frames", "--site", work / "run/site.toml", "-o", work / "out"]
     for option in ["--camera", "--fps", "--figures", "--stabilised", "--frames", "--tone", "--rest", "--readout", "--threads"]:
-        refuses([*measure, option, ""], 2, "empty value", option)
-    refuses(["measure", work / "run/frames", "--site", ""], 2, "empty value", "--site")
-    refuses(["measure", "", "--pitch", "10mm"], 2, "empty value", "INPUT")
-    refuses(["export", work, "-o", ""], 2, "empty value")
+        refuses([*measure, option, ""], 2, "the value is empty", option)
+    refuses(["measure", work / "run/frames", "--site", ""], 2, "the value is empty", "--site")
+    refuses(["measure", "", "--pitch", "10mm"], 2, "the value is empty", "INPUT")
+    refuses(["export", work, "-o", ""], 2, "the value is empty")
     insist(not (work / "out").exists(), "something was written")
 
 
 def case_impossible_numbers():
-    """Numbers no camera has."""
+    """Values that no camera has are errors."""
     simulate(program, work / "run", "small-1xyz", 2)
     measure = ["measure", work / "run/frames", "--site", work / "run/site.toml", "-o", work / "out"]
     for words in [["--fps", "inf"], ["--fps", "1e-308"], ["--fps", "nan"], ["--threads", "-1"],
@@ -236,7 +236,7 @@ def case_impossible_numbers():
 
 
 def case_control_characters():
-    """No byte of a path or a name reaches the terminal as a control; no name is a formula."""
+    """Control characters in paths and names do not reach the terminal, and no name becomes a formula in a table."""
     simulate(program, work / "run", "small-1xyz", 2)
     for name in ["zz\x1b[31mRED", "c1\u009b31m", "\u202efdp.mp4"]:
         done = refuses(["measure", work / name, "--pitch", "10mm"], 3)
@@ -251,7 +251,7 @@ def case_control_characters():
 
 
 def case_video_that_begins_late():
-    """A Matroska file whose first picture is at 5 s is whole; its second half cut off, it is not."""
+    """A Matroska file with its first frame at 5 s is complete; without its second half it is not."""
     simulate(program, work / "run", "small-1xyz", 12)
     late = work / "late.mkv"
     run(["ffmpeg", "-nostdin", "-loglevel", "error", "-framerate", "10", "-i", work / "run/frames/%06d.png", "-c:v", "ffv1",
@@ -265,7 +265,7 @@ def case_video_that_begins_late():
 
 
 def case_targets_alone():
-    """`conventional` needs no references; the others say so before they read anything."""
+    """`conventional` requires no references. The other methods report missing references before they read the input."""
     simulate(program, work / "run", "small-still", 4)
     site = (work / "run/site.toml").read_text()
     alone = work / "alone.toml"
@@ -274,7 +274,7 @@ def case_targets_alone():
     for method in ["two-stage", "precise"]:
         refuses(["measure", frames, "--site", alone, "--method", method, "-o", work / "out"], 2, "alone.toml", "--method conventional")
     insist(not (work / "out").exists(), "something was written")
-    # Without the rest of the board nothing else in the picture repeats by the target's pitch.
+    # Removes the rest of the board, so that only the target has its pitch.
     bare = work / "bare"
     bare.mkdir()
     for frame in sorted(frames.glob("*.png")):

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Runs one command in an empty directory and compares exit code, output and files with what is expected.
+"""Runs one command in an empty directory and compares exit code, output and files with the expected ones.
 
     expect.py --work DIR --exit N [--setup SHELL] [--stdout REGEX]... [--stderr REGEX]... [--error-lines N]
               [--writes PATH]... [--leaves-out PATH]... -- COMMAND ARGUMENTS...
---work        emptied first; the command and --setup run in it
+--work        directory; it is emptied, and --setup and the command run in it
 --stdout/err  a Python regular expression that must be found (^ and $ match at lines)
---error-lines how many lines of stderr start with `error: `
---writes      must be there and not empty afterwards;  --leaves-out must not be there. Both below DIR.
+--error-lines number of lines of stderr that start with `error: `
+--writes      path below DIR that must exist and not be empty;  --leaves-out path below DIR that must not exist
 A process that a sanitizer stopped never counts as expected.
 """
 import argparse

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""The figures of a run whose target was covered for a while: figures.py MOIREGAUGE WORK.
+"""Tests the figures of a run with a covered target: figures.py MOIREGAUGE WORK.
 
-One column is 85 mm = 240.94 points wide; the band of either axis is in two pieces, one before the gap and one behind it; a run too short
-for a spectrum says so and has the others; `solve` draws all but the overlay.
+One column is 85 mm = 240.94 points wide. The band of each axis has two parts, before and after the gap. A run that is
+too short for a spectrum reports that and has the other figures. `solve` draws all figures except the overlay.
 """
 import pathlib
 import re

@@ -1,4 +1,4 @@
-"""inspect.json is what docs/schema/inspect.schema.json says, gives a reason for every null, and takes for a marker what measure does."""
+"""Checks that inspect.json matches its schema, gives a reason for each null, and has the markers of measure."""
 import json
 import subprocess
 import sys

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Grey levels that are not light, and places that are stated well: neither may mislead.
+"""Tests non-linear grey levels, and sites with small uncertainties.
 
-A camera that hovers before a wall 8 m away, 60 mm of pitch in 21 px. The depth of a target against the references shows in
-the size of its print, 1.3e-4 per mm; a tone curve makes a change of blur look like such a change of size. The promise is 10 um rms
-with the usual site file, and no row `ok` off by more than 5 u.
+A camera hovers 8 m in front of a wall; the pitch is 60 mm or 21 px. The depth of a target changes the size of its
+grating by 1.3e-4 per mm. A tone curve makes a change of blur look like such a change. Requires errors of 10 um rms with
+the usual site file, and no ok row with an error above 5 u.
 """
 import csv
 import json
@@ -47,7 +47,7 @@ def scenario():
 
 
 def samples(out, truth):
-    """Errors of the rows that are ok, mm, with their u; over targets and both axes."""
+    """Returns the errors in mm of the ok rows, with their u, over all targets and both axes."""
     known = {(r["frame"], r["marker"]): r for r in csv.DictReader(truth.open())}
     run = json.loads((out / "run.json").read_text())
     rows, ok = [], 0
@@ -73,7 +73,7 @@ def lies(rows):
     return sum(1 for _, e, u in rows if abs(e) > 5 * u and abs(e) > 5e-4)
 
 
-# 1. The tone curve.
+# 1. Tone curves.
 (work / "wall.toml").write_text(scenario())
 for gamma, given, source in ((1, [], "tag"), (2.2, [], None), (2.6, [], None), (2.2, ["--tone", "gamma:2.2"], "option")):
     name = f"wall-{gamma}{'-given' if given else ''}"
@@ -96,7 +96,7 @@ for gamma, given, source in ((1, [], "tag"), (2.2, [], None), (2.6, [], None), (
     else:
         runs.insist(tone[0] != "linear", f"{name}: {tone}")
 
-# 2. Surveyed places through a lens that is not known: 0.2 mm of distortion between a circle and its grating.
+# 2. Surveyed positions with an unknown lens: its distortion is 0.2 mm between a circle and its grating.
 clip = work / "surveyed"
 runs.simulate(program, clip, "rig-8xyz", 20, "--set", "lens.k1=-0.032", "--set", "lens.k2=0.009", "--set", "sensor.fps=1.25", "--markers-only")
 known = "[known_to]\nposition_mm = 0.01\nrotation_deg = 0.001\nheight_mm = 0.01\nprint_scale = 0.000001\n"

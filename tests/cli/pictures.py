@@ -1,4 +1,4 @@
-"""The least of PNG and TIFF that the tests need, so that no image library stands between the bytes and the program."""
+"""Minimal readers and writers of PNG and TIFF, so that the tests do not depend on an image library."""
 import struct
 import zlib
 
@@ -6,7 +6,7 @@ import numpy
 
 
 def read_png(path):
-    """8- or 16-bit grey, not interlaced."""
+    """Reads a PNG of 8- or 16-bit grey, not interlaced."""
     data = open(path, "rb").read()
     position, packed, header = 8, b"", None
     while position < len(data):
@@ -50,7 +50,7 @@ def unfiltered(kind, line, above, step):
 
 
 def write_png(path, picture):
-    """8-bit grey."""
+    """Writes a PNG of 8-bit grey."""
     height, width = picture.shape
     lines = b"".join(b"\0" + picture[y].tobytes() for y in range(height))
 
@@ -63,7 +63,7 @@ def write_png(path, picture):
 
 
 def write_tiff_pages(path, pages):
-    """16-bit grey, uncompressed, little-endian, one strip a page."""
+    """Writes a TIFF of 16-bit grey, uncompressed, little-endian, one strip per page."""
     with open(path, "wb") as file:
         file.write(b"II*\0\0\0\0\0")
         link = 4

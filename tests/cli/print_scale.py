@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Prints that a printer stretched by 0.12 %: displacements are 0.12 % short without --print-scale, and right with it; `solve`
-puts a run right afterwards, to what measuring with it gives.
+"""Tests gratings that a printer enlarged by 0.12 %.
 
-How short is told by the slope of measured against true dy, which goes over 6 mm: noise of 2 um in 20 frames leaves it
-uncertain by less than 0.02 %. Without a site file the prints are the only scale there is; with one the stated places
-have a say too, each known to 1 mm over 256 mm: 0.12 % are told by the prints to two thirds at least.
+Without --print-scale displacements are 0.12 % too small, with it they are correct. `solve --print-scale` gives the
+values of `measure --print-scale`. The test uses the slope of measured against true dy over 6 mm. Noise of 2 um in 20
+frames gives the slope an uncertainty below 0.02 %. Without a site file the gratings are the only scale. With a site
+file the stated positions (1 mm over 256 mm) also contribute, and at least two thirds of the 0.12 % remain.
 """
 import csv
 import json
@@ -48,7 +48,7 @@ untold = json.loads((work / "site" / "run.json").read_text())["targets"][0]
 told = config["targets"][0]
 runs.insist(told["u_dy_mm"] < 0.5 * untold["u_dy_mm"], f"u {told['u_dy_mm']}, without {untold['u_dy_mm']}")
 
-# Afterwards, of the run without it; told twice it counts once.
+# `solve --print-scale` on the run without it. A second call does not apply the scale again.
 for name, words in (("site", ["--u-print-scale", "0.0001"]), ("pitch", [])):
     runs.run([program, "solve", work / name, "--print-scale", "1.0012", *words, "--quiet", "-o", work / f"{name}_solved"])
     near(f"{name}, solved", slope(work / f"{name}_solved"), slope(work / f"{name}_told"), 5e-5)

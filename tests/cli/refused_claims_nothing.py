@@ -1,5 +1,8 @@
-"""Nothing undetermined is stated: a refused run says nothing of camera and prints, and no run states a camera whose focal length
-is unknown to more than a tenth. A slip of one of four references is answered in one way everywhere."""
+"""Checks that no undetermined value is stated.
+
+A refused run states no camera and no errors of gratings. No run states a camera with a focal length that is uncertain
+by more than 10 %. All outputs treat a step of one of four references in the same way.
+"""
 import json
 import re
 import subprocess
@@ -28,7 +31,7 @@ def insist_no_camera(what, done, folder, run_json, report):
     insist(report["camera"]["pan"] is None and report["camera"]["roll"] is None, f"{what} draws turns")
 
 
-# One of four references slips by 0.5 mm half a second into the run: it looked like a rolling shutter and a turn by 11 degrees.
+# A step of 0.5 mm of one of four references after 0.5 s. It resembles a rolling shutter with a rotation of 11 degrees.
 simulate(program, work / "slip", "small-1xyz", 12, "--set", "marker.NE.dy.knots=[[0, 0], [0.52, 0], [0.53, 0.5]]")
 done, folder, run_json, report = measure("slip")
 insist(done.returncode == 4, f"exit {done.returncode}")
@@ -40,7 +43,7 @@ for place, text in [("warning", " ".join(run_json["warnings"])), ("error", done.
     insist("--camera" not in text and "overlay.png" not in text, f"{place}: {text}")
 run([program, "measure", work / "slip/frames", "--site", work / "slip/site.toml", "--fps", "10", "--frames", "0:6", "-o", work / "before", "--quiet"])
 
-# A bent lens before a camera that hardly turns: its distortion shows, its focal length does not.
+# A lens with distortion on a camera that hardly rotates: the distortion is determined, the focal length is not.
 simulate(program, work / "calm", "small-0.1x", 12, "--set", "lens.k1=-0.37")
 done, folder, run_json, report = measure("calm")
 insist(done.returncode == 0, f"exit {done.returncode}: {done.stderr}")

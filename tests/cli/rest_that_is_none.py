@@ -1,5 +1,8 @@
-"""`--rest` over frames in which a target moves: refused with one line that says which target, by how much and where; no results, and
-no frame lost. A true rest is believed."""
+"""Tests a false and a true `--rest`.
+
+A false one is refused with one line that names the target, its movement and the frames. No results are written, and no
+frame is lost. A true one is applied.
+"""
 import re
 import shutil
 import subprocess
@@ -18,16 +21,17 @@ def refused(*words):
     insist(done.returncode == 2, f"exit {done.returncode}: {words}\n{done.stderr}")
     lines = done.stderr.splitlines()
     insist(len(lines) == 1 and done.stdout == "", f"not one line: {done.stdout}{done.stderr}")
-    said = re.search(r"^error: not at rest: target 'mid' moves by ([0-9.]+) mm \(u ([0-9.]+) mm\) between frames (\d+) and (\d+) of --rest 0:12: ", lines[0])
+    said = re.search(r"^error: target 'mid' is not at rest: it moves by ([0-9.]+) mm \(u ([0-9.]+) mm\) between frames (\d+) and (\d+) of --rest 0:12: ", lines[0])
     insist(said, f"it says: {lines[0]}")
     mm, u_mm, first, last = (float(word) for word in said.groups())
-    # The truth: 0.05 mm from frame to frame, 0.55 mm in all. The share that looks like another depth before this camera is no movement.
+    # The true movement is 0.05 mm per frame, 0.55 mm in total. A part of it can be explained by depth, and does not
+    # count.
     insist(0.2 < mm < 0.6 and u_mm < 0.02, f"moves by {mm}, u {u_mm}")
     insist(0 <= first < last < 12, f"frames {first} and {last}")
     return lines[0]
 
 
-# Nothing is written but what was seen: the next command resumes from it.
+# Only the journal is written, and the next command resumes from it.
 run([*plain, "-o", work / "as-it-is"])
 text = refused(*plain, "--rest", "0:12", "-o", work / "out")
 insist(not (work / "out").exists(), "results were written")
@@ -42,14 +46,14 @@ insist(rows(work / "out") == rows(work / "as-it-is"), "--resume gives other numb
 insist((work / "out/run.mgj").read_bytes() == (work / "as-it-is/run.mgj").read_bytes(), "run.mgj differs")
 insist(not kept.exists(), "the unfinished run is still there")
 
-# A finished run stays as it is.
+# A finished run is not changed.
 before = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
 refused(program, "solve", work / "out", "--rest", "0:12")
 refused(program, "solve", work / "out", "--rest", "0:12", "-o", work / "elsewhere")
 insist({path.name: path.read_bytes() for path in (work / "out").iterdir()} == before, "the run was changed")
 insist(not (work / "elsewhere").exists(), "results were written")
 
-# A true one is believed, kept with the run, and can be taken back.
+# A true one is applied and stored with the run, and can be removed.
 still = [program, "measure", work / "still/frames", "--site", work / "still/site.toml", "--fps", "10", "--quiet"]
 run([*still, "--rest", "0:12", "-o", work / "rested"])
 run([*still, "-o", work / "unclaimed"])

@@ -1,5 +1,7 @@
-"""A telephone clip carries its frames as the sensor saw them and a tag that says how to hold them: the displacement is that
-of the picture as displayed, whatever the tag."""
+"""Checks that a rotation tag is applied: displacements are those of the image as displayed, for all tags.
+
+A phone stores frames as read from the sensor, with a tag for the display.
+"""
 import numpy
 
 from pictures import read_png, write_png
@@ -14,8 +16,8 @@ for tag in [0, 90, 180, 270]:
     stored = work / f"stored{tag}"
     stored.mkdir()
     for path in sorted((work / "run/frames").glob("*.png")):
-        # ffmpeg 5.1 writes `rotate=90` as a display matrix that turns the stored picture 90 degrees COUNTER-clockwise (its
-        # own player does that), so the picture is stored turned as much clockwise.
+        # ffmpeg 5.1 writes `rotate=90` as a display matrix that rotates the stored image by 90 degrees
+        # COUNTER-clockwise (its own player does that). The image is therefore stored rotated clockwise.
         write_png(stored / path.name, numpy.ascontiguousarray(numpy.rot90(read_png(path), -tag // 90)))
     run(["ffmpeg", "-loglevel", "error", "-framerate", "10", "-i", stored / "%06d.png", "-c:v", "libx264", "-qp", "0",
          "-pix_fmt", "gray", work / f"plain{tag}.mp4"])

@@ -1,4 +1,4 @@
-"""run.json of real runs is what docs/schema/run.schema.json says."""
+"""Checks that run.json of several runs matches docs/schema/run.schema.json."""
 from runs import run, simulate, start
 
 program, work, source = start()

@@ -1,4 +1,4 @@
-"""Shared by the scripts of this folder: run the program, read what it wrote."""
+"""Functions shared by the scripts of this folder: run the program, read its results."""
 import csv
 import pathlib
 import shutil
@@ -7,7 +7,7 @@ import sys
 
 
 def start():
-    """The program, an empty folder to work in, the source tree: from the command line."""
+    """Returns the program, an empty working folder and the source tree, from the command line."""
     program, work, source = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)

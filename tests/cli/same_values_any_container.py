@@ -1,5 +1,7 @@
-"""The same grey levels as PNG, FFV1, uncompressed video and 16-bit TIFF give the same displacements to the last digit; a
-video read in place gives the same bytes as one that went through the decoder."""
+"""Checks that equal grey levels as PNG, FFV1, uncompressed video and 16-bit TIFF give equal displacements.
+
+A video that is read in place gives the same bytes as a decoded one.
+"""
 from runs import insist, rows, run, simulate, start
 
 program, work, _ = start()
@@ -8,7 +10,7 @@ site = work / "run/site.toml"
 frames = work / "run/frames/%06d.png"
 ffmpeg = ["ffmpeg", "-loglevel", "error", "-framerate", "10", "-i", frames]
 run([*ffmpeg, "-c:v", "ffv1", "-pix_fmt", "gray", work / "clip.mkv"])
-# 16 bits with the same numbers (not scaled by 257), one file of many pages.
+# 16-bit TIFF with the same values (not scaled by 257), one file with many pages.
 run(["/usr/bin/python3", "-c", """
 import sys, pathlib
 import numpy, struct, zlib

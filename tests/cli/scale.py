@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""A wrong pitch shows in nothing but lengths: every output states one that a tape can check.
+"""Checks that all outputs state a length that can be checked with a tape measure. A wrong pitch shows in lengths only.
 
-The small rig's upper circles are 256 mm apart; with a pitch stated ten times too small every output says 25.6 mm.
+The upper circles of the small rig are 256 mm apart. With a pitch that is ten times too small all outputs state 25.6 mm.
 """
 import json
 import subprocess
@@ -17,7 +17,7 @@ runs.simulate(program, clip, "small-1x", 3)
 
 
 def longest_white_run(overlay):
-    """px; the scale bar is the longest run of pure white in a picture of grey levels up to 210."""
+    """Returns the length of the scale bar in px: the longest run of pure white, because the scene has at most 210."""
     raw = subprocess.run(["ffmpeg", "-loglevel", "error", "-i", str(overlay), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
                          capture_output=True, check=True).stdout
     width = int(subprocess.run(["ffprobe", "-loglevel", "error", "-show_entries", "stream=width", "-of", "csv=p=0", str(overlay)],
@@ -29,7 +29,7 @@ def longest_white_run(overlay):
 
 
 def is_round(length):
-    """1, 2 or 5 times a power of ten, to 2 %."""
+    """Returns true for 1, 2 or 5 times a power of ten, within 2 %."""
     digits = length / 10.0 ** numpy.floor(numpy.log10(length * 1.02))
     return min(abs(digits / n - 1.0) for n in (1, 2, 5)) < 0.02
 

@@ -1,5 +1,7 @@
-"""`solve` gives what `measure` would give, from the folder of a run alone: the same bytes without options, the same numbers within u
-with another method, lens or site. The frames are gone by then."""
+"""Checks that `solve` gives the results of `measure` from the folder of a run, without the frames.
+
+Without options the bytes are equal. With another method, lens or site the values are equal within u.
+"""
 import json
 import shutil
 import subprocess
@@ -13,7 +15,7 @@ simulate(program, work / "run", "small-1xyz", 12, *run_options)
 frames, truth = work / "run/frames", work / "run/truth-camera.toml"
 site = work / "run/site.toml"
 
-# A site with mistakes that a surveyor makes: a reference as a whole, one grating against its circle, the target.
+# A site with typical survey errors: one whole reference, one grating relative to its circle, the target.
 text = site.read_text()
 for right, wrong in [("[-128.0, 40.0]", "[-127.0, 39.4]"), ("[-100.0, 40.0]", "[-98.6, 39.7]"), ("[0.0, 0.0]", "[0.8, -0.5]")]:
     insist(right in text, f"site.toml has no {right}")
@@ -23,7 +25,7 @@ for right, wrong in [("[-128.0, 40.0]", "[-127.0, 39.4]"), ("[-100.0, 40.0]", "[
 
 
 def run_well(*words):
-    """Exit 5 is well, too: a lens that two-stage does not know makes rows `untrusted`."""
+    """Runs a command that must end with 0, or with 5: without a lens model two-stage gives `untrusted` rows."""
     done = subprocess.run(list(map(str, words)), capture_output=True, text=True, check=False)
     insist(done.returncode in (0, 5), f"exit {done.returncode}: {' '.join(map(str, words))}\n{done.stderr}")
 
@@ -45,7 +47,7 @@ measure("precise-wrong-site", "--site", work / "wrong.toml", "--method", "precis
 measure("vague-site", "--site", work / "vague.toml", "--method", "precise")
 measure("rested", "--site", site, "--method", "precise", "--rest", "0:1")
 measure("without-site", "--pitch", "10mm", "--method", "precise")
-# No camera.toml for a lens that the footage does not determine: the camera hardly turns here.
+# There is no camera.toml for an undetermined lens: the camera hardly rotates here.
 insist(not (work / "precise/camera.toml").exists(), "a camera.toml of a lens that is not determined")
 measure("given-back", "--site", work / "precise-with-lens/site.toml", "--camera", truth, "--method", "precise")
 shutil.rmtree(frames)
@@ -81,15 +83,15 @@ def apart(a, b, what=(0, 1)):
     return max(abs(x[k] - y[k]) for x, y in zip(numbers(a), numbers(b), strict=True) for k in what)
 
 
-# Nothing is read again: what is left is of second order in the lens or the mistake, and the noise of pixels at the
-# windows' edges, which would have lain a little elsewhere (0.1 um here).
+# No pixels are read again. The differences are of second order in the lens or the site error. Noise adds 0.1 um,
+# because the windows of a new measurement have slightly other positions.
 solve("lens-later", work / "two-stage", "--camera", truth)
 insist(apart("lens-later", "with-lens") < 0.1 * apart("two-stage", "with-lens"), "two-stage with a lens given later")
 solve("site-later", work / "wrong-site", "--site", site)
 insist(apart("site-later", "two-stage") < 0.1 * apart("wrong-site", "two-stage"), "two-stage with a site given later")
 solve("vague-later", work / "precise", "--site", work / "vague.toml")
-# Solved from the same observations: the last digit written. u follows the lens, of which next to nothing is known here (f is
-# known to half of itself), and the bundle stops within 0.03 of its uncertainty.
+# Solved from the same observations, values are equal to the last digit. Their u depends on the lens, which is hardly
+# determined here (u of f is half of f). The bundle adjustment stops within 0.03 of its uncertainty.
 insist(apart("vague-later", "vague-site") < 2e-6, "precise with another known_to")
 insist(all(abs(x[k] - y[k]) < 0.01 * y[k] + 2e-6 for x, y in zip(numbers("vague-later"), numbers("vague-site"), strict=True) for k in (2, 3)),
        "u of precise with another known_to")
@@ -100,7 +102,7 @@ def within_u(a, b):
         insist(all(abs(x[k] - y[k]) <= max(x[k + 2], y[k + 2]) for k in (0, 1)), f"{a}: {x}, {b}: {y}")
 
 
-# Phases of templates instead of rasters, windows a little elsewhere that read other pixels: apart by noise, which u covers.
+# Phases come from templates instead of rasters, and windows use other pixels. The differences are noise, within u.
 solve("as-two-stage", work / "precise", "--method", "two-stage")
 within_u("as-two-stage", "two-stage")
 solve("precise-lens-later", work / "precise", "--camera", truth)

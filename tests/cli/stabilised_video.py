@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""What stabilised.mp4 shows, measured in its own pixels: stabilised_video.py MOIREGAUGE WORK.
+"""Measures the markers in stabilised.mp4 itself: stabilised_video.py MOIREGAUGE WORK.
 
-The small rig turns by 1 degree about three axes in 20 frames while its target moves up. In the still half the references' gratings must stand
-still to 0.025 px rms, and nowhere be off by twice that, though in the half as filmed they move by many; the target must move N times as far
-as it did, to 1 %. Shifts are phases of the gratings' fundamentals, in windows of two pitches that are weighted to nothing at their rims. What
-a codec leaves out of a picture that hardly changes goes one way: two grey levels, at edges of some 80 grey levels per pixel, are 0.025 px.
+The camera of the small rig rotates by 1 degree about three axes in 20 frames while the target moves up. In the
+stabilised half the references must be fixed within 0.025 px rms and 0.05 px. In the half as filmed they move by several
+px. The target must move by N times its displacement, within 1 %. Shifts are phases of the gratings' fundamentals in
+Hann windows of two pitches. The codec suppresses small changes of up to two grey levels, which are 0.025 px at edges of
+80 grey levels per px.
 """
 import csv
 import pathlib
@@ -18,7 +19,7 @@ TIMES = 4.0
 FRAMES = 20
 GAP = 4
 CODEC_PX = 2.0 / 80.0
-MM_PER_PX = 1200.0 / 3478.26  # of the small rig
+MM_PER_PX = 1200.0 / 3478.26  # small rig
 
 
 def run(*words):
@@ -37,7 +38,7 @@ def pictures_of(film):
 
 
 def phase(picture, x, y, pitch):
-    """Of the fundamental along y, radians, at (x, y) px."""
+    """Returns the phase in rad of the fundamental along y, at (x, y) px."""
     half = int(round(pitch))
     rows = numpy.arange(int(round(y)) - half, int(round(y)) + half + 1)
     columns = numpy.arange(int(round(x)) - half, int(round(x)) + half + 1)
@@ -48,7 +49,7 @@ def phase(picture, x, y, pitch):
 
 
 def shifts(film, x, y, pitch):
-    """Downwards since the first picture, px, followed from picture to picture."""
+    """Returns the downward shifts in px since the first frame, with phase unwrapping over time."""
     phases = numpy.unwrap([phase(picture, x, y, pitch) for picture in film])
     return -(phases - phases[0]) * pitch / (2.0 * numpy.pi)
 
@@ -61,8 +62,8 @@ def main():
         "--set", "rotation.z.scale=8", "-o", work / "run")
     out = run(program, "measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", 10, "--video", "--exaggerate", TIMES,
               "-o", work / "out")
-    # The rig's layout looks the same in a mirror, and every run of it says so.
-    assert all("would pass unnoticed" in line for line in out.stderr.splitlines()), out.stderr
+    # The layout of the rig is its own mirror image, which each run reports in a note.
+    assert all("cannot be recognised" in line for line in out.stderr.splitlines()), out.stderr
     film = pictures_of(work / "out/stabilised.mp4")
     assert len(film) == FRAMES, len(film)
     part = (film.shape[2] - GAP) // 2
@@ -90,7 +91,7 @@ def main():
     print(f"target: moved {truth[-1]:.3f} mm, drawn {target[-1]:.3f} mm: {target[-1] / truth[-1]:.4f} times")
     assert truth[-1] > 0.5
     assert numpy.abs(target - TIMES * truth).max() < 0.01 * TIMES * truth.max(), target - TIMES * truth
-    # The index stands before the pictures.
+    # The index must precede the frames.
     head = (work / "out/stabilised.mp4").read_bytes()
     assert head.index(b"moov") < head.index(b"mdat")
 

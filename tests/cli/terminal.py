@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""What a terminal shows while a command works, and after Ctrl-C: terminal.py MOIREGAUGE WORK.
+"""Tests the progress display of a terminal, and Ctrl-C: terminal.py MOIREGAUGE WORK.
 
-`simulate` draws far more frames than it is given time for. After two seconds a terminal shows how far it is and how long it will still take;
---quiet, or a stderr that is no terminal, shows nothing. Ctrl-C stops it: one line, exit 130, and no truth.csv, the mark of a whole folder;
-the same command begins anew. What becomes of a `measure` that is stopped is tested in tests/survival.
+`simulate` has far more frames than time. After two seconds a terminal shows the progress and the remaining time. With
+--quiet, or if stderr is no terminal, nothing is shown. Ctrl-C stops the command with one line and exit 130, without
+truth.csv, which marks a complete folder. The same command then starts again. tests/survival tests stopped runs of
+`measure`.
 """
 import os
 import pathlib
@@ -28,7 +29,7 @@ def until(condition, seconds):
 
 
 class OnATerminal:
-    """A command whose stderr is a terminal; what it shows is read as it comes."""
+    """A command with a terminal as stderr, which is read continuously."""
 
     def __init__(self, words, work):
         self.master, terminal = pty.openpty()
@@ -45,7 +46,7 @@ class OnATerminal:
         return self.shown
 
     def interrupted(self):
-        """Exit code and all that was shown."""
+        """Sends SIGINT. Returns the exit code and all that was shown."""
         self.process.send_signal(signal.SIGINT)
         assert until(lambda: self.look() is not None and self.process.poll() is not None, 60), "it does not stop"
         self.look()
@@ -57,7 +58,7 @@ def simulate(program, work):
     assert until(lambda: re.search(r"simulating \[#*\.*\] \d+/20000 frames, [0-9.]+ fps, \d+ s left", shown.look()), 60), shown.shown
     code, text = shown.interrupted()
     assert code == 130, code
-    line = re.search(r"error: stopped at frame \d+ of 20000: run: what is there is not whole: the same command begins anew", text)
+    line = re.search(r"error: stopped at frame \d+ of 20000: run is incomplete: repeat the command to start again", text)
     assert line, text
     assert not (work / "run/truth.csv").exists()
     again = subprocess.run([program, "simulate", "small-1xyz", "--frames", "4", "--markers-only", "-o", "run"], cwd=work,

@@ -1,4 +1,4 @@
-"""Threads and SIMD targets change nothing; a selection of frames changes nothing in those selected; a run may be repeated in place."""
+"""Checks that results do not depend on threads, SIMD targets and selected frames, and that a run can be repeated."""
 import os
 import subprocess
 
@@ -25,12 +25,12 @@ for simd in ("scalar", "avx2", "avx3"):  # avx3: AVX-512
     if here:
         insist((work / "all/displacement.csv").read_bytes() == (work / simd / "displacement.csv").read_bytes(),
                f"{simd} changes the CSV")
-run([*base, "-o", work / "all"])  # the same input: replaced as a whole
+run([*base, "-o", work / "all"])  # the same input: all results are replaced
 short = ("frame", "dx_mm", "dy_mm", "u_dx_mm", "u_dy_mm")
 
 
 def selected(method):
-    """Rows of every fourth frame: measured alone, and out of all."""
+    """Returns pairs of rows of every fourth frame: from a run of these frames, and from a run of all."""
     run([*base, "--method", method, "-o", work / f"{method}-all"])
     run([*base, "--method", method, "--frames", "0:9:4", "-o", work / f"{method}-some"])
     wanted = [row for row in rows(work / f"{method}-all", short) if int(row[0]) % 4 == 0]
@@ -40,10 +40,11 @@ def selected(method):
 
 
 for got, want in selected("two-stage"):
-    # Circles are fitted from where the last frame saw them: the same to 1e-4 px, 35 nm here.
+    # The fit of a circle starts from its position in the last frame, which changes it by less than 1e-4 px (35 nm
+    # here).
     insist(all(abs(a - b) < 1e-4 for a, b in zip(got[:2], want[:2])), f"{got} is not {want}")
 for got, want in selected("precise"):
-    # Its scene is solved from the frames that there are: other ones move it within what its u says.
+    # The scene is solved from the selected frames, so values may differ within u.
     insist(all(abs(got[k] - want[k]) <= max(got[k + 2], want[k + 2]) for k in (0, 1)), f"{got} is not {want}")
 run([*base, "--reference-frame", "8", "-o", work / "last"])
 last = {row[0]: row for row in rows(work / "last", ("frame", "dx_mm", "dy_mm", "status"))}

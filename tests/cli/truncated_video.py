@@ -1,4 +1,4 @@
-"""A video that breaks off keeps the frames before the break and ends with exit 5."""
+"""Checks that a truncated video gives the frames before its end, and exit 5."""
 from runs import insist, rows, run, simulate, start
 
 program, work, _ = start()
@@ -10,7 +10,7 @@ whole = clip.read_bytes()
 (work / "cut.mkv").write_bytes(whole[:len(whole) * 6 // 10])
 run([program, "measure", clip, "--site", work / "run/site.toml", "--method", "two-stage", "-o", work / "whole"])
 done = run([program, "measure", work / "cut.mkv", "--site", work / "run/site.toml", "--method", "two-stage",
-            "-o", work / "cut"], expected=5)  # by a method that lets no frame judge another
+            "-o", work / "cut"], expected=5)  # in two-stage frames do not affect each other
 kept, all_rows = rows(work / "cut"), rows(work / "whole")
 insist(5 <= len(kept) < 12, f"{len(kept)} rows kept")
 insist("cut.mkv" in done.stderr or "broke" in done.stderr or "damaged" in done.stderr, done.stderr)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any text as a camera, in our TOML or in OpenCV's or ROS's YAML: what is read can be written and read again.
+// Input: any text as a camera file, in our TOML or in OpenCV's or ROS's YAML.
+// Requires: finite values; an accepted camera can be written and read again.
 #include "moiregauge/io/config/camera_file.h"
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as the displacement.csv of a run that is exported.
+// Input: any bytes as the displacement.csv of an exported run.
+// Requires: accepted tables can be exported in all formats.
 #include <sstream>
 
 #include "moiregauge/io/tables/table_csv.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An HEVC stream's headers: the first byte says how the rest is divided into extradata and one packet.
+// Input: headers of an HEVC stream. The first byte is the length of the extradata; the rest is one packet.
+// Requires: a quantiser from -48 to 51, or none.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any circles, wherever they lie, against a site: never a guess, and never a search without end.
-//
-// First byte: how many references the site has, 4 to 8. Then five bytes a circle: x, y (1/16 px), diameter (px).
+// Input: any circles. The first byte determines the number of references of the site (4 to 8). Each circle has five
+// bytes: x and y (two bytes each, 1/16 px) and diameter (px, minus 7). Requires: identification ends and assigns
+// different circles to at least four markers, or is refused.
 #include "moiregauge/detection/identity/identify_markers.h"
 
 #include <cmath>
@@ -56,7 +56,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (circle >= 0) taken.insert(circle);
     seen += circle >= 0 ? 1 : 0;
   }
-  fuzz::demand(seen >= 4 && taken.size() == seen);  // nobody is two markers
+  fuzz::demand(seen >= 4 && taken.size() == seen);  // no circle is two markers
   static_cast<void>(identify_next(site, search, {who->image_from_board, 0.0}));
   return 0;
 }

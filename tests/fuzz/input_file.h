@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bytes of one trial as a file with a name, for readers that open files.
+// Gives the bytes of one trial a file name, for readers that open files.
 #pragma once
 
 #include <sys/mman.h>
@@ -16,12 +16,12 @@ namespace moiregauge::internal::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// A promise of the code under test that was broken; what found it shows the place.
+// Aborts if a requirement on the code under test is not met. The sanitizer's stack trace shows the position.
 inline void demand(bool kept) {
   if (!kept) std::abort();
 }
 
-// Lives in memory; every open() of its path begins at the first byte.
+// File in memory. Each open() of its path starts at the first byte.
 class InputFile {
  public:
   explicit InputFile(Bytes bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as a JPEG, and as the Exif block of one.
+// Input: any bytes as a JPEG file, and as its Exif block.
+// Requires: a valid orientation, and a readable image or an error message.
 #include "moiregauge/io/pictures/jpeg_reader.h"
 
 #include "moiregauge/io/pictures/exif_orientation.h"
@@ -7,7 +8,7 @@
 
 namespace {
 
-// The largest picture that a frame header anywhere in these bytes promises.
+// Returns the largest number of pixels stated by a frame header anywhere in these bytes.
 std::uint64_t promised_pixels(moiregauge::internal::fuzz::Bytes jpeg) {
   std::uint64_t most = 0;
   for (std::size_t at = 0; at + 9 < jpeg.size(); ++at) {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Makes the seeds of the fuzz targets afresh: small real inputs, written by the program itself and by ffmpeg.
+"""Makes the seeds of the fuzz targets: small real inputs, written by the program itself and by ffmpeg.
 
-    make_seeds.py MOIREGAUGE      # the program; writes corpus/<target>/seed-*, leaves everything else there alone
+    make_seeds.py MOIREGAUGE      # path of the program; writes corpus/<target>/seed-* and no other file
 """
 import pathlib
 import subprocess
@@ -12,7 +12,7 @@ import numpy
 
 HERE = pathlib.Path(__file__).resolve().parent
 REAL = HERE.parent / "real" / "data"
-RIG = "color=gray:size=24x16,noise=alls=40:allf=t"  # a small moving picture
+RIG = "color=gray:size=24x16,noise=alls=40:allf=t"  # a small video
 
 
 def run(*words, cwd):
@@ -32,7 +32,7 @@ def film(work, name, *options, frames=2):
 
 
 def grey_of(path, work, scale=1.0, crop=None):
-    """Grey levels of a picture, first cropped (x, y, width, height), then made smaller."""
+    """Returns the grey levels of an image, first cropped (x, y, width, height), then scaled."""
     steps = ["crop={2}:{3}:{0}:{1}".format(*crop)] if crop else []
     steps += [f"scale=round(iw*{scale}):-1:flags=area", "format=gray"]
     run("ffmpeg", "-loglevel", "error", "-i", path, "-frames:v", 1, "-vf", ",".join(steps), "-f", "rawvideo",
@@ -121,7 +121,7 @@ def views(work):
 
 
 def hevc(work):
-    """The first byte says how many bytes of extradata follow; then comes one packet."""
+    """Writes seeds of HEVC headers: the length of the extradata in one byte, the extradata, one packet."""
     params = ["-c:v", "libx265", "-pix_fmt", "yuv420p", "-x265-params", "log-level=none:qp=30:slices=2:weightb=1:info=0"]
     put("hevc_headers", "start-codes", bytes([0]) + film(work, "film.hevc", *params, frames=3))
     boxes = film(work, "film.mp4", *params, frames=3)

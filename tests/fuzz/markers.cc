@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any grey levels as a picture: circles, gratings, lattices, and who is who on the small rig's site.
-//
-// First byte: 16 + it is the width; second, bit 0: 16-bit words of 10 bits. Then the pixels, row by row.
+// Input: any grey levels as an image. The first byte is the width minus 16. Bit 0 of the second byte selects 10 bits in
+// 16-bit words. The pixels follow, row by row. Requires: detection of circles, gratings and lattices, and
+// identification on the small rig's site, give finite values.
 #include <algorithm>
 #include <cmath>
 #include <vector>

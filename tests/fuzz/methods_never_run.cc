@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// run.mgj names a method, so its reader is linked with the table of methods; the readers under test never run one.
-// These stand for them, so that half the instrument and Ceres need not be built.
+// The reader of run.mgj is linked with the table of methods, but the readers under test never call a method. These
+// stubs replace the methods, so that half the instrument and Ceres need not be built.
 #include <cstdlib>
 
 #include "moiregauge/displacement/method.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every reader of pictures promises, asked of whatever it read.
+// Requirements on all readers of images.
 #pragma once
 
 #include "moiregauge/io/pictures/picture.h"
@@ -7,10 +7,10 @@
 
 namespace moiregauge::internal::fuzz {
 
-// A header may promise pictures of a quarter of a gigabyte, which costs a trial a tenth of a second and finds nothing.
+// Pixels. A header may state images of 250 MB, which take 0.1 s per trial without testing more code.
 inline constexpr std::uint64_t kMaxTrialPixels = 1U << 22U;
 
-// Looks at every pixel, so that one outside its memory is noticed.
+// Reads all pixels, so that the sanitizer detects any outside their memory.
 inline void look_at(const PictureOrError& picture) {
   if (!picture) return demand(!picture.error().message.empty());
   demand(picture->bits >= 8 && picture->bits <= 16 && picture->rotation_deg % 90 == 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as a PNG. Its check sums are made right first, or nearly every trial would end at one.
+// Input: any bytes as a PNG file. The check sums are corrected first, because nearly all trials would stop at a wrong
+// one. Requires: a readable image or an error message.
 #include <string_view>
 #include <vector>
 
@@ -9,7 +10,7 @@
 
 namespace {
 
-constexpr std::size_t kSignature = 8, kChunkHead = 8;  // bytes; a chunk: length, name, data, check sum
+constexpr std::size_t kSignature = 8, kChunkHead = 8;  // bytes; a chunk is length, name, data, check sum
 
 std::uint32_t number_at(const std::vector<std::uint8_t>& png, std::size_t at) {
   return std::uint32_t{png[at]} << 24U | std::uint32_t{png[at + 1]} << 16U | std::uint32_t{png[at + 2]} << 8U |

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a fuzz target over the files of a folder, built by any compiler: what was found once stays found.
+// Runs a fuzz target over the files of a folder, as a regression test with any compiler.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

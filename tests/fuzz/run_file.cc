@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any records as run.mgj. The head is made right and so are the check sums, unless the first byte is odd; what is read
-// is written and read again and says the same, and what is kept of a file that breaks off can be kept again.
+// Input: any records as run.mgj. The file header is added, and the check sums are corrected if the first byte is even.
+// Requires: an accepted run is the same after writing and reading. The valid part of a truncated file is itself valid.
 #include "moiregauge/io/journal/run_file.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kHeader = 16, kRecordHead = 8, kSum = 4;  // bytes
 
-// The reference stands behind the last frame that knows nothing of its markers.
+// Returns the bytes of a run. The reference follows the last frame without its markers.
 std::string written(const StoredRun& run) {
   const auto& frames = run.seen.observations;
   std::size_t before = 0;
@@ -48,7 +48,7 @@ void sign_records(std::string& file) {
   }
 }
 
-// What a kill left behind: the good part is part of the file, and by itself it is as good.
+// Reads the file as the journal of a killed run. The valid part must be a prefix, and must be valid without the rest.
 void recover(const std::string& file) {
   const auto kept = parsed(file, parse_kept_run);
   if (!kept) return fuzz::demand(!kept.error().empty());

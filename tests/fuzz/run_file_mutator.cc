@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Now and then a run of the layout of today, every field filled, from which the mutations of run.mgj go on: seeds of
-// another day's layout would be refused at their first record.
+// Custom mutator of run.mgj. It sometimes inserts a new run in the current layout with all fields filled. Seeds in an
+// older layout are refused at their first record.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -13,10 +13,10 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kUntouched = 16;  // bytes, made by the target itself
-constexpr unsigned kOneInSoMany = 200;  // mutations
+constexpr std::size_t kUntouched = 16;  // bytes of the file header, which the target adds
+constexpr unsigned kOneInSoMany = 200;  // mutations per new run
 
-// "Reads" a value of `count` of everything that is counted; what is optional is there.
+// Reader for `store` that fills all fields: lists have `count` elements and optional values are present.
 class Filler {
  public:
   static constexpr bool kReads = true;
@@ -67,8 +67,8 @@ std::string fresh_run(std::size_t count) {
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
   if (size < 2 || seed % moiregauge::internal::kOneInSoMany == 0) {
     const std::string fresh =
-        std::string(1, '\0') +
-        moiregauge::internal::fresh_run(1 + seed / moiregauge::internal::kOneInSoMany % 2).substr(moiregauge::internal::kUntouched);
+        std::string(1, '\0') + moiregauge::internal::fresh_run(1 + seed / moiregauge::internal::kOneInSoMany % 2)
+                                   .substr(moiregauge::internal::kUntouched);
     if (fresh.size() <= most) {
       std::copy(fresh.begin(), fresh.end(), data);
       return fresh.size();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as the run.json of a run that is about to be replaced.
+// Input: any bytes as the run.json of a run that is to be replaced.
+// Requires: the reader ends without a fault.
 #include <sstream>
 
 #include "moiregauge/io/run_dir/run_json_reader.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any text as a scenario of the simulator; a single line as what stands behind --set, and as a length.
+// Input: any text as a scenario of the simulator; a single line as a value of --set and as a length.
+// Requires: each error is one line with a position; lengths are positive and finite.
 #include "moiregauge/io/config/scenario_file.h"
 
 #include "moiregauge/base/length_text.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any text as site.toml: a site that is written again as it was read, or mistakes with their places.
+// Input: any text as site.toml.
+// Requires: an accepted site has the same number of markers after writing and reading; errors have positions.
 #include "moiregauge/io/config/site_file.h"
 
 #include "tests/fuzz/input_file.h"
@@ -14,7 +15,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   }
   const std::string written = write_site(*site);
   const auto again = parse_site(written, "f");
-  if (!again && written.size() > 60000) return 0;  // too long for a site by now
+  if (!again && written.size() > 60000) return 0;  // writing made the file longer than the limit
   fuzz::demand(again.has_value() && again->markers.size() == site->markers.size());
   return 0;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as an uncompressed AVI or Matroska: every pixel that is promised must lie in the file.
+// Input: any bytes as an uncompressed AVI or Matroska file.
+// Requires: all stated pixels are inside the file.
 #include "moiregauge/decoder/stored/stored_video.h"
 
 #include "tests/fuzz/input_file.h"

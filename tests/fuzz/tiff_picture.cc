@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as a TIFF: its pages are pictures or errors, read in order and one of them again.
+// Input: any bytes as a TIFF file.
+// Requires: up to four pages, read in order, and the first page again, are images or errors.
 #include "moiregauge/io/pictures/tiff_reader.h"
 
 #include <algorithm>

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Mutations: is a wrong threshold caught by a test?
+"""Tests the tests: changes one constant at a time, and finds a test that detects the change.
 
     mutate.py --root CHECKOUT --work FOLDER [--only WORD] [--labels unit,physics,...]
 
-Copies the sources to FOLDER and makes one program of all mutations, each behind a switch in the environment. Then runs
-the tests for one mutation at a time until one fails. Prints a table, one row for each mutation.
+Copies the sources to FOLDER and builds one program with all mutations, which an environment variable selects. Then runs
+the tests for one mutation at a time until one fails. Prints a table with one row per mutation.
 """
 import argparse
 import os
@@ -33,7 +33,7 @@ LABELS = "unit,physics,paper,real,faults,cli"
 
 
 def copied(root, work):
-    """Copies what git tracks, without touching files that are the same: a second run builds what changed."""
+    """Copies the files tracked by git, except unchanged ones, so that a second run builds changed files only."""
     files = subprocess.run(["git", "-C", root, "ls-files", "-z"], check=True, capture_output=True, text=True).stdout
     for name in filter(None, files.split("\0")):
         source, copy = root / name, work / name
@@ -52,7 +52,7 @@ def read_list(path):
 
 
 def switch(work, number, file, name, value):
-    """Puts a switch in front of the constant's value, and returns the line as it was."""
+    """Makes the value of a constant depend on the mutation number. Returns the original value as text."""
     path = work / "src/moiregauge" / file
     text = path.read_text()
     found = list(re.finditer(rf"^(inline )?constexpr ([^;]*\b{name} = )([^,;]+)", text, re.M))
@@ -67,7 +67,7 @@ def switch(work, number, file, name, value):
 
 
 def first_failure(work, number, labels):
-    """The name of the first test that fails, or nothing."""
+    """Returns the name of the first test that fails; None if all pass."""
     environment = dict(os.environ, MOIREGAUGE_MUTATION=str(number))
     for label in labels:
         done = subprocess.run(["ctest", "--preset", "check", "-L", f"^{label}$", "--stop-on-failure", "--parallel", "2"], cwd=work,

@@ -1,5 +1,7 @@
 #!/usr/bin/python3
-"""package_test.py example|deb BUILD EXAMPLES
+"""Tests the installation and the Debian package.
+
+    package_test.py example|deb BUILD EXAMPLES
 
 example  installs BUILD into a separate folder, configures and builds EXAMPLES against it, and runs the results
 deb      makes the Debian package, unpacks it, and checks its files and dependencies; builds the example against it, too
@@ -11,18 +13,25 @@ import subprocess
 import sys
 import tempfile
 
-HELD = [
+PROGRAM = [
     "usr/bin/moiregauge",
     "usr/share/man/man1/moiregauge.1.gz",
     "usr/share/man/man1/moiregauge-measure.1.gz",
     "usr/share/bash-completion/completions/moiregauge",
     "usr/share/zsh/vendor-completions/_moiregauge",
     "usr/share/doc/moiregauge/copyright",
-    "usr/share/doc/moiregauge/examples/cmake/CMakeLists.txt",
-    "usr/include/moiregauge/phase/sampling_moire/sampling_moire.h",
-    "usr/lib/moiregauge/libmoiregauge_phase.a",
-    "usr/lib/cmake/moiregauge/moiregauge-config.cmake",
+    "usr/share/doc/moiregauge/examples/read_moiregauge.py",
 ]
+LIBRARY = [
+    "usr/include/moiregauge/measure.h",
+    "usr/include/moiregauge/version.h",
+    "usr/lib/libmoiregauge.so",
+    "usr/lib/libmoiregauge_sampling_moire.a",
+    "usr/lib/cmake/moiregauge/moiregauge-config.cmake",
+    "usr/share/doc/moiregauge-dev/copyright",
+    "usr/share/doc/moiregauge-dev/examples/cmake/CMakeLists.txt",
+]
+MAX_PUBLIC_HEADERS = 14
 
 
 def run(*words, **how):
@@ -32,7 +41,18 @@ def run(*words, **how):
     return done.stdout
 
 
-def build_example(examples, prefix, work):
+def check_headers(prefix, work):
+    """Checks the number of public headers, and that each compiles alone, without any dependency but tl-expected."""
+    headers = sorted((prefix / "include" / "moiregauge").glob("*"))
+    assert 0 < len(headers) <= MAX_PUBLIC_HEADERS, f"{len(headers)} public headers: {headers}"
+    for header in headers:
+        source = work / "alone.cc"
+        source.write_text(f'#include "moiregauge/{header.name}"\nint main() {{ return 0; }}\n')
+        run("c++", "-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{prefix / 'include'}", source)
+
+
+def build_example(examples, prefix, program, work):
+    check_headers(prefix, work)
     run("cmake", "-S", examples, "-B", work / "example", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
         "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF")
     run("cmake", "--build", work / "example")
@@ -41,21 +61,35 @@ def build_example(examples, prefix, work):
     ours = [line.strip() for line in read.splitlines() if "/moiregauge/" in line and line.strip().endswith(".h")]
     strangers = [line for line in ours if str(prefix) not in os.path.realpath(work / "example" / line)]
     assert ours and not strangers, strangers or "no header of ours was read"
-    print(run(work / "example" / "grating_shift").strip())
-    prefix_program = prefix / "bin" / "moiregauge"
-    run(prefix_program, "simulate", "small-1xyz", "--frames", "3", "--markers-only", "--quiet", "-o", work / "run")
-    print(run(work / "example" / "measure_clip", work / "run" / "frames", "10").strip())
+    needed = run("readelf", "-d", work / "example" / "grating_phase")
+    assert "ceres" not in needed and "opencv" not in needed, needed
+    print(run(work / "example" / "grating_phase").strip())
+    print(run(work / "example" / "simulate_and_check").strip())
+    print(run(work / "example" / "follow_camera", "2000").strip())
+    run(program, "simulate", "small-1xyz", "--frames", "3", "--markers-only", "--quiet", "-o", work / "run")
+    print(run(work / "example" / "measure_clip", work / "run" / "frames").strip())
+
+
+def unpacked(package, work):
+    root = work / "root"
+    run("dpkg-deb", "-x", package, root)
+    return root
 
 
 def test_deb(build, examples, work):
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", work)
-    (package,) = work.glob("moiregauge_*_*.deb")
-    control = run("dpkg-deb", "-f", package)
-    for needed in ["libavcodec59", "libopencv-imgproc", "fonts-dejavu-core", "libc6"]:
+    (program,) = work.glob("moiregauge_*_*.deb")
+    (library,) = work.glob("moiregauge-dev_*_*.deb")
+    control = run("dpkg-deb", "-f", program)
+    for needed in ["libavcodec", "libopencv-imgproc", "fonts-dejavu-core", "libc6"]:
         assert needed in control, f"Depends names no {needed}\n{control}"
-    root = work / "root"
-    run("dpkg-deb", "-x", package, root)
-    for name in HELD:
+    assert "libexpected-dev" in run("dpkg-deb", "-f", library)
+    root = unpacked(program, work)
+    for name in PROGRAM:
+        assert (root / name).is_file() and (root / name).stat().st_size > 0, f"{name} is missing"
+    assert not (root / "usr/include").exists(), "the program's package holds headers"
+    unpacked(library, work)
+    for name in LIBRARY:
         assert (root / name).is_file() and (root / name).stat().st_size > 0, f"{name} is missing"
     words = (root / "usr/share/doc/moiregauge/copyright").read_text()
     assert "GNU General Public License" in words and "FFmpeg" in words
@@ -63,8 +97,9 @@ def test_deb(build, examples, work):
     assert ".debug_info" not in symbols, "the program is not stripped"
     for text in root.rglob("*.cmake"):
         assert str(build) not in text.read_text() and str(examples.parent) not in text.read_text(), f"{text} names the build"
-    print(f"{package.name}: {package.stat().st_size / 1e6:.1f} MB")
-    build_example(examples, root / "usr", work)
+    for package in (program, library):
+        print(f"{package.name}: {package.stat().st_size / 1e6:.1f} MB")
+    build_example(examples, root / "usr", root / "usr/bin/moiregauge", work)
 
 
 def main():
@@ -76,7 +111,7 @@ def main():
             test_deb(build, work / "examples", work)
         else:
             run("cmake", "--install", build, "--prefix", work / "prefix")
-            build_example(work / "examples", work / "prefix", work)
+            build_example(work / "examples", work / "prefix", work / "prefix/bin/moiregauge", work)
 
 
 if __name__ == "__main__":

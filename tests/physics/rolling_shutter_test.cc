@@ -69,7 +69,7 @@ TEST(RollingShutter, OfAHandHeldTelephoneIsSolved) {
   ASSERT_TRUE(run.solution.scene && run.solution.scene->solved);
   EXPECT_NEAR(run.solution.scene->readout_s, kReadout, 5.0 * run.solution.scene->u_readout_s);
   EXPECT_LT(run.solution.scene->u_readout_s, 0.2 * kReadout);
-  EXPECT_TRUE(notes(run, "rolling shutter: rows are read over")) << ::testing::PrintToString(run.solution.notes);
+  EXPECT_TRUE(notes(run, "note: a rolling shutter was solved")) << ::testing::PrintToString(run.solution.notes);
   EXPECT_EQ(ok_rows(run), 23);
   EXPECT_EQ(silent_lies(run), 0);
   EXPECT_LT(test::scatter(run.error_y_um), 2.0 * test::scatter(yardstick.error_y_um) + 0.5);

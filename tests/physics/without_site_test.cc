@@ -132,7 +132,7 @@ TEST(WithoutSite, ThreeCirclesAreTooFewAndAreCounted) {
   scenario.markers.erase(scenario.markers.begin());
   const auto site = found(scenario, 0);
   ASSERT_FALSE(site);
-  EXPECT_NE(site.error().message.find("found 3"), std::string::npos) << site.error().message;
+  EXPECT_NE(site.error().message.find("were not found (3 circles"), std::string::npos) << site.error().message;
 }
 
 TEST(WithoutSite, WithoutATargetThereIsNothingToMeasure) {
@@ -140,7 +140,7 @@ TEST(WithoutSite, WithoutATargetThereIsNothingToMeasure) {
   scenario.markers.pop_back();
   const auto site = found(scenario, 0);
   ASSERT_FALSE(site);
-  EXPECT_NE(site.error().message.find("no target"), std::string::npos) << site.error().message;
+  EXPECT_NE(site.error().message.find("there is no target"), std::string::npos) << site.error().message;
 }
 
 TEST(WithoutSite, CirclesWithoutGratingsAreNoReferences) {
@@ -150,7 +150,7 @@ TEST(WithoutSite, CirclesWithoutGratingsAreNoReferences) {
   }
   const auto site = found(scenario, 0);
   ASSERT_FALSE(site);
-  EXPECT_NE(site.error().message.find("found 4 circles and 1 grating, none within"), std::string::npos)
+  EXPECT_NE(site.error().message.find("no grating is within three diameters of a reference circle (4 circles and 1 grating"), std::string::npos)
       << site.error().message;
 }
 
@@ -180,7 +180,7 @@ TEST(WithoutSite, ASecondGratingAtACircleIsATargetAndIsNamed) {
   site = looked(scenario, 0, upright());
   ASSERT_TRUE(site) << site.error().message;
   ASSERT_EQ(site->notes.size(), 1U);
-  EXPECT_NE(site->notes[0].find("taken for a target"), std::string::npos) << site->notes[0];
+  EXPECT_NE(site->notes[0].find("is used as a target"), std::string::npos) << site->notes[0];
 }
 
 TEST(WithoutSite, AGratingOfAnotherPitchIsExcludedAndNamed) {
@@ -190,7 +190,7 @@ TEST(WithoutSite, AGratingOfAnotherPitchIsExcludedAndNamed) {
   ASSERT_TRUE(site) << site.error().message;
   EXPECT_EQ(count(site->site, Role::kTarget), 1U);
   ASSERT_EQ(site->notes.size(), 1U);
-  EXPECT_NE(site->notes[0].find("repeats by 7 mm"), std::string::npos) << site->notes[0];
+  EXPECT_NE(site->notes[0].find("its pitch is 7 mm"), std::string::npos) << site->notes[0];
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A real pair in the paper's own layout: four circles round a checkerboard, seen at 25 and 22 deg through a lens that
-// distorts by 1.7 px (tests/real/data/SOURCES.md).
+// Two photographs in the paper's layout: four circles around a checkerboard, at 25 and 22 degrees of tilt. The lens has
+// a distortion of 1.7 px (tests/real/data/SOURCES.md).
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -26,18 +26,18 @@ TEST(BoardChecker, WithoutALensModelTheNullIsHalfAPixelAndNotTrusted) {
   const Measurement run = test::real_run("board-checker", "two-stage");
   const double null = test::null_px(run);
   RecordProperty("null_px", std::to_string(null));
-  EXPECT_GE(null, 0.4);  // what is left is the lens, and this method does not take it out
+  EXPECT_GE(null, 0.4);  // px, effect of the lens, which this method does not correct
   EXPECT_LE(null, 0.8);
   EXPECT_EQ(test::second_view(run).status, Status::kUntrusted);
   EXPECT_EQ(run.exit, Exit::kRefused);
-  // The error lies within what is stated: 3 u along each axis.
+  // The error is within 3 u along each axis.
   const Sample& sample = test::second_view(run);
   EXPECT_LE(std::abs(sample.displacement.x), 3.0 * sample.u.x);
   EXPECT_LE(std::abs(sample.displacement.y), 3.0 * sample.u.y);
 }
 
-TEST(BoardChecker, TheCirclesAloneLeaveTwoPixels) {
-  // Stage 2 undone: what the patches moved at the circles, taken through the layout, is what they mended.
+TEST(BoardChecker, WithoutTheSecondStageTheNullIsTwoPixels) {
+  // Removes stage 2: the displacements of the patches at the circles, weighted by the layout, are its correction.
   const Measurement run = test::real_run("board-checker", "two-stage");
   const Reference& reference = *run.reference;
   std::vector<BoardPoint> circles;

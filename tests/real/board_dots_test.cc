@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A dense lattice of dots at 45 deg with four discs, rolled by 20 deg between two views: over a thousand look-alikes.
+// A dense lattice of dots at 45 degrees with four discs, in two views with 20 degrees of roll between them. The dots
+// are more than a thousand false candidates.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ TEST(BoardDots, TheNullIsATenthOfAPixelAndInsideItsUncertainty) {
   const Measurement run = test::real_run("board-dots", "two-stage");
   const double null = test::null_px(run);
   RecordProperty("null_px", std::to_string(null));
-  EXPECT_LE(null, 0.14);  // SOURCES.md: 0.12-0.14 raw
+  EXPECT_LE(null, 0.14);  // px; SOURCES.md: 0.12 to 0.14 without lens correction
   const Sample& sample = test::second_view(run);
   EXPECT_LE(std::abs(sample.displacement.x), 3.0 * sample.u.x);
   EXPECT_LE(std::abs(sample.displacement.y), 3.0 * sample.u.y);

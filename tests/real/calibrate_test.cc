@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera solved from a set's own views, and the nulls of the set with its lens taken out (the table of
+// Cameras solved from a set's own views, and the nulls of the set without their distortion (table in
 // tests/real/data/SOURCES.md).
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@ Solved solved(const std::string& name) {
   return s;
 }
 
-TEST(CalibrateHandheldChess, TakesTheBarrelOutOfTheFourCornerNull) {
+TEST(CalibrateHandheldChess, RemovesTheBarrelDistortionFromTheNull) {
   const Solved s = solved("handheld-chess");
   const double raw = test::median_null(s.views, {}), null = test::median_null(s.views, s.camera.camera);
   ::testing::Test::RecordProperty("null_px", std::to_string(null));
@@ -35,11 +35,11 @@ TEST(CalibrateHandheldChess, TakesTheBarrelOutOfTheFourCornerNull) {
   EXPECT_LE(null, 0.33);
   EXPECT_LE(s.camera.rms_px, 0.2);
   for (const CalibratedView& view : s.camera.views) EXPECT_EQ(view.left_out, "");
-  // The lens all the world has solved from these pictures: k1 of about -0.29.
+  // Published calibrations of these images have k1 of about -0.29.
   EXPECT_NEAR(s.camera.camera.k1, -0.29, 0.01);
 }
 
-TEST(CalibrateHandheldChess, HalvesOfTheViewsAgreeWithinWhatEachStates) {
+TEST(CalibrateHandheldChess, HalvesOfTheViewsAgreeWithinTheirStatedU) {
   const auto views = test::lattice_views(kData, test::photo_set("handheld-chess"));
   const auto half = [&](std::size_t from) {
     std::vector<test::LatticeView> some;
@@ -76,9 +76,9 @@ std::array<double, 2> halves_by_u(const std::string& name) {
   return {std::sqrt(squares[0]), std::sqrt(squares[1])};
 }
 
-// An rms of 8 differences in units of their u is 1 +- 0.25, and u from seven views is itself uncertain by 30 %. The
-// dots' k2 comes to 2.0 by one split of the eight. Without the scatter between views k1 and k2 come to 2.0 and 1.8 for
-// the chessboard, and to 4.2 and 6.9 for the dots.
+// The expected rms of 8 differences, in units of their u, is 1 +- 0.25. A u from seven views is itself uncertain by 30
+// %. The dots have 2.0 for k2, because of one of the eight splits. Without the scatter between views in u, k1 and k2
+// would have 2.0 and 1.8 for the chessboard, 4.2 and 6.9 for the dots.
 TEST(CalibrateRealBoards, HalvesOfTheViewsScatterByTheirStatedU) {
   for (const auto& [name, bound] : {std::pair<std::string, double>{"handheld-chess", 1.6}, {"robot-circles", 2.5}}) {
     const auto by_u = halves_by_u(name);
@@ -88,8 +88,8 @@ TEST(CalibrateRealBoards, HalvesOfTheViewsScatterByTheirStatedU) {
   }
 }
 
-// The print's own errors are twenty times the points' noise: taken for a lens they would bend what is straight.
-TEST(CalibrateStereoDots, ALongLensChangesNothing) {
+// The errors of the printed board are twenty times the noise of the points. They must not be identified as distortion.
+TEST(CalibrateStereoDots, TheNullsDoNotChangeWithALongLens) {
   const Solved s = solved("stereo-dots");
   EXPECT_EQ(s.camera.matched, 14) << "views recognised by their print";
   EXPECT_LE(s.camera.point_px, 0.05);
@@ -97,7 +97,7 @@ TEST(CalibrateStereoDots, ALongLensChangesNothing) {
   EXPECT_NEAR(test::worst_null(s.views, s.camera.camera), test::worst_null(s.views, {}), 0.01);
 }
 
-TEST(CalibrateBoardDots, TheLatticesPhaseIsFlatOnceTheLensIsOut) {
+TEST(CalibrateBoardDots, ThePhaseHasASmallNullWithoutDistortion) {
   const Solved s = solved("board-dots");
   const auto phases = test::phase_places(s.views[0], s.views[1], LatticeKind::kDots);
   const double raw = test::null_between(phases.first, phases.second).rms_px;
@@ -109,7 +109,7 @@ TEST(CalibrateBoardDots, TheLatticesPhaseIsFlatOnceTheLensIsOut) {
   EXPECT_LE(null, 0.07);
 }
 
-TEST(CalibrateBoardChecker, TheCornersAndThePhaseAreFlatOnceTheLensIsOut) {
+TEST(CalibrateBoardChecker, CornersAndPhaseHaveASmallNullWithoutDistortion) {
   const Solved s = solved("board-checker");
   EXPECT_LE(test::median_null(s.views, s.camera.camera), 0.12);
   const auto phases = test::phase_places(s.views[0], s.views[1], LatticeKind::kCheckerCorners);

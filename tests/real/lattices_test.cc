@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lattices on photographs of five rigid boards: every point indexed, no false grid, and nulls that are the lens' and
-// not ours. Figures to compare with, by programs that are not this one: tests/real/data/SOURCES.md.
+// Lattices on photographs of five rigid boards: all points are indexed, there is no false lattice, and the nulls are
+// those of the lens. Values of other programs for comparison: tests/real/data/SOURCES.md.
 #include <algorithm>
 #include <cmath>
 
@@ -43,7 +43,7 @@ TEST(HandheldChess, EveryViewShowsItsNineBySixCornersAndNoOtherGrid) {
     EXPECT_TRUE(lattice.whole()) << view.file;
     EXPECT_EQ(std::max(lattice.columns, lattice.rows), 9) << view.file;
     EXPECT_EQ(std::min(lattice.columns, lattice.rows), 6) << view.file;
-    EXPECT_FALSE(view.places.empty()) << view.file;  // its colours say which corner is which
+    EXPECT_FALSE(view.places.empty()) << view.file;  // its colours identify the corners
   }
 }
 
@@ -61,7 +61,7 @@ TEST(BoardChecker, BothViewsShowSixteenBySixteenCorners) {
   }
 }
 
-TEST(BoardChecker, SeenFromItsDiscsTheLatticeIsOffByTheSameLensWhoeverReadsIt) {
+TEST(BoardChecker, CornersAndPhaseHaveTheSameNullRelativeToTheDiscs) {
   const auto& views = views_of("board-checker");
   const auto corners = test::null_by_discs(views[0].places, views[1].places, views[0].discs, views[1].discs);
   const auto phases = test::phase_places(views[0], views[1], LatticeKind::kCheckerCorners);
@@ -72,7 +72,7 @@ TEST(BoardChecker, SeenFromItsDiscsTheLatticeIsOffByTheSameLensWhoeverReadsIt) {
   EXPECT_NEAR(phase.rms_px, 1.72, 0.172);
 }
 
-TEST(BoardDots, BothViewsAreIndexedAlthoughTheLatticeLiesAskew) {
+TEST(BoardDots, BothViewsAreIndexedAlthoughTheLatticeIsOblique) {
   for (const LatticeView& view : views_of("board-dots")) {
     ASSERT_EQ(view.lattices.size(), 1U) << view.file;
     EXPECT_GE(view.lattices[0].points.size(), 1140U) << view.file;
@@ -80,13 +80,13 @@ TEST(BoardDots, BothViewsAreIndexedAlthoughTheLatticeLiesAskew) {
   }
 }
 
-TEST(BoardDots, TheLatticePhaseIsOffByAnEighthOfAPixel) {
+TEST(BoardDots, ThePhaseHasANullOfAnEighthOfAPixel) {
   const auto& views = views_of("board-dots");
   const auto phases = test::phase_places(views[0], views[1], LatticeKind::kDots);
   const auto null = test::null_between(phases.first, phases.second);
   RecordProperty("phase_px", std::to_string(null.rms_px));
   EXPECT_GE(null.targets, 300);
-  EXPECT_GE(null.rms_px, 0.9 * 0.12);  // the lens
+  EXPECT_GE(null.rms_px, 0.9 * 0.12);  // px, effect of the lens
   EXPECT_LE(null.rms_px, 1.1 * 0.14);
 }
 
@@ -98,7 +98,7 @@ TEST(StereoDots, EveryViewIsIndexedAndMatchedByItsThreeRings) {
   }
 }
 
-TEST(StereoDots, UnderALongLensTheNullIsWellBelowTwoTenthsOfAPixel) {
+TEST(StereoDots, WithALongLensTheNullIsWellBelowTwoTenthsOfAPixel) {
   const Nulls nulls = nulls_of(views_of("stereo-dots"));
   RecordProperty("median_px", std::to_string(nulls.median_px));
   RecordProperty("worst_px", std::to_string(nulls.worst_px));
@@ -113,7 +113,7 @@ TEST(RobotCircles, AtLeastNinetyNineOfAHundredDotsInEveryViewAndNoFalseGrid) {
     const IndexedLattice& lattice = view.lattices[0];
     EXPECT_EQ(lattice.columns, 10) << view.file;
     EXPECT_EQ(lattice.rows, 10) << view.file;
-    // In one view the large dot is cut off by the frame.
+    // In view 2.png the edge of the image cuts off the large dot.
     EXPECT_GE(lattice.points.size(), view.file == "2.png" ? 99U : 100U) << view.file;
   }
 }
@@ -142,7 +142,7 @@ TEST(CircleTest, RefusesRealSquares) {
   EXPECT_LT(board.accepted + hand.accepted, 0.005 * (board.there + hand.there));
 }
 
-TEST(Lattices, NoDotsAreSeenOnACheckerboardAndNoCornersBetweenDots) {
+TEST(Lattices, ACheckerboardHasNoDotsAndDotsHaveNoCorners) {
   for (const char* set : {"handheld-chess", "board-checker"}) {
     for (const LatticeView& view : views_of(set))
       EXPECT_TRUE(find_dot_lattices(view.circles.circles).empty()) << set << " " << view.file;

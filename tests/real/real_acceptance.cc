@@ -14,7 +14,7 @@ struct Expected {
   double spacing_px = 0.0;
 };
 
-// Half-way between the neighbours on opposite sides: needs neither the dot nor any model of the view.
+// Returns the middle between neighbours on opposite sides, which requires neither the dot nor a model of the view.
 std::optional<Expected> expected_at(const IndexedLattice& lattice, int column, int row) {
   std::optional<Expected> best;
   double least = 1e9;

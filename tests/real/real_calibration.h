@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lens of a set's camera from the set's own views, and the views with that lens taken out.
+// Lens of a set's camera, solved from the set's own views, and the views without its distortion.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,13 @@
 
 namespace moiregauge::internal::test {
 
+// Solves the camera from all views of a set.
 [[nodiscard]] BoardCalibration calibrated(const std::vector<LatticeView>& views);
+// Returns the points without the distortion of `camera`.
 [[nodiscard]] Places without_lens(const Places& places, const Camera& camera);
-// Median over the views after the first of the null between each and the first.
+// Returns the median, in px, of the nulls between the first view and each other view.
 [[nodiscard]] double median_null(const std::vector<LatticeView>& views, const Camera& camera);
+// Returns the largest of these nulls in px.
 [[nodiscard]] double worst_null(const std::vector<LatticeView>& views, const Camera& camera);
 
 }  // namespace moiregauge::internal::test

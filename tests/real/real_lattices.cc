@@ -17,18 +17,19 @@
 namespace moiregauge::internal::test {
 namespace {
 
-using Marks = std::vector<Eigen::Vector2d>;  // columns and rows, in an order of their own
+using Marks = std::vector<Eigen::Vector2d>;  // columns and rows of landmarks in a defined order
 
 Eigen::Vector2d quarter_turns(Eigen::Vector2d p, int turns) {
   for (int i = 0; i < turns; ++i) p = Eigen::Vector2d(-p.y(), p.x());
   return p;
 }
 
-// Of four corners (clockwise from the first) the one where a side of odd length begins and a dark square lies.
+// Returns start and end of a side, clockwise, with an odd number of points and a dark square at its start. Only one
+// side of a board with an odd and an even side has both.
 Marks marks_of_colours(const IndexedLattice& lattice) {
   const int c = lattice.columns - 1, r = lattice.rows - 1;
   const std::vector<Eigen::Vector2d> corners{{0, 0}, {c, 0}, {c, r}, {0, r}};
-  // The square inwards of each corner; along a side of even length the colour has changed.
+  // Colour of the square inside each corner. It changes along a side with an even number of squares.
   const bool dark[] = {lattice.dark, lattice.dark == (c % 2 != 0), lattice.dark == ((c + r) % 2 == 0),
                        lattice.dark == (r % 2 != 0)};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -53,7 +54,7 @@ Marks marks_of_large_dot(const IndexedLattice& lattice) {
   return {};
 }
 
-// The target turns by a few degrees only, so row by row is the same order in every view.
+// Returns the rings row by row. The board rotates by a few degrees only, so this order is the same in all views.
 Marks marks_of_rings(const IndexedLattice& lattice, const CircleSearch& circles) {
   Marks marks;
   for (const LatticePoint& p : lattice.points) {
@@ -104,7 +105,7 @@ struct Change {
   Eigen::Vector2d offset{0, 0};
 };
 
-// Quarter turns and whole steps that bring one view's marks onto another's.
+// Returns the quarter turns and the whole steps that map the marks of one view to those of another.
 std::optional<Change> change_between(const Marks& from, const Marks& to) {
   if (from.size() < 2 || from.size() != to.size()) return std::nullopt;
   for (int turns = 0; turns < 4; ++turns) {
@@ -188,8 +189,8 @@ double area_of(const std::vector<Place>& corners, const Places& view) {
   return std::abs(area);
 }
 
-// The corners of the lattice, or those of the picture when the lattice lies askew and ends at its edges: whichever four
-// points span more.
+// Returns the corners of the lattice, or the points nearest to the image's corners if they span more. The latter
+// applies to an oblique lattice that ends at the image's edges.
 std::vector<Place> select_references(const std::vector<Place>& places, const Places& view) {
   const auto extremes = [&](const auto& x_of, const auto& y_of) {
     std::vector<Place> corners;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Regular targets on photographs: the same point has the same column and row in every view of a set, and four points of
-// a rigid board say where all the others must be.
+// Lattices on photographs of rigid boards. A point has the same column and row in all views of a set. Four points
+// determine the positions of all others.
 #pragma once
 
 #include <map>
@@ -15,10 +15,10 @@
 namespace moiregauge::internal::test {
 
 enum class Landmarks {
-  kColours,   // a checkerboard's own: an odd and an even side
-  kLargeDot,  // in a corner of the lattice
+  kColours,   // colours of a checkerboard with an odd and an even side
+  kLargeDot,  // a large dot in a corner of the lattice
   kRings,     // dots with a hole
-  kDiscs      // round the lattice, known to site.toml
+  kDiscs      // discs around the lattice, stated in site.toml
 };
 
 struct PhotoSet {
@@ -41,40 +41,44 @@ using Discs = std::vector<ImagePoint>;
 struct LatticeView {
   std::string file;
   Picture picture;
-  CircleSearch circles;                  // what the circle test accepts, whatever the lattice says
-  std::vector<IndexedLattice> lattices;  // as found, largest first
-  Discs discs;                           // round the lattice, in the order of the site; empty where there are none
-  Places places;  // the largest, its columns and rows as in the first view; empty where landmarks are not in sight
+  CircleSearch circles;                  // result of the circle test, without the lattice
+  std::vector<IndexedLattice> lattices;  // largest first
+  Discs discs;                           // px, in the order of the site; empty if there are none
+  // Points of the largest lattice, px, with columns and rows as in the first view. Empty if landmarks are not visible.
+  Places places;
 };
 
-// Every view of a set, in natural order. `data`: the folder that holds the sets.
+// Returns all views of a set in natural order. `data` is the folder that contains the sets.
 [[nodiscard]] std::vector<LatticeView> lattice_views(const std::string& data, const PhotoSet& set);
 
-// The difference between a view and the first one mapped by the homography of four references.
+// Difference between a view and the first one, mapped by the homography of four references. The truth is zero.
 struct LatticeNull {
-  int targets = 0;
-  double rms_px = 0.0;
+  int targets = 0;      // points compared
+  double rms_px = 0.0;  // px
 };
-// References: the four outermost common points; targets: all the others.
+// Returns the null with the four outermost common points as references and all others as targets.
 [[nodiscard]] LatticeNull null_between(const Places& first, const Places& view);
-// References: the discs; targets: all common points.
+// Returns the null with the discs as references and all common points as targets.
 [[nodiscard]] LatticeNull null_by_discs(const Places& first, const Places& view, const Discs& discs_then,
                                         const Discs& discs_now);
 
-// The same print points in two views, as the lattice's phase sees them: a patch of five by five points round each.
+// Positions of the same points in two views, px.
 struct PhasePlaces {
   Places first, second;
 };
+// Measures the positions by the phase of the lattice, in a patch of 5 x 5 points around each point.
 [[nodiscard]] PhasePlaces phase_places(const LatticeView& first, const LatticeView& second, LatticeKind kind);
 
-// The circle test against what the lattice says is there (its neighbours, never the dot itself).
+// Result of the circle test at positions predicted by the lattice. A prediction uses the neighbours only.
 struct Acceptance {
-  int there = 0;
-  int accepted = 0;
-  double median_diameter_px = 0.0;
+  int there = 0;                    // predicted dots or squares
+  int accepted = 0;                 // accepted as circles
+  double median_diameter_px = 0.0;  // px
   [[nodiscard]] double share() const { return there == 0 ? 0.0 : static_cast<double>(accepted) / there; }
 };
+// Tests the dots of all views, which must be accepted.
 [[nodiscard]] Acceptance dots_accepted(const std::vector<LatticeView>& views);
+// Tests the squares of all views, which must be rejected.
 [[nodiscard]] Acceptance squares_accepted(const std::vector<LatticeView>& views);
 
 }  // namespace moiregauge::internal::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lattice's phase in two views. Units of the board: one step of the lattice is a millimetre.
+// Phase of a lattice in two views. One step of the lattice counts as 1 mm on the board.
 #include <algorithm>
 #include <vector>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photographs of tests/real/data, and runs on them. Their boards are rigid: every displacement measured is an
-// error.
+// Photographs of tests/real/data, and runs on them. The boards are rigid, so each measured displacement is an error.
 #pragma once
 
 #include <string>
@@ -16,12 +15,12 @@ namespace moiregauge::internal::test {
 [[nodiscard]] Measurement real_run(const std::string& set, const std::string& method);
 [[nodiscard]] Measurement real_run(const std::string& set, const std::string& method, Site site);
 
-// The board of the set with nine targets of two periods each in place of its own, the same references.
+// Returns the site of the set with nine targets of two periods each instead of its own, and the same references.
 [[nodiscard]] Site nine_patches(const std::string& set);
 
-// Length of the first target's displacement in the second view, px of the picture (a null: the truth is zero); and rms
-// over all targets.
+// Returns the length in px of the first target's displacement in the second view. The truth is zero.
 [[nodiscard]] double null_px(const Measurement& measurement);
+// Returns the rms of these lengths over all targets.
 [[nodiscard]] double rms_null_px(const Measurement& measurement);
 [[nodiscard]] const Sample& second_view(const Measurement& measurement);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs of boards whose camera is known, painted here pixel by pixel: whatever is printed, calibrating finds the
-// camera within what it states.
+// Simulated photographs of boards with a known camera, rendered here pixel by pixel. The calibration must find the
+// camera within its stated uncertainty for all patterns.
 #include <cmath>
 #include <random>
 #include <string>
@@ -23,7 +23,7 @@ constexpr std::uint64_t kSeed = 3;
 
 const Camera kCamera{800, 600, 900.0, 900.0, 410.0, 290.0, -0.12, 0.03, 0.001, -0.0005, 0.0};
 
-// Share of white at a point of the print; the board reaches 60 mm by 50 mm about its middle and is white beyond.
+// Returns true for white at a point of the pattern, in mm from the middle of the board.
 using Print = bool (*)(double x, double y);
 double part(double v) { return v - std::floor(v); }
 bool checkerboard(double x, double y) {
@@ -50,7 +50,7 @@ Image<std::uint8_t> photograph(Print print, const IdealFromBoard& view, std::mt1
   std::normal_distribution<double> noise(0.0, kNoise);
   Image<std::uint8_t> picture(kCamera.width, kCamera.height);
   const auto board = view.inverse();
-  // The lens is taken out at the pixels' corners; within a pixel it is straight to 1e-4 px.
+  // Distortion is removed at the pixels' corners. Within a pixel linear interpolation has an error of 1e-4 px.
   std::vector<IdealPoint> above, below;
   const auto corners = [](int y) {
     std::vector<IdealPoint> row;
@@ -85,7 +85,7 @@ struct Board {
 
 class SimulatedBoards : public ::testing::TestWithParam<Board> {};
 
-TEST_P(SimulatedBoards, TellTheirCameraWithinWhatIsStated) {
+TEST_P(SimulatedBoards, TheCameraIsWithinItsStatedUncertainty) {
   std::mt19937_64 rng(kSeed);
   std::vector<BoardView> views;
   for (const auto& [tx, ty, turn] :

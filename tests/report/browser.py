@@ -1,10 +1,10 @@
-"""A headless Chromium driven through its own devtools pipe: no driver, no web server, no package beside chromium.
+"""Controls a headless Chromium through its devtools pipe. Requires the package chromium only.
 
     with Browser(work) as browser:
         page = browser.open("file:///...", width=1200, height=900, dark=True)
         page.value("document.title")
 
-Messages are JSON, each ended by a zero byte, written to the browser's file descriptor 3 and read from its 4
+Messages are JSON, each followed by a zero byte. They are written to the browser's file descriptor 3 and read from its 4
 (https://chromedevtools.github.io/devtools-protocol).
 """
 import base64
@@ -21,11 +21,11 @@ CHROMIUM = "chromium"
 
 class Browser:
     def __init__(self, work, timeout=60.0):
-        """work: an empty folder may be made there, for the browser's own files"""
+        """work: folder in which the browser's own files are stored."""
         self.home = pathlib.Path(work) / "chromium"
         self.timeout = timeout
-        self.errors = []  # what any page complained of
-        self.requests = []  # what any page asked for, its own file left out
+        self.errors = []  # error and warning messages of all pages
+        self.requests = []  # URLs requested by all pages, except their own files
         self.answers = {}
         self.last = 0
         self.rest = b""
@@ -35,7 +35,7 @@ class Browser:
         self.home.mkdir(parents=True)
         theirs_in, self.write_end = os.pipe()
         self.read_end, theirs_out = os.pipe()
-        # The browser finds its ends as 3 and 4, whatever their numbers are here.
+        # The browser expects its ends of the pipes as descriptors 3 and 4.
         start = f'exec "$0" "$@" 3<&{theirs_in} 4>&{theirs_out}'
         environment = dict(os.environ, HOME=str(self.home), XDG_CONFIG_HOME=str(self.home), XDG_CACHE_HOME=str(self.home))
         for mine in ["LD_PRELOAD", "LSAN_OPTIONS"]:
@@ -65,7 +65,7 @@ class Browser:
         shutil.rmtree(self.home, ignore_errors=True)
 
     def send(self, method, session=None, **parameters):
-        """One command and its answer; what comes in between is kept."""
+        """Sends one command and returns its answer. Messages that arrive before the answer are stored."""
         self.last += 1
         message = {"id": self.last, "method": method, "params": parameters}
         if session:
@@ -128,7 +128,7 @@ class Page:
         return self.browser.send(method, session=self.session, **parameters)
 
     def value(self, expression):
-        """Of an expression in the page's JavaScript; promises are waited for."""
+        """Returns the value of a JavaScript expression in the page; waits for promises."""
         done = self.send("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in done:
             raise RuntimeError(f"{expression}: {done['exceptionDetails'].get('exception', {}).get('description')}")
@@ -167,7 +167,7 @@ class Page:
         self.send("Input.dispatchKeyEvent", type="keyUp", key=key)
 
     def screenshot(self, path, whole=True):
-        if whole:  # plots are drawn when they come into view
+        if whole:  # plots are drawn when they become visible
             height = min(16000, int(self.value("document.documentElement.scrollHeight")))
             width = int(self.value("innerWidth"))
             self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)

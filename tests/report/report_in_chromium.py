@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""report.html does in a browser what it promises:  report_in_chromium.py MOIREGAUGE WORK SOURCE
+"""Checks report.html in a browser.
 
-Its own file and nothing else is asked for, nothing is complained of; plots are drawn, zoom and pan go together, keys do what the
-mouse does; light, dark and paper are legible; its numbers are those of displacement.csv; a refused run and one without time
-say so.
+    report_in_chromium.py MOIREGAUGE WORK SOURCE
+
+The page requests no other file and reports no errors. Plots are drawn, and zoom and pan apply to all of them. Keys have
+the functions of the mouse. Text has enough contrast in light and dark themes. The page can be printed. The numbers are
+those of displacement.csv. A refused run and a run without time are reported as such.
 """
 import base64
 import csv
@@ -34,7 +36,7 @@ def script(page, name):
 
 
 def columns(page):
-    """What packed_columns.h says, once more: this reader shares nothing with the page's."""
+    """Reads the columns as specified in packed_columns.h. Shares no code with the page's own reader."""
     report = json.loads(script(page, "report"))
     data = zlib.decompress(base64.b64decode(script(page, "samples")))
     at = 0
@@ -78,14 +80,14 @@ def check_numbers(run):
         insist(words == [row["status"] for row in mine], "statuses")
 
 
-# How many pixels of a canvas differ from what it has most of: drawn lines, letters, bands.
+# JavaScript: number of pixels of a canvas that differ from its most frequent colour.
 INK = """(canvas) => {
   const pixels = new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer);
   const counts = new Map();
   pixels.forEach((p) => counts.set(p, (counts.get(p) ?? 0) + 1));
   return pixels.length - Math.max(...counts.values());
 }"""
-# All canvases, one after the other brought into view, for plots wait for that.
+# JavaScript: scrolls all canvases into view one by one, because plots are drawn when visible, and applies ACT to them.
 EACH = """(async () => {
   const found = [];
   for (const figure of document.querySelectorAll('figure.plot, figure.strip')) {
@@ -114,10 +116,10 @@ def middle_of_first_plot(page):
 
 def check_zoom(page):
     left, width, y = middle_of_first_plot(page)
-    insist(page.value(SHOWN) == "all of it is shown", "all is shown at first")
+    insist(page.value(SHOWN) == "the whole record is shown", "all is shown at first")
     whole = page.value(PICTURES)
     page.drag(left + 0.25 * width, left + 0.5 * width, y)
-    page.wait(f"{SHOWN} !== 'all of it is shown'", 5)
+    page.wait(f"{SHOWN} !== 'the whole record is shown'", 5)
     zoomed = page.value(SHOWN)
     first, last = (float(number) for number in re.findall(r"[\d.]+", zoomed)[:2])
     insist(abs(first - 0.25 * 4.7) < 0.1 and abs(last - 0.5 * 4.7) < 0.1, f"what was dragged over is shown: {zoomed}")
@@ -126,18 +128,18 @@ def check_zoom(page):
     insist(all(a != b for a, b in zip(whole, page.value(PICTURES))), "all plots over time follow")
     middle_of_first_plot(page)
     page.drag(left + 0.5 * width, left + 0.7 * width, y, modifiers=8)
-    insist(page.value(SHOWN) not in (zoomed, "all of it is shown"), "Shift and drag moves")
+    insist(page.value(SHOWN) not in (zoomed, "the whole record is shown"), "Shift and drag moves")
     page.double_click(left + 0.5 * width, y)
-    page.wait(f"{SHOWN} === 'all of it is shown'", 5)
+    page.wait(f"{SHOWN} === 'the whole record is shown'", 5)
     page.mouse("mouseWheel", left + 0.5 * width, y, deltaX=0, deltaY=-120)
-    page.wait(f"{SHOWN} !== 'all of it is shown'", 5)
+    page.wait(f"{SHOWN} !== 'the whole record is shown'", 5)
     page.value("document.querySelector('#displacement .canvas').focus()")
     page.key("0")
-    page.wait(f"{SHOWN} === 'all of it is shown'", 5)
+    page.wait(f"{SHOWN} === 'the whole record is shown'", 5)
     page.key("+")
-    page.wait(f"{SHOWN} !== 'all of it is shown'", 5)
+    page.wait(f"{SHOWN} !== 'the whole record is shown'", 5)
     page.value("[...document.querySelectorAll('.toolbar button')].find((b) => b.textContent === 'All').click()")
-    page.wait(f"{SHOWN} === 'all of it is shown'", 5)
+    page.wait(f"{SHOWN} === 'the whole record is shown'", 5)
     page.mouse("mouseMoved", left + 0.4 * width, y)
     page.wait("/mm, ok/.test(document.querySelector('#displacement .readout').textContent)", 5)
 
@@ -151,7 +153,7 @@ def luminance(colour):
 
 
 def check_contrast(page, theme):
-    """WCAG 2.1: 4.5 for text, 3 for what is drawn."""
+    """Checks the contrast: at least 4.5 for text and 3 for lines (WCAG 2.1)."""
     pairs = page.value("""(() => {
       const of = (selector, key) => getComputedStyle(document.querySelector(selector))[key];
       const probe = document.body.appendChild(document.createElement('i'));
@@ -173,8 +175,8 @@ def check_measured(browser, run, work):
     insist(page.value("document.documentElement.dataset.state") == "ready", "the page is drawn")
     look_at_plots(page, 8)
     text = page.value("document.body.innerText")
-    for words in ["mid moved", "1.70", "95 % interval", "steady, driven", "Welch", "What the camera did",
-                  "print", "SHA-256", "Where the uncertainty comes from"]:
+    for words in ["mid moved", "1.70", "U (k = 2)", "steady", "Welch", "Camera motion",
+                  "print", "SHA-256", "Uncertainty budget", "Settings"]:
         insist(words in text, f"'{words}' is on the page")
     insist(page.value("[...document.querySelectorAll('#picture img')].every((i) => i.naturalWidth > 100)"), "the picture is there")
     insist(page.value("[...document.querySelectorAll('.canvas, .strip canvas')].every((c) => c.getAttribute('role') === 'img' && "
@@ -198,19 +200,19 @@ def check_measured(browser, run, work):
 def check_others(browser, refused, timeless):
     page = browser.open((refused / "report.html").as_uri())
     text = page.value("document.body.innerText")
-    for words in ["Not measured", "Why there is no result", "found 0", "What to do", "What was seen"]:
+    for words in ["Not measured", "Why there is no result", "Four reference circles", "What to do", "What was found"]:
         insist(words in text, f"refused: '{words}' is on the page")
     insist("Displacement" not in page.value("[...document.querySelectorAll('h2')].map((h) => h.textContent).join()"), "no empty plots")
     page = browser.open((timeless / "report.html").as_uri())
     look_at_plots(page, 6)
-    insist("No spectrum of x and y: the frames carry no time: measure with --fps." in page.value("document.body.innerText"), "why no spectrum")
+    insist("There is no spectrum of dx and dy, because the frames have no times, so measure with --fps." in page.value("document.body.innerText"), "why no spectrum")
 
 
 def main():
     program, work, _source = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
-    # A name that would end the script or the title it stands in.
+    # This name would end a script or title element if it were not escaped.
     clip = work / "</script><b>clip"
     clip.parent.mkdir(parents=True)
     call(program, "simulate", "small-1xyz", "--frames", 48, "--markers-only", "--quiet", "--set", "marker.mid.dy.amplitude=0.5",

@@ -1,8 +1,10 @@
 #!/usr/bin/python3
-"""From pictures to natural frequency and damping:  vibration.py MOIREGAUGE WORK SOURCE
+"""Checks natural frequency and damping measured from images.
 
-A target that swings at 1.7 Hz by 0.5 mm is told to 0.5 %, and the damping ratio of 1 % with which it dies away to 10 %; both within
-four of their own standard uncertainties, and no uncertainty is so wide that it says nothing.
+    vibration.py MOIREGAUGE WORK SOURCE
+
+A target vibrates at 1.7 Hz by 0.5 mm. The frequency must be within 0.5 %, and a damping ratio of 1 % within 10 %. Both
+errors must be within four standard uncertainties, and each uncertainty below half of the tolerance.
 """
 import json
 import math
@@ -34,13 +36,16 @@ def peaks_of(program, work, name, settings):
 
 def near(value, u, truth, share, what):
     insist(u > 0 and abs(value - truth) <= share * truth, f"{what}: {value} is not within {100 * share} % of {truth}")
-    # An exposure of 1/80 s and lines between a decay's knots leave the frequency as it is.
+    # The exposure of 1/80 s and the straight lines between the knots of a decay do not change the frequency.
     insist(abs(value - truth) <= 4 * u, f"{what}: {value} is not within four times {u} of {truth}")
     insist(u < 0.5 * share * truth, f"{what}: u {u} says too little")
 
 
 def falling(t):
-    """Let go of at rest, so that the first exposure, which began before, sees no kink."""
+    """Returns the decaying displacement in mm at time t, released at rest.
+
+    The first exposure begins before t = 0. A release at rest avoids a kink in it.
+    """
     omega = 2 * math.pi * FREQUENCY
     root = math.sqrt(1 - DAMPING**2)
     return AMPLITUDE * math.exp(-DAMPING * omega * t) * (math.cos(omega * root * t) + DAMPING / root * math.sin(omega * root * t))
@@ -55,7 +60,7 @@ def main():
                                                 "--set", f"marker.mid.dy.frequency_hz={FREQUENCY}"])
     insist(steady["kind"] == "steady" and steady["damping"] is None and steady["no_damping"], "a steady vibration is no decay")
     near(steady["frequency_hz"], steady["u_frequency_hz"], FREQUENCY, 0.005, "frequency")
-    step = 0.005  # of the knots; between them a line is off by 0.5 mm (omega step)^2 / 8 = 0.2 um
+    step = 0.005  # s, interval of the knots; straight lines have an error of 0.5 mm (omega step)^2 / 8 = 0.2 um
     knots = ", ".join(f"[{k * step:.4f}, {falling(k * step):.7f}]" for k in range(round(FRAMES / FPS / step) + 20))
     decay = peaks_of(program, work, "decay", ["--set", f"marker.mid.dy.knots=[{knots}]"])
     insist(decay["kind"] == "decay", f"a free decay is told as one, not as {decay['kind']}")

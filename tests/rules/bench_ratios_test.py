@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""bench/ratios.py on results that are made up."""
+"""Tests bench/ratios.py on synthetic results."""
 import json
 import pathlib
 import subprocess
@@ -8,7 +8,7 @@ import unittest
 
 RATIOS = pathlib.Path(__file__).resolve().parents[2] / "bench" / "ratios.py"
 SIZES = ("4104x1012", "4096x2168")
-# Microseconds at either size, scatter along x (twice as much along y), its unit: all of them reach their aims.
+# Time in microseconds (for both sizes), scatter along x (twice as much along y), unit. All of them reach their aims.
 GOOD = {
     "floor/ring": (1000, None, ""),
     "textbook/ring": (100000, 0.005, "mm"),
@@ -34,7 +34,7 @@ def chain_of(cases, lost=0.0, simd="avx3"):
                    "lost": lost if case == "precise" else 0.0}
             if unit:
                 row |= {f"scatter_x_{unit}": error, f"scatter_y_{unit}": 2 * error, "error_frames": 51}
-            # Times are medians; what was lost is told by the mean alone.
+            # Times are medians. Lost frames show in the mean only.
             rows += [row | {"aggregate_name": "mean", "cpu_time": 1e9}, row | {"lost": 0.0}]
     return {"context": {"simd": simd}, "benchmarks": rows}
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Shows that tools/check-includes catches each kind of wrong include, and lets right ones pass."""
+"""Tests that tools/check-includes detects each kind of forbidden include, and accepts allowed ones."""
 import pathlib
 import subprocess
 import sys
@@ -10,7 +10,7 @@ CHECK = pathlib.Path(__file__).resolve().parents[2] / "tools" / "check-includes"
 
 
 def run_on(files):
-    """Exit code and output of the check on a tree of {path below src/moiregauge: text}."""
+    """Returns exit code and output of the check on a tree of {path below src/moiregauge: text}."""
     with tempfile.TemporaryDirectory() as root:
         for name, text in files.items():
             path = pathlib.Path(root, "src", "moiregauge", name)

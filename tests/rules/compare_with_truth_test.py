@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""tools/compare-with-truth on series whose errors are known."""
+"""Tests tools/compare-with-truth on series with known errors."""
 import pathlib
 import subprocess
 import tempfile

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Every link of the documentation to a file of this repository leads somewhere, its #heading too."""
+"""Checks that all links of the documentation to files of this repository, and to headings in them, are valid."""
 import pathlib
 import re
 import subprocess
@@ -10,7 +10,7 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
 def headings(path):
-    """As GitHub names them: lower case, spaces to dashes, nothing but letters, digits, dashes and underscores."""
+    """Returns the anchors of a page as GitHub names them: lower case, dashes for spaces, no punctuation."""
     names = set()
     for line in path.read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/schema/run.schema.json accepts what it should and refuses what it should not."""
+"""Tests that docs/schema/run.schema.json accepts valid files and refuses invalid ones."""
 import copy
 import json
 import pathlib

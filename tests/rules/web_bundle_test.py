@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""web/dist/report.html, which the program holds, is the bundle of web/src as it is now (web/vite.config.js leaves its fingerprint)."""
+"""Checks that web/dist/report.html is the bundle of the current web/src, by the fingerprint of web/vite.config.js."""
 import hashlib
 import pathlib
 import re

@@ -4,7 +4,7 @@
 
     damage_study.py --program MOIREGAUGE [--mutations 500] [--step 1] [--jobs N] [--only avi,mp4] [--keep DIR]
 
-damage_study_intro.md defines "damaged", "wrong" and "lie". Prints tables in Markdown. Ends 1 if a run crashed or hung.
+damage_study_intro.md defines "damaged", "wrong" and "lie". Prints tables in Markdown. Ends 1 after a crash or timeout.
 """
 import argparse
 import collections

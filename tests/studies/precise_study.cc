@@ -285,4 +285,6 @@ int study(const Words& words) {
 }  // namespace
 }  // namespace moiregauge::internal::study
 
-int main(int argc, char** argv) { return moiregauge::internal::study::study(moiregauge::internal::study::words_of(argc, argv)); }
+int main(int argc, char** argv) {
+  return moiregauge::internal::study::study(moiregauge::internal::study::words_of(argc, argv));
+}

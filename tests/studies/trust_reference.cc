@@ -22,8 +22,8 @@ Outcome outcome_of(const Slip& slip, const std::optional<Solution>& solution) {
   out.measured = true;
   out.verified = solution->references_verified;
   for (const std::string& note : solution->notes) {
-    const bool left_out = note.find("is left out") != std::string::npos;
-    out.alarmed |= left_out || note.find("moves against the others") != std::string::npos;
+    const bool left_out = note.find("is not used, because it moves") != std::string::npos;
+    out.alarmed |= left_out || note.find("one of the references moves") != std::string::npos;
     const bool right = note.find("'" + slip.who + "'") != std::string::npos;
     out.named |= left_out && right, out.named_another |= left_out && !right;
   }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Twelve kinds of footage for the comparison of the stated uncertainty with the truth. Each run draws its truth from
 // the uncertainties known to the instrument:
-//
-// - positions, rotations, heights and print scales: [known_to] (small for an exact site),
-// - a known camera: its stated u,
-// - an unknown camera: the instrument's prior of the image centre and the tangential distortion.
+//     positions, rotations, heights and print scales: [known_to], small for an exact site
+//     a known camera: its stated u
+//     an unknown camera: the instrument's priors of principal point and tangential distortion
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-"""displacement.h5 holds what displacement.csv holds, says what it is of, and is the same whenever it is written."""
+"""Checks that displacement.h5 has the values of displacement.csv, its metadata, and always the same bytes."""
 import csv
 import json
 import time
@@ -35,7 +35,7 @@ with h5py.File(out / "displacement.h5") as file:
             insist(f"{value:.6f}" == row[name] or abs(value - float(row[name])) < 5.1e-7, f"{name}: {value}, {row[name]}")
     insist([word.decode() for word in group["status"][:]] == [row["status"] for row in rows], "status")
 before = contents(out)
-time.sleep(1.1)  # times of a file's parts are kept by the second
+time.sleep(1.1)  # HDF5 stores times in whole seconds
 run(plain)
 insist(contents(out) == before, "the same run, other bytes")
 run([program, "solve", out, "--quiet"])

@@ -1,5 +1,7 @@
-"""A part of what tools/survival-study injects: every third call; over old results, into a new folder, and with a
-run that goes on."""
+"""Makes every third writing call fail: with old results, in a new folder, and in a resumed run.
+
+tools/survival-study does so for every call.
+"""
 import errno
 import pathlib
 import sys

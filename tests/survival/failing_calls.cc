@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Preloaded into the program (LD_PRELOAD): counts the calls that write at or under a place, and lets one of them fail.
+// Library for LD_PRELOAD that counts the calls that write under a path, and makes one of them fail.
 //
-// FAIL_UNDER   what a path must begin with to count; its parent folder counts as well (for fsync)
-// FAIL_AT      the number of the call to fail, from 1; 0 or nothing: none
-// FAIL_WITH    the errno it fails with
-// FAIL_HOW     once | on: and every call after it, as on a disk that stays full | short: a write that gives half of
-// what was
-//              asked for, and the call after it fails
-// FAIL_LOG     a file to which every call is added: its number, what it was, the file's size, the time
-// (CLOCK_MONOTONIC), the path;
-//              a sync that ended adds "synced" with the size it began with
+//     FAIL_UNDER   beginning of the paths that count; the parent folder counts, too (for fsync)
+//     FAIL_AT      number of the call that fails, from 1; 0 or empty: none
+//     FAIL_WITH    its errno
+//     FAIL_HOW     once
+//                  on: it and all later calls fail, as on a full disk
+//                  short: a write transfers half of its bytes, and the next call fails
+//     FAIL_LOG     log file: number, name, file size, time (CLOCK_MONOTONIC, s) and path of each call; a successful
+//                  sync adds "synced" with the size at its start
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <stdarg.h>
@@ -91,7 +90,7 @@ long size_of(int file) {
   return file >= 0 && ::fstat(file, &about) == 0 ? static_cast<long>(about.st_size) : -1;
 }
 
-// `file`: -1 where the call has none yet.
+// Counts the call and returns its result. `file` is -1 if the call has no open file.
 Fate fate_of(const char* what, const std::string& path, int file = -1) {
   if (!counts(path)) return Fate::kWorks;
   const long n = ++calls;

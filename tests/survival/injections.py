@@ -1,4 +1,7 @@
-"""Every call that writes fails in turn: one error line, exit 6, old results untouched, and --resume ends in the same bytes."""
+"""Makes each writing call fail in turn.
+
+Requires one error line, exit 6, unchanged old results, and the same bytes after --resume.
+"""
 import errno
 
 from survival import (beside, clear, contents, done, error_lines, insist, insist_same, measure, with_failing_calls)
@@ -15,14 +18,14 @@ class Injections:
         self.wanted = contents(out)
 
     def before(self, state):
-        """nothing | finished: an old run stands there | unfinished: a run that was stopped."""
+        """Prepares the output folder: nothing, finished (old results), or unfinished (journal of a stopped run)."""
         clear(self.out)
         if state == "finished":
             self.old = dict(self.wanted)
             self.out.mkdir()
             for name, data in self.wanted.items():
                 (self.out / name).write_bytes(data)
-            (self.out / "mark").write_bytes(b"old")  # tells it from a new one
+            (self.out / "mark").write_bytes(b"old")  # distinguishes old results from new ones
             self.old["mark"] = b"old"
         elif state == "unfinished":
             data = self.wanted["run.mgj"]
@@ -31,7 +34,7 @@ class Injections:
             (unfinished / "run.mgj").write_bytes(data[:len(data) // 2])
 
     def one(self, state, at, why, how):
-        """False when the run made fewer calls than that."""
+        """Injects one failure and checks the results. Returns False if the run made fewer calls than `at`."""
         self.before(state)
         log = self.out.parent / f"calls-of-{self.out.name}.log"
         log.unlink(missing_ok=True)
@@ -44,7 +47,7 @@ class Injections:
             return False
         what = f"{state}, {errno.errorcode[why]} {how} at call {at} ({names[at]})"
         if how == "short" and not names[at].startswith("write"):
-            return True  # not a write: nothing was half done
+            return True  # only a write can be half done
         self.count += 1
         kind = names[at].split()[0]
         self.by_call[kind] = self.by_call.get(kind, 0) + 1
@@ -57,11 +60,11 @@ class Injections:
         return True
 
     def insist_whole(self, what, state, put_in_place):
-        """What is in DIR is all of the old or all of the new; what is beside it is a journal and nothing half written."""
+        """Checks that DIR has all old or all new results, and that only a journal remains next to it."""
         found = contents(self.out)
         allowed = [self.old if state == "finished" else None]
         if put_in_place:
-            allowed.append(self.wanted)  # all but the sync of the names was done
+            allowed.append(self.wanted)  # only the sync of the folder failed
         insist(found in allowed, f"{what}: {self.out.name} holds {found and sorted(found)}")
         left = contents(beside(self.out, ".unfinished"))
         insist(left is None or set(left) <= {"run.mgj"}, f"{what}: half written: {left and sorted(left)}")

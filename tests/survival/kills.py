@@ -1,4 +1,4 @@
-"""kill -9 at random moments of a run: what is left, what a power cut would have left, and whether --resume ends in the same bytes."""
+"""Kills runs (kill -9) at random times. Checks the remaining data, the loss by a power cut, and --resume."""
 import random
 import signal
 
@@ -13,10 +13,10 @@ class Kills:
         self.journal = beside(out, ".unfinished") / "run.mgj"
         self.phase = {"before the first frame was kept": 0, "while frames were measured": 0, "while results were made and written": 0,
                       "after its end": 0}
-        self.kept_late = self.synced_late = 0.0  # s, the most
+        self.kept_late = self.synced_late = 0.0  # s, maxima
 
     def late(self, log, killed, records):
-        """s between the kill and the last frame kept; between the kill and the first frame that no sync had reached."""
+        """Returns the times in s from the last stored frame, and from the first frame without a sync, to the kill."""
         lines = [line.split() for line in log.read_text().splitlines()]
         lines = [(what, int(size), float(at)) for _, what, size, at, path in lines if path.endswith("/run.mgj")]
         synced = max((size for what, size, _ in lines if what == "synced"), default=0)
@@ -28,7 +28,7 @@ class Kills:
     def one(self, wanted, seed):
         clear(self.out)
         rng = random.Random(seed)
-        if seed % 2 == 0:  # old results in the way
+        if seed % 2 == 0:  # with old results in the output folder
             self.out.mkdir()
             for name, data in wanted.items():
                 (self.out / name).write_bytes(data)
@@ -49,7 +49,7 @@ class Kills:
             self.kept_late, self.synced_late = max(self.kept_late, kept), max(self.synced_late, synced)
             again = done(self.plain)
             insist(again.returncode == 2 and len(error_lines(again.stderr)) == 1 and
-                   f"found unfinished run ({records.frames()} frames)" in again.stderr, f"{what}: {again.stderr}")
+                   f"({records.frames()} frames)" in again.stderr, f"{what}: {again.stderr}")
         self.phase[list(self.phase)[0 if not records.frames() else 1 if records.frames() < self.frames else 2]] += 1
         again = done([*self.plain, "--resume"])
         insist(again.returncode == 0, f"{what}: --resume: exit {again.returncode}: {again.stderr}")

@@ -1,4 +1,4 @@
-"""Whatever the method, the options and the input: a run that goes on from any frame ends in the bytes of a run in one piece."""
+"""Checks that a resumed run gives the bytes of an uninterrupted run, for all methods, several options and inputs."""
 import shutil
 
 from survival import FRAMES, Records, beside, clear, contents, done, insist, insist_same, run, simulate, start
@@ -6,7 +6,7 @@ from survival import FRAMES, Records, beside, clear, contents, done, insist, ins
 program, work, _ = start()
 simulate(program, work / "run", "small-1xyz", FRAMES)
 frames, site, camera = work / "run/frames", work / "run/site.toml", work / "run/truth-camera.toml"
-late = work / "late"  # the reference frame is the third
+late = work / "late"  # two grey frames first: the reference frame is the third
 late.mkdir()
 run(["ffmpeg", "-loglevel", "error", "-f", "lavfi", "-i", "color=gray:size=1024x512", "-frames:v", "2", late / "%d.png"])
 for path in sorted(frames.iterdir()):

@@ -1,4 +1,4 @@
-"""Shared by the tests and the study of what survives a kill and a disk that fails: clips, runs, comparisons."""
+"""Functions shared by the tests and the study of killed runs and failing disks: clips, runs, comparisons."""
 import os
 import pathlib
 import shutil
@@ -10,11 +10,14 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 from runs import insist, run, simulate, start  # noqa: E402,F401
 
-FRAMES = 12  # simulated; a longer clip shows them again and again
+FRAMES = 12  # simulated frames; longer clips repeat them
 
 
 def long_clip(program, work, frames):
-    """A folder of pictures that costs no disk: every name a hard link to one of a few. There and back, so nothing jumps."""
+    """Makes a folder of images as hard links to a few, to save disk space.
+
+    The frames are shown forwards and backwards, so that no marker jumps.
+    """
     simulate(program, work / "few", "small-0.1x", FRAMES)
     clip = work / "clip"
     clip.mkdir()
@@ -29,7 +32,7 @@ def measure(program, clip, site, out, *options):
 
 
 def with_failing_calls(library, out, **words):
-    """The environment of a run in which a call under `out` fails (failing_calls.cc says what the words mean)."""
+    """Returns the environment of a run in which a call under `out` fails (variables: failing_calls.cc)."""
     env = dict(os.environ, LD_PRELOAD=str(library), FAIL_UNDER=str(out))
     env["ASAN_OPTIONS"] = env.get("ASAN_OPTIONS", "") + ":verify_asan_link_order=0"
     env.update({f"FAIL_{name.upper()}": str(word) for name, word in words.items()})
@@ -45,7 +48,7 @@ def error_lines(stderr):
 
 
 def contents(folder):
-    """Every file's bytes; None where there is no folder."""
+    """Returns the bytes of all files; None if there is no folder."""
     if not folder.is_dir():
         return None
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
@@ -71,7 +74,7 @@ def insist_same(out, wanted, what):
 
 
 def kill_after(command, seconds, env=None, how=signal.SIGKILL):
-    """Starts it, kills it; (when it was killed, how it ended, its stderr)."""
+    """Starts a command and kills it. Returns the time of the kill, the exit code and stderr."""
     process = subprocess.Popen(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     time.sleep(seconds)
     process.send_signal(how)
@@ -81,7 +84,7 @@ def kill_after(command, seconds, env=None, how=signal.SIGKILL):
 
 
 class Records:
-    """run.mgj as docs/file-formats.md has it: whole records, and where the last of them ends."""
+    """Valid records of a run.mgj (docs/file-formats.md), and the end of the last one."""
 
     def __init__(self, data):
         import zlib

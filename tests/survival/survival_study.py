@@ -1,4 +1,7 @@
-"""survival_study.py PROGRAM LIBRARY WORK [KILLS]: kills and injections, as a table on stdout. Fails at the first promise broken."""
+"""Tests killed runs and failing calls, and prints a table. Stops at the first requirement that is not met.
+
+    survival_study.py PROGRAM LIBRARY WORK [KILLS]
+"""
 import concurrent.futures
 import errno
 import pathlib
@@ -11,16 +14,16 @@ from kills import Kills
 from survival import clear, contents, done, insist, long_clip, measure
 
 program, library, work = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
-KILLS = int(sys.argv[4]) if len(sys.argv) > 4 else 240  # some of them come after its end
-SECONDS = 1.5  # of a run that is killed
-LOST_S = 1.0
+KILLS = int(sys.argv[4]) if len(sys.argv) > 4 else 240  # some come after the end of the run
+SECONDS = 1.5  # duration of a run
+LOST_S = 1.0  # largest loss in s
 shutil.rmtree(work, ignore_errors=True)
 for name in ("kills", "calls"):
     (work / name).mkdir(parents=True)
 
 
 def clip_of_seconds():
-    """So many frames that a run takes SECONDS."""
+    """Makes a clip with the number of frames that takes SECONDS to measure."""
     clip, site = long_clip(program, work / "kills", 3000)
     seconds = {}
     for frames in (100, 400):

@@ -1,7 +1,8 @@
 // Numbers as words: no more digits than their uncertainty deserves.
 
-const kCover95 = 1.96;
-export const expanded = (u: number): number => kCover95 * u;
+// U = k u, with the coverage factor of every U that is shown (report_text.h).
+const kCoverageFactor = 2;
+export const expanded = (u: number): number => kCoverageFactor * u;
 
 // Of a frequency: clocks of cameras are no better than this part of it.
 const kClock = 1e-5;

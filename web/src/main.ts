@@ -9,7 +9,7 @@ import { Plot, type Line } from './plot';
 import { budget, counts, origin, picture } from './sections';
 import { spectraOf } from './spectra';
 import { Strip } from './strip';
-import { setPrinting } from './theme';
+import { kColour, setPrinting } from './theme';
 import { Zoom } from './zoom';
 
 interface Abscissa {
@@ -36,49 +36,64 @@ function header(of: Report, run: Run, abscissa: Abscissa | undefined): HTMLEleme
 
 function words(of: Report): HTMLElement {
   const isRefused = of.exit_code === 4;
-  const summary = section('summary', isRefused ? 'Why there is no result' : 'In words', el('ul', { class: 'summary' }, ...of.summary.map((text) => el('li', {}, text.replaceAll('\u00b1 ', '\u00b1\u00a0')))));
+  const summary = section('summary', isRefused ? 'Why there is no result' : 'Result', el('ul', { class: 'summary' }, ...of.summary.map((text) => el('li', {}, text.replaceAll('\u00b1 ', '\u00b1\u00a0')))));
   if (of.advice.length > 0) summary.append(el('h3', {}, 'What to do'), el('ul', { class: 'advice' }, ...of.advice.map((text) => el('li', {}, text))));
   return summary;
 }
 
-function warnings(of: Report): HTMLElement | undefined {
-  if (of.warnings.length === 0) return undefined;
-  const text = (warning: string): string => {
-    const bare = warning.replace(/^note: /, '');
-    return bare.charAt(0).toUpperCase() + bare.slice(1);
+// A note is a property of the input. Only a warning affects numbers.
+const isNote = (warning: string): boolean => warning.startsWith('note: ');
+
+function remarks(id: string, title: string, texts: string[]): HTMLElement | undefined {
+  if (texts.length === 0) return undefined;
+  const sentence = (text: string): string => {
+    const bare = text.replace(/^note: /, '');
+    return bare.charAt(0).toUpperCase() + bare.slice(1) + (bare.endsWith('.') ? '' : '.');
   };
-  return el('section', { id: 'warnings', class: 'warnings', 'aria-labelledby': 'warnings-title' },
-    el('h2', { id: 'warnings-title' }, of.warnings.length === 1 ? 'Please note' : `Please note (${of.warnings.length})`),
-    el('ul', {}, ...of.warnings.map((warning) => el('li', {}, text(warning)))));
+  return el('section', { id, class: id, 'aria-labelledby': `${id}-title` },
+    el('h2', { id: `${id}-title` }, texts.length === 1 ? title : `${title}s (${texts.length})`),
+    el('ul', {}, ...texts.map((text) => el('li', {}, sentence(text)))));
 }
 
-// The extremes of what is ok, and what they are known to.
+// The values of rows that are ok, or of the others; the rest are gaps.
+function valuesOf(values: Float64Array, status: Float64Array, ok: boolean): Float64Array {
+  return values.map((value, k) => ((status[k] === 0) === ok ? value : NaN));
+}
+
+function rangeOf(target: Target, columns: Float64Array[], d: number): [number, number] {
+  const curve = new Curve(valuesOf(columns[d]!, columns[target.rows.status]!, true));
+  return curve.extremes(0, curve.values.length);
+}
+
+// Peak to peak of the axis that moved more.
+function movementOf(target: Target, columns: Float64Array[]): number {
+  return Math.max(...[target.rows.dx, target.rows.dy].map((d) => {
+    const [low, high] = rangeOf(target, columns, d);
+    return low > high ? 0 : high - low;
+  }));
+}
+
+// The extremes of the ok rows, and U.
 function card(target: Target, columns: Float64Array[], run: Run): HTMLElement {
-  const status = columns[target.rows.status]!;
   const summary = run.targets.find(({ name }) => name === target.name);
   const line = (name: string, d: number, u: number | null | undefined): HTMLElement => {
-    let low = Infinity;
-    let high = -Infinity;
-    columns[d]!.forEach((v, k) => {
-      if (status[k] !== 0 || Number.isNaN(v)) return;
-      if (v < low) low = v;
-      if (v > high) high = v;
-    });
-    if (low > high || u == null) return el('p', {}, el('span', { class: 'axis' }, name), el('span', { class: 'range' }, 'not measured'));
+    const [low, high] = rangeOf(target, columns, d);
+    if (low > high || u == null) return el('p', {}, el('span', { class: 'axis' }, name), el('span', { class: 'size' }, 'not measured'));
     const digits = digitsFor(expanded(u));
     return el('p', {}, el('span', { class: 'axis' }, name),
-      el('span', { class: 'range' }, `${signed(low, digits)} \u2026 ${signed(high, digits)} mm`),
-      el('span', { class: 'u' }, `\u00b1 ${plain(expanded(u), digits)} mm`));
+      el('span', { class: 'size' }, `${plain(high - low, digits)} mm peak to peak`),
+      el('span', { class: 'range' }, `${signed(low, digits)} to ${signed(high, digits)} mm`),
+      el('span', { class: 'u' }, `U = ${plain(expanded(u), digits)} mm`));
   };
   return el('div', { class: 'card' }, el('h3', {}, target.name),
-    line('y, up', target.rows.dy, summary?.u_dy_mm), line('x, right', target.rows.dx, summary?.u_dx_mm));
+    line('dx, right', target.rows.dx, summary?.u_dx_mm), line('dy, up', target.rows.dy, summary?.u_dy_mm));
 }
 
 function toolbar(abscissa: Abscissa): HTMLElement {
   const { zoom, label } = abscissa;
   const shown = el('output', { class: 'shown', 'aria-live': 'polite' });
   const say = (): void => {
-    shown.textContent = zoom.isWhole ? 'all of it is shown' : `${brief(zoom.min)} to ${brief(zoom.max)} ${label.startsWith('Time') ? 's' : ''}`;
+    shown.textContent = zoom.isWhole ? 'the whole record is shown' : `${brief(zoom.min)} to ${brief(zoom.max)} ${label.startsWith('Time') ? 's' : ''}`;
   };
   zoom.watch(say);
   say();
@@ -87,11 +102,11 @@ function toolbar(abscissa: Abscissa): HTMLElement {
     b.addEventListener('click', act);
     return b;
   };
-  return el('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'What the plots show' },
+  return el('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'Range of the plots' },
     button('\u2190', 'Earlier', () => zoom.pan(-0.5)), button('\u2192', 'Later', () => zoom.pan(0.5)),
-    button('+', 'Show less, larger', () => zoom.by(0.5)), button('\u2212', 'Show more, smaller', () => zoom.by(2)),
+    button('+', 'Zoom in', () => zoom.by(0.5)), button('\u2212', 'Zoom out', () => zoom.by(2)),
     button('All', 'Show all', () => zoom.all()), shown,
-    el('span', { class: 'hint' }, 'Drag to zoom, Shift + drag to move, wheel in a clicked plot, double click for all; keys + \u2212 \u2190 \u2192 0'));
+    el('span', { class: 'hint' }, 'Drag to zoom, Shift + drag to move, double-click to show all. After a click: wheel, keys + \u2212 \u2190 \u2192 0'));
 }
 
 function displacement(of: Report, columns: Float64Array[], abscissa: Abscissa): HTMLElement {
@@ -100,21 +115,23 @@ function displacement(of: Report, columns: Float64Array[], abscissa: Abscissa): 
     const axis = (name: string, d: number, u: number, colour: number): Plot => {
       const value = columns[d]!;
       const spread = columns[u]!;
+      const ok = valuesOf(value, status, true);
       const low = new Float64Array(value.length);
       const high = new Float64Array(value.length);
       let lowest = Infinity;
       let highest = -Infinity;
       value.forEach((v, k) => {
-        low[k] = v - expanded(spread[k]!);
-        high[k] = v + expanded(spread[k]!);
+        low[k] = ok[k]! - expanded(spread[k]!);
+        high[k] = ok[k]! + expanded(spread[k]!);
         if (v < lowest) lowest = v;
         if (v > highest) highest = v;
       });
       return new Plot({
         title: name, abscissa: abscissa.label, ordinate: 'mm', x: abscissa.x, zoom: abscissa.zoom,
-        lines: [{ label: 'displacement', colour, curve: new Curve(value), band: { low: new Curve(low), high: new Curve(high) } }],
+        lines: [{ label: 'displacement', colour, curve: new Curve(ok), band: { low: new Curve(low), high: new Curve(high) }, notOk: new Curve(valuesOf(value, status, false)) }],
         readout: (k) => {
-          const word = of.statuses[status[k]!]?.word ?? '';
+          const found = of.statuses[status[k]!];
+          const word = !found ? '' : status[k] === 0 ? found.word : `${found.word} (${found.meaning})`;
           if (Number.isNaN(value[k])) return `${abscissa.at(k)}: not measured, ${word}`;
           const digits = digitsFor(expanded(spread[k]!));
           return `${abscissa.at(k)}: ${signed(value[k]!, digits)} \u00b1 ${plain(expanded(spread[k]!), digits)} mm, ${word}`;
@@ -122,11 +139,11 @@ function displacement(of: Report, columns: Float64Array[], abscissa: Abscissa): 
         description: lowest > highest ? 'No row was measured.' : `From ${brief(lowest)} to ${brief(highest)} mm over ${value.length} frames. Every number is in displacement.csv.`,
       });
     };
-    const two = [axis('y, up is positive', target.rows.dy, target.rows.uy, 1), axis('x, right is positive', target.rows.dx, target.rows.ux, 0)];
+    const two = [axis('dx, right is positive', target.rows.dx, target.rows.ux, kColour.x), axis('dy, up is positive', target.rows.dy, target.rows.uy, kColour.y)];
     plots.push(...two);
     return el('div', { class: 'target' }, el('h3', {}, target.name), ...two.map(({ element }) => element));
   });
-  const refused = of.exit_code === 4 && el('p', { class: 'note' }, 'What was read, for looking at only: no row of this run is to be relied on.');
+  const refused = of.exit_code === 4 && el('p', { class: 'note' }, 'For information only, because no row of this run is reliable.');
   return section('displacement', 'Displacement', refused, toolbar(abscissa), ...parts);
 }
 
@@ -137,9 +154,10 @@ function spectra(of: Report, columns: Float64Array[]): HTMLElement {
   const zoom = ends.length > 0 ? new Zoom(0, Math.max(...ends), 4 * Math.min(...steps)) : undefined;
   const parts = of.targets.map((target) => spectraOf(target, columns, zoom));
   parts.forEach((part) => plots.push(...part.plots));
-  return section('spectra', 'How it vibrates', ...parts.map(({ element }) => element),
-    el('p', { class: 'small' }, 'Frequencies are those of the record\u2019s own time stamps, and no interval is narrower than 10\u207b\u2075 of them, for no camera\u2019s clock is better; what swings faster than half the frame rate shows up folded back below it. ' +
-      'A free decay and a steady vibration are fitted in time, random vibration by the shape of its peak.'));
+  return section('spectra', 'Vibration', ...parts.map(({ element }) => element),
+    el('p', { class: 'small' }, 'Vibration above half the frame rate appears at a lower frequency (aliasing). ' +
+      'Frequencies use the time stamps of the recording, and their U is at least 10\u207b\u2075 of them, the limit of camera clocks. ' +
+      'Free decay and steady vibration are fitted in time, random vibration by the shape of its peak.'));
 }
 
 function curves(title: string, ordinate: string, abscissa: Abscissa, lines: Line[], unit: string, digits: number): Plot {
@@ -157,16 +175,16 @@ function curves(title: string, ordinate: string, abscissa: Abscissa, lines: Line
 
 function camera(of: Report, columns: Float64Array[], abscissa: Abscissa): HTMLElement {
   const c = of.camera!;
-  const line = (label: string, column: number, colour: number, dash?: number[]): Line => ({ label, colour, curve: new Curve(columns[column]!), dash });
-  const shift = curves('How far the picture moved', 'px', abscissa, [line('right', c.right, 0), line('down', c.down, 1, [6, 3])], ' px', 2);
+  const line = (label: string, column: number, dash?: number[]): Line => ({ label, colour: kColour.camera, curve: new Curve(columns[column]!), dash });
+  const shift = curves('Image motion', 'px', abscissa, [line('right', c.right), line('down', c.down, [6, 3])], ' px', 2);
   const turn = c.pan === null || c.tilt === null || c.roll === null ? undefined
-    : curves('How far the camera turned', 'degrees', abscissa,
-      [line('pan, to the right', c.pan, 0), line('tilt, upwards', c.tilt, 1, [6, 3]), line('roll, clockwise', c.roll, 2, [2, 2])], '\u00b0', 4);
+    : curves('Camera rotation', 'degrees', abscissa,
+      [line('pan, to the right', c.pan), line('tilt, upwards', c.tilt, [6, 3]), line('roll, clockwise', c.roll, [2, 2])], '\u00b0', 4);
   const isStill = of.method.name === 'conventional';
-  if (isStill) return section('camera', 'What the camera did', el('p', {}, 'This method takes the camera to stand still.'));
-  return section('camera', 'What the camera did',
-    el('p', {}, 'Since the reference frame, as the references show it; taken out of every displacement above. It is for looking at, and carries no uncertainty.' +
-      (turn ? '' : ' By how much it turned cannot be told without a lens of known focal length.')),
+  if (isStill) return section('camera', 'Camera motion', el('p', {}, 'This method assumes a fixed camera.'));
+  return section('camera', 'Camera motion',
+    el('p', {}, 'Since the reference frame, as seen by the references. It is removed from every displacement above. For information only, without uncertainty.' +
+      (turn ? '' : ' Rotation needs a known focal length.')),
     shift.element, turn?.element);
 }
 
@@ -181,18 +199,18 @@ function quality(of: Report, run: Run, columns: Float64Array[], abscissa: Abscis
     strips.push(strip);
   }
   const key = el('ul', { class: 'keys' }, ...[...used].sort((a, b) => a - b).map((k) =>
-    el('li', { class: 'patch', style: `--colour: var(--status-${k})` }, `${statusWords[k]}: ${of.statuses[k]?.meaning}`)));
+    el('li', { class: 'patch', style: `--colour: var(--status-${k})` }, `${statusWords[k]} (${of.statuses[k]?.meaning})`)));
   const q = of.quality!;
   const parts: HTMLElement[] = [];
-  for (const role of ['target', 'reference']) {
+  for (const role of ['target', 'reference'] as const) {
     const lines = q.modulation.filter((m) => m.role === role).map((m, k): Line => ({
-      label: m.name, colour: k % 6, dash: [[], [6, 3], [2, 2], [8, 3, 2, 3]][Math.floor(k / 6) % 4]!.slice(), curve: new Curve(columns[m.relative]!),
+      label: m.name, colour: kColour[role], dash: [[], [6, 3], [2, 2], [8, 3, 2, 3], [12, 3], [12, 3, 2, 3, 2, 3]][k % 6]!.slice(), curve: new Curve(columns[m.relative]!),
     })).map((l) => (l.dash!.length > 0 ? l : { ...l, dash: undefined }));
-    if (lines.length > 0) parts.push(curves(`Contrast of the prints relative to the reference frame, ${role}s`, 'ratio', abscissa, lines, '', 3).element);
+    if (lines.length > 0) parts.push(curves(`Contrast of the gratings relative to the reference frame, ${role}s`, 'ratio', abscissa, lines, '', 3).element);
   }
-  if (q.chi2 !== null) parts.push(curves('How well each frame fits the scene: chi\u00b2 per degree of freedom, 1 when noise explains it all', 'chi\u00b2', abscissa,
-    [{ label: 'chi\u00b2', colour: 3, curve: new Curve(columns[q.chi2]!) }], '', 3).element);
-  return section('quality', 'How good it is', ...strips.map(({ element }) => element), key, counts(run, of), ...parts);
+  if (q.chi2 !== null) parts.push(curves('Fit of each frame to the scene, \u03c7\u00b2 per degree of freedom (1: noise only)', '\u03c7\u00b2', abscissa,
+    [{ label: '\u03c7\u00b2', colour: kColour.other, curve: new Curve(columns[q.chi2]!) }], '', 3).element);
+  return section('quality', 'Data quality', ...strips.map(({ element }) => element), key, counts(run, of), ...parts);
 }
 
 // Time where there is one and it goes forward, else the frame's number.
@@ -224,7 +242,8 @@ async function show(): Promise<void> {
   const page = document.getElementById('page')!;
   const add = (...parts: (HTMLElement | undefined)[]): void => parts.forEach((part) => part && page.append(part));
   page.replaceChildren();
-  add(header(of, run, abscissa), warnings(of), words(of));
+  of.targets.sort((a, b) => movementOf(b, columns) - movementOf(a, columns)); // the largest movement first, as in the words
+  add(header(of, run, abscissa), remarks('warnings', 'Warning', of.warnings.filter((text) => !isNote(text))), words(of));
   const shown = picture(of, run, overlay());
   if (abscissa && of.targets.length > 0) {
     const isRefused = of.exit_code === 4;
@@ -238,8 +257,8 @@ async function show(): Promise<void> {
   } else {
     add(shown);
   }
-  add(origin(of, run));
-  page.append(el('footer', {}, `Made by moiregauge ${of.version}. This page is one file: it needs no network, and can be kept, sent and printed.`));
+  add(remarks('notes', 'Note', of.warnings.filter(isNote)), origin(of, run));
+  page.append(el('footer', {}, `Made by moiregauge ${of.version}. This page is one file, which needs no network and can be stored, sent and printed.`));
   plots[0]?.update();
   performance.mark('first-plot');
   document.documentElement.dataset.firstPlotMs = performance.now().toFixed(0);
@@ -253,8 +272,8 @@ async function show(): Promise<void> {
 
 show().catch((problem: unknown) => {
   document.getElementById('page')!.replaceChildren(el('p', { class: 'note' },
-    `This page could not be drawn (${problem instanceof Error ? problem.message : String(problem)}). A browser of 2023 or later reads it. ` +
-    'The numbers are in displacement.csv, the summary in run.json, the picture in overlay.png, beside this file.'));
+    `This page could not be drawn (${problem instanceof Error ? problem.message : String(problem)}). Use a browser of 2023 or later. ` +
+    'The numbers are in displacement.csv, the summary in run.json and the image in overlay.png, next to this file.'));
   document.documentElement.dataset.state = 'failed';
   console.error(problem);
 });

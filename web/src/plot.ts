@@ -2,7 +2,7 @@
 import uPlot from 'uplot';
 import { Curve, drawn, firstAtLeast } from './decimate';
 import { el } from './element';
-import { isPrinting, theme } from './theme';
+import { isPrinting, kColour, theme } from './theme';
 import type { Zoom } from './zoom';
 
 export interface Line {
@@ -11,6 +11,7 @@ export interface Line {
   colour: number; // number in the theme
   dash?: number[];
   band?: { low: Curve; high: Curve };
+  notOk?: Curve; // values of rows that are not ok: hollow grey points
 }
 
 export interface PlotPlan {
@@ -70,7 +71,9 @@ export class Plot {
       if (plan.lines.length > 1 || plan.lines[0]!.band)
         keys.append(el('li', { class: dash ? 'dashed' : '', style: `--colour: var(--series-${colour + 1})` }, label));
     }
-    if (plan.lines.some((line) => line.band)) keys.append(el('li', { class: 'band', style: `--colour: var(--series-${plan.lines[0]!.colour + 1})` }, '95 % interval'));
+    if (plan.lines.some((line) => line.band)) keys.append(el('li', { class: 'band', style: `--colour: var(--series-${plan.lines[0]!.colour + 1})` }, 'U (k = 2)'));
+    if (plan.lines.some(({ notOk }) => notOk && notOk.values.some((v) => !Number.isNaN(v))))
+      keys.append(el('li', { class: 'hollow', style: `--colour: var(--series-${kColour.other + 1})` }, 'not ok'));
     const caption = el('figcaption', {}, el('span', { class: 'title', id }, plan.title), keys, this.readout);
     this.box.tabIndex = 0;
     this.box.setAttribute('role', 'img');
@@ -110,7 +113,7 @@ export class Plot {
 
   private data(pixels: number): uPlot.AlignedData {
     const { x, lines, zoom } = this.plan;
-    const curves = lines.flatMap(({ curve, band }) => (band ? [curve, band.low, band.high] : [curve]));
+    const curves = lines.flatMap(({ curve, band, notOk }) => [curve, ...(band ? [band.low, band.high] : []), ...(notOk ? [notOk] : [])]);
     return drawn(x, curves, zoom.min, zoom.max, Math.max(100, Math.floor(pixels))) as uPlot.AlignedData;
   }
 
@@ -145,7 +148,7 @@ export class Plot {
 
   private make(width: number, scale: number): void {
     const { abscissa, ordinate, lines, zoom, onTop, tick, hasNoPoints } = this.plan;
-    const { ink, grid, series: colours, band: fills } = theme();
+    const { ink, grid, paper, series: colours, band: fills } = theme();
     const font = `${12 * scale}px system-ui, "DejaVu Sans", sans-serif`;
     const axis = {
       stroke: ink, font, labelFont: font, labelSize: 20 * scale, labelGap: 0, gap: 4 * scale,
@@ -153,16 +156,22 @@ export class Plot {
     };
     const series: uPlot.Series[] = [{}];
     const bands: uPlot.Band[] = [];
-    for (const { label, colour, band, dash } of lines) {
+    for (const { label, colour, band, dash, notOk } of lines) {
       series.push({
         label, stroke: colours[colour]!, width: 1.25 * scale, spanGaps: false,
         dash: dash?.map((length) => length * scale),
         points: hasNoPoints ? { show: false } : { size: 4 * scale, filter: lonely },
       });
-      if (!band) continue;
-      const edge: uPlot.Series = { stroke: 'transparent', width: 0, points: { show: false }, spanGaps: false };
-      series.push(edge, { ...edge });
-      bands.push({ series: [series.length - 1, series.length - 2], fill: fills[colour]! });
+      if (band) {
+        const edge: uPlot.Series = { stroke: 'transparent', width: 0, points: { show: false }, spanGaps: false };
+        series.push(edge, { ...edge });
+        bands.push({ series: [series.length - 1, series.length - 2], fill: fills[colour]! });
+      }
+      if (notOk)
+        series.push({
+          label: 'not ok', stroke: colours[kColour.other]!, width: 0, paths: () => null, spanGaps: false,
+          points: { show: true, size: 5 * scale, width: 1.25 * scale, stroke: colours[kColour.other]!, fill: paper },
+        });
     }
     this.chart = new uPlot({
       width, height: this.height() * scale, legend: { show: false }, series, bands,

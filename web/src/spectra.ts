@@ -5,38 +5,42 @@ import { Curve } from './decimate';
 import { el, table, type Cell } from './element';
 import { brief, digitsFor, duration, expanded, expandedFrequency, plain } from './format';
 import { Plot } from './plot';
-import { theme } from './theme';
+import { kColour, theme } from './theme';
 import type { Zoom } from './zoom';
 
-const kKinds = { steady: 'steady, driven', decay: 'free decay', random: 'random, ambient' };
+const kKinds = { steady: 'steady', decay: 'free decay', random: 'random' };
 const kSuperscripts = '\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079';
 
 const power = (decade: number): string =>
   Number.isInteger(decade) ? '10' + String(decade).replace('-', '\u207b').replace(/\d/g, (digit) => kSuperscripts[Number(digit)]!) : '';
 
 const axes = [
-  { key: 'x', name: 'x, to the right' },
-  { key: 'y', name: 'y, up' },
+  { key: 'x', name: 'dx, right' },
+  { key: 'y', name: 'dy, up' },
 ] as const;
+
+// "dx" of "dx, right".
+const short = (name: string): string => name.slice(0, 2);
+const colourOf = (name: string): number => (name.startsWith('dx') ? kColour.x : kColour.y);
 
 function peakRow(axis: string, peak: Peak): (string | Cell)[] {
   const u = expandedFrequency(peak.u_frequency_hz, peak.frequency_hz);
   const f = `${plain(peak.frequency_hz, digitsFor(u))} \u00b1 ${plain(u, digitsFor(u))}`;
-  let damping = 'not given';
+  let damping = 'none';
   if (peak.damping !== null && peak.u_damping !== null) {
     const spread = 100 * expanded(peak.u_damping);
     damping = `${plain(100 * peak.damping, digitsFor(spread))} \u00b1 ${plain(spread, digitsFor(spread))}`;
   }
-  const told = `${brief(peak.from_s)} to ${brief(peak.to_s)} s`;
+  const source = `${brief(peak.from_s)} to ${brief(peak.to_s)} s`;
   return [axis, { text: f, isNumber: true }, { text: damping, isNumber: true }, { text: brief(peak.amplitude_mm), isNumber: true },
-    kKinds[peak.kind], `${told}${peak.no_damping ? `; no damping: ${peak.no_damping}` : ''}`];
+    kKinds[peak.kind], `${source}${peak.no_damping ? `; no damping value, because ${peak.no_damping}` : ''}`];
 }
 
 const terms = (spectrum: Spectrum): string =>
-  `Welch's method: ${spectrum.segments} segments of ${duration(spectrum.segment_s)} that overlap by half, mean and slope of each taken out, ` +
-  `Hann window, resolution bandwidth ${brief(spectrum.resolution_hz)} Hz; ` +
-  (spectrum.gaps > 0 ? `${spectrum.gaps} gap${spectrum.gaps > 1 ? 's' : ''} left out, the longest stretch without one is ${duration(spectrum.longest_s)}.`
-    : 'no gaps.');
+  `Welch's method with ${spectrum.segments} segments of ${duration(spectrum.segment_s)} that overlap by half, without mean and slope. ` +
+  `Hann window, resolution bandwidth ${brief(spectrum.resolution_hz)} Hz. ` +
+  (spectrum.gaps > 0 ? `The record has ${spectrum.gaps} gap${spectrum.gaps > 1 ? 's' : ''}, and its longest stretch without a gap is ${duration(spectrum.longest_s)}.`
+    : 'The record has no gaps.');
 
 export function spectraOf(target: Target, columns: Float64Array[], zoom: Zoom | undefined): { element: HTMLElement; plots: Plot[] } {
   const whole = axes.map(({ key, name }) => ({ name, spectrum: target.spectrum[key] }));
@@ -45,8 +49,8 @@ export function spectraOf(target: Target, columns: Float64Array[], zoom: Zoom | 
   const refused = whole.filter(({ spectrum }) => spectrum.refusal);
   const reasons = new Set(refused.map(({ spectrum }) => spectrum.refusal!));
   for (const reason of reasons) {
-    const which = refused.filter(({ spectrum }) => spectrum.refusal === reason).map(({ name }) => name[0]).join(' and ');
-    element.append(el('p', { class: 'note' }, `No spectrum of ${which}: ${reason}.`));
+    const which = refused.filter(({ spectrum }) => spectrum.refusal === reason).map(({ name }) => short(name)).join(' and ');
+    element.append(el('p', { class: 'note' }, `There is no spectrum of ${which}, because ${reason}.`));
   }
   if (there.length === 0 || !zoom) return { element, plots: [] };
   // Both axes have the same frames; where gaps differ their frequencies do, and each has a plot of its own.
@@ -66,7 +70,7 @@ export function spectraOf(target: Target, columns: Float64Array[], zoom: Zoom | 
         spectrum.peaks.forEach((peak) => {
           const at = u.valToPos(peak.frequency_hz, 'x', true);
           if (at < u.bbox.left || at > u.bbox.left + u.bbox.width) return;
-          pen.strokeStyle = pen.fillStyle = series[name.startsWith('x') ? 0 : 1]!;
+          pen.strokeStyle = pen.fillStyle = series[colourOf(name)]!;
           pen.setLineDash([3 * scale, 3 * scale]);
           pen.beginPath();
           pen.moveTo(at, u.bbox.top);
@@ -75,28 +79,28 @@ export function spectraOf(target: Target, columns: Float64Array[], zoom: Zoom | 
           const text = `${plain(peak.frequency_hz, Math.min(3, digitsFor(expanded(peak.u_frequency_hz))))} Hz`;
           const isRight = at + pen.measureText(text).width + 8 < u.bbox.left + u.bbox.width;
           pen.textAlign = isRight ? 'left' : 'right';
-          pen.fillText(text, at + (isRight ? 4 : -4) * scale, u.bbox.top + (name.startsWith('x') ? 26 : 12) * scale * devicePixelRatio);
+          pen.fillText(text, at + (isRight ? 4 : -4) * scale, u.bbox.top + (colourOf(name) === kColour.x ? 26 : 12) * scale * devicePixelRatio);
         });
       });
       pen.restore();
     };
     return new Plot({
-      title: `Power spectral density, one-sided, ${group.map(({ name }) => name[0]).join(' and ')}`,
+      title: `Power spectral density, one-sided, ${group.map(({ name }) => short(name)).join(' and ')}`,
       hasNoPoints: true, abscissa: 'Frequency (Hz)', ordinate: 'mm\u00b2/Hz', x, zoom, onTop: marks, tick: power,
       lines: group.map(({ name, spectrum }) => ({
-        label: name, colour: name.startsWith('x') ? 0 : 1, curve: new Curve(columns[spectrum.log10_psd]!),
+        label: name, colour: colourOf(name), curve: new Curve(columns[spectrum.log10_psd]!),
       })),
-      readout: (k) => `${brief(x[k]!)} Hz: ${group.map(({ name, spectrum }) => `${name[0]} ${brief(10 ** columns[spectrum.log10_psd]![k]!)} mm\u00b2/Hz`).join(', ')}`,
+      readout: (k) => `${brief(x[k]!)} Hz: ${group.map(({ name, spectrum }) => `${short(name)} ${brief(10 ** columns[spectrum.log10_psd]![k]!)} mm\u00b2/Hz`).join(', ')}`,
       description: `Spectrum from 0 to ${brief(x[count - 1]!)} Hz. Its peaks are in the table below.`,
     });
   });
   plots.forEach((plot) => element.append(plot.element));
   const said = new Set(there.map(({ spectrum }) => terms(spectrum)));
   said.forEach((text) => element.append(el('p', { class: 'small' }, text)));
-  const rows = there.flatMap(({ name, spectrum }) => spectrum.peaks.map((peak) => peakRow(name[0]!, peak)));
+  const rows = there.flatMap(({ name, spectrum }) => spectrum.peaks.map((peak) => peakRow(short(name), peak)));
   element.append(rows.length > 0
-    ? table(`Peaks of ${target.name}; \u00b1 is a 95 % interval`, ['Axis', 'Frequency (Hz)', 'Damping ratio (%)', 'Amplitude (mm)', 'Kind', 'Told from'], rows)
-    : el('p', {}, `No frequency is named: no peak above ${brief(1.5 * there[0]!.spectrum.resolution_hz)} Hz exceeds the noise by more than chance, ` +
-      'and slower vibration needs a longer record.'));
+    ? table(`Peaks of ${target.name}; \u00b1 is U (k = 2)`, ['Axis', 'Frequency (Hz)', 'Damping ratio (%)', 'Amplitude (mm)', 'Kind', 'Based on'], rows)
+    : el('p', {}, 'No frequency is stated, because the record is too short or no peak exceeds the noise by more than chance. ' +
+      `Vibration below ${brief(1.5 * there[0]!.spectrum.resolution_hz)} Hz needs a longer record.`));
   return { element, plots };
 }

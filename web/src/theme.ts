@@ -5,13 +5,17 @@ const read = (name: string): string => getComputedStyle(document.documentElement
 export interface Theme {
   ink: string;
   grid: string;
-  series: string[]; // Okabe and Ito's, told apart by colour-blind eyes
+  series: string[]; // by kColour
+  paper: string;
   band: string[];
 }
 
+// One colour, one meaning (page.css).
+export const kColour = { x: 0, y: 1, reference: 2, target: 3, camera: 4, other: 5 } as const;
+
 export function theme(): Theme {
   const series = [1, 2, 3, 4, 5, 6].map((n) => read(`--series-${n}`));
-  return { ink: read('--ink-soft'), grid: read('--grid'), series, band: series.map((colour) => colour + '38') };
+  return { ink: read('--ink-soft'), grid: read('--grid'), series, paper: read('--card'), band: series.map((colour) => colour + '38') };
 }
 
 export const statusColour = (index: number): string => read(`--status-${index}`);

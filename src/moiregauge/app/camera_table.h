@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras by name, for planning. What makers state; a recording is measured with a calibrated one.
+// Cameras by name, for planning, with the values that their makers state. They do not replace a calibration.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@ struct NamedCamera {
   std::string_view name;
   std::string_view what;
   int width = 0, height = 0;  // px
-  double pixel_um = 0.0;      // 0: told by hfov_deg
-  double hfov_deg = 0.0;      // 0: its lens is chosen (--focal)
+  double pixel_um = 0.0;      // 0: hfov_deg is known instead
+  double hfov_deg = 0.0;      // 0: the lens is exchangeable (--focal)
   bool rolls = false;         // rolling shutter
   std::string_view source;
   bool compresses = false;  // records with a codec that predicts frames from each other

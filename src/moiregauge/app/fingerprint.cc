@@ -13,7 +13,7 @@ Fingerprint::Fingerprint(std::string path, const InputOptions& options) : path_(
   if (options.threads == 1) return;
   try {
     thread_ = std::jthread([this](const std::stop_token& stop) { take(stop); });
-  } catch (const std::system_error&) {  // no thread can start: hex() does it
+  } catch (const std::system_error&) {  // no thread can start: hex() reads the bytes
   }
 }
 

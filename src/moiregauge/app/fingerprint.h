@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256 of an INPUT's bytes: what tells one recording from another. A pass over all bytes takes longer than measuring
-// a file that is not compressed, so it runs beside the measuring.
+// SHA-256 of an INPUT's bytes, which identifies a recording. Reading all bytes takes longer than measuring an
+// uncompressed file, so it runs in a thread during the measurement.
 #pragma once
 
 #include <string>
@@ -12,12 +12,12 @@ namespace moiregauge::internal {
 
 class Fingerprint {
  public:
-  // Starts at once, unless options.threads is 1: then hex() does it.
+  // Starts the thread, unless options.threads is 1. Then hex() reads the bytes.
   Fingerprint(std::string path, const InputOptions& options);
   Fingerprint(const Fingerprint&) = delete;
   Fingerprint& operator=(const Fingerprint&) = delete;
-  ~Fingerprint() = default;  // stops where it is
-  // Waits for it. 64 lower-case hexadecimal digits; empty where the input cannot be read.
+  ~Fingerprint() = default;  // stops the thread at once
+  // Returns 64 lower-case hexadecimal digits, after waiting for the thread. Empty: the input is unreadable.
   [[nodiscard]] const std::string& hex();
 
  private:

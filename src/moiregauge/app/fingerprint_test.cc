@@ -8,7 +8,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kBytes = 4 << 20;  // a pass over them is still going on when the first question comes
+constexpr std::size_t kBytes = 4 << 20;  // reading them takes longer than the test needs to call hex()
 
 InputOptions with_threads(int threads) {
   InputOptions options;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the time of a run goes: into waiting for the next frame, or into measuring the one at hand.
+// Time of a run, split into waiting for the next frame and measuring the present one.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ class FrameTimes {
   using Duration = std::chrono::steady_clock::duration;
   void add_waiting(Duration d) { waiting_ += d; }
   void add_measuring(Duration d) { measuring_ += d; }
-  // Of the time since the second frame was asked for: the first one also sets up the reference. Nothing before that.
+  // Returns the share since the second frame was requested; nothing before. The first frame also sets up the reference.
   [[nodiscard]] std::optional<double> waiting_share() const {
     const Duration both = waiting_ + measuring_;
     if (both <= Duration::zero()) return std::nullopt;
@@ -27,7 +27,7 @@ class FrameTimes {
   Duration measuring_{};
 };
 
-// The same frames; `times` outlives it and is kept up to date.
+// Returns a source of the same frames that updates `times`, which must outlive it.
 [[nodiscard]] std::unique_ptr<FrameSource> timed(std::unique_ptr<FrameSource> source, FrameTimes& times);
 
 }  // namespace moiregauge::internal

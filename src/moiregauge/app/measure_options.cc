@@ -29,7 +29,7 @@ std::string method_names() {
   return names;
 }
 
-// "no site file: nowhere.toml: check the name": without a file there is no mistake to correct.
+// Fails if there is no plain file of this name.
 tl::expected<void, UsageError> is_there(const std::string& kind, const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return usage(fmt::format("no {}: {}: check the name", kind, path));
@@ -38,15 +38,15 @@ tl::expected<void, UsageError> is_there(const std::string& kind, const std::stri
   return usage(fmt::format("no {}: {}: it is {}: give a plain file", kind, path, other));
 }
 
-// A site file often lies beside the pictures: in a simulated recording's folder, or beside a clip. It is named, not taken:
-// what scales a bridge's millimetres is said, never found.
+// A site file is often in the folder of the images or of the clip. The message names it, but it is not used without
+// the option: the scale of the results must be stated, not found.
 UsageError no_scale(const std::string& input) {
   namespace fs = std::filesystem;
   std::string site = "a site file (docs/file-formats.md)";
   for (const fs::path& beside : {fs::path(input) / "site.toml", fs::path(input).parent_path() / "site.toml"}) {
     std::error_code error;
     if (!fs::is_regular_file(beside, error)) continue;
-    site = fmt::format("the site file beside it: --site {}", beside.string());
+    site = fmt::format("the site file next to it: --site {}", beside.string());
     break;
   }
   return {
@@ -94,7 +94,7 @@ tl::expected<double, UsageError> readout_time(const std::string& text) {
 
 namespace {
 
-// Beyond, it is no printer's stretch but another pitch.
+// Largest stretch of a printer. A larger difference is another pitch. Chosen.
 constexpr double kMaxStretch = 0.05;
 
 std::optional<double> parse_factor(std::string_view text) {
@@ -188,8 +188,9 @@ using Parsed = tl::expected<void, UsageError>;
 // --resume, --restart, --pitch, --site and --axes exclude each other in part.
 Parsed check_combinations(const MeasureArgs& args) {
   if (args.resume && args.restart)
-    return usage("--resume and --restart exclude each other: one continues an unfinished run, the other deletes it: "
-                 "give one of them");
+    return usage(
+        "--resume and --restart exclude each other: one continues an unfinished run, the other deletes it: "
+        "give one of them");
   if (!args.pitch.empty() && !args.site.empty())
     return usage("--pitch and --site exclude each other: the site file states the pitch: give one of them");
   if (!args.axes.empty() && args.pitch.empty())
@@ -215,7 +216,7 @@ Parsed check_references(const MeasureArgs& args, MeasureOptions& options) {
       args.site, options.method->name));
 }
 
-// What is printed where, and at which scale.
+// Reads the gratings, their positions and their scale.
 Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
   if (args.axes == "image") options.axes = BoardAxes::kImage;
   if (!args.pitch.empty()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of `moiregauge measure` as typed, and what they mean. Command line, library and Python share them.
+// Options of `moiregauge measure`, as typed and parsed. Command line, library and Python share them.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct PrintScaleArgs {
   std::optional<double> u;  // relative
 };
 
-// As typed.
+// Arguments as typed.
 struct MeasureArgs {
   std::string input;
   std::string site;
@@ -47,7 +47,7 @@ struct MeasureArgs {
 };
 
 struct UsageError {
-  std::string message;  // may hold several lines: one per mistake of a site file
+  std::string message;  // several lines for a site file with several mistakes
 };
 [[nodiscard]] inline tl::unexpected<UsageError> usage(std::string message) {
   return tl::unexpected(UsageError{std::move(message)});
@@ -56,25 +56,25 @@ struct UsageError {
 [[nodiscard]] tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs& args);
 [[nodiscard]] tl::expected<FrameRange, UsageError> frame_range(const std::string& text);
 
-// What `measure` and `solve` both take; each fails with what is wrong with the option's word.
+// Each parses one argument that `measure` and `solve` share. Fails: the text is not valid for the option.
 [[nodiscard]] tl::expected<const Method*, UsageError> method_of(const std::string& word);
 [[nodiscard]] tl::expected<Site, UsageError> site_of_file(const std::string& path);
-// Into the options, with what the file says of how well it is known.
+// Reads a camera file into the options, with its uncertainties.
 [[nodiscard]] tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options);
 [[nodiscard]] tl::expected<FrameRange, UsageError> rest_frames(const std::string& text);  // A:B
 [[nodiscard]] tl::expected<double, UsageError> readout_time(const std::string& text);     // s, from "18ms"
 
-// Nothing when none is given.
+// Returns nothing if no scale is given.
 [[nodiscard]] tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleArgs& args);
 
-// Returns the message about a text file, one line that names the file followed by `lines`, each with one mistake and its
+// Returns the message about a text file: one line that names the file, then `lines`. Each line has one mistake and its
 // position. kind: "site file".
 [[nodiscard]] std::string mistakes_in(const std::string& kind, const std::string& path, const std::string& lines);
 
-// <input name without extension, or before %> + suffix, in the current directory.
+// Returns <input name without extension, or before %> + suffix, in the current directory.
 [[nodiscard]] std::string default_output(const std::string& input, const std::string& suffix = "-moiregauge");
 
-// A camera file for pictures of another size is no use: says so.
+// Returns an error if the camera is calibrated for another image size.
 [[nodiscard]] std::optional<std::string> camera_problem(const Camera& camera, const InputInfo& input);
 
 }  // namespace moiregauge::internal

@@ -33,12 +33,12 @@ Failed usage_failure(std::string message) { return Failed(RunFailure{Exit::kUsag
 
 std::vector<std::uint8_t> overlay_of(const ImageView<std::uint8_t>& picture, const Reference& reference) {
   return draw_overlay({picture, &reference,
-                       fmt::format("reference frame {}; blue: references, must stand still; orange: targets, may move; "
+                       fmt::format("reference frame {}; blue: references, fixed; orange: targets, may move; "
                                    "inner frames: where the phase is averaged",
                                    reference.seen.frame)});
 }
 
-// Of a refused run the picture shows all that was seen instead, as `inspect` does: what is missing is in the eye then.
+// For a refused run, draws everything that was detected, as `inspect` does, so that the user sees what is missing.
 std::vector<std::uint8_t> overlay_of_refusal(const Measurement& m, const MeasureOptions& options) {
   const ImageView<std::uint8_t> picture = m.picture.grey.view();
   if (picture.width == 0) return {};
@@ -57,8 +57,8 @@ std::vector<std::uint8_t> overlay_of_refusal(const Measurement& m, const Measure
 
 using Overlay = std::future<std::vector<std::uint8_t>>;
 
-// overlay.png, drawn and packed while the run is concluded: neither needs the other. Not with --threads 1; and what a
-// refusal shows is known at the end only.
+// Draws and compresses overlay.png while the scene is solved, because neither needs the other. With --threads 1, and for
+// a refused run, it is drawn at the end.
 Overlay overlay_beside(const Measurement& seen, const MeasureOptions& options, int threads) {
   const auto draw = [&] {
     return seen.reference ? overlay_of(seen.picture.grey.view(), *seen.reference) : overlay_of_refusal(seen, options);
@@ -66,19 +66,20 @@ Overlay overlay_beside(const Measurement& seen, const MeasureOptions& options, i
   if (seen.reference && threads != 1) {
     try {
       return std::async(std::launch::async, draw);
-    } catch (const std::system_error&) {  // no thread can start: it is drawn when it is asked for
+    } catch (const std::system_error&) {  // no thread can start: it is drawn at the end
     }
   }
   return std::async(std::launch::deferred, draw);
 }
 
-// The rows of one picture are read before those of the next.
+// The rows of one frame are read before those of the next.
 std::optional<std::string> readout_problem(const MeasureOptions& options, const InputInfo& input) {
   constexpr double kRounding = 1.01;
   if (!options.solve.readout_s || !(input.fps > 0.0) || *options.solve.readout_s * input.fps <= kRounding)
     return std::nullopt;
-  return fmt::format("readout time: --readout {:.4g}ms: a frame lasts {:.4g} ms only: give a shorter time, or the right --fps",
-                     1e3 * *options.solve.readout_s, 1e3 / input.fps);
+  return fmt::format(
+      "readout time: --readout {:.4g}ms: a frame lasts {:.4g} ms only: give a shorter time, or the right --fps",
+      1e3 * *options.solve.readout_s, 1e3 / input.fps);
 }
 
 // The two folders are each published as a whole: neither may contain the other.
@@ -100,7 +101,7 @@ RunFailure kept_without_results(const Measurement& measured, MeasureOptions opti
                       measured.contradiction, measured.observations.size(), place.shown, place.shown)};
 }
 
-// The steps of one run, in the order of their calls.
+// Runs the steps of one measurement in order.
 class MeasurementRun {
  public:
   MeasurementRun(const RunRequest& request, const RunCallbacks& callbacks)
@@ -118,8 +119,7 @@ class MeasurementRun {
     if (const auto prepared = prepare(); !prepared) return Failed(prepared.error());
     if (const auto observed = observe_and_solve(); !observed) return Failed(observed.error());
     measured_->input.sha256 = fingerprint_->hex();
-    if (!measured_->contradiction.empty())
-      return Failed(kept_without_results(*measured_, options_, journal_, place_));
+    if (!measured_->contradiction.empty()) return Failed(kept_without_results(*measured_, options_, journal_, place_));
     return write();
   }
 
@@ -148,8 +148,7 @@ class MeasurementRun {
     auto so_far = journal_.begin(start(), options_, request_.earlier);
     if (!so_far) return Failed(failure_of(so_far.error()));
     so_far_ = *std::move(so_far);
-    if (request_.video)
-      directory_.also(put_video(request_.video_exaggeration, open_again_, options_, callbacks_));
+    if (request_.video) directory_.also(put_video(request_.video_exaggeration, open_again_, options_, callbacks_));
     return {};
   }
 
@@ -167,11 +166,12 @@ class MeasurementRun {
       if (!next) return next;
       return timed(std::move(*next), times);
     };
-    measured_ = observe_all(source, options_,
-                            [&](long done, long expected) {
-                              return callbacks_.may_continue({Stage::kMeasuring, done, expected, times.waiting_share()});
-                            },
-                            {stabilised_ ? &*stabilised_ : nullptr, &journal_, std::move(so_far_)});
+    measured_ =
+        observe_all(source, options_,
+                    [&](long done, long expected) {
+                      return callbacks_.may_continue({Stage::kMeasuring, done, expected, times.waiting_share()});
+                    },
+                    {stabilised_ ? &*stabilised_ : nullptr, &journal_, std::move(so_far_)});
     if (const auto closed = journal_.close(); !closed) return Failed(failure_of(closed.error()));
     if (!measured_) return Failed(RunFailure{Exit::kInputUnreadable, measured_.error().message});
     const long frames = static_cast<long>(measured_->observations.size());

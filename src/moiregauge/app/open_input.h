@@ -10,7 +10,7 @@
 
 namespace moiregauge::internal {
 
-// Opens any INPUT: a folder of pictures, a printf pattern (options.sequence), a TIFF stack, else a video file.
+// Opens any INPUT: a folder of images, a printf pattern (options.sequence), a TIFF stack, else a video file.
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
                                                                                 const InputOptions& options);
 

@@ -19,7 +19,7 @@ constexpr double kFinePitch_px = 8.0, kGoodFine_px = 12.0;  // binary prints los
 constexpr double kCoarsePitch_px = 40.0, kGoodCoarse_px = 20.0;
 constexpr double kMaxBlur = 0.3;  // of the pitch: 14 % of the contrast
 constexpr double kSamplesPerSwing = 2.5;
-constexpr double kWorthIt = 0.8;  // of the uncertainty that is left
+constexpr double kWorthIt = 0.8;  // largest remaining share of the uncertainty that makes a change worth its effort
 constexpr double kLittleTurn_deg = 0.5;
 
 struct Worst {
@@ -38,7 +38,7 @@ Worst extreme_pitch(const RecordingSetup& setup, Better is_better) {
   return worst;
 }
 
-// The worse axis of the worst target.
+// Returns u of the worse axis of the worst target.
 double worst_u(const RecordingSetup& setup) {
   double worst = 0.0;
   for (const PlannedTarget& t : planned_targets(setup)) {
@@ -162,7 +162,7 @@ Advice about_the_shutter(const RecordingSetup& setup, bool rolls_untold) {
   if (!(mm > u)) return std::nullopt;
   return fmt::format(
       "rolling shutter: the references are read up to {:.2g} ms from the target, which is worth {} at this "
-      "vibration, more than u: hang them on the target's rows, or turn the camera by a quarter",
+      "vibration, more than u: mount them on the target's rows, or turn the camera by a quarter",
       1000.0 * error.lag_s, length_text(mm));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What to change about a recording before it is made, each tried on the plan itself.
+// Advice for a recording before it is made. Each change is tried on the plan itself.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace moiregauge::internal {
 
-// "0.46 um", "12 um", "1.2 mm": two digits, in the unit that suits.
+// Returns a length with two digits in a suitable unit: "0.46 um", "12 um", "1.2 mm".
 [[nodiscard]] std::string length_text(double mm);
 
-// Sentences, the most pressing first; none: nothing to better.
+// Returns sentences, the most important first. None: no change helps.
 [[nodiscard]] std::vector<std::string> advice_for(const RecordingSetup& setup, bool rolls_untold);
 
 }  // namespace moiregauge::internal

@@ -19,7 +19,7 @@ namespace {
 
 using Done = tl::expected<void, UsageError>;
 
-// `precise` looks at everything that `two-stage` does, and at more; `conventional` looks elsewhere.
+// `precise` observes everything that `two-stage` needs. `conventional` observes other points.
 bool has_seen_enough_for(const Method& measured, const Method& wanted) {
   return measured.name == wanted.name || (measured.name == "precise" && wanted.name == "two-stage");
 }
@@ -37,7 +37,7 @@ Done choose_method(const SolveArgs& args, MeasureOptions& options) {
   return {};
 }
 
-// What the rulers showed counts from the nominal prints: of the run's own site they are no longer nominal.
+// The ruler factor is relative to nominal gratings. The gratings of the run's own site are already scaled.
 Done rescale(const PrintScaleArgs& args, bool has_new_site, MeasureOptions& options, Site& site) {
   const auto scale = print_scale_of(args);
   if (!scale) return tl::unexpected(scale.error());
@@ -48,7 +48,7 @@ Done rescale(const PrintScaleArgs& args, bool has_new_site, MeasureOptions& opti
   PrintScale more = **scale;
   if (!has_new_site) more.factor /= options.print_scale.factor;
   site = with_prints_scaled(std::move(site), more);
-  if (options.pitch_mm) {  // no site file: places were counted in pitches
+  if (options.pitch_mm) {  // no site file: positions are multiples of the pitch
     site = with_places_scaled(std::move(site), more.factor);
     *options.pitch_mm *= more.factor;
   }
@@ -56,7 +56,7 @@ Done rescale(const PrintScaleArgs& args, bool has_new_site, MeasureOptions& opti
   return {};
 }
 
-// Another site, print scale or lens: the observations are carried over to it.
+// Applies another site, print scale or lens, and reprojects the observations to it.
 Done restate(const SolveArgs& args, StoredRun& run) {
   if (!args.site.empty()) {
     auto site = site_of_file(args.site);
@@ -97,8 +97,8 @@ Done choose_rest(const SolveArgs& args, MeasureOptions& options) {
   return {};
 }
 
-// A run that was killed has no end and no results yet: what was kept of it will do. Where there are results a file that
-// breaks off is damaged.
+// Reads the observations of a run. A killed run has no end and no results, so its kept frames are used. If there are
+// results, a file without an end is damaged.
 tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
   namespace fs = std::filesystem;
   const std::string path = (fs::path(folder) / kRunFileName).string();

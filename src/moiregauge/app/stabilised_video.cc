@@ -19,8 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using Written = tl::expected<void, std::string>;
 
-constexpr double kUsualFps = 25.0;  // of pictures without times
-constexpr int kRateFactor = 18;     // no block of the encoder's to be seen
+constexpr double kUsualFps = 25.0;  // frame rate for images without times
+constexpr int kRateFactor = 18;     // x264: no visible blocks
 
 std::vector<std::size_t> targets_of(const Reference& reference) {
   std::vector<std::size_t> targets;
@@ -29,7 +29,7 @@ std::vector<std::size_t> targets_of(const Reference& reference) {
   return targets;
 }
 
-// Of all targets, over the rows that have numbers. An axis that a print cannot show counts as still.
+// Largest displacement of all targets over the measured samples. An axis that a grating cannot show counts as 0.
 struct Travel {
   double longest_mm = 0.0, u_mm = 0.0, size_mm = 1e9;
 };
@@ -67,7 +67,7 @@ class Film {
         targets_(targets_of(*m.reference)),
         picture_(*m.reference, exaggeration, travel_of(m).longest_mm),
         measured_(by_frame_and_marker(m.samples)) {
-    // What the references' homography leaves of a target's motion is what `two-stage` reads.
+    // The motion visible after the references' homography is that of `two-stage`.
     if (options.method->needs_circles)
       apparent_samples_ = method_named("two-stage")->solve(*m.reference, m.observations, {}).samples;
     apparent_ = by_frame_and_marker(apparent_samples_.empty() ? m.samples : apparent_samples_);
@@ -81,7 +81,7 @@ class Film {
     const Observation seen = found == place_.end() ? Observation{} : m_.observations[found->second];
     const bool is_seen = seen.references_seen && !seen.decode_error;
     std::vector<DrawnMotion> moves;
-    std::string words = fmt::format("camera's motion taken out, targets' motion x {:g}:", picture_.exaggeration());
+    std::string words = fmt::format("without camera motion, targets' motion x {:g}:", picture_.exaggeration());
     for (const std::size_t target : targets_) {
       moves.push_back(move_of(shot.number, target));
       words += words_for(moves.back(), m_.reference->site.markers[target].name);
@@ -100,7 +100,7 @@ class Film {
     const Extent<internal::frame::Board>& d = measured->second->displacement;
     const Extent<internal::frame::Board>& a = apparent->second->displacement;
     if (!std::isfinite(d.x) && !std::isfinite(d.y)) return {};
-    // Where only the one is known the other is the best guess of it.
+    // If only one of both is known, it also replaces the other.
     return {
         true, numbers_of(d), {std::isfinite(a.x) ? a.x : numbers_of(d).x, std::isfinite(a.y) ? a.y : numbers_of(d).y}};
   }
@@ -114,10 +114,10 @@ class Film {
   SideBySide picture_;
   Samples apparent_samples_;
   BySample measured_, apparent_;
-  std::map<long, std::size_t> place_;  // of a frame among the observations
+  std::map<long, std::size_t> place_;  // index of a frame among the observations
 };
 
-// Pictures without times are shown at the usual rate; times must rise.
+// Returns the time stamp of a frame. Images without times get the usual rate; times must rise.
 double stamp_of(const Frame& shot, long count, const InputInfo& info, double last) {
   const double fps = info.fps > 0.0 ? info.fps : kUsualFps;
   const double wanted = std::isfinite(shot.time_s) ? shot.time_s : static_cast<double>(count) / fps;
@@ -162,7 +162,7 @@ PutMore put_video(std::optional<double> exaggeration, const OpenInput& open, con
     const Film film(m, options,
                     exaggeration.value_or(best_exaggeration(travel.longest_mm, travel.u_mm, travel.size_mm)));
     const auto source = open();
-    if (!source) {  // the results are kept all the same
+    if (!source) {  // the results are kept
       callbacks.note("note: no stabilised.mp4: " + source.error().message);
       return {};
     }

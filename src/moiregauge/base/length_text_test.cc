@@ -17,7 +17,7 @@ TEST(LengthText, TheSameLengthInAnyUnitIsTheSameNumber) {
 
 TEST(LengthText, ANumberWithoutUnitIsRefusedWithAdvice) {
   ASSERT_FALSE(length_mm("10"));
-  EXPECT_EQ(length_mm("10").error(), "\"10\" has no unit: write 10mm (or cm, m, um, in)");
+  EXPECT_EQ(length_mm("10").error(), "\"10\" has no unit, write 10mm (or cm, m, um, in)");
 }
 
 TEST(LengthText, TextThatIsNoLengthIsRefused) {

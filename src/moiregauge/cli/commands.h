@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal::cli {
 
-// -h is the list of options, --help the command's page (pages.h); main tells the two by what parsing throws. A command
-// that ran leaves its exit code in `exit_code`, which must outlive the tree.
+// Returns the tree of commands. -h lists the options, --help shows the command's page (page.h); parsing throws a
+// different exception for each. A command that ran sets `exit_code`, which must outlive the tree.
 [[nodiscard]] std::unique_ptr<CLI::App> command_tree(int& exit_code);
 }  // namespace moiregauge::internal::cli

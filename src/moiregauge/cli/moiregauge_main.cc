@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program: a table of commands. Every command says what went wrong itself; what escapes it is our fault (exit 1).
+// The program: a table of commands. Each command reports its own failures. Anything else is an internal error (exit 1).
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -23,7 +23,7 @@ namespace {
 
 using moiregauge::internal::Exit;
 
-// For comparisons: the bits are the same whatever is chosen.
+// For comparisons: the results have the same bits for every choice.
 constexpr const char* kSimd = "MOIREGAUGE_SIMD";
 
 int run(int argc, char** argv) {
@@ -57,8 +57,8 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);           // a limit on the size of files is like a full disk: the write says so
-  FLAGS_minloglevel = google::GLOG_FATAL;  // the bundle's solver writes of every step it shortens; we say how it ended
+  std::signal(SIGXFSZ, SIG_IGN);           // a file size limit acts like a full disk: the write fails
+  FLAGS_minloglevel = google::GLOG_FATAL;  // the solver logs every shortened step; only its result matters
   int exit_code = 0;
   try {
     exit_code = run(argc, argv);
@@ -68,10 +68,10 @@ int main(int argc, char** argv) {
         lacks_threads ? Exit::kOutputUnwritable : Exit::kInternalError,
         lacks_threads
             ? fmt::format("no thread could be started: {}: raise the limit on processes (ulimit -u)", error.what())
-            : fmt::format("the program failed: {}: report this with the input", error.what()));
+            : fmt::format("an internal error occurred: {}: report this with the input", error.what()));
   } catch (const std::exception& error) {
     exit_code = moiregauge::internal::cli::fail(
-        Exit::kInternalError, fmt::format("the program failed: {}: report this with the input", error.what()));
+        Exit::kInternalError, fmt::format("an internal error occurred: {}: report this with the input", error.what()));
   }
   if (moiregauge::internal::cli::finish_output()) return exit_code;
   return moiregauge::internal::cli::fail(

@@ -306,8 +306,7 @@ TEST(VideoSource, AnAviKeepsTimesAfterALossOrEnds) {
   seen = all_of(*source);
   EXPECT_LT(seen.times.size(), 16U);
   ASSERT_TRUE(seen.broken_off);
-  EXPECT_NE(seen.broken_off->message.find("an AVI has no times to go on by"), std::string::npos)
-      << seen.broken_off->message;
+  EXPECT_NE(seen.broken_off->message.find("an AVI file has no times"), std::string::npos) << seen.broken_off->message;
 }
 
 // It contains no times, only the number of frames. Frames still in the decoder at the end continue the count.
@@ -331,7 +330,8 @@ TEST(VideoSource, AChangeOfImageSizeEndsTheInput) {
   ASSERT_NE(source, nullptr);
   const ObservationLog seen = all_of(*source);
   ASSERT_TRUE(seen.broken_off);
-  EXPECT_NE(seen.broken_off->message.find("frame size changed 320x240 -> 160x120 at frame 25"), std::string::npos)
+  EXPECT_NE(seen.broken_off->message.find("the frame size changes from 320x240 to 160x120 at frame 25"),
+            std::string::npos)
       << seen.broken_off->message;
 }
 
@@ -340,10 +340,10 @@ TEST(VideoSource, AFileThatIsNoVideoIsRefusedInOneSentence) {
   put_text(folder / "text.mp4", "This is a letter, not a film.\n");
   put_text(folder / "empty.mp4", "");
   EXPECT_EQ(refusal(folder / "text.mp4").kind, InputErrorKind::kUnsupported);
-  EXPECT_NE(refusal(folder / "text.mp4").message.find("no video (found: text): " + folder / "text.mp4"),
+  EXPECT_NE(refusal(folder / "text.mp4").message.find("the input is not a video (it is text): " + folder / "text.mp4"),
             std::string::npos);
-  EXPECT_NE(refusal(folder / "empty.mp4").message.find("the file is empty: "), std::string::npos);
-  EXPECT_NE(refusal(folder / "absent.mp4").message.find("cannot open the video (No such file"), std::string::npos);
+  EXPECT_NE(refusal(folder / "empty.mp4").message.find("the video file is empty: "), std::string::npos);
+  EXPECT_NE(refusal(folder / "absent.mp4").message.find("the video cannot be opened (No such file"), std::string::npos);
   EXPECT_EQ(refusal(folder / "absent.mp4").kind, InputErrorKind::kUnreadable);
   EXPECT_NE(refusal(folder.path()).message.find("not a file"), std::string::npos);
 }
@@ -379,7 +379,7 @@ TEST(VideoSource, TimesThatRunBackwardsEndTheInput) {
   const ObservationLog seen = all_of(*source);
   EXPECT_EQ(seen.times.size(), 25U);
   ASSERT_TRUE(seen.broken_off);
-  EXPECT_NE(seen.broken_off->message.find("time runs backwards at frame 25 ("), std::string::npos)
+  EXPECT_NE(seen.broken_off->message.find("the times run backwards at frame 25 ("), std::string::npos)
       << seen.broken_off->message;
   auto timed = open_video(folder / "b.ts", {.fps = 25.0});
   ASSERT_TRUE(timed);
@@ -392,7 +392,7 @@ TEST(VideoSource, TooManyPixelsAreRefusedBeforeDecoding) {
   const auto refused = open_video(video, {.fps = {}, .max_pixels = kWidth * kHeight - 1});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, InputErrorKind::kUnsupported);
-  EXPECT_NE(refused.error().message.find("image 48x32 exceeds the limit of 0.001535 Mpx"), std::string::npos)
+  EXPECT_NE(refused.error().message.find("the frame size 48x32 exceeds the limit of 0.001535 Mpx"), std::string::npos)
       << refused.error().message;
   EXPECT_TRUE(open_video(video, {.fps = {}, .max_pixels = kWidth * kHeight}));
 }
@@ -433,7 +433,8 @@ TEST(VideoSource, ADeadDecoderLeavesEarlierFrames) {
   ASSERT_TRUE(seen.broken_off);
   EXPECT_EQ(seen.broken_off->kind, InputErrorKind::kDamaged);
   const std::size_t kept = 5 + seen.times.size();
-  const std::string words = fmt::format("video decoder stopped (signal 9) at frame {}; {} frames kept", kept, kept);
+  const std::string words =
+      fmt::format("the video decoder stopped (signal 9) at frame {} ({} frames kept)", kept, kept);
   EXPECT_NE(seen.broken_off->message.find(words), std::string::npos) << seen.broken_off->message;
 }
 

@@ -98,89 +98,126 @@ class KappaFit {
   std::vector<double> shared_;
 };
 
-}  // namespace
+// Displacement x and y, then four gradients, of each marker.
+constexpr std::size_t kPerMarker = 6;
+constexpr std::size_t channel_of(std::size_t marker, std::size_t k) { return marker * kPerMarker + k; }
 
-LensEvidence lens_evidence(const Reference& reference, const Observations& observations) {
-  const auto& markers = reference.site.markers;
-  const ResidualField then(reference, reference.seen.stage1);
-  std::vector<Vector2d> then_at;
-  std::vector<Matrix2> then_gradient;
-  std::vector<BoardPoint> circles;
-  for (const CirclePoint& p : reference.circles) circles.push_back(p.board);
-  for (const Marker& m : markers) {
-    const BoardPoint p = m.grating ? m.grating->centre : m.circle->centre;
-    then_at.push_back(then(p));
-    then_gradient.push_back(then.gradient(p));
+// Evidence of one run, built frame by frame.
+class EvidenceOfRun {
+ public:
+  EvidenceOfRun(const Reference& reference, const Observations& observations)
+      : reference_(reference),
+        observations_(observations),
+        markers_(reference.site.markers),
+        fit_(kLargestDistortion * std::hypot(0.5 * (reference.width - 1), 0.5 * (reference.height - 1)),
+             markers_.size() * kPerMarker),
+        u_then_(markers_.size() * kPerMarker, 0.0),
+        predicted_(observations.size(), std::vector<Vector2d>(markers_.size(), Vector2d::Zero())) {
+    const ResidualField then(reference, reference.seen.stage1);
+    for (const CirclePoint& p : reference.circles) circles_.push_back(p.board);
+    for (const Marker& m : markers_) {
+      const BoardPoint p = m.grating ? m.grating->centre : m.circle->centre;
+      then_at_.push_back(then(p));
+      then_gradient_.push_back(then.gradient(p));
+    }
   }
-  const double corner_px = std::hypot(0.5 * (reference.width - 1), 0.5 * (reference.height - 1));
-  const std::size_t per_marker = 6;  // displacement x, y; four gradients
-  KappaFit fit(kLargestDistortion * corner_px, markers.size() * per_marker);
-  std::vector<double> u_then(markers.size() * per_marker, 0.0);
-  LensEvidence evidence;
-  std::vector<std::vector<Vector2d>> predicted_all(observations.size());
-  for (std::size_t n = 0; n < observations.size(); ++n) {
-    const Observation& now = observations[n];
-    evidence.sensitivity.emplace_back(markers.size());
-    predicted_all[n].assign(markers.size(), Vector2d::Zero());
-    if (!now.references_seen) continue;
-    const ResidualField field(reference, now.stage1);
-    for (std::size_t i = 0; i < markers.size(); ++i) {
+
+  LensEvidence evidence() {
+    LensEvidence out;
+    for (std::size_t n = 0; n < observations_.size(); ++n) {
+      out.sensitivity.emplace_back(markers_.size());
+      const Observation now = observations_[n];
+      if (!now.references_seen) continue;
+      add_frame(n, now);
+      for (std::size_t t = 0; t < markers_.size(); ++t) {
+        if (markers_[t].grating && markers_[t].role == Role::kTarget) out.sensitivity[n][t] = sensitivity(n, t);
+      }
+    }
+    out.kappa_px = fit_.kappa();
+    out.u_kappa_px = fit_.u(u_then_);
+    for (std::size_t n = 0; n < observations_.size(); ++n) out.unexplained_mm.push_back(unexplained(n, out.kappa_px));
+    return out;
+  }
+
+ private:
+  void add_frame(std::size_t n, const Observation& now) {
+    const ResidualField field(reference_, now.stage1);
+    for (std::size_t i = 0; i < markers_.size(); ++i) {
       const MarkerObservation& seen = now.markers[i];
-      if (!markers[i].grating || seen.loss != Loss::kNone) continue;
-      const BoardPoint p = markers[i].grating->centre;
-      predicted_all[n][i] = field(p) - then_at[i];
-      const PatchReading& patch0 = reference.seen.markers[i].patch;
-      const double floor_mm = kFloorPx * reference.view.mm_per_px(p);
-      u_then[i * per_marker] = u_then[i * per_marker + 1] =
-          std::hypot(u_patch_mm(reference.plans[i], patch0), floor_mm);
-      if (markers[i].role == Role::kReference) {
-        const auto moved = displacement_between(reference.plans[i], patch0, seen.patch);
-        const double u = std::hypot(u_patch_mm(reference.plans[i], seen.patch), floor_mm);
-        fit.add(i * per_marker, predicted_all[n][i].x(), moved.x, u);
-        fit.add(i * per_marker + 1, predicted_all[n][i].y(), moved.y, u);
-      }
-      const Matrix2 expected = field.gradient(p) - then_gradient[i];
-      const Matrix2 observed =
-          board_gradient(reference.plans[i], seen.patch) - board_gradient(reference.plans[i], patch0);
-      const double u = std::hypot(seen.patch.u_gradient, kGradientFloor);
-      for (int k = 0; k < 4; ++k) {
-        const std::size_t channel = i * per_marker + 2 + static_cast<std::size_t>(k);
-        u_then[channel] = std::hypot(patch0.u_gradient, kGradientFloor);
-        fit.add(channel, expected(k / 2, k % 2), observed(k / 2, k % 2), u);
-      }
-    }
-    for (std::size_t t = 0; t < markers.size(); ++t) {
-      if (!markers[t].grating || markers[t].role != Role::kTarget) continue;
-      Vector2d e = predicted_all[n][t];
-      const auto weights = reference_weights(circles, markers[t].grating->centre);
-      for (std::size_t k = 0; k < circles.size(); ++k) e -= weights[k] * predicted_all[n][reference.circles[k].marker];
-      evidence.sensitivity[n][t] = {e.x(), e.y()};
+      if (markers_[i].grating && seen.loss == Loss::kNone) add_marker(n, i, field, seen);
     }
   }
-  evidence.kappa_px = fit.kappa();
-  evidence.u_kappa_px = fit.u(u_then);
-  for (std::size_t n = 0; n < observations.size(); ++n) {
+
+  void add_marker(std::size_t n, std::size_t i, const ResidualField& field, const MarkerObservation& seen) {
+    const BoardPoint p = markers_[i].grating->centre;
+    predicted_[n][i] = field(p) - then_at_[i];
+    const RasterPlan& plan = reference_.plans[i];
+    const PatchReading& then = reference_.seen.markers[i].patch;
+    const double floor_mm = kFloorPx * reference_.view.mm_per_px(p);
+    u_then_[channel_of(i, 0)] = u_then_[channel_of(i, 1)] = std::hypot(u_patch_mm(plan, then), floor_mm);
+    if (markers_[i].role == Role::kReference) {
+      const auto moved = displacement_between(plan, then, seen.patch);
+      const double u = std::hypot(u_patch_mm(plan, seen.patch), floor_mm);
+      fit_.add(channel_of(i, 0), predicted_[n][i].x(), moved.x, u);
+      fit_.add(channel_of(i, 1), predicted_[n][i].y(), moved.y, u);
+    }
+    const Matrix2 expected = field.gradient(p) - then_gradient_[i];
+    const Matrix2 observed = board_gradient(plan, seen.patch) - board_gradient(plan, then);
+    const double u = std::hypot(seen.patch.u_gradient, kGradientFloor);
+    for (int k = 0; k < 4; ++k) {
+      const std::size_t channel = channel_of(i, 2 + static_cast<std::size_t>(k));
+      u_then_[channel] = std::hypot(then.u_gradient, kGradientFloor);
+      fit_.add(channel, expected(k / 2, k % 2), observed(k / 2, k % 2), u);
+    }
+  }
+
+  // Returns the error of target `t` per unit of distortion: its own residual less that of the references' homography.
+  [[nodiscard]] Extent<frame::Board> sensitivity(std::size_t n, std::size_t t) const {
+    Vector2d e = predicted_[n][t];
+    const auto weights = reference_weights(circles_, markers_[t].grating->centre);
+    for (std::size_t k = 0; k < circles_.size(); ++k) e -= weights[k] * predicted_[n][reference_.circles[k].marker];
+    return {e.x(), e.y()};
+  }
+
+  // Returns the rms displacement of the references that neither the lens nor noise explains, mm.
+  [[nodiscard]] double unexplained(std::size_t n, double kappa_px) const {
     double sum = 0.0;
     int count = 0;
-    const Observation& now = observations[n];
-    for (const CirclePoint& p : reference.circles) {
+    const Observation now = observations_[n];
+    for (const CirclePoint& p : reference_.circles) {
       if (!now.references_seen) continue;
       const std::size_t i = p.marker;
       const MarkerObservation& seen = now.markers[i];
-      if (!markers[i].grating || !seen.patch.valid || seen.loss != Loss::kNone) continue;
-      const auto moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.patch);
-      const double u2 = std::pow(u_patch_mm(reference.plans[i], seen.patch), 2) + std::pow(u_then[i * per_marker], 2) +
-                        2.0 * std::pow(p.u_px * reference.view.mm_per_px(p.board), 2);
+      if (!markers_[i].grating || !seen.patch.valid || seen.loss != Loss::kNone) continue;
+      const RasterPlan& plan = reference_.plans[i];
+      const auto moved = displacement_between(plan, reference_.seen.markers[i].patch, seen.patch);
+      const double u2 = std::pow(u_patch_mm(plan, seen.patch), 2) + std::pow(u_then_[channel_of(i, 0)], 2) +
+                        2.0 * std::pow(p.u_px * reference_.view.mm_per_px(p.board), 2);
       for (int a = 0; a < 2; ++a) {
-        const double r = (a == 0 ? moved.x : moved.y) - evidence.kappa_px * predicted_all[n][i](a);
+        const double r = (a == 0 ? moved.x : moved.y) - kappa_px * predicted_[n][i](a);
         if (!std::isfinite(r)) continue;
         sum += r * r - u2;
         ++count;
       }
     }
-    evidence.unexplained_mm.push_back(count > 0 ? std::sqrt(std::fmax(0.0, sum / count)) : 0.0);
+    return count > 0 ? std::sqrt(std::fmax(0.0, sum / count)) : 0.0;
   }
-  return evidence;
+
+  const Reference& reference_;
+  const Observations& observations_;
+  const std::vector<Marker>& markers_;
+  std::vector<BoardPoint> circles_;
+  std::vector<Vector2d> then_at_;
+  std::vector<Matrix2> then_gradient_;
+  KappaFit fit_;
+  std::vector<double> u_then_;
+  std::vector<std::vector<Vector2d>> predicted_;  // by frame and marker, mm per unit of distortion
+};
+
+}  // namespace
+
+LensEvidence lens_evidence(const Reference& reference, const Observations& observations) {
+  return EvidenceOfRun(reference, observations).evidence();
 }
 
 }  // namespace moiregauge::internal

@@ -59,27 +59,37 @@ bool says(const std::vector<std::string>& sentences, const std::string& what) {
 TEST(ReportText, AMovementIsReportedWithItsInterval) {
   const Words words = BridgeRun().words();
   EXPECT_EQ(words.outcome, "Measured");
-  EXPECT_TRUE(says(words.summary, "mid moved 2.0000 mm up (± 0.0020 mm) at 0.30 s")) << words.summary.front();
-  EXPECT_TRUE(says(words.summary, "end did not move"));
-  EXPECT_TRUE(says(words.summary, "turned by up to 1.00°, and its picture moved by up to 61.0 px"));
-  EXPECT_TRUE(says(words.summary, "every row is ok"));
+  EXPECT_EQ(words.summary.at(0), "mid moved up and down by 2.0000 mm peak to peak (U = 0.0020 mm, k = 2).");
+  EXPECT_EQ(words.summary.at(1),
+            "Its range was 0.0000 to +2.0000 mm. It did not move measurably sideways (U = 0.0040 mm).");
+  EXPECT_TRUE(says(words.summary, "end did not move measurably (up and down U = 0.0020 mm, sideways U = 0.0040 mm"));
+  EXPECT_TRUE(says(words.summary, "rotated by up to 1.00° and moved the image by up to 61.0 px"));
+  EXPECT_TRUE(says(words.summary, "all rows are ok"));
   EXPECT_TRUE(words.advice.empty());
 }
 
-// The uncertainty must not come from the sample furthest from zero: here that is the reference frame's, with u = 0.
-TEST(ReportText, ATargetAtRestIsReportedWithTheWidestInterval) {
+// U has the coverage factor 2, and is that of run.json: rms over the measured rows, without the reference frame's u = 0.
+TEST(ReportText, TheUncertaintyIsThatOfTheTable) {
   BridgeRun run;
-  run.measurement.samples[3].u = {0.02, 0.01};  // `end` in the second frame
-  const Words words = run.words();
-  EXPECT_TRUE(says(words.summary,
-                   "end did not move: up and down it did not move by more than its uncertainty of "
-                   "± 0.020 mm; sideways it did not move by more than its uncertainty of ± 0.039 mm"))
-      << words.summary.at(1);
+  run.measurement.samples[3].u = {0.02, 0.01};  // `end` in the second frame; rms 0.0117 and 0.0058
+  EXPECT_TRUE(
+      says(run.words().summary, "end did not move measurably (up and down U = 0.012 mm, sideways U = 0.023 mm"));
 }
 
-TEST(ReportText, DownAndLeftAreNamed) {
-  EXPECT_EQ(with_interval(-0.5, 0.01, "up", "down"), "0.500 mm down (± 0.020 mm)");
-  EXPECT_EQ(with_interval(12.0, 0.5, "up", "down"), "12.00 mm up (± 0.98 mm)");
+// The range of three normal values is 1.7 of their standard deviation on average.
+TEST(ReportText, ARangeOfNoiseIsNoMovement) {
+  BridgeRun run;
+  for (const std::size_t k : {3U, 5U, 7U}) run.measurement.samples[k].displacement.y = k == 5 ? 0.001 : -0.001;
+  EXPECT_TRUE(says(run.words().summary, "end did not move measurably"));
+}
+
+TEST(ReportText, TheLargestMovementIsTheHeadline) {
+  BridgeRun run;
+  for (const std::size_t k : {3U, 5U, 7U}) run.measurement.samples[k].displacement.x = -5.0;
+  const Words words = run.words();
+  EXPECT_EQ(words.summary.at(0), "end moved sideways by 5.0000 mm peak to peak (U = 0.0040 mm, k = 2).");
+  EXPECT_TRUE(says(words.summary, "Its range was −5.0000 to 0.0000 mm. It did not move measurably up and down"));
+  EXPECT_TRUE(says(words.summary, "mid moved up and down by 2.0000 mm"));
 }
 
 TEST(ReportText, SamplesThatAreNotOkAreCountedWithARemedy) {
@@ -88,14 +98,15 @@ TEST(ReportText, SamplesThatAreNotOkAreCountedWithARemedy) {
   run.measurement.exit = Exit::kIncomplete;
   const Words words = run.words();
   EXPECT_EQ(words.outcome, "Measured with gaps");
-  EXPECT_TRUE(says(words.summary, "7 of 8 rows are ok; 1 blurred"));
-  EXPECT_TRUE(says(words.advice, "Expose for a shorter time"));
+  EXPECT_TRUE(says(words.summary, "7 of 8 rows are ok (others: 1 blurred)"));
+  EXPECT_TRUE(says(words.advice,
+                   "1 row blurred: the marker is too blurred for a reliable uncertainty. Use a shorter exposure"));
 }
 
 TEST(ReportText, ASampleThatIsNotOkIsNotTheLargestMovement) {
   BridgeRun run;
   run.measurement.samples[6].status = Status::kUntrusted;  // `mid` in the last frame
-  EXPECT_TRUE(says(run.words().summary, "mid moved 1.3333 mm up"));
+  EXPECT_TRUE(says(run.words().summary, "mid moved up and down by 1.3333 mm"));
 }
 
 TEST(ReportText, VibrationIsReportedByFrequencyAndDamping) {
@@ -109,7 +120,7 @@ TEST(ReportText, VibrationIsReportedByFrequencyAndDamping) {
   peak.u_damping = 0.0005;
   run.measurement.spectra[0].y.peaks = {peak};
   EXPECT_TRUE(
-      says(run.words().summary, "mid swings up and down at 1.7000 Hz (± 0.0020 Hz; damping 1.000 % ± 0.098 %)"));
+      says(run.words().summary, "mid vibrates up and down at 1.7000 Hz (U = 0.0020 Hz; damping 1.00 %, U = 0.10 %)"));
 }
 
 TEST(ReportPage, NoTextOfARunClosesItsScript) {

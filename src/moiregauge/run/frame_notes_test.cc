@@ -32,7 +32,7 @@ TEST(FrameNotes, ARegularRecordingHasNoNotes) {
 TEST(FrameNotes, AGapInTimeIsReportedWithItsPosition) {
   const auto notes = notes_on(frames_at({0.0, 0.04, 0.08, 1.36, 1.4}));
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_EQ(notes[0], "note: variable frame rate, largest gap 1.28 s at 0.08 s; times are the stream's own");
+  EXPECT_EQ(notes[0], "note: the frame rate varies (largest gap 1.28 s at 0.08 s). The stream's own times are used");
 }
 
 TEST(FrameNotes, SkippedFramesAreNoGap) {
@@ -46,7 +46,9 @@ TEST(FrameNotes, DamagedFramesAreCountedAndTheirTimesIgnored) {
   frames[2].decode_error = frames[3].decode_error = true;
   const auto notes = notes_on(frames);
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_EQ(notes[0], "input damaged from frame 2; 2 frames marked decode-error");
+  EXPECT_EQ(notes[0],
+            "2 frames have no values (decode-error): the input is damaged from frame 2 on. Copy the recording again "
+            "from the camera");
 }
 
 }  // namespace

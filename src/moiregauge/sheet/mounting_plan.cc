@@ -17,16 +17,16 @@ using figure::Align;
 using figure::Canvas;
 using figure::Colour;
 using figure::kBlack;
-using figure::kBlue;
 using figure::kGrey;
-using figure::kVermilion;
 using figure::Letters;
 
 constexpr double kLeft = 15.0, kRight = 282.0, kPlanText_mm = 3.2, kPlanSmall_mm = 2.7, kLine_mm = 4.6;
 constexpr double kDrawingTop = 24.0, kDrawingHigh = 82.0;
 constexpr std::size_t kMaxRows = 16;  // of the table; more markers are in site.toml only
 
-Colour colour_of(const Marker& marker) { return marker.role == Role::kReference ? kBlue : kVermilion; }
+Colour colour_of(const Marker& marker) {
+  return marker.role == Role::kReference ? figure::kReferenceInk : figure::kTargetInk;
+}
 
 // Map from the board to its drawing.
 struct Scale {

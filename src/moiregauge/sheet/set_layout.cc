@@ -131,10 +131,11 @@ tl::expected<Site, std::string> site_of_set(const SetRequest& r) {
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     for (std::size_t k = i + 1; k < site.markers.size(); ++k) {
       if (gap_between(extent_of(site.markers[i]), extent_of(site.markers[k])) >= r.pitch_mm - 1e-9) continue;
-      return tl::unexpected(fmt::format(
-          "'{}' and '{}' are less than a pitch apart in a span of {:g} x {:g} mm (references {:g} mm, targets {:g} mm, "
-          "circles {:g} mm), choose a wider --span, fewer targets or a smaller --pitch",
-          site.markers[i].name, site.markers[k].name, r.span.x, r.span.y, s.reference, s.target, s.circle));
+      return tl::unexpected(
+          fmt::format("'{}' and '{}' are less than a pitch apart (span {:g} x {:g} mm, references {:g} mm, targets "
+                      "{:g} mm, circles "
+                      "{:g} mm). Choose a wider --span, fewer targets or a smaller --pitch",
+                      site.markers[i].name, site.markers[k].name, r.span.x, r.span.y, s.reference, s.target, s.circle));
     }
   }
   return site;

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
-"""A run with two targets, one of which is covered for a while, exported in every format and read back by others: pandas, h5py,
-Octave, and a reader of universal files of our own; by the readers in examples/ too."""
+"""Exports a run with two targets, one of them covered in some frames, in all formats, and reads the files.
+
+The readers are pandas, h5py, Octave, universal_file.py and those in examples/.
+"""
 import json
 import math
 import subprocess
@@ -18,7 +20,7 @@ import read_moiregauge  # noqa: E402
 
 
 def scenario():
-    """The small rig's references and its target, and one more target below it."""
+    """Returns the small rig with two targets."""
     text = []
     for name, x, y in (("NW", -1, 1), ("NE", 1, 1), ("SW", -1, -1), ("SE", 1, -1)):
         text.append(f'[[marker]]\nname = "{name}"\nrole = "reference"\ncircle_mm = [{128 * x}, {40 * y}]\n'
@@ -54,7 +56,7 @@ right = samples[samples.marker == "right"]
 lost = right[right.dy_mm.isna()]
 runs.insist(list(lost.frame) == [5, 6, 7], f"not measured: {lost}")
 
-# CSV: the long one is displacement.csv, the wide one a matrix.
+# CSV: the long format is displacement.csv, the wide format is a matrix.
 long_csv, _ = export("long.csv", "--format", "long")
 runs.insist(long_csv.read_bytes() == (folder / "displacement.csv").read_bytes(), "long is not displacement.csv")
 wide_csv, _ = export("wide.csv")
@@ -79,7 +81,7 @@ part, _ = export("part.csv", "--format", "long", "--markers", "right", "--time",
 rows = pandas.read_csv(part)
 runs.insist(list(rows.frame) == [3, 4, 5] and set(rows.marker) == {"right"}, f"{rows}")
 
-# UFF 58: no gap can be written; split, nothing is made up.
+# UFF 58 cannot represent gaps. With --gaps split no values are invented.
 _, refused = export("gaps.uff", "--format", "uff58", expected=2)
 runs.insist("right dx: 11 of 14 samples" in refused.stderr and not (work / "gaps.uff").exists(), refused.stderr)
 uff, _ = export("split.uff", "--format", "uff58", "--gaps", "split")
@@ -103,7 +105,7 @@ for node, name in ((1, "mid left"), (2, "right")):
         wanted = dict(zip(rows.time_s.round(5), rows[column]))
         runs.insist(got == wanted, f"{name} {column}: {got} {wanted}")
 runs.insist(len([f for f in functions if f["node"] == 2]) == 4, "the covered target's axes are in two stretches each")
-# Without the gap it is whole; at uneven times every sample has its own.
+# Without a gap there is one series per component. At uneven times each sample has its own time.
 whole, _ = export("whole.uff", "--format", "uff58", "--time", ":0.5")
 runs.insist(len([1 for n, _ in universal_file.datasets(whole.read_text()) if n == 58]) == 4, "four whole series")
 uneven = work / "uneven"
@@ -115,7 +117,7 @@ runs.run([program, "export", uneven, "--format", "uff58", "--time", ":0.5", "-o"
 function = universal_file.function(universal_file.datasets((work / "uneven.uff").read_text())[2][1])
 runs.insist(function["even"] == 0 and function["t"] == [0.0, 0.1, 0.2, 0.32, 0.4], f"{function}")
 
-# Octave, by examples/read_moiregauge.m; and HDF5 by its plain load.
+# Octave: examples/read_moiregauge.m, and HDF5 by `load`.
 script = f"""
 addpath('{source}/examples');
 run = read_moiregauge('{folder}');

@@ -1,8 +1,8 @@
-"""Universal files, datasets 15, 58 and 164, read by the columns of their written records and by nothing else."""
+"""Reads universal files (datasets 15, 58 and 164) strictly by the columns of their specification."""
 
 
 def datasets(text):
-    """(number, lines) between the marks."""
+    """Returns the (number, lines) of all datasets."""
     lines = text.split("\n")
     assert lines[-1] == "" and all(len(line) <= 80 for line in lines), "lines of at most 80 characters"
     found, i = [], 0

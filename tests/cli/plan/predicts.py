@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""What `plan` says before, against what `measure` states afterwards: u of noise (print, references, reference frame) within
-15 % along both axes; the layout's bound within 8 %, for which run.json takes a print for one point at its middle.
+"""Compares the prediction of `plan` with the result of `measure`.
 
-u also holds what no layout tells beforehand, an unknown lens, places and turns; these parts are left out here.
+u by noise (grating, references, reference frame) must agree within 15 % along both axes. The bound of the layout must
+agree within 8 %; run.json computes it with each grating as one point at its middle. The other parts of u (unknown lens,
+positions and rotations) cannot be planned and are excluded.
 """
 import json
 import math
@@ -33,7 +34,8 @@ for name, (scenario, frames, settings, words) in CASES.items():
     ratio = stated["bound_mm"]["y"] / planned["bound_mm"]["y"]
     runs.insist(abs(ratio - 1) < 0.08, f"{name}: bound along y {stated['bound_mm']}, planned {planned['bound_mm']}")
 
-# For compressed footage plan, inspect and measure state one u (plan assumes the usual quantiser: within a factor of 1.7).
+# For compressed footage plan, inspect and measure state the same u. plan assumes a typical quantiser, within a factor
+# of 1.7.
 clip = work / "clip"
 runs.run([program, "simulate", "small-1x", "--frames", 30, "--codec", "x264", "--quality", 20, "--quiet", "-o", clip])
 words = [next(clip.glob("video.*")), "--site", clip / "site.toml", "--quiet"]
@@ -48,7 +50,7 @@ for axis in "xy":
     runs.insist(1 / 1.7 < u[f"u_d{axis}_mm"] / total < 1.7, f"inspect: u along {axis} {u}, measured {total}")
     runs.insist(1 / 1.7 < planned["u_mm"][axis] / total < 1.7, f"plan: u along {axis} {planned}, measured {total}")
 
-# The advice is what planning the changed layout gives.
+# The advice must equal the plan of the changed layout.
 rig = ["--distance", "1.2m", "--resolution", "4104x1012", "--pixel", "3.45um", "--focal", "12mm"]
 site = (work / "rig" / "site.toml").read_text()
 plan = json.loads(runs.run([program, "plan", *rig, "--site", work / "rig" / "site.toml", "--json"]).stdout)

@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""A set printed at 600 dots an inch: pitch, places and rulers in millimetres of paper.
+"""Checks pitch, positions and rulers of a set printed at 600 dpi, in mm on paper.
 
-An edge found in a row of dots, from the grey of the dot it cuts, is off by less than a quarter of a dot (poppler knows
-four levels across one): 11 um. A pitch from the ends of n lines is n times better; 10 um is what is promised.
+The position of an edge follows from the grey level of the dot that it cuts. Poppler has four levels per dot, so the
+error is below a quarter of a dot, 11 um. A pitch from the outer lines of n is n times more precise. The requirement is
+10 um.
 """
 import re
 import sys
@@ -19,12 +20,12 @@ MM = 25.4 / DPI
 
 
 def edges(line):
-    """Where grey falls through and rises through the middle, mm from the left end; a dot is 1 wide."""
+    """Returns the positions in mm, from the left end, at which the grey level crosses the mid-level."""
     dark = 1.0 - line / 255.0
     inside = dark > 0.5
     out = []
     for i in numpy.flatnonzero(inside[1:] != inside[:-1]):
-        # The dot that the edge cuts is the one on either side that is partly dark.
+        # The edge cuts the dot that is partly dark, on one of the two sides.
         partly = i if 0.0 < dark[i] < 1.0 else i + 1
         share = dark[partly] if 0.0 < dark[partly] < 1.0 else (0.0 if partly > i else 1.0)
         rising = inside[i + 1]
@@ -36,7 +37,7 @@ def edges(line):
 
 
 def lines(line, pitch):
-    """Centres of the dark lines half a pitch wide."""
+    """Returns the centres in mm of the dark lines that are half a pitch wide."""
     e = edges(line)
     pairs = [(a, b) for a, b in zip(e[0::2], e[1::2]) if abs((b - a) - pitch / 2) < 0.1]
     return numpy.array([(a + b) / 2 for a, b in pairs])
@@ -48,14 +49,14 @@ def centre(marker, page_middle, set_middle):
 
 
 def check_pitch(picture, site, pitch):
-    """Along x and y of every grating, between its lines where no crossing line is."""
+    """Checks the pitch along x and y of all gratings, between crossing lines. Returns their middles in mm."""
     starts = {}
     for marker in site["reference"] + site["target"]:
         found = {}
         for axis in "xy":
             x, y = (value / MM for value in marker["at"])
             half = marker["grating_size_mm"][0] / 2 / MM
-            off = pitch / 2 / MM  # half-way between two lines
+            off = pitch / 2 / MM  # dots, middle between two lines
             strip = picture[round(y + off), round(x - half - 20):round(x + half + 20)] if axis == "x" else \
                 picture[round(y - half - 20):round(y + half + 20), round(x + off)]
             start = round(x - half - 20) if axis == "x" else round(y - half - 20)
@@ -75,7 +76,7 @@ def main(pitch):
     site = tomllib.loads((folder / "site.toml").read_text())
     picture = rendered.page(folder / "sheets.pdf", DPI)
     runs.insist(abs(picture.shape[1] * MM - 420) < 0.1 and abs(picture.shape[0] * MM - 297) < 0.1, f"page {picture.shape}")
-    middle = (19 + (420 - 26) / 2, 15 + (297 - 39) / 2)  # of the room that rulers and words leave
+    middle = (19 + (420 - 26) / 2, 15 + (297 - 39) / 2)  # mm, middle of the area without rulers and text
     markers = site["reference"] + site["target"]
     low = [min(min(m["grating_mm"][k] - m["grating_size_mm"][k] / 2,
                    m["circle_mm"][k] - m["circle_diameter_mm"] / 2 if "circle_mm" in m else 1e9) for m in markers) for k in (0, 1)]
@@ -84,13 +85,13 @@ def main(pitch):
     for m in markers:
         m["at"] = centre(m, middle, [(a + b) / 2 for a, b in zip(low, high)])
     found = check_pitch(picture, site, pitch)
-    # Places of the prints to each other, as site.toml has them: within a quarter of a dot at either end.
+    # Relative positions of the gratings must be those of site.toml, within a quarter of a dot at each end.
     for m in markers:
         for k, axis in enumerate("xy"):
             stated = (m["grating_mm"][k] - markers[0]["grating_mm"][k]) * (1 if axis == "x" else -1)
             printed = found[m["name"], axis] - found[markers[0]["name"], axis]
             runs.insist(abs(printed - stated) < 0.022, f"{m['name']}: {axis} {printed:.3f} from NW, site.toml {stated:.3f}")
-    # Circles: the chord through the middle, along both axes.
+    # Circles are measured by the chords through the middle, along both axes.
     for m in site["reference"]:
         x = m["at"][0] + m["circle_mm"][0] - m["grating_mm"][0]
         y = m["at"][1] - (m["circle_mm"][1] - m["grating_mm"][1])
@@ -104,7 +105,7 @@ def main(pitch):
             here = (x, y)[k]
             offset = round((here - reach) / MM) * MM + (inner[0] + inner[1]) / 2 - here
             runs.insist(abs(offset) < 0.022, f"{m['name']}: circle off by {offset:.3f} mm")
-    # Rulers: their long ticks, 100 mm apart.
+    # Rulers have long ticks at intervals of 100 mm.
     check_ruler("x", picture[round((297 - 17 + 2.6) / MM), :])
     check_ruler("y", picture[:, round((13 - 4.5 + 2.6) / MM)])
 
@@ -116,7 +117,7 @@ def check_ruler(axis, across):
 
 
 def svg():
-    """The SVG's numbers are millimetres themselves: upright lines as rectangles half a pitch wide."""
+    """Checks the SVG, whose numbers are in mm: vertical lines are rectangles half a pitch wide."""
     folder = work / "svg"
     runs.run([program, "sheet", "--paper", "A3", "--pitch", "7mm", "--pattern", "lines-x", "--quiet", "-o", folder])
     text = (folder / "set.svg").read_text()

@@ -1,6 +1,9 @@
 #!/usr/bin/python3
-"""A whole set on one sheet, printed and looked at by a camera of 100 dots an inch: found as its site.toml says, and a
-second print with the target 1.5 mm higher and 0.7 mm to the right measures as just that."""
+"""Measures a simulated print of a whole set on one sheet, at 100 dpi.
+
+The markers must be those of its site.toml. A second print has the target 1.5 mm higher and 0.7 mm to the right, and
+must give this displacement.
+"""
 import json
 import re
 import sys
@@ -16,7 +19,7 @@ def measured(pattern, tolerance_mm):
     folder = work / pattern
     runs.run([program, "sheet", "--paper", "A3", "--pattern", pattern, "--quiet", "-o", folder])
     site = (folder / "site.toml").read_text()
-    # The target is the last marker: it moves, its page does not.
+    # Moves the target, which is the last marker, and not its page.
     head, target = site.split("[[target]]")
     moved = head + "[[target]]" + re.sub(r"grating_mm = \[0\.0, 0\.0\]", "grating_mm = [0.7, 1.5]", target)
     runs.insist(moved != site, "no target at the origin")
@@ -29,8 +32,8 @@ def measured(pattern, tolerance_mm):
     seen = json.loads(runs.run([program, "inspect", frames / "0.png", "--site", folder / "site.toml", "--json",
                                 "-o", folder / "seen"]).stdout)
     runs.insist(seen["measurable"], "inspect cannot measure it")
-    # The pitch alone gives the same markers where site.toml has them: to 0.3 %, which is how well prints of four pitches
-    # determine the board's millimetres.
+    # With the pitch only, the positions agree with site.toml within 0.3 %: gratings of four pitches determine the scale
+    # of the board no better.
     runs.run([program, "measure", frames, "--pitch", "10mm", "--tone", "linear", "--method", "two-stage", "--quiet", "-o", folder / "blind"])
     blind = json.loads((folder / "blind" / "run.json").read_text())["markers"]
     stated = [(float(x), float(y)) for x, y in re.findall(r"grating_mm = \[([-0-9.]+), ([-0-9.]+)\]", site)]
@@ -44,8 +47,8 @@ def measured(pattern, tolerance_mm):
                     f"{pattern}, {method}: {dx}, {dy}, {status}; printed 0.7, 1.5")
 
 
-# Dots of 1/600 inch are 42 um; a line's edges lie within a quarter of one and average over the print's ten.
+# A dot of 1/600 inch is 42 um. The edges of lines have errors below a quarter of a dot, averaged over ten edges.
 measured("grid", 0.003)
-# Greys are dots of 1/300 inch: a renderer that takes the nearest one errs by a quarter of one over a print.
+# Grey levels have dots of 1/300 inch. A renderer that selects the nearest dot has an error of a quarter of a dot.
 measured("cosine", 0.021)
 sys.exit(0)

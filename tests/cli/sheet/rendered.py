@@ -1,11 +1,11 @@
-"""A page as a printer of so many dots an inch would put it on paper."""
+"""Renders pages as printed on paper and as imaged by a camera."""
 import subprocess
 
 import numpy
 
 
 def page(pdf, dpi, number=1):
-    """Grey levels, one a dot: poppler's rendering."""
+    """Returns the grey levels of a page at `dpi`, one per dot, rendered by poppler."""
     done = subprocess.run(["pdftoppm", "-r", str(dpi), "-gray", "-f", str(number), "-l", str(number), str(pdf)],
                           capture_output=True, check=True)
     kind, width, height, most = done.stdout[:100].split(maxsplit=4)[:4]
@@ -14,7 +14,7 @@ def page(pdf, dpi, number=1):
 
 
 def binned(picture, times):
-    """What a sensor with pixels of so many dots sees: paper is 210, ink 40."""
+    """Returns the image of a sensor with pixels of `times` x `times` dots: paper is 210, ink 40."""
     height, width = picture.shape[0] // times, picture.shape[1] // times
     cut = picture[:height * times, :width * times].astype(float)
     return (40 + 2 / 3 * cut.reshape(height, times, width, times).mean((1, 3))).round().astype(numpy.uint8)

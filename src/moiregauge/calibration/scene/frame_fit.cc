@@ -120,68 +120,90 @@ void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, int fi
   fit.dof -= std::lround(kMotionParameters - known);
 }
 
-}  // namespace
+// A frame's residuals and the layout of its unknowns: pose, shifts of the targets, motion while rows are read.
+struct Unknowns {
+  std::vector<std::optional<PatchResidual>> patches;  // one per site marker
+  int references = 0;
+  int first_motion = 6;
+  int rows = 6;
+};
 
-int scene_parameters(std::size_t markers) { return shape_row(markers, 0); }
-
-FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame) {
+Unknowns start(FrameFit& fit, const Site& site, const BundleFrame& frame) {
   const std::size_t markers = site.markers.size();
-  FrameFit fit;
   fit.pose = frame.pose;
   fit.shift.assign(markers, {kNaN, kNaN});
   fit.shift_row.assign(markers, -1);
   fit.chi2.assign(markers, kNaN);
   fit.own_information.assign(markers, Eigen::Matrix2d::Zero());
-  int rows = 6, references = 0;
-  std::vector<std::optional<PatchResidual>> patches(markers);
+  Unknowns out;
+  out.patches.resize(markers);
   for (std::size_t i = 0; i < markers; ++i) {
     if (!frame.points[i] || !site.markers[i].grating) continue;
-    patches[i].emplace(*frame.points[i], *site.markers[i].grating);
-    references += site.markers[i].role == Role::kReference;
+    out.patches[i].emplace(*frame.points[i], *site.markers[i].grating);
+    out.references += site.markers[i].role == Role::kReference;
     fit.shift[i] = {0, 0};
     if (site.markers[i].role == Role::kReference || frame.at_rest) continue;
     fit.shift[i] = frame.shift[i];
-    fit.shift_row[i] = rows;
-    rows += 2;
+    fit.shift_row[i] = out.rows;
+    out.rows += 2;
   }
-  if (references < 3) return fit;
-  const int first_motion = rows;
+  out.first_motion = out.rows;
   if (frame.rows) {
     fit.motion = frame.motion;
-    rows += kMotionParameters;
+    out.rows += kMotionParameters;
   }
+  return out;
+}
+
+// Returns the normal equations at the present unknowns, with those of the scene in the last pass. Sets chi2 and dof.
+Normal equations_of(FrameFit& fit, const Unknowns& unknowns, const Scene& scene, const CommonNumbers& camera,
+                    const BundleFrame& frame, bool last) {
+  const std::size_t markers = unknowns.patches.size();
+  const TurnedPose pose(fit.pose);
+  Normal n = empty_normal(unknowns.rows, last ? scene_parameters(markers) : 0);
+  fit.chi2_sum = 0.0;
+  fit.dof = -unknowns.first_motion;
+  for (std::size_t i = 0; i < markers; ++i) {
+    const auto& patch = unknowns.patches[i];
+    if (!patch) continue;
+    auto design = patch->design(camera, scene.markers[i], pose, fit.shift[i]);
+    if (frame.rows) {
+      const RowDesign::Columns by_rows = patch->root() * frame.rows->by_marker[i];
+      design.col(PatchColumn::kResidual) += by_rows.leftCols<kMotionParameters>() * fit.motion;
+      add_rows(n, by_rows, design, i, fit.shift_row[i], unknowns.first_motion, last);
+    }
+    add_patch(n, design, i, fit.shift_row[i], last);
+    fit.chi2[i] = design.col(PatchColumn::kResidual).squaredNorm();
+    fit.chi2_sum += fit.chi2[i];
+    fit.dof += kRows;
+    const auto by_shift = design.middleCols<2>(PatchColumn::kShape);
+    fit.own_information[i] = by_shift.transpose() * by_shift;
+  }
+  for (int k = 6; k < unknowns.first_motion; ++k) n.ff(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
+  if (frame.rows) {
+    n.ff.bottomRightCorner<kMotionParameters, kMotionParameters>() += frame.rows->information;
+    n.rf.tail<kMotionParameters>() += frame.rows->information * fit.motion;
+  }
+  return n;
+}
+
+}  // namespace
+
+int scene_parameters(std::size_t markers) { return shape_row(markers, 0); }
+
+FrameFit fit_frame(const Site& site, const Scene& scene, const BundleFrame& frame) {
+  FrameFit fit;
+  const Unknowns unknowns = start(fit, site, frame);
+  if (unknowns.references < 3) return fit;
   const CommonNumbers camera = numbers_of(scene);
   Normal n;
   for (int pass = 0; pass <= kPasses; ++pass) {
     const bool last = pass == kPasses;
-    const TurnedPose pose(fit.pose);
-    n = empty_normal(rows, last ? scene_parameters(markers) : 0);
-    fit.chi2_sum = 0.0;
-    fit.dof = -first_motion;
-    for (std::size_t i = 0; i < markers; ++i) {
-      if (!patches[i]) continue;
-      auto design = patches[i]->design(camera, scene.markers[i], pose, fit.shift[i]);
-      if (frame.rows) {
-        const RowDesign::Columns by_rows = patches[i]->root() * frame.rows->by_marker[i];
-        design.col(PatchColumn::kResidual) += by_rows.leftCols<kMotionParameters>() * fit.motion;
-        add_rows(n, by_rows, design, i, fit.shift_row[i], first_motion, last);
-      }
-      add_patch(n, design, i, fit.shift_row[i], last);
-      fit.chi2[i] = design.col(PatchColumn::kResidual).squaredNorm();
-      fit.chi2_sum += fit.chi2[i];
-      fit.dof += kRows;
-      const auto by_shift = design.middleCols<2>(PatchColumn::kShape);
-      fit.own_information[i] = by_shift.transpose() * by_shift;
-    }
-    for (int k = 6; k < first_motion; ++k) n.ff(k, k) += 1.0 / (kUnknownShift * kUnknownShift);
-    if (frame.rows) {
-      n.ff.bottomRightCorner<kMotionParameters, kMotionParameters>() += frame.rows->information;
-      n.rf.tail<kMotionParameters>() += frame.rows->information * fit.motion;
-    }
-    if (!last && !take_step(fit, n, first_motion)) return fit;
+    n = equations_of(fit, unknowns, scene, camera, frame, last);
+    if (!last && !take_step(fit, n, unknowns.first_motion)) return fit;
   }
   fit.covariance = inverse_of(n.ff);
-  if (frame.rows) conclude_rows(fit, n, *frame.rows, first_motion);
+  if (frame.rows) conclude_rows(fit, n, *frame.rows, unknowns.first_motion);
   fit.sensitivity = -fit.covariance * n.fg;
   fit.scene_information = n.gg + n.fg.transpose() * fit.sensitivity;
   fit.ok = std::isfinite(fit.chi2_sum);

@@ -6,7 +6,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-// Set by a handler, read by threads that draw.
+// Set by the signal handler, read by other threads.
 std::atomic<bool> asked_to_stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 

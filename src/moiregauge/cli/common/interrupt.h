@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C, or a polite request to end, asks the work at hand to stop at its next step; a second one kills as usual.
+// Ctrl-C (SIGINT) and SIGTERM stop the present work at its next step. A second one ends the process as usual.
 #pragma once
 
 #include <csignal>
 
 namespace moiregauge::internal::cli {
 
-// Since the guard at hand was made.
+// Returns true if a signal has come since the present guard was made.
 [[nodiscard]] bool interrupted();
 
 class InterruptGuard {

@@ -12,7 +12,7 @@ namespace moiregauge::internal::cli {
 namespace {
 
 constexpr int kMaxTargets = 100;
-// From finer than any printer draws to larger than any structure.
+// Limits of lengths: finer than any printer, larger than any structure.
 constexpr double kMinLength_mm = 0.01;
 constexpr double kMaxLength_mm = 1e6;
 constexpr double kUnmeasuredPrintScale = 0.001;  // relative, k = 1
@@ -129,7 +129,7 @@ tl::expected<Site, UsageError> site_of_layout(const LayoutArgs& args, const Room
   if (!request) return tl::unexpected(request.error());
   auto site = sheet::site_of_set(*request);
   if (!site) return usage("layout: " + site.error());
-  // A printer's scale is not known before its rulers are measured.
+  // The scale of a printer is unknown before its rulers are measured.
   site->known_to.print_scale = kUnmeasuredPrintScale;
   return *std::move(site);
 }

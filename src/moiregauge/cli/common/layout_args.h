@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words for a set of markers that `sheet` prints and `plan` judges.
+// Arguments that describe a set of markers, for `sheet` and `plan`.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace moiregauge::internal::cli {
 
-// As typed.
+// Arguments as typed.
 struct LayoutArgs {
   std::string site, pitch, pattern, span, reference_size, target_size, circle;
   std::optional<int> references, targets;
@@ -21,19 +21,19 @@ struct LayoutArgs {
 
 void add_layout_options(CLI::App& command, LayoutArgs& args);
 
-// Width and height from "760x56mm", "0.76 x 0.056 m" or "76cm x 56mm".
+// Reads width and height from "760x56mm", "0.76 x 0.056 m" or "76cm x 56mm".
 [[nodiscard]] tl::expected<Extent<frame::Board>, std::string> size_mm(const std::string& text);
 
-// A length, where one is given.
+// Reads a length, if one is given.
 [[nodiscard]] tl::expected<double, UsageError> length_or(const char* option, const std::string& text, double otherwise);
 
-// Where there is no --span, the widest that leaves `size` alone.
+// Area that a layout without --span may fill.
 struct Room {
   std::string name;  // "A4"
   Extent<frame::Board> size;
 };
 
-// The site file's markers, or those of the layout asked for.
+// Returns the markers of the site file, or of the described layout.
 [[nodiscard]] tl::expected<Site, UsageError> site_of_layout(const LayoutArgs& args, const Room& room);
 
 }  // namespace moiregauge::internal::cli

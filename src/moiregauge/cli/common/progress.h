@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress lines on stderr: on a terminal only, and only for what takes a while.
+// Progress lines on stderr, on a terminal only, and only for work of more than two seconds.
 #pragma once
 
 #include <chrono>
@@ -11,23 +11,23 @@ namespace moiregauge::internal::cli {
 
 struct ProgressState {
   long done = 0;
-  long expected = -1;  // < 0: not known
+  long expected = -1;  // < 0: unknown
   double elapsed_s = 0.0;
-  std::optional<double> waiting_share;  // of the time, spent waiting for frames; empty: not a matter of frames read
+  std::optional<double> waiting_share;  // share of the time spent waiting for frames; empty: unknown
 };
 
-// "measuring [####....] 240/1000 frames, decode-bound, 24 fps, 32 s left": what limits the run is what most of its time
-// goes into.
+// Returns a line such as "measuring [####....] 240/1000 frames, decode-bound, 24 fps, 32 s left". The limit is the part
+// that takes most of the time.
 [[nodiscard]] std::string progress_line(const std::string& what, const ProgressState& state);
 
-// Shows how far a run is, from its third second on.
+// Shows the progress of a run, from its third second on.
 class Progress {
  public:
   Progress(std::string what, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  // expected < 0: not known.
+  // expected < 0: unknown.
   void show(long done, long expected, std::optional<double> waiting_share = std::nullopt);
 
  private:
@@ -39,7 +39,7 @@ class Progress {
   Clock::time_point last_ = start_;
 };
 
-// Shows how long work takes that does not say how far it is, from its second second on.
+// Shows the time that work without a measure of progress takes, from its second second on.
 class ElapsedLine {
  public:
   ElapsedLine(std::string what, bool quiet);

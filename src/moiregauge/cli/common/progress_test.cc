@@ -31,7 +31,7 @@ TEST(Progress, MoreFramesThanTheFilePromisedFillTheBarAndNoMore) {
             "measuring [########################] 12/10 frames, decode-bound, 12 fps, 0 s left");
 }
 
-// Ten frames, each of which takes its time to come.
+// Ten frames with a delay each.
 class SlowSource final : public FrameSource {
  public:
   explicit SlowSource(std::chrono::milliseconds each) : each_(each) {}

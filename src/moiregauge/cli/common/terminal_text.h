@@ -6,7 +6,7 @@
 
 namespace moiregauge::internal::cli {
 
-// Writes to stdout. A failure is kept: ask finish_output at the end.
+// Writes to stdout. A failure is reported by finish_output at the end.
 void print_out(std::string_view text);
 
 // Writes a file's bytes to stdout as they are.
@@ -15,7 +15,7 @@ void put_bytes(std::string_view bytes);
 // Writes to stderr. There is no place to report a failure, so it is ignored.
 void print_note(std::string_view text);
 
-// Brings all of stdout out. False: something was lost, and errno says why.
+// Flushes stdout. Returns false if output was lost; errno is the reason.
 [[nodiscard]] bool finish_output();
 
 }  // namespace moiregauge::internal::cli

@@ -23,38 +23,41 @@ std::string told(const std::string& words) {
 }
 
 TEST(UsageMistake, NamesTheNearestWord) {
-  EXPECT_EQ(told("mesure clip.mp4"), "unknown command: mesure: did you mean moiregauge measure?");
-  EXPECT_EQ(told("measure clip.mp4 --pich 10mm"), "unknown option: measure --pich: did you mean --pitch?");
-  EXPECT_EQ(told("measure clip.mp4 -pitch 10mm"), "unknown option: measure -pitch: did you mean --pitch?");
-  EXPECT_EQ(told("solve run --cammera=x.toml"), "unknown option: solve --cammera: did you mean --camera?");
+  EXPECT_EQ(told("mesure clip.mp4"), "the command is unknown: mesure: did you mean moiregauge measure?");
+  EXPECT_EQ(told("measure clip.mp4 --pich 10mm"), "the option is unknown: measure --pich: did you mean --pitch?");
+  EXPECT_EQ(told("measure clip.mp4 -pitch 10mm"), "the option is unknown: measure -pitch: did you mean --pitch?");
+  EXPECT_EQ(told("solve run --cammera=x.toml"), "the option is unknown: solve --cammera: did you mean --camera?");
 }
 
 TEST(UsageMistake, WithoutANearWordItNamesTheHelp) {
-  EXPECT_EQ(told("frobnicate"), "unknown command: frobnicate: moiregauge -h lists the commands");
+  EXPECT_EQ(told("frobnicate"), "the command is unknown: frobnicate: list the commands with moiregauge -h");
   EXPECT_EQ(told("measure x --frobnicate"),
-            "unknown option: measure --frobnicate: moiregauge measure -h lists the options");
+            "the option is unknown: measure --frobnicate: list the options with moiregauge measure -h");
 }
 
 TEST(UsageMistake, AMissingArgumentIsShownAtItsPosition) {
-  EXPECT_EQ(told("calibrate a.png"),
-            "something is missing: calibrate: --pitch is required: write moiregauge calibrate PHOTOS --pitch LENGTH");
+  EXPECT_EQ(
+      told("calibrate a.png"),
+      "an argument is missing: calibrate (--pitch is required): write moiregauge calibrate PHOTOS --pitch LENGTH");
   EXPECT_EQ(told("measure --pitch 10mm"),
-            "something is missing: measure: INPUT is required: write moiregauge measure INPUT");
+            "an argument is missing: measure (INPUT is required): write moiregauge measure INPUT");
 }
 
 // The unknown option is the mistake, even if its value was parsed as the input.
 TEST(UsageMistake, ReportsTheUnknownOptionBeforeAMissingArgument) {
-  EXPECT_EQ(told("measure --pich=10mm"), "unknown option: measure --pich: did you mean --pitch?");
+  EXPECT_EQ(told("measure --pich=10mm"), "the option is unknown: measure --pich: did you mean --pitch?");
 }
 
 TEST(UsageMistake, AnOptionBeforeTheCommandIsReported) {
-  EXPECT_EQ(told("--quiet measure x"),
-            "unknown option: --quiet: it goes behind its command: moiregauge measure -h lists a command's options");
+  EXPECT_EQ(
+      told("--quiet measure x"),
+      "the option comes before its command: --quiet: put it after the command (moiregauge measure -h lists them)");
 }
 
 TEST(UsageMistake, ANumberMustBeValid) {
-  EXPECT_EQ(told("measure x --fps fast"),
-            "not a number to use: measure --fps = fast: moiregauge measure -h says what it takes");
+  EXPECT_EQ(
+      told("measure x --fps fast"),
+      "the value is not a usable number: measure --fps = fast: give a number (moiregauge measure -h explains it)");
 }
 
 TEST(FirstText, ShowsExistingCommandsOnly) {

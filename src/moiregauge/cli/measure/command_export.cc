@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/app/measure_options.h"
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/cli/common/exit_line.h"
-#include "moiregauge/app/measure_options.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/io/tables/displacement_h5.h"
 #include "moiregauge/io/tables/table_csv.h"
@@ -57,7 +57,7 @@ const Format* format_named(const std::string& name) {
   return nullptr;
 }
 
-// "2:8.5", either end may be left out.
+// Reads "2:8.5"; either end may be missing.
 std::optional<std::pair<std::optional<double>, std::optional<double>>> time_range(const std::string& text) {
   const auto colon = text.find(':');
   if (colon == std::string::npos) return std::nullopt;
@@ -76,7 +76,7 @@ std::optional<std::pair<std::optional<double>, std::optional<double>>> time_rang
 
 constexpr const char* kStandardOutput = "-";
 
-// Only a plain file is ever replaced, and none of a run's own.
+// Only a plain file may be replaced, and no file of a run.
 std::optional<std::string> output_problem(const ExportWords& words, const std::string& output) {
   std::error_code error;
   const fs::file_status there = fs::symlink_status(output, error);
@@ -106,7 +106,8 @@ int run(const ExportWords& words) {
     const auto range = time_range(words.time);
     if (!range)
       return fail(Exit::kUsage,
-                  fmt::format("the time range cannot be read: --time {}: write seconds A:B, half open, e.g. 2:8.5", words.time));
+                  fmt::format("the time range cannot be read: --time {}: write seconds A:B, half open, e.g. 2:8.5",
+                              words.time));
     selection.from_s = range->first, selection.until_s = range->second;
   }
   const std::string output = words.output.empty() ? default_output(words.run, format->ending) : words.output;
@@ -128,8 +129,9 @@ int run(const ExportWords& words) {
     return 0;
   }
   if (const auto written = write_file_atomically(output, *bytes); !written)
-    return fail(Exit::kOutputUnwritable,
-                fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
+    return fail(
+        Exit::kOutputUnwritable,
+        fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
   if (!words.quiet)
     print_out(fmt::format("{}: {} rows of {} target{}\n", output, chosen->samples.size(), chosen->markers.size(),
                           chosen->markers.size() == 1 ? "" : "s"));

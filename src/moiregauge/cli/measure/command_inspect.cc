@@ -12,10 +12,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/app/measure_options.h"
 #include "moiregauge/app/open_input.h"
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/cli/common/exit_line.h"
-#include "moiregauge/app/measure_options.h"
 #include "moiregauge/cli/common/output_folder.h"
 #include "moiregauge/cli/common/progress.h"
 #include "moiregauge/cli/common/shared_options.h"
@@ -31,20 +31,20 @@ namespace {
 namespace fs = std::filesystem;
 
 struct InspectWords {
-  MeasureArgs measure;  // the words both commands have
+  MeasureArgs measure;  // arguments that both commands share
   long frame = 0;
 };
 
-// What `measure` understands by the same words. Neither site nor pitch is no mistake here.
+// Parses the arguments as `measure` does. Here site and pitch may both be missing.
 tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& args) {
   MeasureArgs known = args.measure;
   const bool has_scale = !known.site.empty() || !known.pitch.empty();
-  if (!has_scale) known.pitch = "1mm";  // any: it is not used
+  if (!has_scale) known.pitch = "1mm";  // required, but not used
   auto parsed = parse_measure_options(known);
   if (!parsed) return tl::unexpected(parsed.error());
   if (args.frame < 0)
-    return tl::unexpected(
-        UsageError{fmt::format("the frame number is negative: --frame {}: give a frame of the input, the first is 0", args.frame)});
+    return tl::unexpected(UsageError{fmt::format(
+        "the frame number is negative: --frame {}: give a frame of the input, the first is 0", args.frame)});
   InspectOptions options;
   if (!known.site.empty()) options.site = std::move(parsed->site);
   if (has_scale) options.pitch_mm = parsed->pitch_mm;
@@ -59,7 +59,7 @@ struct Failed {
   std::string message;
 };
 
-// The frame with that number; valid until the source is asked again.
+// Returns the frame with that number. It is valid until the next call of the source.
 tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quiet) {
   Progress progress("reading", quiet);
   long seen = 0;
@@ -72,8 +72,9 @@ tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quie
         return tl::unexpected(
             Failed{Exit::kInputUnreadable, fmt::format("the input has no frames: {}: give a video or images", path)});
       return tl::unexpected(
-          Failed{Exit::kUsage, fmt::format("the selected frame does not exist: --frame {} of {}: choose from its {}, the first is 0", number, path,
-                                           seen == 1 ? "1 frame" : fmt::format("{} frames", seen))});
+          Failed{Exit::kUsage,
+                 fmt::format("the selected frame does not exist: --frame {} of {}: choose from its {}, the first is 0",
+                             number, path, seen == 1 ? "1 frame" : fmt::format("{} frames", seen))});
     }
     if ((*frame)->number == number && (*frame)->damaged)
       return tl::unexpected(
@@ -85,7 +86,7 @@ tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quie
   }
 }
 
-// With a scale the question is whether a measurement can begin here; without, whether there is anything to be seen.
+// With a scale, the exit code says whether this can be a reference frame. Without, whether anything was detected.
 bool is_usable(const Inspection& seen, bool has_scale) {
   return seen.reference || (!has_scale && (!seen.patches.empty() || !seen.lattices.empty()));
 }
@@ -109,8 +110,8 @@ tl::expected<void, std::string> write_inspection(const fs::path& output, const I
   });
 }
 
-// With the codec's share, as `measure` will state it. The frame after this one says whether the codec predicts; the
-// coarser of the two steps counts. `frame` is not valid afterwards.
+// Includes the codec's part, as `measure` will. The next frame shows whether the codec predicts; the coarser of both
+// steps counts. `frame` is invalid afterwards.
 std::vector<ExpectedUncertainty> expected_of(Reference& reference, const Frame& frame, FrameSource& source) {
   note_quantisers(frame.quantiser, reference.site, reference.lens, reference.seen);
   Observation next_seen = reference.seen;
@@ -126,9 +127,8 @@ std::vector<ExpectedUncertainty> expected_of(Reference& reference, const Frame& 
 }
 
 int report_refusal(const InspectReport& report, const std::string& output) {
-  return fail(Exit::kRefused,
-              fmt::format("{}: {}, frame {} ({}): see {}/overlay.png", report.seen.missing, report.input.path,
-                          report.frame, found_in_short(report.seen), output));
+  return fail(Exit::kRefused, fmt::format("{}: {}, frame {} ({}): see {}/overlay.png", report.seen.missing,
+                                          report.input.path, report.frame, found_in_short(report.seen), output));
 }
 
 int run(const InspectWords& args) {
@@ -138,8 +138,7 @@ int run(const InspectWords& args) {
   const std::string& input = args.measure.input;
   const std::string output = args.measure.output.empty() ? default_output(input, "-inspect") : args.measure.output;
   if (!is_free(output, "inspect.json"))
-    return fail(Exit::kUsage,
-                fmt::format("the output folder holds other files: {}: choose another with -o", output));
+    return fail(Exit::kUsage, fmt::format("the output folder holds other files: {}: choose another with -o", output));
   const auto source =
       open_input(input, {args.measure.fps, args.measure.sequence, args.measure.threads, args.measure.max_pixels});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `moiregauge inspect`: everything that is seen in one frame (docs/cli/inspect.md).
+// `moiregauge inspect`: everything that is detected in one frame (docs/cli/inspect.md).
 #pragma once
 
 #include <CLI/CLI.hpp>

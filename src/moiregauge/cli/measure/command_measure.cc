@@ -51,78 +51,86 @@ int run(const MeasureArgs& args) {
   const int exit = report(measured, request->options, {args.input, finished->folder, args.quiet, args.json});
   if (finished->trouble) return fail(finished->trouble->exit, finished->trouble->message);
   if (!measured.interrupted) return exit;
-  return fail(Exit::kInterrupted, fmt::format("stopped at frame {}: the results so far are in {}: continue with --resume",
-                                              measured.observations.back().frame, finished->folder));
+  return fail(Exit::kInterrupted,
+              fmt::format("stopped at frame {}: the results so far are in {}: continue with --resume",
+                          measured.observations.back().frame, finished->folder));
+}
+
+void add_prints(CLI::App& command, MeasureArgs& args) {
+  command.add_option("INPUT", args.input, "video, folder of images, multi-page TIFF, or printf pattern (--sequence)")
+      ->type_name("FILE")
+      ->required();
+  command.add_option("--site", args.site, "site.toml: what is printed where")->type_name("FILE");
+  command.add_option("--pitch", args.pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
+      ->type_name("LENGTH");
+  command
+      .add_option("--axes", args.axes,
+                  "direction of x without a site file: print (the references' gratings) or image [print]")
+      ->type_name("print|image");
+  add_print_scale(command, args.print_scale);
+}
+
+void add_camera(CLI::App& command, MeasureArgs& args) {
+  command.add_option("--camera", args.camera, "calibrated camera: TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command
+      .add_option("--tone", args.tone,
+                  "tone curve of the grey levels: auto (from the input or the gratings), linear, srgb, bt709, hlg, pq "
+                  "or gamma:2.2 [auto]")
+      ->type_name("auto|linear|srgb|bt709|gamma:G");
+  command
+      .add_option("--readout", args.readout,
+                  "rolling shutter: time from the first row to the last, e.g. 18ms; 0ms: global [from the footage]")
+      ->type_name("TIME");
+}
+
+void add_frames(CLI::App& command, MeasureArgs& args) {
+  command.add_option("--fps", args.fps, "frames per second of a folder of images")->type_name("N");
+  command.add_option("--reference-frame", args.reference_frame, "frame of zero displacement [first measurable frame]")
+      ->type_name("N");
+  command.add_option("--frames", args.frames, "only these frames, half open: A:B or A:B:STEP")->type_name("A:B:STEP");
+  command.add_option("--rest", args.rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
+  command.add_flag("--sequence", args.sequence, "INPUT is a printf pattern such as shot%04d.png");
+}
+
+void add_method(CLI::App& command, MeasureArgs& args) {
+  std::string methods;
+  for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
+  command.add_option("--method", args.method, "method [" + std::string(kDefaultMethod) + "]" + methods)
+      ->type_name("conventional|two-stage|precise");
+  command
+      .add_option("--template", args.template_use,
+                  "harmonics of the template in precise: on, off (u is wide for binary gratings) or auto [auto]")
+      ->type_name("on|off|auto");
+  command.add_option("--threads", args.threads, "threads to use; the results do not depend on it")
+      ->check(CLI::Range(0, 1024).description(""))
+      ->type_name("N");
+  add_max_pixels(command, args.max_pixels);
+}
+
+void add_output(CLI::App& command, MeasureArgs& args) {
+  command.add_option("-o,--out", args.output, "output folder [<input>-moiregauge]")->type_name("DIR");
+  command
+      .add_option("--stabilised", args.stabilised,
+                  "also write every marker as a still camera would see it, frame by frame")
+      ->type_name("DIR");
+  add_figures(command, args.figures);
+  command.add_flag("--video", args.video,
+                   "also draw stabilised.mp4: the recording, and next to it the scene without camera motion");
+  command
+      .add_option("--exaggerate", args.exaggeration, "factor on the targets' motion in the video [chosen to show it]")
+      ->type_name("N");
+  command.add_flag("--resume", args.resume, "continue an unfinished run, if there is one");
+  command.add_flag("--restart", args.restart, "delete an unfinished run, if there is one");
+  command.add_flag("--quiet", args.quiet, "print nothing but errors");
+  command.add_flag("--json", args.json, "print run.json on stdout");
 }
 
 }  // namespace
 
 void add_measure(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("measure", "Read displacement in millimetres from a video or a folder of pictures");
+  auto* command = app.add_subcommand("measure", "Measure displacement in millimetres from a video or images");
   auto args = std::make_shared<MeasureArgs>();
-  command
-      ->add_option("INPUT", args->input, "video, folder of pictures, multi-page TIFF, or printf pattern (--sequence)")
-      ->type_name("FILE")
-      ->required();
-  command->add_option("--site", args->site, "site.toml: what is printed where")->type_name("FILE");
-  command->add_option("--pitch", args->pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
-      ->type_name("LENGTH");
-  command
-      ->add_option("--axes", args->axes,
-                   "without a site file, x lies along: print (the references' gratings) or image [print]")
-      ->type_name("print|image");
-  std::string methods;
-  for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
-  command->add_option("--method", args->method, "how to measure [" + std::string(kDefaultMethod) + "]" + methods)
-      ->type_name("conventional|two-stage|precise");
-  command->add_option("--camera", args->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
-  command->add_option("--fps", args->fps, "frames per second of a folder of pictures")->type_name("N");
-  command
-      ->add_option("--reference-frame", args->reference_frame,
-                   "frame of zero displacement [first that can be measured]")
-      ->type_name("N");
-  command->add_option("--frames", args->frames, "only these frames, half open: A:B or A:B:STEP")->type_name("A:B:STEP");
-  command
-      ->add_option(
-          "--tone", args->tone,
-          "tone curve of the grey levels: auto (as the input says, or its prints show), linear, srgb, bt709, hlg, "
-          "pq or gamma:2.2 [auto]")
-      ->type_name("auto|linear|srgb|bt709|gamma:G");
-  command
-      ->add_option(
-          "--template", args->template_use,
-          "precise: use the print's harmonics, on, off (fundamentals alone; u is wide on binary prints) or auto "
-          "[auto]")
-      ->type_name("on|off|auto");
-  command->add_option("--rest", args->rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
-  command
-      ->add_option(
-          "--readout", args->readout,
-          "rolling shutter: first row's exposure to the last one's, e.g. 18ms; 0ms: none [told by the footage]")
-      ->type_name("TIME");
-  add_print_scale(*command, args->print_scale);
-  command->add_option("-o,--out", args->output, "output folder [<input>-moiregauge]")->type_name("DIR");
-  command
-      ->add_option("--stabilised", args->stabilised,
-                   "also write every marker as a still camera would see it, frame by frame")
-      ->type_name("DIR");
-  add_figures(*command, args->figures);
-  command->add_flag("--video", args->video,
-                    "also draw stabilised.mp4: as filmed, and beside it the camera's motion taken out");
-  command
-      ->add_option("--exaggerate", args->exaggeration,
-                   "with --video: targets move so many times as far [what shows the motion best]")
-      ->type_name("N");
-  command->add_option("--threads", args->threads, "threads to use; never changes a result")
-      ->check(CLI::Range(0, 1024).description(""))
-      ->type_name("N");
-  add_max_pixels(*command, args->max_pixels);
-  command->add_flag("--sequence", args->sequence, "INPUT is a printf pattern such as shot%04d.png");
-  command->add_flag("--resume", args->resume, "go on with an unfinished run, if there is one");
-  command->add_flag("--restart", args->restart, "throw an unfinished run away, if there is one");
-  command->add_flag("--quiet", args->quiet, "print nothing but errors");
-  command->add_flag("--json", args->json, "print run.json on stdout");
+  for (const auto add : {add_prints, add_camera, add_frames, add_method, add_output}) add(*command, *args);
   command->callback([args, &exit_code] { exit_code = run(*args); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `moiregauge inspect` prints: everything that is seen in one picture, for people.
+// Text of `moiregauge inspect`: everything that is detected in one image.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace moiregauge::internal::cli {
 
 [[nodiscard]] std::string inspect_text(const InspectReport& report);
 
-// "4 circles, 5 gratings, dots 10 x 10 (100 of 100)": the short form, for an error's one line.
+// Returns the short form for an error line: "4 circles, 5 gratings, dots 10 x 10 (100 of 100)".
 [[nodiscard]] std::string found_in_short(const Inspection& seen);
 
 }  // namespace moiregauge::internal::cli

@@ -60,7 +60,7 @@ void add_axis(TableRow& row, double peak_to_peak, double rms, double u) {
     row.insert(row.end(), 3, "-");
     return;
   }
-  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(expanded, 1e-6)))), 1, 6);
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(expanded, 1e-6)))), 0, 6);
   for (const double value : {peak_to_peak, rms, expanded}) row.push_back(fmt::format("{:.{}f}", value, digits));
 }
 

@@ -7,7 +7,7 @@
 
 namespace moiregauge::internal::cli {
 
-// The three lines at the end of a run: what was found, the result with its uncertainty, what to do next.
+// Returns the text at the end of a run: what was found, the result with its uncertainty, the next step.
 [[nodiscard]] std::string summary_text(const Measurement& measurement, const MeasureOptions& options,
                                        const std::string& output);
 
@@ -15,13 +15,13 @@ struct ReportArgs {
   std::string input;   // as typed
   std::string output;  // folder of the results
   bool quiet = false;
-  bool json = false;  // run.json instead of the three lines
+  bool json = false;  // run.json instead of the text
 };
 
-// Says how a run ended on stdout and stderr; returns its exit code.
+// Prints the end of a run to stdout and stderr; returns its exit code.
 int report(const Measurement& measurement, const MeasureOptions& options, const ReportArgs& args);
 
-// Results that could not be written.
+// Prints that results could not be written; returns the exit code.
 int fail_output(const OutputError& error);
 
 }  // namespace moiregauge::internal::cli

@@ -79,7 +79,8 @@ int run(const ReproduceWords& words) {
   ReproducePlan plan = words.quick ? quick_plan() : paper_plan();
   plan.threads = words.threads;
   const auto cells = measured(plan, words.quiet);
-  if (!cells) return fail(Exit::kInternalError, fmt::format("the program failed: {}: report this", cells.error()));
+  if (!cells)
+    return fail(Exit::kInternalError, fmt::format("an internal error occurred: {}: report this", cells.error()));
   const std::string table = reproduce_table(plan, *cells, words.quick);
   const auto written = write_figures(figure_jobs(plan, *cells), words).and_then([&] {
     return write_file_atomically((output / "table.md").string(), table);

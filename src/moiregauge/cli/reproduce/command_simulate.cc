@@ -9,15 +9,14 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/app/load_scenario.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/interrupt.h"
 #include "moiregauge/cli/common/output_folder.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/cli/reproduce/simulate_pictures.h"
-#include "moiregauge/io/config/scenario_file.h"
 #include "moiregauge/io/config/site_file.h"
 #include "moiregauge/io/config/truth_file.h"
-#include "moiregauge/simulator/scenario/settings.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge::internal::cli {
@@ -48,32 +47,6 @@ std::string list_of_scenarios() {
   for (const auto& entry : simulator::built_in_scenarios())
     text += fmt::format("{:<15} {}\n", entry.name, entry.summary);
   return text;
-}
-
-Expected<Scenario> scenario_of(const SimulateArgs& args) {
-  Scenario scenario;
-  if (auto known = simulator::built_in(args.scenario)) {
-    scenario = *std::move(known);
-  } else if (!fs::is_regular_file(args.scenario)) {
-    return tl::unexpected(fmt::format(
-        "the scenario does not exist: {}: give a TOML file or a name of moiregauge simulate --list", args.scenario));
-  } else {
-    auto read = read_scenario(args.scenario);
-    if (!read)
-      return tl::unexpected(mistakes_in("scenario", args.scenario, fmt::format("{}", fmt::join(read.error(), "\n"))));
-    scenario = *std::move(read);
-  }
-  for (const std::string& setting : args.settings) {
-    if (auto applied = apply_setting(scenario, setting); !applied) {
-      return tl::unexpected(fmt::format("the setting is not valid: --set {}: {}", setting, applied.error()));
-    }
-  }
-  if (args.seed) scenario.seed = *args.seed;
-  if (args.frames) scenario.frames = *args.frames;
-  if (auto problem = simulator::problem_with(scenario)) {
-    return tl::unexpected(fmt::format("the scenario is not valid: {}: {}", args.scenario, *problem));
-  }
-  return scenario;
 }
 
 Expected<void> clear(const fs::path& output, bool for_video) {
@@ -130,7 +103,7 @@ int run(const SimulateArgs& args) {
   }
   if (args.scenario.empty())
     return fail(Exit::kUsage, "the scenario is missing: simulate: give a file or a name of moiregauge simulate --list");
-  const auto scenario = scenario_of(args);
+  const auto scenario = load_scenario({args.scenario, args.settings, args.seed, args.frames});
   if (!scenario) return fail(Exit::kUsage, scenario.error());
   const auto video = video_of(args, *scenario);
   if (!video) return fail(Exit::kUsage, video.error());

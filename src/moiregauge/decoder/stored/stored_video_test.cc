@@ -218,7 +218,7 @@ TEST(StoredVideo, AFileTruncatedWhileReadEndsTheInput) {
   ASSERT_FALSE(cut);
   EXPECT_EQ(cut.error().kind, InputErrorKind::kDamaged);
   EXPECT_EQ(cut.error().message,
-            "the file was cut short while it was measured: " + path + " at frame 4: measure it when it is complete");
+            "the file became shorter during the measurement: " + path + " at frame 4: measure it when it is complete");
   EXPECT_FALSE(source->next()) << "an error stays";
 }
 

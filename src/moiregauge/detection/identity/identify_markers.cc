@@ -170,8 +170,8 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
   if (n < 4) return fail(n, text_of("the site has %d reference circles instead of 4 or more", n));
   if (seen.size() < 4) {
     const auto found = static_cast<int>(seen.size());
-    return fail(found,
-                text_of("only %d of %d reference circles were found (%s)", found, n, best_rejected_outline(search).c_str()));
+    return fail(found, text_of("only %d of %d reference circles were found (%s)", found, n,
+                               best_rejected_outline(search).c_str()));
   }
   const std::vector<bool> crowd = crowd_of(seen);
   AssignmentSearch options =
@@ -181,7 +181,8 @@ tl::expected<Identified, IdentityFailure> identify(const Site& site, const Circl
     options = find_assignments(references.circles, seen, site.known_to.position_mm, prefer.may_be);
   }
   if (options.gave_up)
-    return fail(4, text_of("the references cannot be identified, because too many of %zu circles look alike", seen.size()));
+    return fail(
+        4, text_of("the references cannot be identified, because too many of %zu circles look alike", seen.size()));
   if (options.assignments.empty()) {
     return fail(std::min(static_cast<int>(seen.size()), n - 1),
                 text_of("no four of the %zu circles found fit the layout of the site (%s)", seen.size(),

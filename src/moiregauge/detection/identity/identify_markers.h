@@ -23,7 +23,7 @@ struct IdentityFailure {
   int found = 0;                           // reference circles
   int needed = 4;                          // reference circles
   double best_rejected_circularity = 0.0;  // W; 0 if no outline was rejected
-  std::string reason;                      // "found 3 of 4 reference circles (...)", "two assignments fit equally: ..."
+  std::string reason;                      // message for the user: first part of an error line
 };
 
 // Returns the most circular rejected outline and the reason: "best rejected outline: W = 0.81, need > 0.84".

@@ -105,7 +105,7 @@ TEST(Identity, ARectangleIsIdentifiedInTheRotationNearestToUpright) {
   EXPECT_EQ(who->circle_of_marker, kInOrder);
   const auto no_telling = identify_first(site, seen_in(oblique_view(0, 0, 45, 900), site));
   ASSERT_FALSE(no_telling);
-  EXPECT_NE(no_telling.error().reason.find("equally near to upright"), std::string::npos);
+  EXPECT_NE(no_telling.error().reason.find("equally close to upright"), std::string::npos);
 }
 
 TEST(Identity, LaterFramesFollowTheBoardBeyondARotationOf45Degrees) {
@@ -135,11 +135,13 @@ TEST(Identity, AMissingReferenceIsReportedWithTheBestRejectedOutline) {
   const Site site = flat_site(100, 60);
   CircleSearch search = seen_in(oblique_view(0, 0, 0, 1500), site);
   search.circles.pop_back();
-  search.rejected.push_back({{2317, 1160}, 53.0, 0.81, "W = 0.81, need > 0.84"});
+  search.rejected.push_back({{2317, 1160}, 53.0, 0.81, "not round enough, W = 0.81 of at least 0.84"});
   const auto who = identify_first(site, search);
   ASSERT_FALSE(who);
   EXPECT_EQ(who.error().found, 3);
-  EXPECT_EQ(who.error().reason, "found 3 of 4 reference circles (best rejected outline: W = 0.81, need > 0.84)");
+  EXPECT_EQ(
+      who.error().reason,
+      "only 3 of 4 reference circles were found (best rejected outline not round enough, W = 0.81 of at least 0.84)");
 }
 
 TEST(Identity, AFifthReferenceMayBeHidden) {

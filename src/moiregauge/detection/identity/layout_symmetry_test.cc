@@ -19,7 +19,7 @@ Site rectangle_of_circles() {
 TEST(LayoutSymmetry, ARectangleOfEqualCirclesHidesEveryFlip) {
   const auto note = symmetry_note(rectangle_of_circles());
   ASSERT_TRUE(note);
-  EXPECT_EQ(note->rfind("note: a mirrored or upside-down or half-turned picture would pass unnoticed", 0), 0U) << *note;
+  EXPECT_EQ(note->rfind("note: a mirrored or upside-down or half-rotated image cannot be recognised", 0), 0U) << *note;
 }
 
 TEST(LayoutSymmetry, OneCircleOfAnotherSizeRevealsEveryFlip) {
@@ -42,7 +42,7 @@ TEST(LayoutSymmetry, ATrapeziumHidesItsMirrorImageAlone) {
   site.markers[1].circle->centre.x -= 120.0;
   const auto note = symmetry_note(site);
   ASSERT_TRUE(note);
-  EXPECT_EQ(note->rfind("note: a mirrored picture", 0), 0U) << *note;
+  EXPECT_EQ(note->rfind("note: a mirrored image", 0), 0U) << *note;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/displacement/precise/frames_in_scene.h"
 
 namespace moiregauge::internal {

@@ -14,7 +14,6 @@ namespace moiregauge::internal::figure {
 namespace {
 
 constexpr double kPictureDotsPerPoint = 350.0 / 72.0;  // above a printer's screen resolution
-constexpr Colour kReferenceInk = kBlue, kTargetInk = kVermilion;
 
 // Returns the image reduced by averaging n x n pixels, with the smallest n that gives at most `widest_px`.
 Image<std::uint8_t> shrunk(ImageView<std::uint8_t> picture, double widest_px) {

@@ -42,7 +42,7 @@ void draw_circles(Canvas& canvas, const CirclesFigure& f, double width, double s
     corner.y += step;
     return box;
   };
-  next("(a)", "Markers turned by 20° about x and about y");
+  next("(a)", "Markers rotated by 20° about x and about y");
   const PictureBox outlines = next("(b)", fmt::format("{} outlines are ellipses (blue), {} are not (vermilion)",
                                                       f.search.circles.size(), f.search.rejected.size()));
   canvas.clip(outlines.box());
@@ -83,15 +83,15 @@ void draw_stages(Canvas& canvas, const StabilisedFigure& f, double width, double
     }
   };
   put({kPicturesMargin, kPicturesMargin}, "(a)", "Reference frame", f.before);
-  put({right, kPicturesMargin}, "(b)", fmt::format("Camera turned by {}", f.turn), f.after);
+  put({right, kPicturesMargin}, "(b)", fmt::format("Camera rotated by {}", f.turn), f.after);
   put_circles({kPicturesMargin, kPicturesMargin + step}, "(c)", f.before, f.reference->seen);
   put_circles({right, kPicturesMargin + step}, "(d)", f.after, *f.now);
   const auto& board = f.reference->view.ideal_from_board;
   const auto first = stabilised(f.after, f.now->stage1, board), second = stabilised(f.after, f.now->stage2, board);
   put({kPicturesMargin, kPicturesMargin + 2 * step}, "(e)",
-      fmt::format("Stage 1, by circles: references within {:.3f} px", f.residual_px[0]), first.view());
+      fmt::format("Stage 1 (circles), references within {:.3f} px", f.residual_px[0]), first.view());
   put({right, kPicturesMargin + 2 * step}, "(f)",
-      fmt::format("Stage 2, by gratings: references within {:.3f} px", f.residual_px[1]), second.view());
+      fmt::format("Stage 2 (gratings), references within {:.3f} px", f.residual_px[1]), second.view());
 }
 
 // Draws a crop with a cross at the centre of the target in the reference frame, which makes movement visible.
@@ -108,7 +108,7 @@ void draw_crops(Canvas& canvas, const CropsFigure& f, double side) {
   crop(canvas, f.reference.view(), {kPicturesMargin, rows[0] + 2 * kTitle}, side);
   const auto size = [](GreyView v) { return fmt::format("{} × {} px", v.width, v.height); };
   title(canvas, {left, rows[0]}, "(b)", "As captured, " + size(f.shots.front().captured.view()));
-  title(canvas, {left, rows[1]}, "(c)", "Held still by two stages, " + size(f.shots.front().held.view()));
+  title(canvas, {left, rows[1]}, "(c)", "Stabilised by two stages, " + size(f.shots.front().held.view()));
   for (std::size_t i = 0; i < f.shots.size(); ++i) {
     const Shot& shot = f.shots[i];
     const double x = left + static_cast<double>(i) * step;

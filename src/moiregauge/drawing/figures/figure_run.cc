@@ -18,9 +18,9 @@ constexpr double kZoom = kLetters / kTextSize;
 constexpr double kWidth = kColumn_mm * 72.0 / 25.4;
 constexpr double kInside = kWidth / kZoom;  // in layout units of the panels
 constexpr double kRunMargin = 3.0, kRunHeight = 104.0;
-constexpr double kNormal95 = 1.959964;
-constexpr std::array kColours{kBlue, kVermilion, kGreen, kPurple, kOrange};
+constexpr double kCoverage = 2.0;          // coverage factor k of U
 constexpr std::size_t kTargetsAPanel = 3;  // one line of the legend has no space for more names
+constexpr double kNotOkRadius = 1.3;
 constexpr double kLine = 0.8;
 
 using ExtentAxis = double Extent<frame::Board>::*;
@@ -51,17 +51,27 @@ std::vector<std::size_t> targets_of(const RunFound& found) {
   return targets;
 }
 
-Curve curve_of(const RunFound& found, std::size_t marker, ExtentAxis axis) {
+// Returns the values of the rows that are `ok`, or of the others; NaN elsewhere.
+Curve curve_of(const RunFound& found, std::size_t marker, ExtentAxis axis, bool is_ok) {
   const bool by_time = has_times(found);
   Curve curve;
   for (const Sample& s : found.samples) {
     if (s.marker != marker) continue;
+    const double value = (s.status == Status::kOk) == is_ok ? s.displacement.*axis : kNotMeasured;
     curve.x.push_back(by_time ? s.time_s : static_cast<double>(s.frame));
-    curve.y.push_back(s.displacement.*axis);
-    curve.low.push_back(s.displacement.*axis - kNormal95 * s.u.*axis);
-    curve.high.push_back(s.displacement.*axis + kNormal95 * s.u.*axis);
+    curve.y.push_back(value);
+    curve.low.push_back(value - kCoverage * s.u.*axis);
+    curve.high.push_back(value + kCoverage * s.u.*axis);
   }
   return thinned(curve);
+}
+
+// Returns the shade of the axis colour for the i-th target of a panel: as it is, lighter, darker.
+Colour shade(Colour colour, std::size_t i) {
+  constexpr std::array kTowards{0.0, 1.0, 0.0}, kShare{0.0, 0.5, 0.55};
+  const double towards = kTowards[i % kTowards.size()], share = kShare[i % kShare.size()];
+  const auto mixed = [&](double part) { return part + share * (towards - part); };
+  return {mixed(colour.r), mixed(colour.g), mixed(colour.b)};
 }
 
 bool is_measured(const Curve& curve) {
@@ -79,23 +89,33 @@ double rms_u(const RunFound& found, std::size_t marker, ExtentAxis axis) {
 }
 
 // Returns the curves of up to three targets along one axis.
-Panel targets_panel(const RunFound& found, const std::vector<std::size_t>& targets, const char* name, ExtentAxis axis) {
+Panel targets_panel(const RunFound& found, const std::vector<std::size_t>& targets, const char* name, ExtentAxis axis,
+                    Colour colour) {
   Panel panel{.x_label = has_times(found) ? "Time, s" : "Frame", .y_label = fmt::format("{}, mm", name)};
   const auto& markers = found.reference.site.markers;
+  std::vector<Series> not_ok;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    Curve curve = curve_of(found, targets[i], axis);
+    if (Curve doubted = curve_of(found, targets[i], axis, false); is_measured(doubted))
+      not_ok.push_back({.name = not_ok.empty() ? "not ok" : "",
+                        .x = std::move(doubted.x),
+                        .y = std::move(doubted.y),
+                        .colour = kNotOkInk,
+                        .mark = Mark::kOpenDots,
+                        .width = kNotOkRadius});
+    Curve curve = curve_of(found, targets[i], axis, true);
     if (!is_measured(curve)) continue;
     panel.series.push_back({.name = markers[targets[i]].name,
                             .x = std::move(curve.x),
                             .y = std::move(curve.y),
                             .low = std::move(curve.low),
                             .high = std::move(curve.high),
-                            .colour = kColours[i % kColours.size()],
+                            .colour = shade(colour, i),
                             .width = kLine});
   }
   if (targets.size() == 1 && !panel.series.empty())
-    panel.title =
-        fmt::format("{}; 95 % band ± {:.2g} mm", markers[targets[0]].name, kNormal95 * rms_u(found, targets[0], axis));
+    panel.title = fmt::format("{}, band U = {:.2g} mm (k = 2)", markers[targets[0]].name,
+                              kCoverage * rms_u(found, targets[0], axis));
+  for (Series& series : not_ok) panel.series.push_back(std::move(series));
   return panel;
 }
 
@@ -106,9 +126,9 @@ std::optional<Figure> displacement_figure(const RunFound& found) {
     const auto begin = targets.begin() + static_cast<std::ptrdiff_t>(first);
     const std::vector<std::size_t> group(
         begin, begin + static_cast<std::ptrdiff_t>(std::min(kTargetsAPanel, targets.size() - first)));
-    for (const auto& [name, axis] :
-         {std::pair{"dx", &Extent<frame::Board>::x}, std::pair{"dy", &Extent<frame::Board>::y}}) {
-      Panel panel = targets_panel(found, group, name, axis);
+    for (const auto& [name, axis, colour] : {std::tuple{"dx", &Extent<frame::Board>::x, kAxisXInk},
+                                             std::tuple{"dy", &Extent<frame::Board>::y, kAxisYInk}}) {
+      Panel panel = targets_panel(found, group, name, axis, colour);
       if (panel.series.empty()) continue;  // a grating of lines shows one axis only
       panel.letter = letter(panels.size());
       panels.push_back(std::move(panel));
@@ -142,7 +162,7 @@ Panel spectrum_panel(const RunFound& found, std::size_t target, std::string& ref
               .y_scale = Scale::kLog};
   Range seen{1e300, 0.0};
   for (const auto& [name, axis, colour] :
-       {std::tuple{"x", &Extent<frame::Board>::x, kVermilion}, std::tuple{"y", &Extent<frame::Board>::y, kBlue}}) {
+       {std::tuple{"dx", &Extent<frame::Board>::x, kAxisXInk}, std::tuple{"dy", &Extent<frame::Board>::y, kAxisYInk}}) {
     const AxisSpectrum spectrum = spectrum_of(series_of(found.samples, target, axis));
     if (!spectrum.refusal.empty()) {
       refusal = spectrum.refusal;
@@ -176,9 +196,17 @@ std::optional<Figure> spectrum_figure(const RunFound& found, std::string& refusa
   return column_of(std::move(panels));
 }
 
-Series motion_series(const char* name, const std::vector<double>& x, const std::vector<double>& y, Colour colour) {
+// Camera curves have shades of one colour; the second is dashed.
+Series motion_series(const char* name, const std::vector<double>& x, const std::vector<double>& y, std::size_t place) {
+  constexpr std::array kShades{0.0, 0.25, 0.6};
   Curve curve = thinned({x, y, y, y});
-  return {.name = name, .x = std::move(curve.x), .y = std::move(curve.y), .colour = colour, .width = kLine};
+  const auto lighter = [&](double part) { return part + kShades[place] * (1.0 - part); };
+  return {.name = name,
+          .x = std::move(curve.x),
+          .y = std::move(curve.y),
+          .colour = {lighter(kCameraInk.r), lighter(kCameraInk.g), lighter(kCameraInk.b)},
+          .mark = place == 1 ? Mark::kDashed : Mark::kLine,
+          .width = kLine};
 }
 
 Figure camera_figure(const RunFound& found) {
@@ -188,14 +216,13 @@ Figure camera_figure(const RunFound& found) {
   const std::vector<double> x = by_time ? motion.time_s : std::vector<double>(motion.frame.begin(), motion.frame.end());
   const std::string x_label = by_time ? "Time, s" : "Frame";
   std::vector<Panel> panels;
-  panels.push_back({.letter = "(a)", .title = "Picture", .x_label = x_label, .y_label = "Shift, px"});
-  panels.back().series = {motion_series("right", x, motion.shift_x_px, kBlue),
-                          motion_series("down", x, motion.shift_y_px, kVermilion)};
+  panels.push_back({.letter = "(a)", .title = "Image", .x_label = x_label, .y_label = "Shift, px"});
+  panels.back().series = {motion_series("right", x, motion.shift_x_px, 0),
+                          motion_series("down", x, motion.shift_y_px, 1)};
   if (!motion.turn_x_deg.empty()) {
-    panels.push_back({.letter = "(b)", .title = "Camera", .x_label = x_label, .y_label = "Turn, °"});
-    panels.back().series = {motion_series("about x", x, motion.turn_x_deg, kBlue),
-                            motion_series("y", x, motion.turn_y_deg, kVermilion),
-                            motion_series("z", x, motion.turn_z_deg, kGreen)};
+    panels.push_back({.letter = "(b)", .title = "Camera", .x_label = x_label, .y_label = "Rotation, °"});
+    panels.back().series = {motion_series("about x", x, motion.turn_x_deg, 0),
+                            motion_series("y", x, motion.turn_y_deg, 1), motion_series("z", x, motion.turn_z_deg, 2)};
   }
   return column_of(std::move(panels));
 }
@@ -236,12 +263,12 @@ RunFigures run_figures(const RunFound& found) {
   if (auto figure = displacement_figure(found))
     out.figures.push_back({"displacement", *std::move(figure)});
   else
-    out.left_out.emplace_back("displacement: no row has a number");
+    out.left_out.emplace_back("displacement (no row has a value)");
   std::string refusal;
   if (auto figure = spectrum_figure(found, refusal))
     out.figures.push_back({"spectrum", *std::move(figure)});
   else
-    out.left_out.push_back("spectrum: " + refusal);
+    out.left_out.push_back("spectrum (" + refusal + ")");
   out.figures.push_back({"camera", camera_figure(found)});
   if (found.picture.width > 0)
     out.figures.push_back({"overlay", overlay_figure(found.reference, found.picture, kWidth, kZoom)});

@@ -28,11 +28,12 @@ struct NamedFigure {
 
 struct RunFigures {
   std::vector<NamedFigure> figures;
-  std::vector<std::string> left_out;  // "spectrum: reason"
+  std::vector<std::string> left_out;  // "spectrum (reason)"
 };
 
 // Returns four figures.
-// The displacement figure shows x and y over time with the 95 % band (1.96 u), interrupted at gaps.
+// The displacement figure shows x and y over time with the band of U (k = 2), interrupted at gaps. Values of rows that
+// are not `ok` are open grey dots.
 // The spectrum figure shows the one-sided PSD of both axes with marked peaks.
 // The camera figure shows its shift and rotation.
 // The overlay figure shows the markers in the reference frame.

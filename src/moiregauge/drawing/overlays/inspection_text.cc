@@ -18,7 +18,7 @@ std::string two_digits(double value) {
 }
 
 std::string axis_text(double value, const char* unit, const char* axis) {
-  if (!std::isfinite(value)) return fmt::format("nothing along {}", axis);
+  if (!std::isfinite(value)) return fmt::format("not measured along {}", axis);
   return fmt::format("{} {} along {}", two_digits(value), unit, axis);
 }
 
@@ -52,7 +52,7 @@ std::string name_of(const Inspection& seen, int marker) {
 }
 
 std::string pattern_text(const DetectedPatch& patch) {
-  const std::string pattern = patch.pattern == Pattern::kAuto ? "crossed" : word_for(patch.pattern);
+  const std::string pattern = patch.pattern == Pattern::kAuto ? "grid or squares" : word_for(patch.pattern);
   if (patch.pattern == Pattern::kCheckerboard || patch.pattern == Pattern::kCosine) return pattern;
   return pattern + (patch.dark_on_light ? ", dark on light" : ", light on dark");
 }
@@ -78,7 +78,7 @@ std::string both_axes(double x, double y, const char* unit) {
 
 std::string expected_text(const Inspection& seen, const ExpectedUncertainty& e) {
   const Reference& reference = *seen.reference;
-  if (reference.seen.markers[e.marker].loss != Loss::kNone) return "not seen";
+  if (reference.seen.markers[e.marker].loss != Loss::kNone) return "not found";
   if (seen.unit == BoardUnit::kMillimetre) {
     const double largest = std::fmax(e.u.x, e.u.y);
     const bool small = largest < 0.1;

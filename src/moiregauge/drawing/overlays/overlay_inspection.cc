@@ -146,7 +146,7 @@ class InspectionDrawing {
       }
       if (about.empty()) {  // a marker of the site that was not detected
         about.push_back(seen_.reference->view(place_of(i)));
-        words += "  not seen";
+        words += "  not found";
       }
       pen_.colour(colour_of(seen_, marker));
       pen_.letters(kLetterSize, true);
@@ -223,21 +223,21 @@ std::vector<Piece> legend_of(const InspectionOverlay& contents) {
     if (n > 0)
       pieces.push_back({fmt::format("{} {}", n, n == 1 ? one : many), colour, true, std::exchange(first, false)});
   };
-  count(named(Role::kReference), kReferenceColour, "reference: must stand still", "references: must stand still");
-  count(named(Role::kTarget), kTargetColour, "target: may move", "targets: may move");
-  count(nobody, kNobodyColour, "circle that is no marker", "circles that are no marker");
-  count(spare, kNobodyColour, "grating that is no marker", "gratings that are no marker");
+  count(named(Role::kReference), kReferenceColour, "reference (must not move)", "references (must not move)");
+  count(named(Role::kTarget), kTargetColour, "target (may move)", "targets (may move)");
+  count(nobody, kNobodyColour, "circle not used", "circles not used");
+  count(spare, kNobodyColour, "grating not used", "gratings not used");
   count(seen.lattices.size(), kLatticeColour, "lattice", "lattices");
   count(seen.rejected.size(), kRejectedColour, "outline rejected as a circle", "outlines rejected as circles");
   if (!seen.rejected.empty())
-    pieces.back().text += drawn > 0 ? fmt::format(" ({} drawn, dashed)", drawn) : " (inside what was found)";
+    pieces.back().text += drawn > 0 ? fmt::format(" ({} drawn, dashed)", drawn) : " (inside other markers)";
   for (const ExpectedUncertainty& e : contents.expected)
     pieces.push_back(
         {fmt::format("{}: expected {} (k = 1, {})", name_of(seen, static_cast<int>(e.marker)), expected_text(seen, e),
-                     e.codec.x > 0.0 || e.codec.y > 0.0 ? "noise and codec" : "noise alone"),
+                     e.codec.x > 0.0 || e.codec.y > 0.0 ? "noise and codec" : "noise only"),
          kTargetColour, false, true});
   if (!seen.reference)
-    pieces.push_back({"No measurement can begin here: " + seen.missing, kRejectedColour, false, true});
+    pieces.push_back({"This frame cannot be measured: " + seen.missing, kRejectedColour, false, true});
   return pieces;
 }
 

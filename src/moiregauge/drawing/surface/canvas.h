@@ -25,6 +25,9 @@ struct Colour {
 inline constexpr Colour kBlack{0.0, 0.0, 0.0}, kWhite{1.0, 1.0, 1.0}, kGrey{0.62, 0.62, 0.62}, kOrange{0.90, 0.62, 0.0},
     kSky{0.34, 0.71, 0.91}, kGreen{0.0, 0.62, 0.45}, kBlue{0.0, 0.45, 0.70}, kVermilion{0.84, 0.37, 0.0},
     kPurple{0.80, 0.47, 0.65};
+// A colour has one meaning in overlay, figures, report (web/src/page.css) and mounting plan.
+inline constexpr Colour kReferenceInk = kBlue, kTargetInk{0.88, 0.53, 0.0}, kAxisXInk{0.0, 0.48, 0.35},
+                        kAxisYInk{0.66, 0.28, 0.49}, kCameraInk{0.18, 0.28, 0.34}, kNotOkInk{0.5, 0.5, 0.5};
 
 struct Spot {
   double x = 0.0, y = 0.0;

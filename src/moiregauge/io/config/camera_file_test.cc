@@ -74,10 +74,10 @@ TEST(CameraFile, AllMistakesInACalibrationAreReportedWithTheirPositions) {
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error(),
             "c.yaml:1:1: image_width must be a whole number of pixels\n"
-            "c.yaml:3:1: camera_matrix: \"1e999\" is no finite number\n"
+            "c.yaml:3:1: camera_matrix contains \"1e999\", which is not a finite number\n"
             "c.yaml:5:1: distortion_coefficients holds fewer than 4 numbers\n"
-            "c.yaml:6:1: a fisheye lens; only the five-term model k1 k2 p1 p2 k3 is known\n"
-            "c.yaml:7:1: image_height stands twice, first in line 2: leave the one that is meant");
+            "c.yaml:6:1: a fisheye lens is not supported, only the model with k1 k2 p1 p2 k3\n"
+            "c.yaml:7:1: image_height is given twice (first in line 2), remove one");
 }
 
 TEST(CameraFile, TwoCamerasInAFileAreRefused) {
@@ -86,13 +86,12 @@ TEST(CameraFile, TwoCamerasInAFileAreRefused) {
       "240, 0, 0, 1]\n",
       "c.yaml");
   ASSERT_FALSE(read);
-  EXPECT_EQ(read.error(), "c.yaml:4:3: camera_matrix stands twice, first in line 2: leave the one that is meant");
+  EXPECT_EQ(read.error(), "c.yaml:4:3: camera_matrix is given twice (first in line 2), remove one");
 }
 
 TEST(CameraFile, AWidthWithoutAHeightIsNoSize) {
   const std::string matrix = "camera_matrix: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n";
-  EXPECT_EQ(parse_camera("image_width: 640\n" + matrix, "c.yaml").error(),
-            "c.yaml:1:1: image_width without image_height");
+  EXPECT_EQ(parse_camera("image_width: 640\n" + matrix, "c.yaml").error(), "c.yaml:1:1: image_height is missing");
   EXPECT_FALSE(parse_camera("[camera]\nheight = 480\nfx = 1.0\nfy = 1.0\ncx = 0.0\ncy = 0.0\n", "c.toml"));
 }
 

@@ -49,7 +49,7 @@ TEST(ScenarioFile, ListsAllMistakesWithTheirPositions) {
   ASSERT_FALSE(scenario);
   ASSERT_EQ(scenario.error().size(), 2U);
   EXPECT_EQ(scenario.error()[0].substr(0, 11), "bad.toml:1:");
-  EXPECT_NE(scenario.error()[1].find("unknown key \"lens.k9\"; did you mean \"lens.k"), std::string::npos);
+  EXPECT_NE(scenario.error()[1].find("the key \"lens.k9\" is unknown, did you mean \"lens.k"), std::string::npos);
 }
 
 TEST(Setting, ChangesOneValue) {
@@ -106,13 +106,13 @@ TEST(ScenarioFile, AllImpossibleValuesAreReportedWithTheirPositions) {
   const std::vector<std::string> expected{
       "s.toml:2:9: unknown key \"frams\"; did you mean \"frames\"?", "s.toml:4:6: lens.k1 must be a number",
       "s.toml:6:7: sensor.fps must be greater than 0", "s.toml:8:12: marker NW: pitch_mm must be greater than 0",
-      "s.toml:10:15: known_to.print_scale must not be more than 0.1"};
+      "s.toml:10:15: known_to.print_scale must be 0.1 at most"};
   EXPECT_EQ(read.error(), expected);
 }
 
 TEST(ScenarioFile, AMissingValueHasNoPosition) {
   EXPECT_EQ(parse_scenario("frames = 3\n", "s.toml").error(),
-            std::vector<std::string>{"s.toml:1:1: there is no marker to be seen"});
+            std::vector<std::string>{"s.toml:1:1: the scenario has no marker"});
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST(SiteFile, AllMistakesOfMeaningAreListedWithTheirPositions) {
   ASSERT_FALSE(site);
   EXPECT_NE(text.find("site.toml:2:1: unknown key \"pitch\"; did you mean \"pitch_mm\"?"), std::string::npos) << text;
   EXPECT_NE(text.find("site.toml:3:12: pitch_mm must be greater than 0, not -1"), std::string::npos) << text;
-  EXPECT_NE(text.find("site.toml:4:11: pattern \"gird\" is none of"), std::string::npos) << text;
+  EXPECT_NE(text.find("site.toml:4:11: the pattern \"gird\" is unknown"), std::string::npos) << text;
   EXPECT_NE(text.find("site.toml:7:14: grating_mm must be two finite numbers"), std::string::npos) << text;
   EXPECT_NE(text.find("site.toml:10:8: a marker named \"a\" already exists"), std::string::npos) << text;
   EXPECT_NE(text.find("site.toml:10:8: marker \"a\" has neither circle_mm nor grating_mm"), std::string::npos) << text;
@@ -158,12 +158,12 @@ TEST(SiteFile, InvalidUtf8IsReportedWithItsLine) {
                            "cke'",
                            "name = \"\xc3\"", "# \xff", "t =' \xf0\x9f own'"}) {
     EXPECT_EQ(all(parse_site(fmt::format("# Brücke\n{}\n", line), "s")),
-              "s:2:1: a letter is not UTF-8: save the file as UTF-8\n");
+              "s:2:1: the text is not UTF-8, save the file as UTF-8\n");
   }
 }
 
 TEST(SiteFile, InputThatCouldExhaustTheParserIsRefusedFirst) {
-  EXPECT_NE(all(parse_site("a = " + std::string(1000, '['), "s")).find("nest deeper than 32"), std::string::npos);
+  EXPECT_NE(all(parse_site("a = " + std::string(1000, '['), "s")).find("nested deeper than 32"), std::string::npos);
   EXPECT_NE(all(parse_site(std::string(3000, 'a') + " = 1\n" + "a" + std::string(40, '.'), "s")).find("nest"),
             std::string::npos);
   EXPECT_NE(all(parse_site(std::string(65 * 1024, ' '), "s")).find("64 kB"), std::string::npos);
@@ -188,7 +188,7 @@ TEST(SiteFile, AMistakeIsOneLineWhateverTheKeyHolds) {
       "\"a\\nb\\u001b\" = 1\n[[target]]\ngrating_mm = [0.0, 0.0]\ngrating_size_mm = [4.0, 4.0]\npitch_mm = 1.0\n",
       "s.toml");
   ASSERT_FALSE(site);
-  EXPECT_EQ(site.error(), std::vector<std::string>{"s.toml:1:16: unknown key \"a?b?\""});
+  EXPECT_EQ(site.error(), std::vector<std::string>{"s.toml:1:16: the key \"a?b?\" is unknown"});
 }
 
 }  // namespace

@@ -232,9 +232,9 @@ TEST(RunFile, ACorrectCheckSumIsNotTrusted) {
 
 TEST(RunFile, ReportsTheProblem) {
   const TestFolder place;
-  EXPECT_NE(read_run(place / "run.mgj").error().find("no such file"), std::string::npos);
+  EXPECT_NE(read_run(place / "run.mgj").error().find("does not exist"), std::string::npos);
   EXPECT_NE(read_run(place.path()).error().find("cannot be read"), std::string::npos);
-  EXPECT_NE(parsed("frame,time_s,marker").error().find("not a file of moiregauge"), std::string::npos);
+  EXPECT_NE(parsed("frame,time_s,marker").error().find("no observations of moiregauge"), std::string::npos);
   std::string bytes = bytes_of(filled_run(1));
   EXPECT_NE(parsed(bytes.substr(0, bytes.size() - 1)).error().find("breaks off"), std::string::npos);
   bytes[8] = 99;  // the version
@@ -246,7 +246,7 @@ TEST(RunFile, ARunWithInvalidOptionsIsRefused) {
   run.options.method = nullptr;
   const auto kept = kept_of(bytes_of(run));
   ASSERT_FALSE(kept.has_value());
-  EXPECT_NE(kept.error().find("its head makes no sense"), std::string::npos) << kept.error();
+  EXPECT_NE(kept.error().find("its header is invalid"), std::string::npos) << kept.error();
 }
 
 // Files written by the programs of those versions. Three frames of the small rig with cosine gratings and noise; the

@@ -194,7 +194,8 @@ TEST(TiffStack, AFileTruncatedWhileReadEndsTheInput) {
   const auto cut = source->next();
   ASSERT_FALSE(cut);
   EXPECT_EQ(cut.error().kind, InputErrorKind::kDamaged);
-  EXPECT_NE(cut.error().message.find("cut short while it was measured: "), std::string::npos) << cut.error().message;
+  EXPECT_NE(cut.error().message.find("became shorter during the measurement: "), std::string::npos)
+      << cut.error().message;
   EXPECT_FALSE(source->next()) << "an error stays";
 }
 

@@ -141,8 +141,10 @@ bool take_run_json(const StoredJson& json, RunTable& table) {
 std::string no_run(const std::string& dir) {
   std::error_code error;
   const fs::path place(dir);
-  if (!fs::exists(place, error)) return fmt::format("the folder does not exist: {}: give a folder that `measure` wrote", dir);
-  if (!fs::is_directory(place, error)) return fmt::format("the input is not a folder: {}: give a folder that `measure` wrote", dir);
+  if (!fs::exists(place, error))
+    return fmt::format("the folder does not exist: {}: give a folder that `measure` wrote", dir);
+  if (!fs::is_directory(place, error))
+    return fmt::format("the input is not a folder: {}: give a folder that `measure` wrote", dir);
   if (fs::exists(place / std::string(kRunFileName), error))
     return fmt::format(
         "the run is not finished: {}: finish it with measure --resume, or run `moiregauge solve {} -o NEW` and export "
@@ -156,7 +158,7 @@ std::string no_run(const std::string& dir) {
 tl::expected<void, std::string> parse_displacement_csv(std::istream& csv, RunTable& table) {
   std::string line;
   if (!std::getline(csv, line) || line.substr(0, line.find_last_not_of('\r') + 1).rfind(kHeader, 0) != 0)
-    return tl::unexpected(fmt::format("its columns are not {}", kHeader));
+    return tl::unexpected(fmt::format("line 1 does not have the columns {}", kHeader));
   for (long number = 2; std::getline(csv, line); ++number) {
     while (!line.empty() && line.back() == '\r') line.pop_back();
     // A quoted name may contain line feeds.
@@ -177,7 +179,8 @@ tl::expected<RunTable, std::string> read_run_table(const std::string& dir) {
     const std::string path = (place / name).string();
     if (!fs::exists(path, ignored)) continue;
     if (const std::string kind = kind_unless_plain(path); !kind.empty())
-      return tl::unexpected(fmt::format("the run cannot be read: {} is {}: give a folder that `measure` wrote", path, kind));
+      return tl::unexpected(
+          fmt::format("the run cannot be read: {} is {}: give a folder that `measure` wrote", path, kind));
   }
   std::ifstream run_json(place / "run.json");
   std::error_code error;
@@ -185,8 +188,7 @@ tl::expected<RunTable, std::string> read_run_table(const std::string& dir) {
   RunTable table;
   const StoredJson json = StoredJson::parse(run_json, nullptr, false);
   if (json.is_discarded() || !take_run_json(json, table))
-    return tl::unexpected(
-        fmt::format("run.json is damaged: {}: measure again", (place / "run.json").string()));
+    return tl::unexpected(fmt::format("run.json is damaged: {}: measure again", (place / "run.json").string()));
   std::ifstream csv(place / "displacement.csv");
   if (!csv)
     return tl::unexpected(

@@ -33,6 +33,7 @@ class Observations {
   // Fails (nothing): the bytes are not an observation.
   [[nodiscard]] std::optional<Observation> unpacked(const std::string& bytes) const { return packing_.unpacked(bytes); }
   void replace(std::size_t n, const Observation& seen) { packed_[n] = packing_.packed(seen); }
+  void clear() { packed_.clear(); }
   // Adds frames [first, end) of `other`, which were packed against the same reference frame.
   void append(const Observations& other, std::size_t first, std::size_t end);
   // Returns the observation as it will be read later: packed and unpacked.

@@ -51,7 +51,7 @@ class ExposedMarker {
  private:
   struct Moment {
     Matrix3 print_from_ray;
-    double weight;  // share of the exposure
+    double weight;  // in the mean over the exposure
   };
   struct Paper {
     double white;     // grey level

@@ -63,7 +63,8 @@ std::optional<std::string> problem_with_timing(const Scenario& s) {
   const Timing& timing = s.timing;
   if (timing.jitter_s < 0.0 || timing.stamp_jitter_s < 0.0 || timing.jitter_s + timing.stamp_jitter_s > most) {
     return fmt::format(
-        "timing.jitter_s and timing.stamp_jitter_s must not be negative, and their sum must be 0.45 / fps = {} at most, "
+        "timing.jitter_s and timing.stamp_jitter_s must not be negative, and their sum must be 0.45 / fps = {} at "
+        "most, "
         "so that time stamps rise",
         most);
   }
@@ -105,7 +106,7 @@ std::optional<std::string> problem_with_ink(const Ink& ink, double pitch_mm) {
   if (!(ink.line_share > 0.0 && ink.line_share < 1.0)) return "ink.line_share must be between 0 and 1";
   const double dark = ink.line_share + 2.0 * std::abs(ink.gain_mm) / std::max(pitch_mm, 1e-9);
   if (!(dark < 1.0) || !(ink.line_share - 2.0 * std::abs(ink.gain_mm) / std::max(pitch_mm, 1e-9) > 0.0))
-    return "ink.gain_mm leaves no line, or nothing between the lines";
+    return "ink.gain_mm is too large, so that lines or gaps vanish";
   if (ink.rough_mm < 0.0 || ink.grain < 0.0) return "ink.rough_mm and ink.grain must not be negative";
   if (ink.mottle < 0.0 || ink.mottle > 0.4) return "ink.mottle must be 0 to 0.4";
   if (!(ink.rough_length_mm > 0.0 && ink.mottle_length_mm > 0.0 && ink.grain_length_mm > 0.0))
@@ -115,7 +116,8 @@ std::optional<std::string> problem_with_ink(const Ink& ink, double pitch_mm) {
 
 std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
   const Marker& print = marker.print;
-  if (!print.circle && !print.grating) return fmt::format("marker {} requires a circle, a grating, or both", print.name);
+  if (!print.circle && !print.grating)
+    return fmt::format("marker {} requires a circle, a grating, or both", print.name);
   if (print.circle && !(print.circle->diameter_mm > 0.0)) {
     return fmt::format("marker {}, circle_diameter_mm must be greater than 0", print.name);
   }

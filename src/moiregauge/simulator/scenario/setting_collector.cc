@@ -60,7 +60,7 @@ void Collector::text(const std::string& name, const std::string& kind, std::func
 }
 
 void Collector::frames(const std::string& name, std::vector<FrameSpan>& spans) {
-  text(name, "pairs of whole numbers, first frame and the one after the last", [&spans](const std::string& words) {
+  text(name, "pairs of whole numbers (first frame, and the frame after the last)", [&spans](const std::string& words) {
     const auto read = numbers_in(words);
     if (!read || read->size() % 2 != 0) return false;
     std::vector<FrameSpan> taken;
@@ -84,7 +84,7 @@ void Collector::track(const std::string& name, Track& track) {
   number(name + ".random", track.random);
   number(name + ".random_step_s", track.random_step_s);
   whole(name + ".random_seed", track.random_seed);
-  text(name + ".knots", "pairs of time and value, times rising", [&track](const std::string& words) {
+  text(name + ".knots", "pairs of time and value, with increasing times", [&track](const std::string& words) {
     const auto read = numbers_in(words);
     if (!read || read->size() % 2 != 0) return false;
     std::vector<Knot> knots;

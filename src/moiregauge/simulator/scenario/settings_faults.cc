@@ -62,7 +62,7 @@ void add_prints(Collector& all, Scenario& s) {
 
 // Adds the setting of exchanged markers: "NW NE SW SE" exchanges NW with NE, and SW with SE.
 void add_exchanges(Collector& all, Scenario& s) {
-  all.text("site.exchanged", "pairs of names of markers", [&s](const std::string& words) {
+  all.text("site.exchanged", "pairs of marker names", [&s](const std::string& words) {
     std::istringstream in(words);
     std::vector<std::string> names;
     for (std::string name; in >> name;) names.push_back(name);

@@ -1,4 +1,4 @@
-"""The disk fills while a run is measured, or cannot be written at all."""
+"""Checks a run on a disk that becomes full, and in a folder that cannot be written."""
 import os
 import resource
 import shutil
@@ -17,7 +17,7 @@ journal = len(wanted["run.mgj"])
 
 
 def run_into_a_full_disk(command, env=None, limit=None):
-    """limit: no file may grow beyond it; write() says so when the signal is ignored."""
+    """Runs a command that must end with exit 6 and one error line. limit: largest size of a file in bytes."""
     def before():
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
     run = subprocess.run(command, env=env, capture_output=True, text=True, check=False, preexec_fn=before if limit else None)
@@ -26,20 +26,20 @@ def run_into_a_full_disk(command, env=None, limit=None):
     return run.stderr
 
 
-# While frames are measured: old results stay, the journal keeps what there was room for.
+# During the measurement: old results are unchanged, and the journal has the frames that fitted.
 said = run_into_a_full_disk(plain, limit=journal * 2 // 3)
-insist("run.mgj" in said and "frames are safe: free space and run again with --resume" in said, said)
+insist("run.mgj" in said and "frames are kept): free space and run again with --resume" in said, said)
 insist(contents(out) == wanted, "old results")
 insist(set(contents(beside(out, ".unfinished"))) == {"run.mgj"}, "more than a journal")
 again = done(plain)
-insist(again.returncode == 2 and "found unfinished run (" in again.stderr, again.stderr)
+insist(again.returncode == 2 and "there is an unfinished run: " in again.stderr, again.stderr)
 insist(contents(out) == wanted, "old results")
 frames = int(again.stderr.split("(")[1].split()[0])
-insist(frames > 0 and f" {frames} frames are safe" in said, f"{frames} frames found\n{said}")
+insist(frames > 0 and f" {frames} frames are kept" in said, f"{frames} frames found\n{said}")
 insist(done([*plain, "--resume"]).returncode == 0, "--resume")
 insist_same(out, wanted, "after --resume")
 
-# A file system that is full: a small one of its own, where one may be mounted.
+# A full file system: a small tmpfs, if the test may mount one.
 small = work / "small"
 small.mkdir()
 mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "none", small], capture_output=True, check=False).returncode == 0
@@ -56,7 +56,7 @@ if mounted:
 else:
     print("no file system may be mounted here", file=sys.stderr)
 
-# Where nothing can be written it is said before anything is measured.
+# An output folder that cannot be written is reported before the measurement.
 clear(out)
 if os.geteuid() != 0:
     locked = work / "locked"

@@ -1,5 +1,7 @@
-"""A run is killed, or interrupted once, twice, by the keyboard or by a manager: what was measured stays, and the run goes on to the
-same bytes."""
+"""Checks that a killed or interrupted run keeps its frames, and that --resume gives the bytes of an uninterrupted run.
+
+Interrupts are SIGINT and SIGTERM, once and twice.
+"""
 import json
 import os
 import signal
@@ -18,7 +20,7 @@ journal = beside(out, ".unfinished") / "run.mgj"
 
 
 def kept_frames():
-    """In the journal; None where there is none, or none any more."""
+    """Returns the number of frames in the journal; None if there is no journal."""
     try:
         return Records(journal.read_bytes()).frames()
     except FileNotFoundError:
@@ -26,7 +28,7 @@ def kept_frames():
 
 
 def stopped(command, *signals):
-    """Once a frame or more is in the journal."""
+    """Starts a command and sends the signals when the journal has a frame. Returns the exit code and stderr."""
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while process.poll() is None and not kept_frames():
         time.sleep(0.002)
@@ -42,7 +44,7 @@ def insist_found(frames=None):
     before = contents(out), contents(journal.parent)
     again = done(plain)
     insist(again.returncode == 2 and len(error_lines(again.stderr)) == 1, f"exit {again.returncode}: {again.stderr}")
-    insist("found unfinished run (" in again.stderr and "use --resume or --restart" in again.stderr, again.stderr)
+    insist("there is an unfinished run: " in again.stderr and "--resume" in again.stderr and "--restart" in again.stderr, again.stderr)
     insist(frames is None or f"({frames} frames)" in again.stderr, f"{frames} frames\n{again.stderr}")
     insist((contents(out), contents(journal.parent)) == before, "something was touched")
 
@@ -53,7 +55,7 @@ def insist_resumes(what, *options):
     insist_same(out, wanted, what)
 
 
-# Killed: the journal is all there is beside the old results.
+# Killed: only the journal and the old results remain.
 for state in ("old results", "none"):
     if state == "none":
         clear(out)
@@ -68,7 +70,7 @@ for state in ("old results", "none"):
     clear(work / "solved")
     insist_resumes(f"killed with {state}")
 
-# What a power cut may leave: a torn record, zeros, nothing at all.
+# Journals after a power cut: a truncated record, zeros, an empty file.
 whole = wanted["run.mgj"]
 for what, data in [("torn", whole[:len(whole) * 2 // 3]), ("zeros", whole[:len(whole) // 2] + bytes(5000)), ("empty", b""),
                    ("a torn head", whole[:40]), ("a bit that fell over", whole[:9000] + bytes([whole[9000] ^ 4]) + whole[9001:])]:
@@ -76,7 +78,7 @@ for what, data in [("torn", whole[:len(whole) * 2 // 3]), ("zeros", whole[:len(w
     journal.write_bytes(data)
     insist_resumes(what)
 
-# Another one at work.
+# Another process uses the same output folder.
 process = subprocess.Popen(plain, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 while process.poll() is None and not journal.exists():
     time.sleep(0.002)
@@ -87,16 +89,16 @@ insist(second.returncode == 2 and "another process" in second.stderr, second.std
 os.kill(process.pid, signal.SIGKILL)
 process.wait()
 
-# Thrown away.
+# The journal is discarded.
 insist(done([*plain, "--restart"]).returncode == 0, "--restart")
 insist_same(out, wanted, "--restart")
 
-# Interrupted once, with nothing in the way: what there is so far stands in the folder.
+# Interrupted once, without old results: the results so far are written to the output folder.
 clear(out)
 for how in (signal.SIGINT, signal.SIGTERM):
     clear(out)
     code, stderr = stopped(plain, how)
-    insist(code == 130 and "error: stopped at frame " in stderr and "go on with --resume" in stderr, f"exit {code}: {stderr}")
+    insist(code == 130 and "error: stopped at frame " in stderr and "continue with --resume" in stderr, f"exit {code}: {stderr}")
     insist(set(contents(out)) >= {"run.json", "run.mgj", "displacement.csv", "displacement.h5", "overlay.png"}, "results so far")
     about = json.loads((out / "run.json").read_text())
     insist(about["complete"] is False and about["exit_code"] == 130, "run.json")
@@ -106,7 +108,7 @@ for how in (signal.SIGINT, signal.SIGTERM):
     insist_found(frames)
     insist_resumes("interrupted")
 
-# With old results in the way they stand beside it; twice is at once.
+# Interrupted once, with old results: the journal remains in out.unfinished. A second interrupt ends the run at once.
 code, stderr = stopped(plain, signal.SIGINT)
 insist(code == 130 and "out.unfinished" in stderr and contents(out) == wanted, f"exit {code}: {stderr}")
 insist_found()
@@ -115,17 +117,17 @@ code, stderr = stopped(plain, signal.SIGINT, signal.SIGINT)
 insist(code in (-signal.SIGINT, 130) and contents(out) == wanted, f"exit {code}: {stderr}")
 insist_found()
 
-# Other options, another input: not this run.
+# Other options or another input do not belong to this run.
 for options, word in [(["--method", "two-stage"], "--method"), (["--frames", "0:200"], "--frames"), (["--fps", "20"], "--fps")]:
     again = done([word for word in plain if options[0] != "--fps" or word not in ("--fps", "10")] + [*options, "--resume"])
-    insist(again.returncode == 2 and "cannot resume" in again.stderr and word in again.stderr, again.stderr)
+    insist(again.returncode == 2 and "the unfinished run had other options" in again.stderr and word in again.stderr, again.stderr)
 (clip / "000300.png").write_bytes((clip / "000000.png").read_bytes())
 for option in ([], ["--resume"], ["--restart"]):
     again = done([*plain, *option])
     insist(again.returncode == 2, again.stderr)
 (clip / "000300.png").unlink()
 
-# Stopped again and again, and once more while it passes over what it has.
+# Killed repeatedly, also while a resumed run reads its journal.
 while kept_frames() is not None:
     had = kept_frames()
     process = subprocess.Popen([*plain, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)

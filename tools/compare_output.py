@@ -1,5 +1,8 @@
-"""Does a document still tell what the program says? Words and whole numbers must be the same; numbers with a decimal point may differ by a
-tenth, or by 0.002 (mm), so that not every change of a method's last digits makes a document wrong."""
+"""Compares the output of the program with its copy in a page.
+
+Words and integers must be equal. Numbers with a decimal point may differ by 10 %, or by 0.002 (mm). A change of the
+last digits thus does not make a page wrong.
+"""
 import difflib
 import itertools
 import re
@@ -20,7 +23,7 @@ def is_alike(old, new):
 
 
 def differences(old, new):
-    """Pairs of lines that tell something else; of what is there in one of the two only, with nothing."""
+    """Returns the pairs of lines that differ. A line of one text only is paired with an empty line."""
     old, new, pairs = old.splitlines(), new.splitlines(), []
     masked = [[NUMBER.sub("#", line) for line in text] for text in (old, new)]
     for kind, a, b, c, d in difflib.SequenceMatcher(None, *masked, autojunk=False).get_opcodes():

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measurement of a recording: the program's `moiregauge measure` as one function.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "moiregauge/result.h"
+#include "moiregauge/units.h"
+
+namespace moiregauge {
+
+// Frames first, first + step, ... below end.
+struct FrameRange {
+  long first = 0;
+  long end = -1;  // -1: to the end
+  long step = 1;
+};
+
+// The scale is mandatory: `pitch`, `site` or `site_file`. All else has a default that works.
+struct MeasureOptions {
+  std::optional<Millimetres> pitch;  // of the gratings; the site is then detected in the reference frame
+  std::optional<Site> site;
+  std::string site_file;
+  std::optional<Camera> camera;  // calibrated; empty: solved from the footage
+  std::string camera_file;
+  std::string method = "precise";  // or "two-stage", "conventional"
+  std::optional<double> fps;       // frames per second of a folder of images
+  FrameRange frames;
+  std::optional<long> reference_frame;  // empty: the first measurable frame
+  std::optional<FrameRange> rest;       // frames in which no target moves
+  std::optional<Seconds> readout;       // rolling shutter: first row to last row; empty: solved from the footage
+  std::string tone = "auto";            // tone curve: auto, linear, srgb, bt709, gamma:2.2
+  std::string output;                   // folder for the results; empty: nothing is written
+  int threads = 0;                      // 0: one per core; the number does not change the result
+  std::function<bool(long done, long expected)> on_progress;  // after each frame; false stops the run
+};
+
+// Measures a video, a folder of images or a multi-page TIFF.
+// Model: docs/methods/precise.md. Units: mm and s.
+// Fails: options that exclude each other (kUsage), unreadable input (kInput), results not written (kOutput). A refused
+// measurement is no error: Result::refusal is its reason.
+// Error: u_dx_mm and u_dy_mm of every sample; status kOk is trusted.
+[[nodiscard]] MOIREGAUGE_API Expected<Result> measure(const std::string& input, const MeasureOptions& options);
+
+}  // namespace moiregauge
