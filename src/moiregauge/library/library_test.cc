@@ -39,7 +39,7 @@ TEST(Tracker, FollowsTheTruthWithinItsUncertainty) {
     EXPECT_EQ(sample.status, Status::kOk) << "frame " << n;
     const Truth truth = *rig.truth(n, "mid");
     for (const auto& [e, u] : {std::pair{sample.dx_mm - truth.dx_mm, sample.u_dx_mm},
-                              std::pair{sample.dy_mm - truth.dy_mm, sample.u_dy_mm}}) {
+                               std::pair{sample.dy_mm - truth.dy_mm, sample.u_dy_mm}}) {
       EXPECT_LT(std::abs(e), 5.0 * u) << "frame " << n;
       inside += std::abs(e) < 2.0 * u ? 1 : 0;
       ++count;
@@ -115,8 +115,8 @@ TEST(SamplingMoire, MeasuresAKnownShift) {
   EXPECT_NEAR(displacement_px(first, second, kPitch), kShift, 1.0 / 100.0 / std::sqrt(12.0) * kPitch / 6.283);
 }
 
-TEST(Plan, ExpectsTheUncertaintyThatAMeasurementStates) {
-  auto rig = small_rig(40);
+TEST(Plan, IsALowerLimitOfTheStatedUncertainty) {
+  auto rig = small_rig(64);
   PlanOptions options;
   options.site = rig.site();
   options.camera = {1024, 512, 3478.26, 3478.26, 511.5, 255.5};
@@ -129,9 +129,9 @@ TEST(Plan, ExpectsTheUncertaintyThatAMeasurementStates) {
   auto tracker = Tracker::create(how);
   TrackedFrame last;
   for (long n = 0; n < rig.frames(); ++n) last = *tracker->update(rig.render(n), static_cast<double>(n) / rig.fps());
-  // The plan knows neither lens nor geometry shares: the stated u may be larger, by no more than half here.
-  EXPECT_GT(last.samples.front().u_dy_mm, 0.8 * planned->front().u_dy_mm);
-  EXPECT_LT(last.samples.front().u_dy_mm, 1.6 * planned->front().u_dy_mm);
+  // The plan has noise only. A measurement adds lens, geometry and axis. Rounded windows change the noise by some per cent.
+  EXPECT_GT(last.samples.front().u_dy_mm, 0.9 * planned->front().u_dy_mm);
+  EXPECT_GT(planned->front().u_dy_mm, planned->front().bound_dy_mm);
 }
 
 TEST(Simulation, RefusesAnUnknownScenario) {
