@@ -24,7 +24,7 @@ struct PlanOptions {
 struct PlannedTarget {
   std::string name;
   double u_dx_mm = 0.0, u_dy_mm = 0.0;          // expected u of a displacement (k = 1); NaN: not determined
-  double bound_dx_mm = 0.0, bound_dy_mm = 0.0;  // Cramer-Rao bound of the phases in one frame
+  double bound_dx_mm = 0.0, bound_dy_mm = 0.0;  // Cramer-Rao bound of the fundamentals, one frame
 };
 
 // Returns the expected uncertainty of every target by method `precise`, in the order of the site.

@@ -72,7 +72,7 @@ TEST(Inspection, DetectionsAreKeptWhenIdentificationFails) {
   EXPECT_FALSE(seen.reference);
   EXPECT_EQ(seen.circles.size(), 3U);
   EXPECT_EQ(seen.patches.size(), 4U);
-  EXPECT_NE(seen.missing.find("found 3"), std::string::npos) << seen.missing;
+  EXPECT_NE(seen.missing.find("(3 circles"), std::string::npos) << seen.missing;
 }
 
 // The scatter of one frame's displacement about its run's mean is u without the reference frame's half.

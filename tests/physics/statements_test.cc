@@ -95,7 +95,7 @@ TEST(GivenCamera, IsContradictedIfWrongAndNoRowIsOk) {
 TEST(GivenCamera, IsAcceptedIfRight) {
   for (const char* name : {"small-1xyz", "small-travel-50"}) {
     const auto run = measured_with_camera(scenario_of(name), -0.37);
-    EXPECT_FALSE(notes(run, "contradict")) << name;
+    EXPECT_FALSE(notes(run, "with --camera")) << name;
     for (const Sample& s : run.samples) EXPECT_EQ(s.status, Status::kOk) << name << " frame " << s.frame;
   }
 }

@@ -150,7 +150,9 @@ TEST(WithoutSite, CirclesWithoutGratingsAreNoReferences) {
   }
   const auto site = found(scenario, 0);
   ASSERT_FALSE(site);
-  EXPECT_NE(site.error().message.find("no grating is within three diameters of a reference circle (4 circles and 1 grating"), std::string::npos)
+  EXPECT_NE(
+      site.error().message.find("no grating is within three diameters of a reference circle (4 circles and 1 grating"),
+      std::string::npos)
       << site.error().message;
 }
 
