@@ -82,8 +82,8 @@ function card(target: Target, columns: Float64Array[], run: Run): HTMLElement {
     const digits = digitsFor(expanded(u));
     return el('p', {}, el('span', { class: 'axis' }, name),
       el('span', { class: 'size' }, `${plain(high - low, digits)} mm peak to peak`),
-      el('span', { class: 'range' }, `${signed(low, digits)} to ${signed(high, digits)} mm`),
-      el('span', { class: 'u' }, `U = ${plain(expanded(u), digits)} mm`));
+      el('span', { class: 'u' }, `U = ${plain(expanded(u), digits)} mm`),
+      el('span', { class: 'range' }, `from ${signed(low, digits)} to ${signed(high, digits)} mm`));
   };
   return el('div', { class: 'card' }, el('h3', {}, target.name),
     line('dx, right', target.rows.dx, summary?.u_dx_mm), line('dy, up', target.rows.dy, summary?.u_dy_mm));

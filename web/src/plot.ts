@@ -37,6 +37,13 @@ const kPrintScale = 3; // and how much finer paper is than a screen
 const kWhole = [0, 1, 2, 3, 4, 5, 6, 7, 8].flatMap((decade) => [1, 2, 5].map((n) => n * 10 ** decade));
 let plots = 0;
 
+// The dashes of a line as a background, for its key.
+function dashes(dash: number[]): string {
+  let at = 0;
+  const stops = dash.map((length, k) => `${k % 2 ? 'transparent' : 'var(--colour)'} ${at}px ${(at += length)}px`);
+  return stops.length > 0 ? `repeating-linear-gradient(90deg, ${stops.join(', ')})` : 'none';
+}
+
 // A tenth more to each side; a flat line lies in the middle.
 function room(low: number | null, high: number | null): [number, number] {
   if (low === null || high === null) return [-1, 1];
@@ -69,7 +76,7 @@ export class Plot {
     const keys = el('ul', { class: 'keys' });
     for (const { label, colour, dash } of plan.lines) {
       if (plan.lines.length > 1 || plan.lines[0]!.band)
-        keys.append(el('li', { class: dash ? 'dashed' : '', style: `--colour: var(--series-${colour + 1})` }, label));
+        keys.append(el('li', { class: dash ? 'dashed' : '', style: `--colour: var(--series-${colour + 1}); --line: ${dashes(dash ?? [])}` }, label));
     }
     if (plan.lines.some((line) => line.band)) keys.append(el('li', { class: 'band', style: `--colour: var(--series-${plan.lines[0]!.colour + 1})` }, 'U (k = 2)'));
     if (plan.lines.some(({ notOk }) => notOk && notOk.values.some((v) => !Number.isNaN(v))))
@@ -160,7 +167,7 @@ export class Plot {
       series.push({
         label, stroke: colours[colour]!, width: 1.25 * scale, spanGaps: false,
         dash: dash?.map((length) => length * scale),
-        points: hasNoPoints ? { show: false } : { size: 4 * scale, filter: lonely },
+        points: hasNoPoints ? { show: false } : { size: 4 * scale, fill: colours[colour]!, filter: lonely },
       });
       if (band) {
         const edge: uPlot.Series = { stroke: 'transparent', width: 0, points: { show: false }, spanGaps: false };

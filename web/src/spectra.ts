@@ -37,7 +37,7 @@ function peakRow(axis: string, peak: Peak): (string | Cell)[] {
 }
 
 const terms = (spectrum: Spectrum): string =>
-  `Welch's method with ${spectrum.segments} segments of ${duration(spectrum.segment_s)} that overlap by half, without mean and slope. ` +
+  `Welch's method with ${spectrum.segments === 1 ? 'one segment' : `${spectrum.segments} half-overlapping segments`} of ${duration(spectrum.segment_s)}, without mean and slope. ` +
   `Hann window, resolution bandwidth ${brief(spectrum.resolution_hz)} Hz. ` +
   (spectrum.gaps > 0 ? `The record has ${spectrum.gaps} gap${spectrum.gaps > 1 ? 's' : ''}, and its longest stretch without a gap is ${duration(spectrum.longest_s)}.`
     : 'The record has no gaps.');

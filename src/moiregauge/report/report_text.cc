@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxWorded = 3;  // largest number of peaks per target in the text (chosen)
 constexpr double kClock = 1e-5;        // smallest relative U of a frequency: camera clocks are no better
+constexpr double kStill_px = 0.05;     // image motion below which a camera counts as fixed in the text (chosen)
 constexpr double kWorthAWord = 0.1;    // smallest amplitude of a listed peak, relative to the strongest (chosen)
 
 int digits_for(double u) { return std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(u, 1e-9)))), 0, 6); }
@@ -121,6 +122,7 @@ std::string sentence_of_camera(const WordedRun& run) {
   for (std::size_t n = 0; n < run.camera.shift_x_px.size(); ++n)
     shift = std::fmax(shift, std::hypot(run.camera.shift_x_px[n], run.camera.shift_y_px[n]));
   if (std::isnan(shift)) return "The camera's motion is unknown, because the references were not found.";
+  if (shift < kStill_px) return fmt::format("The camera moved the image by less than {} px.", kStill_px);
   for (std::size_t n = 0; n < run.camera.turn_x_deg.size(); ++n)
     turn = std::fmax(turn, std::hypot(run.camera.turn_x_deg[n], run.camera.turn_y_deg[n], run.camera.turn_z_deg[n]));
   if (std::isnan(turn))

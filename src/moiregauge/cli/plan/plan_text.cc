@@ -140,7 +140,7 @@ Json pair(Extent<frame::Board> e) { return {{"x", number(e.x)}, {"y", number(e.y
 
 std::string plan_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
-  std::string text = line("camera", camera_text(order)) + line("scale", scale_text(s)) + line("prints", print_text(s));
+  std::string text = line("camera", camera_text(order)) + line("scale", scale_text(s)) + line("markers", print_text(s));
   text += uncertainty_table(s);
   text += line(
       "on top",

@@ -13,7 +13,8 @@ constexpr double kCore = 1.1;      // fundamental periods each way from the seed
 constexpr double kCore_px = 8.0;   // px, smallest half width of the core: the effective window of the seed's tile
 constexpr double kStranger = 0.6;  // smallest rms residual of a strip off the grating, relative to the pattern (chosen)
 constexpr double kStretch = 1.4;   // growth of one side between two fits: the lattice extrapolates no farther (chosen)
-constexpr double kMaxBack = 0.5;   // pitches, largest inward move of a side
+constexpr double kCarefulStretch = 1.1;       // the same after a fit that failed (chosen)
+constexpr double kMaxBack = 0.5;              // pitches, largest inward move of a side
 constexpr double kFinestHarmonic_px = 2.2;    // px, shortest period of a harmonic that pixels can resolve
 constexpr double kMaxInStrip = 64.0;          // points per strip
 constexpr int kMaxRounds = 16;                // each may double the box: enough for any image
@@ -24,6 +25,9 @@ constexpr std::size_t kFinalPixels = 20000;   // all pixels of most markers: the
 constexpr double kMinSecondOfThin = 0.4;
 // Harmonic (1, 1) of thin lines, relative to the first: 0.18 for a share of 0.16, 0.41 at a third. Dots have more.
 constexpr double kMaxDiagonalOfThin = 0.5;
+// Share of the variance that a growing lattice of smoothed thin lines must explain, relative to that of its core. In a
+// large box uneven ink and curved light leave up to a quarter (tools/ink-study); a wrong lattice leaves more than half.
+constexpr double kThinExplained = 0.8;
 constexpr double kMinThinPeriods = 4.0;  // along both axes: smoothing makes chance patterns of fewer look periodic
 
 int order_for(const Lattice& lattice) {
@@ -193,12 +197,12 @@ bool is_taken(const GrownPatch& patch, const GrowthLimits& limits) {
   return false;
 }
 
-// Moves one side outwards by steps of 1 px until two successive strips do not match or the box has grown by kStretch.
+// Moves one side outwards by steps of 1 px until two successive strips do not match or the box has grown by `stretch`.
 // Moves it inwards, by kMaxBack at most, if the core around a seed near the edge reaches beyond the grating.
 // Returns true if the side moved.
-bool grow_side(const Image<float>& grey, GrownPatch& patch, int axis, bool high) {
+bool grow_side(const Image<float>& grey, GrownPatch& patch, int axis, bool high, double stretch) {
   double& edge = high ? patch.box.high[axis] : patch.box.low[axis];
-  const double start = edge, most = (kStretch - 1.0) * extent_of_box(patch)[axis];
+  const double start = edge, most = (stretch - 1.0) * extent_of_box(patch)[axis];
   Side side(grey, patch, axis, high);
   side.learn_light(edge);
   while (std::abs(edge - start) < kMaxBack && !side.belongs(edge) && !side.belongs(edge - side.step()))
@@ -216,9 +220,9 @@ bool grow_side(const Image<float>& grey, GrownPatch& patch, int axis, bool high)
   return edge != start;
 }
 
-bool grow(const Image<float>& grey, GrownPatch& patch) {
+bool grow(const Image<float>& grey, GrownPatch& patch, double stretch) {
   bool any = false;
-  for (int side = 0; side < 4; ++side) any |= grow_side(grey, patch, side / 2, side % 2 == 1);
+  for (int side = 0; side < 4; ++side) any |= grow_side(grey, patch, side / 2, side % 2 == 1, stretch);
   return any;
 }
 
@@ -227,13 +231,16 @@ Grown grown(const Image<float>& grey, GrownPatch patch, bool diagonal, const Gro
   // A box along the diagonals must be inside the core: half its size in pitches.
   if (diagonal) patch.box = {0.5 * patch.box.low, 0.5 * patch.box.high};
   patch.to_phi = print_axes(patch.model.lattice, diagonal);
+  double stretch = kStretch;
   for (int round = 0; round < kMaxRounds; ++round) {
     const GrownPatch before = patch;
-    if (!grow(grey, patch)) break;
+    if (!grow(grey, patch, stretch)) break;
     if (is_taken(patch, limits)) return {Growth::kTaken, patch};
     if (fit_patch(grey, patch) && patch.model.explained() >= limits.min_explained) continue;
-    patch = before;  // the larger box no longer fits a lattice on a plane
-    break;
+    // Either the lattice extrapolated too far for the fit to converge, or the larger box is not on a plane.
+    patch = before;
+    if (stretch < kStretch) break;
+    stretch = kCarefulStretch;
   }
   if (extent_of_box(patch).minCoeff() < limits.min_periods || patch.model.sigma < limits.min_sigma)
     return {Growth::kTooSmall, patch};
@@ -289,6 +296,7 @@ Grown grow_thin_lines(const Image<float>& grey, const SmoothedPicture& smoothed_
   if (!fit_patch(smoothed, core) || core.model.explained() < limits.min_explained || has_moved(core, seed)) return {};
   GrowthLimits thin = limits;
   thin.min_periods = std::max(limits.min_periods, kMinThinPeriods);
+  thin.min_explained = kThinExplained * limits.min_explained;
   thin.min_sigma = 0.0;  // smoothing lowers the modulation; the limit is applied to `grey` below
   Grown out = grown(smoothed, core, false, thin);
   if (out.outcome != Growth::kPatch) return out;

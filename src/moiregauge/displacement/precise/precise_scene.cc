@@ -55,8 +55,7 @@ class SceneSolver {
     if (!is_solved())
       out_.problem = out_.calibration.bundle.scene.problem;
     else if (out_.rolls)
-      out_.problem =
-          "no camera path explains the rolling shutter, so no row is trusted";
+      out_.problem = "no camera path explains the rolling shutter, so no row is trusted";
     out_.print_error = out_.calibration.print_error;
     if (!out_.problem.empty()) return std::move(out_);
     if (reference_.knows_camera() && !out_.doubtful) test_camera();
@@ -131,12 +130,12 @@ class SceneSolver {
   void report_doubt(const ReferenceVerdict& verdict) {
     out_.doubtful = true;
     const bool slips_later = verdict.since && *verdict.since > reference_.seen.frame;
-    out_.remedy = slips_later ? fmt::format("measure the frames before that with --frames {}:{}, or use six references",
-                                            reference_.seen.frame, *verdict.since)
-                              : "use six references, which show the one that moves";
-    note(fmt::format(
-        "no row is trusted: one of the references moves{}, and the layout does not show which. Remedy: {}",
-        verdict.since ? fmt::format(" from frame {} on", *verdict.since) : "", out_.remedy));
+    out_.remedy = slips_later
+                      ? fmt::format("measure the frames before the movement with --frames {}:{}, or use six references",
+                                    reference_.seen.frame, *verdict.since)
+                      : "use six references, which show the one that moves";
+    note(fmt::format("no row is trusted: one of the references moves{}, and the layout does not show which. Remedy: {}",
+                     verdict.since ? fmt::format(" from frame {} on", *verdict.since) : "", out_.remedy));
   }
 
   // The test uses the model that all references together selected. It need not be the final model to find a fault.
@@ -159,9 +158,10 @@ class SceneSolver {
 
   void report_movement(std::size_t marker) {
     const Movement went = movement_of(site_, out_.calibration.bundle.scene, read_, marker);
-    note(fmt::format("reference '{}' is not used, because it moves by up to {:.3f} mm (u {:.4f} mm) against the others. "
-                     "Fix it before the next recording",
-                     site_.markers[marker].name, went.mm, went.u_mm));
+    note(
+        fmt::format("reference '{}' is not used, because it moves by up to {:.3f} mm (u {:.4f} mm) against the others. "
+                    "Fix it before the next recording",
+                    site_.markers[marker].name, went.mm, went.u_mm));
   }
 
   // Adds the error of apparent size to the variance of a target's depth. The depth follows from how the size of the
