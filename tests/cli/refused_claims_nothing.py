@@ -39,7 +39,7 @@ insist_no_camera("slip", done, folder, run_json, report)
 insist(not (folder / "site.toml").exists(), "a refused run writes site.toml")
 insist(all(marker["u"] == {} for marker in run_json["markers"]), "a refused run states markers")
 for place, text in [("warning", " ".join(run_json["warnings"])), ("error", done.stderr.splitlines()[-1]), ("next", done.stdout.splitlines()[-1]), ("advice", " ".join(report["advice"]))]:
-    insist("easure the frames before it with --frames 0:6" in text, f"{place}: {text}")
+    insist("easure the frames before the movement with --frames 0:6" in text, f"{place}: {text}")
     insist("--camera" not in text and "overlay.png" not in text, f"{place}: {text}")
 run([program, "measure", work / "slip/frames", "--site", work / "slip/site.toml", "--fps", "10", "--frames", "0:6", "-o", work / "before", "--quiet"])
 

@@ -43,7 +43,7 @@ for words, distance in ((["--pitch", "10mm"], 256.0), (["--pitch", "1mm"], 25.6)
     runs.insist((scale["from"], scale["to"]) == upper, f"{words}: {scale}")
     runs.insist(abs(scale["distance_mm"] / distance - 1) < 0.005, f"{words}: {scale}, not {distance} mm")
     runs.insist(abs(scale["mm_per_px"] / (distance / 256 * 1200 / 3478.26) - 1) < 0.005, f"{words}: {scale}")
-    text = f"{upper[0]} to {upper[1]}: {distance:g} mm"
+    text = f"{upper[0]} to {upper[1]} = {distance:g} mm"
     runs.insist(text in said.splitlines()[0] and said.startswith("found: "), f"{text} is not in the first line of {said}")
     report = (out / "report.html").read_text()
     runs.insist(f"{upper[0]} and {upper[1]} are {distance:g} mm apart" in report, f"{words}: the report does not say {distance} mm")
@@ -56,5 +56,5 @@ for words, distance in ((["--pitch", "10mm"], 256.0), (["--pitch", "1mm"], 25.6)
     runs.insist(abs(seen["scale"]["distance_mm"] / distance - 1) < 0.005, f"inspect {words}: {seen['scale']}")
 
 seen = runs.run([program, "inspect", clip / "frames", "-o", work / "seen"]).stdout
-runs.insist("R1 to R2: 25.6 pitches" in seen, f"without a pitch: {seen}")
+runs.insist("R1 to R2 = 25.6 pitches" in seen, f"without a pitch: {seen}")
 sys.exit(0)

@@ -83,7 +83,7 @@ runs.insist(list(rows.frame) == [3, 4, 5] and set(rows.marker) == {"right"}, f"{
 
 # UFF 58 cannot represent gaps. With --gaps split no values are invented.
 _, refused = export("gaps.uff", "--format", "uff58", expected=2)
-runs.insist("right dx: 11 of 14 samples" in refused.stderr and not (work / "gaps.uff").exists(), refused.stderr)
+runs.insist("right dx (11 of 14 samples" in refused.stderr and not (work / "gaps.uff").exists(), refused.stderr)
 uff, _ = export("split.uff", "--format", "uff58", "--gaps", "split")
 found = universal_file.datasets(uff.read_text(encoding="ascii"))
 runs.insist([number for number, _ in found] == [164, 15] + [58] * 6, f"{[n for n, _ in found]}")

@@ -63,9 +63,10 @@ VideoProblem no_video(int file) {
   const std::string first = found.substr(0, found.find(','));  // libav lists all names of a format
   const bool is_allowed = std::string_view(kContainers).find(first) != std::string_view::npos;
   return {InputErrorKind::kUnsupported,
-          found == "text" || is_allowed
-              ? fmt::format("the input is not a video{}", first.empty() ? "" : fmt::format(" (it is {})", first))
-              : fmt::format("the input type '{}' is not allowed", first),
+          first.empty()     ? "the input is not a video"
+          : found == "text" ? "the input is not a video (it is text)"
+          : is_allowed      ? fmt::format("the input contains no video (it is {})", first)
+                            : fmt::format("the input type '{}' is not allowed", first),
           "give a complete mp4, mov, mkv, webm, avi, ts or y4m file, or a folder of images"};
 }
 

@@ -104,8 +104,8 @@ TEST(ScenarioFile, AllImpossibleValuesAreReportedWithTheirPositions) {
       "s.toml");
   ASSERT_FALSE(read);
   const std::vector<std::string> expected{
-      "s.toml:2:9: unknown key \"frams\"; did you mean \"frames\"?", "s.toml:4:6: lens.k1 must be a number",
-      "s.toml:6:7: sensor.fps must be greater than 0", "s.toml:8:12: marker NW: pitch_mm must be greater than 0",
+      "s.toml:2:9: the key \"frams\" is unknown, did you mean \"frames\"?", "s.toml:4:6: lens.k1 must be a number",
+      "s.toml:6:7: sensor.fps must be greater than 0", "s.toml:8:12: marker NW, pitch_mm must be greater than 0",
       "s.toml:10:15: known_to.print_scale must be 0.1 at most"};
   EXPECT_EQ(read.error(), expected);
 }

@@ -77,7 +77,8 @@ TEST(SiteFile, AllMistakesOfMeaningAreListedWithTheirPositions) {
       "site.toml");
   const std::string text = all(site);
   ASSERT_FALSE(site);
-  EXPECT_NE(text.find("site.toml:2:1: unknown key \"pitch\"; did you mean \"pitch_mm\"?"), std::string::npos) << text;
+  EXPECT_NE(text.find("site.toml:2:1: the key \"pitch\" is unknown, did you mean \"pitch_mm\"?"), std::string::npos)
+      << text;
   EXPECT_NE(text.find("site.toml:3:12: pitch_mm must be greater than 0, not -1"), std::string::npos) << text;
   EXPECT_NE(text.find("site.toml:4:11: the pattern \"gird\" is unknown"), std::string::npos) << text;
   EXPECT_NE(text.find("site.toml:7:14: grating_mm must be two finite numbers"), std::string::npos) << text;
@@ -93,7 +94,7 @@ TEST(SiteFile, ASiteWithoutTargetsIsRefused) {
 
 TEST(SiteFile, AMarkerWithoutAnyPitchIsRefusedAndACircleNeedsNone) {
   const auto bare = parse_site("[[target]]\ngrating_mm = [0, 0]\ngrating_size_mm = [5, 5]\n", "s");
-  EXPECT_NE(all(bare).find("no pitch"), std::string::npos) << all(bare);
+  EXPECT_NE(all(bare).find("the pitch is missing"), std::string::npos) << all(bare);
   const std::string target = "[[target]]\ngrating_mm = [0, 0]\ngrating_size_mm = [5, 5]\npitch_mm = 1\n";
   const auto circle = parse_site("[[reference]]\ncircle_mm = [0, 0]\n" + target, "s");
   ASSERT_TRUE(circle) << all(circle);

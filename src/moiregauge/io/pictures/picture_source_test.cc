@@ -187,7 +187,7 @@ TEST(PictureSource, AFileThatIsNotPlainIsRefusedAtOnce) {
   ASSERT_EQ(::mkfifo((folder / "clip.mp4").c_str(), 0600), 0);
   const auto fifo = open_pictures(folder / "clip.mp4", {});
   ASSERT_FALSE(fifo);
-  EXPECT_NE(fifo.error().message.find("it is a FIFO"), std::string::npos) << fifo.error().message;
+  EXPECT_NE(fifo.error().message.find("the input is a FIFO"), std::string::npos) << fifo.error().message;
   EXPECT_NE(open_pictures("/dev/null", {}).error().message.find("the input is a device"), std::string::npos);
   EXPECT_EQ(picture_kind(folder / "clip.mp4"), PictureKind::kNone);
 }

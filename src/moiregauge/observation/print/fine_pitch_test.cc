@@ -35,13 +35,13 @@ TEST(FinePitch, ABinaryPrintIsFineBelowEightPixels) {
     EXPECT_TRUE(note_of({print_of(7.999, p)})) << word_for(p);
   }
   const auto note = note_of({print_of(7.1, Pattern::kGrid)});
-  EXPECT_TRUE(says(note, "the pitch of marker 'mid' is 7.1 px; below 8 px")) << note.value_or("none");
-  EXPECT_TRUE(says(note, "move closer")) << note.value_or("none");
+  EXPECT_TRUE(says(note, "the pitch of 'mid' is 7.1 px, and below 8 px")) << note.value_or("none");
+  EXPECT_TRUE(says(note, "Move closer")) << note.value_or("none");
 }
 
 TEST(FinePitch, ACosineIsFineBelowFourPixels) {
   EXPECT_FALSE(note_of({print_of(4.001, Pattern::kCosine)}));
-  EXPECT_TRUE(says(note_of({print_of(3.9, Pattern::kCosine)}), "is 3.9 px; below 4 px"));
+  EXPECT_TRUE(says(note_of({print_of(3.9, Pattern::kCosine)}), "is 3.9 px, and below 4 px"));
 }
 
 // The fundamentals of a checkerboard are on its diagonals: two squares over sqrt 2.
@@ -53,7 +53,7 @@ TEST(FinePitch, ACheckerboardCountsByItsDiagonals) {
 TEST(FinePitch, OneLineNamesTheFinestOfMany) {
   const auto note = note_of({print_of(7.5, Pattern::kGrid, "NW"), print_of(6.5, Pattern::kGrid, "mid"),
                              print_of(29.0, Pattern::kGrid, "SE"), print_of(5.0, Pattern::kCosine, "SW")});
-  EXPECT_TRUE(says(note, "'mid' is 6.5 px (and 1 more);")) << note.value_or("none");
+  EXPECT_TRUE(says(note, "'mid' is 6.5 px (and 1 more),")) << note.value_or("none");
 }
 
 TEST(FinePitch, BelowTwoAndAHalfPixelsNothingIsPlanned) {

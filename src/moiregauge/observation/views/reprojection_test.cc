@@ -145,8 +145,8 @@ TEST(Reprojected, NamesTheMarkerThatDoesNotFit) {
   EXPECT_TRUE(has(problem([](Site& s) { s.markers[1].grating->pitch_mm = 10.3; }), "pitch_mm = 10.3"));
   EXPECT_TRUE(has(problem([](Site& s) { s.markers[1].grating->angle_rad = 0.1; }), "angle_deg"));
   EXPECT_TRUE(has(problem([](Site& s) { s.markers[1].circle.reset(); }), "circle and grating"));
-  EXPECT_TRUE(has(problem([](Site& s) { s.markers.back().grating->centre.x = 21.0; }), "was read 21 mm"));
-  EXPECT_TRUE(has(problem([](Site& s) { std::swap(s.markers[0].circle, s.markers[1].circle); }), "was read"));
+  EXPECT_TRUE(has(problem([](Site& s) { s.markers.back().grating->centre.x = 21.0; }), "was measured 21 mm"));
+  EXPECT_TRUE(has(problem([](Site& s) { std::swap(s.markers[0].circle, s.markers[1].circle); }), "was measured"));
   EXPECT_EQ(problem([](Site& s) { std::swap(s.markers[0], s.markers[1]); }), "");
   EXPECT_EQ(problem([](Site& s) { s.known_to.position_mm = 7.0; }), "");
 }
