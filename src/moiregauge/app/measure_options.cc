@@ -294,7 +294,7 @@ tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs
   if (!method) return tl::unexpected(method.error());
   options.method = *method;
   if (const auto checked = check_combinations(args); !checked) return tl::unexpected(checked.error());
-  for (const auto parse : {parse_prints, check_references, parse_camera, parse_frames, parse_details}) {
+  for (const auto parse : {parse_prints, parse_camera, parse_frames, parse_details, check_references}) {
     if (const auto parsed = parse(args, options); !parsed) return tl::unexpected(parsed.error());
   }
   return options;
