@@ -18,12 +18,12 @@ struct RunRequest {
   std::string input;
   InputOptions input_options;
   MeasureOptions options;
-  std::string output;                         // DIR
-  Earlier earlier = Earlier::kAsk;            // what to do with an unfinished run in DIR
-  std::string stabilised;                     // folder of the stabilised markers; empty: none
-  std::vector<std::string> figures;           // formats
-  bool video = false;                         // DIR/stabilised.mp4
-  std::optional<double> video_exaggeration;   // empty: chosen
+  std::string output;                        // DIR
+  Earlier earlier = Earlier::kAsk;           // what to do with an unfinished run in DIR
+  std::string stabilised;                    // folder of the stabilised markers; empty: none
+  std::vector<std::string> figures;          // formats
+  bool video = false;                        // DIR/stabilised.mp4
+  std::optional<double> video_exaggeration;  // empty: chosen
 };
 
 struct RunFailure {
@@ -33,8 +33,8 @@ struct RunFailure {
 
 struct FinishedRun {
   Measurement measurement;
-  std::string folder;                  // holds the results: DIR, or DIR.unfinished after a stop
-  std::optional<RunFailure> trouble;   // something besides the results could not be written
+  std::string folder;                 // holds the results: DIR, or DIR.unfinished after a stop
+  std::optional<RunFailure> trouble;  // something besides the results could not be written
 };
 
 // Measures request.input into request.output. A stopped run is resumable: its frames are kept in DIR.unfinished.

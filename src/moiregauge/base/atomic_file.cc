@@ -56,9 +56,7 @@ bool sync_folder(const std::string& folder) {
 
 tl::expected<void, std::string> write_file_atomically(const std::string& path, std::string_view bytes) {
   std::string unfinished = path + ".XXXXXX";
-  const auto failed = [&](int why) {
-    return tl::unexpected(fmt::format("{} ({})", path, std::strerror(why)));
-  };
+  const auto failed = [&](int why) { return tl::unexpected(fmt::format("{} ({})", path, std::strerror(why))); };
   const int file = ::mkostemp(unfinished.data(), O_CLOEXEC);
   if (file < 0) return failed(errno);
   bool wrote = write_all(file, bytes) && open_up(file) && ::fsync(file) == 0;

@@ -77,10 +77,11 @@ struct Method {
 inline constexpr std::array kMethods{
     Method{"conventional", "sampling moire with a fixed camera (seed paper 2.1)", nullptr, observe_conventional,
            solve_conventional, false},
-    Method{"two-stage", "the seed paper's method: circle centres, refined by sampling moire (2.2)", nullptr, observe_two_stage,
-           solve_two_stage},
-    Method{"precise", "raw pixels compared with a learned template; lens and marker positions are solved from the footage", learn_prints,
-           observe_precise, solve_precise},
+    Method{"two-stage", "the seed paper's method: circle centres, refined by sampling moire (2.2)", nullptr,
+           observe_two_stage, solve_two_stage},
+    Method{"precise",
+           "raw pixels compared with a learned template; lens and marker positions are solved from the footage",
+           learn_prints, observe_precise, solve_precise},
 };
 inline constexpr std::string_view kDefaultMethod = "precise";
 

@@ -98,10 +98,9 @@ Stretch longest_in(const EvenTimes& times, std::size_t first, std::size_t count)
 }
 
 std::string not_falling(const SineFit& fit, double u_lambda, double duration) {
-  return fmt::format(
-      "the vibration is steady, its amplitude only {} by {:.1f} % (u {:.1f} %)",
-      fit.lambda >= 0.0 ? "falls" : "grows", 100.0 * std::abs(std::expm1(-fit.lambda * duration)),
-      100.0 * u_lambda * duration);
+  return fmt::format("the vibration is steady, its amplitude only {} by {:.1f} % (u {:.1f} %)",
+                     fit.lambda >= 0.0 ? "falls" : "grows", 100.0 * std::abs(std::expm1(-fit.lambda * duration)),
+                     100.0 * u_lambda * duration);
 }
 
 }  // namespace

@@ -75,8 +75,9 @@ tl::expected<EvenTimes, std::string> even_times(const Series& series) {
   for (const Stretch& stretch : times.stretches)
     times.off_grid = std::max(times.off_grid, off_grid(t, stretch, times.interval_s));
   if (times.off_grid > kOffGridAllowed)
-    return tl::unexpected(fmt::format("the time stamps deviate from an even grid by up to {:.2f} intervals, and {} is the limit",
-                                      times.off_grid, kOffGridAllowed));
+    return tl::unexpected(
+        fmt::format("the time stamps deviate from an even grid by up to {:.2f} intervals, and {} is the limit",
+                    times.off_grid, kOffGridAllowed));
   return times;
 }
 

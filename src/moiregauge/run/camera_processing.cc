@@ -225,10 +225,10 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
     return fault;
   if (distrust_moving(samples, [](long) { return true; }) == 0) return fault;
   const GrainSums& grain = alike_still ? still : processing.moving;
-  const std::string shown =
-      has_none ? "its still parts contain no noise"
-               : fmt::format("its noise is alike in successive frames, {:.2f} of independent noise",
-                             grain.one_apart / grain.two_apart);
+  const std::string shown = has_none
+                                ? "its still parts contain no noise"
+                                : fmt::format("its noise is alike in successive frames, {:.2f} of independent noise",
+                                              grain.one_apart / grain.two_apart);
   const std::string remedy = "switch the camera's temporal noise reduction off, or record raw";
   return ProcessingFault{
       fmt::format("moving targets are not trusted: the camera averages over time ({}). Remedy: {}", shown, remedy),

@@ -113,7 +113,7 @@ bool FrameObserver::refer_in_light(const Frame& frame) {
       out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
     }
     cannot_succeed_ = made.error().problem == ReferenceProblem::kSiteDisagrees ||
-                made.error().problem == ReferenceProblem::kTooCoarse;
+                      made.error().problem == ReferenceProblem::kTooCoarse;
     return false;
   }
   out_.refusal.clear();
@@ -156,7 +156,6 @@ Observation FrameObserver::observe(const Frame& frame) {
   (void)follower_->follow(*out_.reference, seen);
   return seen;
 }
-
 
 void FrameObserver::skip(const Observation& seen) {
   // As in the first run, damaged frames and frames before the reference frame are not tracked.

@@ -145,8 +145,9 @@ tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number
 }
 
 InputError not_the_same(const std::string& path) {
-  return {InputErrorKind::kUnreadable,
-          fmt::format("the unfinished run cannot be resumed: {} has other frames now: start again with --restart", path)};
+  return {
+      InputErrorKind::kUnreadable,
+      fmt::format("the unfinished run cannot be resumed: {} has other frames now: start again with --restart", path)};
 }
 
 long selected(const FrameRange& range, long frames) {
@@ -232,15 +233,17 @@ std::optional<std::string> note_on_first_frames(const Measurement& measured, con
   }
   if (!first) return std::nullopt;
   return fmt::format(
-      "frames {} to {} have no values (reference-lost): frame {} is the first that shows every marker. In frame {}, {}. "
+      "frames {} to {} have no values (reference-lost): frame {} is the first that shows every marker. In frame {}, "
+      "{}. "
       "Choose another with --reference-frame",
       first->frame, last, reference, first->frame, first->reference_problem);
 }
 
 std::string rest_contradiction(const Measurement& measured, const MeasureOptions& options, const MovedAtRest& moved) {
-  return fmt::format("target '{}' is not at rest: it moves by {:.4f} mm (u {:.4f} mm) between frames {} and {} of --rest {}",
-                     measured.reference->site.markers[moved.marker].name, moved.mm, moved.u_mm, moved.from, moved.to,
-                     as_typed(*options.solve.rest));
+  return fmt::format(
+      "target '{}' is not at rest: it moves by {:.4f} mm (u {:.4f} mm) between frames {} and {} of --rest {}",
+      measured.reference->site.markers[moved.marker].name, moved.mm, moved.u_mm, moved.from, moved.to,
+      as_typed(*options.solve.rest));
 }
 
 }  // namespace
@@ -268,7 +271,8 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   out.scene = std::move(solution.scene);
   out.references_verified = solution.references_verified;
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
-  if (out.scene && !out.scene->solved) out.warnings.push_back("the method two-stage was used instead of precise: " + out.scene->problem);
+  if (out.scene && !out.scene->solved)
+    out.warnings.push_back("the method two-stage was used instead of precise: " + out.scene->problem);
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
   if (auto fault = distrust_processed(out.processing, is_lossy(out.observations), out.samples)) {
     if (!fault->warning.empty()) out.warnings.push_back(std::move(fault->warning));
@@ -289,8 +293,8 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   }
   std::string list;
   for (const auto& [word, count] : counts) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, word);
-  out.refusal =
-      counts.empty() ? "only the reference frame was measured, and two frames are needed" : "no row is ok (" + list + ")";
+  out.refusal = counts.empty() ? "only the reference frame was measured, and two frames are needed"
+                               : "no row is ok (" + list + ")";
 }
 
 tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
@@ -312,7 +316,9 @@ tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const M
   out.processing = run.processing();
   if (auto note = run.note_on_repeats()) out.notes.push_back(*std::move(note));
   out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
-  if (std::isnan(out.input.fps)) out.notes.emplace_back("note: time_s is NaN and there are no spectra, because the images have no times. Give --fps");
+  if (std::isnan(out.input.fps))
+    out.notes.emplace_back(
+        "note: time_s is NaN and there are no spectra, because the images have no times. Give --fps");
   return out;
 }
 

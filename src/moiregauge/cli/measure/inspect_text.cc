@@ -111,9 +111,8 @@ std::string scale_line(const Inspection& seen) {
 
 std::string next_after_inspect(const InspectReport& report) {
   if (!report.seen.reference) {
-    return report.seen.patches.empty()
-               ? ""
-               : "next: with a fixed camera, measure the gratings with --method conventional\n";
+    return report.seen.patches.empty() ? ""
+                                       : "next: with a fixed camera, measure the gratings with --method conventional\n";
   }
   if (report.seen.unit == BoardUnit::kPitch) return "next: give --pitch (e.g. --pitch 10mm) for millimetres\n";
   const bool is_lossy = std::any_of(report.expected.begin(), report.expected.end(),

@@ -57,9 +57,9 @@ bool knows_distance(const Scene& scene) {
 std::string apparent_size_note(const Marker& marker, const Appearance& a, double distance, bool knows_distance) {
   const bool is_larger = a.larger > 0.0;
   const double percent = 100.0 * std::abs(a.larger);
-  const std::string stated = marker.z_mm ? fmt::format("its pitch_mm = {:.6g} and z_mm = {:.6g} give",
-                                                       marker.grating->pitch_mm, *marker.z_mm)
-                                         : fmt::format("its pitch_mm = {:.6g} gives", marker.grating->pitch_mm);
+  const std::string stated =
+      marker.z_mm ? fmt::format("its pitch_mm = {:.6g} and z_mm = {:.6g} give", marker.grating->pitch_mm, *marker.z_mm)
+                  : fmt::format("its pitch_mm = {:.6g} gives", marker.grating->pitch_mm);
   const std::string by =
       knows_distance ? fmt::format("{:.3g} mm", std::abs(a.nearer_mm))
                      : fmt::format("{:.2g} % of the camera's distance", 100.0 * std::abs(a.nearer_mm) / distance);

@@ -23,10 +23,10 @@ struct PreciseScene {
   // Rolling shutter that no camera path explains: no row of any method is trusted.
   bool rolls = false;
 
-  FrameSeries frames;              // frames without a moving reference, corrected to frame time
+  FrameSeries frames;                   // frames without a moving reference, corrected to frame time
   std::optional<std::size_t> excluded;  // a reference that moves, not used in `frames`
-  std::optional<Shutter> shutter;  // solved rolling shutter
-  PrintError print_error;          // to be included in the covariance of `frames`
+  std::optional<Shutter> shutter;       // solved rolling shutter
+  PrintError print_error;               // to be included in the covariance of `frames`
 
   bool references_verified = false;
   bool doubtful = false;             // one of the references moves, and it is unknown which

@@ -49,8 +49,8 @@ tl::expected<void, OutputError> write_file_set(const std::string& dir, const std
     std::error_code ignored;
     fs::remove_all(partial, ignored);
     return tl::unexpected(OutputError{
-        false,
-        fmt::format("the files could not be written: {}: {}: free space or choose another folder with -o", place.shown, why)});
+        false, fmt::format("the files could not be written: {}: {}: free space or choose another folder with -o",
+                           place.shown, why)});
   };
   std::error_code error;
   fs::remove_all(partial, error);  // of a killed process

@@ -82,7 +82,8 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
 
 OutputError RunDirectory::unwritable(const std::string& why, const Measurement& measurement) const {
   if (!solved_from_.empty())
-    return {false, fmt::format("the results could not be written: {}: free space or choose another folder with -o", why)};
+    return {false,
+            fmt::format("the results could not be written: {}: free space or choose another folder with -o", why)};
   return {false, fmt::format("the results could not be written: {} (all {} frames are kept): free space and run again "
                              "with --resume",
                              why, measurement.observations.size())};
@@ -94,8 +95,8 @@ tl::expected<void, OutputError> RunDirectory::check(const std::function<std::str
   const fs::path& dir = place_.results;
   if (!fs::exists(dir, error)) return {};
   const auto usage = [&](const char* why) {
-    return tl::unexpected(
-        OutputError{true, fmt::format("the output folder cannot be used: {} ({}): choose another with -o", place_.shown, why)});
+    return tl::unexpected(OutputError{
+        true, fmt::format("the output folder cannot be used: {} ({}): choose another with -o", place_.shown, why)});
   };
   if (!fs::is_directory(dir, error)) return usage("it is not a folder");
   if (fs::is_empty(dir, error)) return {};

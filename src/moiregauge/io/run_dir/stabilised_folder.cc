@@ -23,10 +23,9 @@ fs::path without_slash(const std::string& path) {
 }
 
 OutputError unwritable(const std::string& why) {
-  return {false,
-          fmt::format("the stabilised images could not be written: {}: free space or choose another folder with "
-                      "--stabilised",
-                      why)};
+  return {false, fmt::format("the stabilised images could not be written: {}: free space or choose another folder with "
+                             "--stabilised",
+                             why)};
 }
 
 // Returns a valid folder name for any marker name.
@@ -53,8 +52,8 @@ StabilisedFolder::~StabilisedFolder() {
 tl::expected<void, OutputError> StabilisedFolder::open() {
   std::error_code error;
   if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
-    return tl::unexpected(OutputError{
-        true, fmt::format("the folder is not empty: {}: choose another with --stabilised", path_)});
+    return tl::unexpected(
+        OutputError{true, fmt::format("the folder is not empty: {}: choose another with --stabilised", path_)});
   fs::remove_all(partial_, error);  // of a killed run
   fs::create_directories(partial_, error);
   if (error) return tl::unexpected(unwritable(fmt::format("{}: {}", path_, error.message())));

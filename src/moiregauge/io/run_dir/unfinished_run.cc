@@ -59,10 +59,12 @@ OutputError UnfinishedRun::unwritable(const std::string& why) const {
   const long safe = journal_ ? journal_->frames_safe() : frames_;
   const std::string file = fmt::format("{}.unfinished/{}", place_.shown, kRunFileName);
   if (safe == 0)
-    return {false,
-            fmt::format("the results could not be written: {} ({}): free space or choose another folder with -o", file, why)};
-  return {false, fmt::format("the results could not be written: {} ({}; {} frames are kept): free space and run again with --resume",
-                             file, why, safe)};
+    return {false, fmt::format("the results could not be written: {} ({}): free space or choose another folder with -o",
+                               file, why)};
+  return {false,
+          fmt::format(
+              "the results could not be written: {} ({}; {} frames are kept): free space and run again with --resume",
+              file, why, safe)};
 }
 
 std::string UnfinishedRun::in_use() const {
@@ -78,8 +80,7 @@ tl::expected<std::optional<UnfinishedRun::Found>, OutputError> UnfinishedRun::fi
   if (!fs::exists(path, error)) {
     if (fs::exists(place_.unfinished, error) && !is_ours(place_.unfinished))
       return usage(fmt::format(
-          "the folder of the unfinished run holds other files: {}.unfinished: choose another with -o",
-          place_.shown));
+          "the folder of the unfinished run holds other files: {}.unfinished: choose another with -o", place_.shown));
     path = place_.results / kRunFileName;
     found.in_results = holds_interrupted_run(place_.results) && fs::exists(path, error);
     if (!found.in_results) return std::nullopt;
@@ -102,19 +103,21 @@ tl::expected<void, OutputError> UnfinishedRun::judge(const Found& found, const R
   const RunStart& then = found.kept->run.start;
   const long frames = frames_of(*found.kept);
   if (then.fingerprint != start.fingerprint)
-    return usage(fmt::format("the folder holds an unfinished run of another input: {} ({} frames of {}): choose another with -o, or "
-                             "remove it",
-                             where, frames, then.input.path));
+    return usage(fmt::format(
+        "the folder holds an unfinished run of another input: {} ({} frames of {}): choose another with -o, or "
+        "remove it",
+        where, frames, then.input.path));
   if (earlier == Earlier::kAsk)
-    return usage(fmt::format("there is an unfinished run: {} ({} frames): continue it with --resume, or start again with --restart",
-                             where, frames));
+    return usage(fmt::format(
+        "there is an unfinished run: {} ({} frames): continue it with --resume, or start again with --restart", where,
+        frames));
   if (earlier == Earlier::kRestart) return {};
   if (!found.kept->is_of_this_version)
-    return usage(
-        fmt::format("another version of moiregauge started this run: {}: start again with --restart", where));
+    return usage(fmt::format("another version of moiregauge started this run: {}: start again with --restart", where));
   if (const auto differs = difference(found.kept->run, start, options))
-    return usage(
-        fmt::format("the unfinished run had other options: {} ({}): repeat those options, or start again with --restart", where, *differs));
+    return usage(fmt::format(
+        "the unfinished run had other options: {} ({}): repeat those options, or start again with --restart", where,
+        *differs));
   return {};
 }
 

@@ -132,7 +132,8 @@ std::string gap_text(const RunTable& table, const Place& place, const std::vecto
   std::size_t there = 0;
   for (const Readings& stretch : stretches) there += stretch.size();
   return fmt::format(
-      "the samples have gaps, which UFF 58 cannot hold: {} {} ({} of {} samples in {} stretches): give --gaps split, or "
+      "the samples have gaps, which UFF 58 cannot hold: {} {} ({} of {} samples in {} stretches): give --gaps split, "
+      "or "
       "a --time without gaps",
       table.markers[place.marker].name, place.axis == 0 ? "dx" : "dy", there, rows, stretches.size());
 }
@@ -162,7 +163,8 @@ tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps) {
     }
   }
   if (!has_any)
-    return tl::unexpected(std::string("no sample has numbers: --format uff58: choose a wider range with --time or --markers"));
+    return tl::unexpected(
+        std::string("no sample has numbers: --format uff58: choose a wider range with --time or --markers"));
   return text;
 }
 

@@ -282,7 +282,10 @@ tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& pictu
         ReferenceProblem::kNoGrating,
         text_of("there is no target, because each of the %zu gratings is within three diameters of one of the %zu "
                 "reference circles%s",
-                patches.size(), seen, parts.notes.empty() ? "" : (", or " + parts.notes.back().substr(std::string_view("note: ").size())).c_str()));
+                patches.size(), seen,
+                parts.notes.empty()
+                    ? ""
+                    : (", or " + parts.notes.back().substr(std::string_view("note: ").size())).c_str()));
   const BoardFromIdeal board = placed(rough, parts, lens, options.axes);
   return PictureSite{site_of(parts, board, lens, options.pitch_mm), board.inverse(), std::move(search),
                      std::move(parts.notes)};

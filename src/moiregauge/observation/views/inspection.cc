@@ -85,7 +85,8 @@ int lattice_of(const DetectedCircle& circle, const std::vector<IndexedLattice>& 
 
 RejectedOutline too_small(const DetectedCircle& circle, const CircleOptions& options) {
   char why[96];
-  std::snprintf(why, sizeof why, "too small, diameter %.2f px of at least %.2f", circle.diameter_px, options.min_diameter_px);
+  std::snprintf(why, sizeof why, "too small, diameter %.2f px of at least %.2f", circle.diameter_px,
+                options.min_diameter_px);
   return {circle.centre, circle.diameter_px, circle.circularity, why};
 }
 

@@ -43,7 +43,8 @@ std::optional<std::string> other_print(const Marker& was, const Marker& is) {
   if (is.circle.has_value() != was.circle.has_value() || is.grating.has_value() != was.grating.has_value())
     return text_about("marker '%s' must have the circle and grating it was measured with", is.name);
   if (!is.grating) return std::nullopt;
-  if (is.grating->pattern != was.grating->pattern) return text_about("marker '%s' was measured with another pattern", is.name);
+  if (is.grating->pattern != was.grating->pattern)
+    return text_about("marker '%s' was measured with another pattern", is.name);
   const double pitch = is.grating->pitch_mm, before = was.grating->pitch_mm;
   if (std::abs(pitch / before - 1.0) > kRestatedPitch)
     return text_about("marker '%s' has pitch_mm = %.4g, but was measured with %.4g", is.name, pitch, before);
