@@ -58,7 +58,7 @@ TABLE = {
         ("measure clip.avi --pitch 10mm --print-scale 100.12mm", 2, "1.0012"),
         ("measure clip.avi --pitch 10mm --print-scale 1.0012,", 2, "1.0012,0.9990"),
         ("measure clip.avi --pitch 10mm --print-scale 100.12", 2, "1.0012"),
-        ("measure clip.avi --pitch 10mm --u-print-scale 0.0001", 2, "give what the rulers"),
+        ("measure clip.avi --pitch 10mm --u-print-scale 0.0001", 2, "add what the rulers"),
         ("measure clip.avi --pitch 10mm --print-scale 1.001 --u-print-scale 0.2", 2, "0.0002"),
         ("measure clip.avi another.avi --pitch 10mm", 2, "another.avi"),
         (f"measure {NO_SUCH} --pitch 10mm", 3, NO_SUCH),

@@ -19,7 +19,7 @@ function(config_case kind name text)
   if(count GREATER 1)
     set(these "these ${count} mistakes")
   endif()
-  set(title "^error: (site file|camera file|scenario): bad\\.toml: correct ${these}:$")
+  set(title "^error: the (site file|camera file|scenario) has mistakes: bad\\.toml: correct ${these}:$")
   moiregauge_cli_test(config_mistakes_${kind}_${name} EXIT 2 ERROR_LINES 1 LEAVES_OUT out
     SETUP "mkdir clip && printf '%b' '[grating]\\npitch_mm = 10.0\\n${target}' > good.toml && printf '%b' '${text}' > bad.toml"
     COMMAND ${${kind}_words} STDERR ${title} ${mistakes})

@@ -22,10 +22,10 @@ constexpr std::array kCameras{
     NamedCamera{"pi-2", "Raspberry Pi Camera Module 2 (IMX219)", 3280, 2464, 0.0, 62.2, true,
                 "Raspberry Pi documentation, camera hardware"},
     // 26 mm equivalent (by the diagonal of 4:3) is 67 deg; stabilised video uses about nine tenths of the width.
-    NamedCamera{"phone-4k", "telephone, main camera of 26 mm equivalent, video 2160p", 3840, 2160, 0.0, 62.0, true,
-                "computed from the equivalent focal length makers state", true},
-    NamedCamera{"phone-1080p", "telephone, main camera of 26 mm equivalent, video 1080p", 1920, 1080, 0.0, 62.0, true,
-                "computed from the equivalent focal length makers state", true},
+    NamedCamera{"phone-4k", "phone, main camera of 26 mm equivalent, video 2160p", 3840, 2160, 0.0, 62.0, true,
+                "computed from the makers' equivalent focal length", true},
+    NamedCamera{"phone-1080p", "phone, main camera of 26 mm equivalent, video 1080p", 1920, 1080, 0.0, 62.0, true,
+                "computed from the makers' equivalent focal length", true},
 };
 
 }  // namespace

@@ -32,10 +32,11 @@ std::string method_names() {
 // Fails if there is no plain file of this name.
 tl::expected<void, UsageError> is_there(const std::string& kind, const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) return usage(fmt::format("no {}: {}: check the name", kind, path));
+  if (!std::filesystem::exists(path, error))
+    return usage(fmt::format("the {} does not exist: {}: check the name", kind, path));
   const std::string other = kind_unless_plain(path);
   if (other.empty()) return {};
-  return usage(fmt::format("no {}: {}: it is {}: give a plain file", kind, path, other));
+  return usage(fmt::format("the {} is {}: {}: give a plain file", kind, other, path));
 }
 
 // A site file is often in the folder of the images or of the clip. The message names it, but it is not used without
@@ -46,11 +47,10 @@ UsageError no_scale(const std::string& input) {
   for (const fs::path& beside : {fs::path(input) / "site.toml", fs::path(input).parent_path() / "site.toml"}) {
     std::error_code error;
     if (!fs::is_regular_file(beside, error)) continue;
-    site = fmt::format("the site file next to it: --site {}", beside.string());
+    site = fmt::format("the site file next to it, --site {}", beside.string());
     break;
   }
-  return {
-      fmt::format("no scale: neither --site nor --pitch: give the gratings' pitch, e.g. --pitch 10mm, or {}", site)};
+  return {fmt::format("the scale is unknown: {}: give the gratings' pitch, e.g. --pitch 10mm, or {}", input, site)};
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ UsageError no_scale(const std::string& input) {
 tl::expected<const Method*, UsageError> method_of(const std::string& word) {
   const Method* method = method_named(word);
   if (method == nullptr)
-    return usage(fmt::format("unknown method: --method {}: choose one of {}", word, method_names()));
+    return usage(fmt::format("the method is unknown: --method {}: choose one of {}", word, method_names()));
   return method;
 }
 
@@ -82,13 +82,13 @@ tl::expected<FrameRange, UsageError> rest_frames(const std::string& text) {
   const auto range = frame_range(text);
   const auto colons = std::count(text.begin(), text.end(), ':');
   if (!range || colons != 1)
-    return usage(fmt::format("frames at rest: --rest {}: write A:B, half open, e.g. 0:20", text));
+    return usage(fmt::format("the frames at rest cannot be read: --rest {}: write A:B, half open, e.g. 0:20", text));
   return range;
 }
 
 tl::expected<double, UsageError> readout_time(const std::string& text) {
   const auto seconds = duration_s(text);
-  if (!seconds) return usage(fmt::format("readout time: --readout {}: {}", text, seconds.error()));
+  if (!seconds) return usage(fmt::format("the readout time cannot be read: --readout {}: {}", text, seconds.error()));
   return *seconds;
 }
 
@@ -110,7 +110,8 @@ std::optional<double> parse_factor(std::string_view text) {
 tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleArgs& args) {
   if (args.factor.empty()) {
     if (args.u)
-      return usage("--u-print-scale without --print-scale: give what the rulers showed, e.g. --print-scale 1.0012");
+      return usage(
+          "the print scale is missing: --u-print-scale: add what the rulers showed, e.g. --print-scale 1.0012");
     return std::nullopt;
   }
   const std::string_view text = args.factor;
@@ -119,15 +120,15 @@ tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintSc
   const auto y = comma == std::string_view::npos ? x : parse_factor(text.substr(comma + 1));
   if (!x || !y)
     return usage(
-        fmt::format("print scale: --print-scale {}: write measured over nominal length of the rulers, e.g. 1.0012, "
-                    "or along x and y 1.0012,0.9990",
+        fmt::format("the print scale cannot be read: --print-scale {}: write measured / nominal length of the rulers, "
+                    "e.g. 1.0012, or along x and y 1.0012,0.9990",
                     args.factor));
   PrintScale scale = mean_of_rulers(*x, *y);
   if (!args.u) return scale;
   if (!(*args.u > 0.0 && *args.u <= kMaxStretch))
     return usage(
-        fmt::format("print scale: --u-print-scale {}: write a relative standard uncertainty, e.g. 0.0002 (0.02 mm "
-                    "of 100 mm)",
+        fmt::format("the uncertainty is out of range: --u-print-scale {}: write a relative standard uncertainty, e.g. "
+                    "0.0002 (0.02 mm of 100 mm)",
                     *args.u));
   scale.u = *args.u;
   return scale;
@@ -144,7 +145,8 @@ tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
       parts.back() += c;
   }
   const auto wrong = [&] {
-    return usage(fmt::format("frame selection: --frames {}: write A:B or A:B:STEP, half open, e.g. 0:100:2", text));
+    return usage(fmt::format(
+        "the frame selection cannot be read: --frames {}: write A:B or A:B:STEP, half open, e.g. 0:100:2", text));
   };
   if (parts.size() < 2 || parts.size() > 3) return wrong();
   if (!parts[0].empty() && !parse_long(parts[0], range.first)) return wrong();
@@ -156,7 +158,7 @@ tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
 
 std::string mistakes_in(const std::string& kind, const std::string& path, const std::string& lines) {
   const auto count = 1 + std::count(lines.begin(), lines.end(), '\n');
-  return fmt::format("{}: {}: correct {}\n{}", kind, path,
+  return fmt::format("the {} has mistakes: {}: correct {}\n{}", kind, path,
                      count == 1 ? "this mistake:" : fmt::format("these {} mistakes:", count), lines);
 }
 
@@ -177,8 +179,9 @@ std::string default_output(const std::string& input, const std::string& suffix) 
 
 std::optional<std::string> camera_problem(const Camera& camera, const InputInfo& input) {
   if (camera.width <= 0 || (camera.width == input.width && camera.height == input.height)) return std::nullopt;
-  return fmt::format("camera file is for {} x {} px, the pictures have {} x {}: {}: calibrate at the recording's size",
-                     camera.width, camera.height, input.width, input.height, input.path);
+  return fmt::format(
+      "the camera file is for {} x {} px and the frames have {} x {}: {}: calibrate at the recording's size",
+      camera.width, camera.height, input.width, input.height, input.path);
 }
 
 namespace {
@@ -187,19 +190,16 @@ using Parsed = tl::expected<void, UsageError>;
 
 // --resume, --restart, --pitch, --site and --axes exclude each other in part.
 Parsed check_combinations(const MeasureArgs& args) {
-  if (args.resume && args.restart)
-    return usage(
-        "--resume and --restart exclude each other: one continues an unfinished run, the other deletes it: "
-        "give one of them");
+  if (args.resume && args.restart) return usage("--resume and --restart exclude each other: measure: give one of them");
   if (!args.pitch.empty() && !args.site.empty())
     return usage("--pitch and --site exclude each other: the site file states the pitch: give one of them");
   if (!args.axes.empty() && args.pitch.empty())
-    return usage("--axes needs --pitch: the site file states the axes: remove --axes");
+    return usage("--axes applies to --pitch only: the site file states the axes: remove --axes");
   if (!args.axes.empty() && args.axes != "print" && args.axes != "image")
-    return usage(fmt::format("unknown axes: --axes {}: choose one of print, image", args.axes));
+    return usage(fmt::format("the axes are unknown: --axes {}: choose one of print, image", args.axes));
   if (args.site.empty() && args.pitch.empty()) return tl::unexpected(no_scale(args.input));
   if (args.exaggeration && !args.video)
-    return usage("--exaggerate needs --video: it applies to the video: add --video, or remove --exaggerate");
+    return usage("--exaggerate applies to --video only: measure: add --video, or remove --exaggerate");
   return {};
 }
 
@@ -211,9 +211,8 @@ Parsed check_references(const MeasureArgs& args, MeasureOptions& options) {
   });
   if (args.site.empty() || has_any || !options.method->needs_circles) return {};
   return usage(fmt::format(
-      "no references: --site {}: method {} needs 4 reference circles: add [[reference]] markers, or give --method "
-      "conventional",
-      args.site, options.method->name));
+      "the method {} requires 4 reference circles: --site {}: add [[reference]] markers, or give --method conventional",
+      options.method->name, args.site));
 }
 
 // Reads the gratings, their positions and their scale.
@@ -221,7 +220,7 @@ Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
   if (args.axes == "image") options.axes = BoardAxes::kImage;
   if (!args.pitch.empty()) {
     const auto pitch = length_mm(args.pitch);
-    if (!pitch) return usage(fmt::format("pitch: --pitch {}: {}", args.pitch, pitch.error()));
+    if (!pitch) return usage(fmt::format("the pitch cannot be read: --pitch {}: {}", args.pitch, pitch.error()));
     options.pitch_mm = *pitch;
   }
   if (!args.site.empty()) {
@@ -241,7 +240,8 @@ Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
 Parsed parse_frames(const MeasureArgs& args, MeasureOptions& options) {
   // One image in eleven days to a million per second: beyond these, times are lost in rounding.
   if (args.fps && !(*args.fps >= 1e-6 && *args.fps <= 1e6))
-    return usage(fmt::format("frame rate: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *args.fps));
+    return usage(fmt::format(
+        "the frame rate is out of range: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *args.fps));
   const auto range = frame_range(args.frames);
   if (!range) return tl::unexpected(range.error());
   options.frames = *range;
@@ -251,8 +251,9 @@ Parsed parse_frames(const MeasureArgs& args, MeasureOptions& options) {
     options.solve.rest = *rest;
   }
   if (args.reference_frame && *args.reference_frame < 0)
-    return usage(fmt::format("reference frame: --reference-frame {}: give a frame of the input; the first is 0",
-                             *args.reference_frame));
+    return usage(
+        fmt::format("the frame number is negative: --reference-frame {}: give a frame of the input, the first is 0",
+                    *args.reference_frame));
   options.reference_frame = args.reference_frame;
   return {};
 }
@@ -270,7 +271,7 @@ Parsed parse_camera(const MeasureArgs& args, MeasureOptions& options) {
   options.tone = tone_curve_named(args.tone);
   if (!options.tone)
     return usage(fmt::format(
-        "unknown tone curve: --tone {}: choose one of auto, linear, srgb, bt709, hlg, pq, gamma:2.2 (0.2 to 5)",
+        "the tone curve is unknown: --tone {}: choose one of auto, linear, srgb, bt709, hlg, pq, gamma:2.2 (0.2 to 5)",
         args.tone));
   return {};
 }
@@ -278,11 +279,13 @@ Parsed parse_camera(const MeasureArgs& args, MeasureOptions& options) {
 Parsed parse_details(const MeasureArgs& args, MeasureOptions& options) {
   if (!args.template_use.empty()) {
     const auto use = template_use_named(args.template_use);
-    if (!use) return usage(fmt::format("unknown word: --template {}: choose one of auto, on, off", args.template_use));
+    if (!use)
+      return usage(fmt::format("the word is unknown: --template {}: choose one of auto, on, off", args.template_use));
     options.observe.template_use = *use;
   }
   if (args.exaggeration && !(*args.exaggeration >= 1.0 && *args.exaggeration <= 1e5))
-    return usage(fmt::format("factor: --exaggerate {}: give a number from 1 to 100000", *args.exaggeration));
+    return usage(
+        fmt::format("the factor is out of range: --exaggerate {}: give a number from 1 to 100000", *args.exaggeration));
   return {};
 }
 

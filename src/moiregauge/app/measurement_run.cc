@@ -78,14 +78,15 @@ std::optional<std::string> readout_problem(const MeasureOptions& options, const 
   if (!options.solve.readout_s || !(input.fps > 0.0) || *options.solve.readout_s * input.fps <= kRounding)
     return std::nullopt;
   return fmt::format(
-      "readout time: --readout {:.4g}ms: a frame lasts {:.4g} ms only: give a shorter time, or the right --fps",
+      "the readout time is longer than a frame: --readout {:.4g}ms of {:.4g} ms: give a shorter time, or the right "
+      "--fps",
       1e3 * *options.solve.readout_s, 1e3 / input.fps);
 }
 
 // The two folders are each published as a whole: neither may contain the other.
 std::optional<std::string> stabilised_problem(const RunRequest& request) {
   if (request.stabilised.empty() || !overlaps(request.stabilised, request.output)) return std::nullopt;
-  return fmt::format("folders overlap: --stabilised {}: the results go to {}: choose a folder outside it",
+  return fmt::format("the folder overlaps the results: --stabilised {} and {}: choose a folder outside the results",
                      request.stabilised, request.output);
 }
 
@@ -96,8 +97,8 @@ RunFailure kept_without_results(const Measurement& measured, MeasureOptions opti
   options.solve.rest.reset();
   if (const auto ended = journal.end(measured, options); !ended) return failure_of(ended.error());
   return {Exit::kUsage,
-          fmt::format("{}: give other frames or remove the option: all {} frames are kept, `moiregauge solve "
-                      "{}.unfinished -o {}` needs no video",
+          fmt::format("{}: give other frames or remove the option (all {} frames are kept: `moiregauge solve "
+                      "{}.unfinished -o {}` needs no video)",
                       measured.contradiction, measured.observations.size(), place.shown, place.shown)};
 }
 

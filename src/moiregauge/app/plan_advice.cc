@@ -61,12 +61,13 @@ Advice about_the_picture(const RecordingSetup& setup) {
     while (turning_room(other).pan < radians_from_degrees(kLittleTurn_deg) && other.distance_mm < 1e7)
       other.distance_mm *= 1.01;
     return fmt::format(
-        "not all markers are in the picture: go back to {:.3g} m, or take a lens of {:.0f} % of this focal length",
+        "not all markers are in the image. Move back to {:.3g} m, or use a lens of {:.0f} % of this focal length",
         0.001 * other.distance_mm, 100.0 * setup.distance_mm / other.distance_mm);
   }
   const double least = degrees_from_radians(std::min({room.pan, room.tilt, room.roll}));
   if (least < kLittleTurn_deg)
-    return fmt::format("a turn of {:.2g} deg takes a marker out of the picture: leave more room round them", least);
+    return fmt::format("a marker leaves the image after {:.2g} deg of rotation. Leave more space around the markers",
+                       least);
   return std::nullopt;
 }
 
@@ -78,8 +79,8 @@ Advice about_the_layout(const RecordingSetup& setup) {
       const double ratio = t.u.x / t.u.y;
       if (ratio > kWeakAxis || ratio < 1.0 / kWeakAxis)
         return fmt::format(
-            "u_{} of '{}' is {:.1f} times u_{}, and the picture has no room to move references: step back or "
-            "turn the camera",
+            "u_{} of '{}' is {:.1f} times u_{}, and the image has no space to move references. Move back, or rotate "
+            "the camera by 90 deg",
             ratio > 1.0 ? "dx" : "dy", setup.site.markers[t.marker].name, std::max(ratio, 1.0 / ratio),
             ratio > 1.0 ? "dy" : "dx");
     }
@@ -90,14 +91,13 @@ Advice about_the_layout(const RecordingSetup& setup) {
                after = is_flat ? better->u_after.x : better->u_after.y;
   const double other = is_flat ? better->u_before.y : better->u_before.x;
   return fmt::format(
-      "the references span {:.2g} of their {} in {}: u_{} of '{}' is {:.1f} times u_{}; move {} {} by {:.2g} m (a span "
-      "of {:.2g}): "
-      "u_{} {} instead of {}{}",
+      "the references span only {:.2g} of their {} in {}, so u_{} of '{}' is {:.1f} times u_{}. Move {} {} by {:.2g} m "
+      "(a span of {:.2g}) to get u_{} {} instead of {}{}",
       better->span_ratio_before, is_flat ? "width" : "height", is_flat ? "height" : "width", is_flat ? "dx" : "dy",
       setup.site.markers[better->target].name, before / other, is_flat ? "dy" : "dx", fmt::join(better->moved, " and "),
       is_flat ? "up" : "to the right", 0.001 * std::max(better->by.x, better->by.y), better->span_ratio_after,
       is_flat ? "dx" : "dy", length_text(after), length_text(before),
-      better->picture_ends_it ? " (there the picture ends)" : "");
+      better->picture_ends_it ? " (up to the image edge)" : "");
 }
 
 Advice about_the_pitch(const RecordingSetup& setup) {
@@ -106,8 +106,9 @@ Advice about_the_pitch(const RecordingSetup& setup) {
     const double factor = kGoodFine_px / fine.pitch_px;
     const double after = worst_u(with_pitch(setup, factor)), before = worst_u(setup);
     return fmt::format(
-        "the pitch of '{}' is {:.1f} px in the picture, 8 to 30 are good: with {:.1f} times the pitch (on prints "
-        "of this size) the worst u is {} instead of {}",
+        "the pitch of '{}' is {:.1f} px in the image (8 to 30 px are good). With {:.1f} times the pitch, on gratings "
+        "of "
+        "this size, the largest u is {} instead of {}",
         fine.name, fine.pitch_px, factor, length_text(after), length_text(before));
   }
   const Worst coarse = extreme_pitch(setup, std::greater<>());
@@ -116,8 +117,7 @@ Advice about_the_pitch(const RecordingSetup& setup) {
   const double after = worst_u(with_pitch(setup, factor)), before = worst_u(setup);
   if (!(after < kWorthIt * before)) return std::nullopt;
   return fmt::format(
-      "the pitch of '{}' is {:.0f} px in the picture: a finer print of {:.2g} times the pitch has a worst u of {} "
-      "instead of {}",
+      "the pitch of '{}' is {:.0f} px in the image. With {:.2g} times the pitch the largest u is {} instead of {}",
       coarse.name, coarse.pitch_px, factor, length_text(after), length_text(before));
 }
 
@@ -129,9 +129,10 @@ Advice about_blur(const RecordingSetup& setup) {
   RecordingSetup shorter = setup;
   shorter.exposure_s *= kMaxBlur * pitch / px;
   return fmt::format(
-      "the vibration blurs by {:.1f} px of a pitch of {:.1f}{}: expose for {:.2g} ms at most; the worst u is {} then "
-      "instead of {}",
-      px, pitch, px > 0.6 * pitch ? ", which is refused" : "", 1000.0 * shorter.exposure_s,
+      "the vibration blurs the image by {:.1f} px of a pitch of {:.1f} px{}. Expose for {:.2g} ms at most to get a "
+      "largest "
+      "u of {} instead of {}",
+      px, pitch, px > 0.6 * pitch ? " (status blurred)" : "", 1000.0 * shorter.exposure_s,
       length_text(worst_u(shorter)), length_text(worst_u(setup)));
 }
 
@@ -142,41 +143,41 @@ Advice about_time(const RecordingSetup& setup) {
   const double step =
       2.0 * swing.amplitude * std::abs(std::sin(std::min(0.5 * kPi, kPi * swing.frequency_hz / setup.fps)));
   if (setup.fps < kSamplesPerSwing * swing.frequency_hz)
-    return fmt::format("{:g} Hz at {:g} frames/s shows as another frequency: take {:.0f} frames/s or more",
-                       swing.frequency_hz, setup.fps, std::ceil(4.0 * swing.frequency_hz));
+    return fmt::format(
+        "{:g} Hz at {:g} frames/s appears at another frequency (aliasing). Record {:.0f} frames/s or more",
+        swing.frequency_hz, setup.fps, std::ceil(4.0 * swing.frequency_hz));
   if (step > 0.5 * pitch)
     return fmt::format(
-        "the target goes {} from frame to frame, more than half a pitch: give it an outline that shows (white "
-        "round the print), or take {:.0f} frames/s",
+        "the target moves {} per frame, more than half a pitch. Leave a white border around its grating, or record "
+        "{:.0f} frames/s",
         length_text(step), std::ceil(kTwoPi * swing.frequency_hz * swing.amplitude / (0.5 * pitch)));
   return std::nullopt;
 }
 
 Advice about_the_shutter(const RecordingSetup& setup, bool rolls_untold) {
   if (rolls_untold)
-    return "this camera reads its rows one after another: give --readout (often half to nine tenths of 1 / fps), and "
-           "look at "
-           "rolling shutter";
+    return "this camera has a rolling shutter. Give --readout (often 0.5 to 0.9 of 1 / fps) to see its effect";
   const ShutterError error = shutter_error(setup);
   const double mm = std::hypot(error.camera_mm, error.target_mm), u = worst_u(setup);
   if (!(mm > u)) return std::nullopt;
   return fmt::format(
-      "rolling shutter: the references are read up to {:.2g} ms from the target, which is worth {} at this "
-      "vibration, more than u: mount them on the target's rows, or turn the camera by a quarter",
-      1000.0 * error.lag_s, length_text(mm));
+      "the rolling shutter adds {}, more than u, because the references are read up to {:.2g} ms from the target. "
+      "Mount "
+      "references at the target's height, or rotate the camera by 90 deg",
+      length_text(mm), 1000.0 * error.lag_s);
 }
 
 Advice about_checking(const RecordingSetup& setup) {
   const auto references = std::count_if(setup.site.markers.begin(), setup.site.markers.end(),
                                         [](const Marker& m) { return m.role == Role::kReference && m.grating; });
   if (references >= 6) return std::nullopt;
-  return fmt::format("{} references cannot name one that moves: six can, and lower u as well", references);
+  return fmt::format("{} references cannot show which one moves. Use six references, which also lower u", references);
 }
 
 }  // namespace
 
 std::string length_text(double mm) {
-  if (!std::isfinite(mm)) return "not shown";
+  if (!std::isfinite(mm)) return "not measured";
   const double um = 1000.0 * mm;
   if (um < 99.5) return fmt::format("{:.2g} um", um);
   if (mm < 0.995) return fmt::format("{:.0f} um", um);

@@ -42,8 +42,8 @@ tl::expected<std::vector<std::string>, UsageError> figure_formats(const std::str
     const auto end = std::min(word.find(',', at), word.size());
     formats.push_back(word.substr(at, end - at));
     if (std::find(kFigureFormats.begin(), kFigureFormats.end(), formats.back()) == kFigureFormats.end())
-      return tl::unexpected(
-          UsageError{fmt::format("unknown format: --figures {}: choose of pdf, svg, png, with commas between", word)});
+      return tl::unexpected(UsageError{
+          fmt::format("the format is unknown: --figures {}: choose from pdf, svg, png, separated by commas", word)});
     at = end + 1;
   }
   return formats;
@@ -54,7 +54,7 @@ PutMore put_figures(std::vector<std::string> formats, const RunCallbacks& callba
     if (formats.empty() || !m.reference) return {};
     const auto drawn =
         figure::run_figures({*m.reference, m.observations, m.samples, stated_scene(m), m.picture.grey.view()});
-    for (const std::string& why : drawn.left_out) callbacks.note("note: no figure of the " + why);
+    for (const std::string& why : drawn.left_out) callbacks.note("note: there is no figure of the " + why);
     return put_all(folder / "figures", drawn, formats);
   };
 }

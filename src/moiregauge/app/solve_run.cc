@@ -30,9 +30,9 @@ Done choose_method(const SolveArgs& args, MeasureOptions& options) {
   if (!wanted) return tl::unexpected(wanted.error());
   if (!has_seen_enough_for(*options.method, **wanted))
     return usage(
-        fmt::format("other method: --method {}: this run was measured by `{}`, which did not look at what `{}` "
-                    "needs: measure the input again with --method {}",
-                    args.method, options.method->name, args.method, args.method));
+        fmt::format("the run does not contain what this method requires: --method {} after `{}`: measure the input "
+                    "again with --method {}",
+                    args.method, options.method->name, args.method));
   options.method = *wanted;
   return {};
 }
@@ -76,9 +76,9 @@ Done restate(const SolveArgs& args, StoredRun& run) {
   Reference& reference = *run.seen.reference;
   auto again = reproject_observations(reference, run.seen.observations, site, run.options.camera.value_or(Camera{}));
   if (!again)
-    return usage(fmt::format("{}: {}: {}: measure the input again with it",
-                             args.site.empty() ? "camera file" : "site file",
-                             args.site.empty() ? args.camera : args.site, again.error()));
+    return usage(fmt::format("{}: {}: correct the {}, or measure the input again with it", again.error(),
+                             args.site.empty() ? args.camera : args.site,
+                             args.site.empty() ? "camera file" : "site file"));
   reference = std::move(again->reference);
   run.seen.observations = std::move(again->observations);
   if (is_other_site) run.options.site = reference.site;
@@ -104,16 +104,17 @@ tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
   const std::string path = (fs::path(folder) / kRunFileName).string();
   std::error_code error;
   if (const std::string kind = kind_unless_plain(path); fs::exists(path, error) && !kind.empty())
-    return tl::unexpected(fmt::format("no observations: {}: it is {}: give a folder that `measure` wrote", path, kind));
+    return tl::unexpected(
+        fmt::format("there are no observations: {} is {}: give a folder that `measure` wrote", path, kind));
   if (!fs::exists(path, error) || fs::exists(fs::path(folder) / "run.json", error)) return read_run(path);
   auto kept = recover_run(path);
   if (!kept) return tl::unexpected(kept.error());
   if (kept->run.options.method == nullptr)
-    return tl::unexpected(
-        fmt::format("no observations: {}: the run was stopped before its first frame: measure again", path));
+    return tl::unexpected(fmt::format("the run was stopped before its first frame: {}: measure again", path));
   if (!kept->has_end)
-    kept->run.seen.notes.push_back(
-        fmt::format("the run was not finished: these are its first {} frames", kept->run.seen.observations.size()));
+    kept->run.seen.notes.push_back(fmt::format(
+        "the results end after {} frames, because the run was not finished. Finish it with measure --resume",
+        kept->run.seen.observations.size()));
   return std::move(kept->run);
 }
 
@@ -153,7 +154,7 @@ tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const R
   evaluate(solved.options, solved.measurement);
   if (!solved.measurement.contradiction.empty())
     return failed(Exit::kUsage,
-                  solved.measurement.contradiction + ": give other frames, or --rest none: nothing was written");
+                  solved.measurement.contradiction + ": give other frames, or --rest none (nothing was written)");
   if (const auto written = directory.write(solved.measurement, solved.options); !written)
     return tl::unexpected(failure_of(written.error()));
   return solved;

@@ -90,7 +90,7 @@ class Film {
     const std::string when = std::isfinite(shot.time_s) ? fmt::format(", {:.2f} s", shot.time_s) : "";
     return picture_.draw(upper_bits(shot.luma, bits).view(), is_seen ? &view : nullptr, moves,
                          fmt::format("as filmed: frame {}{}", shot.number, when),
-                         is_seen ? words : "references not seen");
+                         is_seen ? words : "references not found");
   }
 
  private:
@@ -163,7 +163,7 @@ PutMore put_video(std::optional<double> exaggeration, const OpenInput& open, con
                     exaggeration.value_or(best_exaggeration(travel.longest_mm, travel.u_mm, travel.size_mm)));
     const auto source = open();
     if (!source) {  // the results are kept
-      callbacks.note("note: no stabilised.mp4: " + source.error().message);
+      callbacks.note("note: stabilised.mp4 was not made: " + source.error().message);
       return {};
     }
     const std::string path = (folder / "stabilised.mp4").string();
@@ -174,10 +174,10 @@ PutMore put_video(std::optional<double> exaggeration, const OpenInput& open, con
     if (!*is_whole) {
       std::error_code ignored;
       fs::remove(path, ignored);
-      callbacks.note("note: no stabilised.mp4: drawing was stopped. Measure again with --video");
+      callbacks.note("note: stabilised.mp4 was not made, because drawing was stopped. Measure again with --video");
       return {};
     }
-    return sync_file(path) ? Written{} : tl::unexpected(path + ": cannot be written to the disk");
+    return sync_file(path) ? Written{} : tl::unexpected(path + " (it could not be saved to the disk)");
   };
 }
 

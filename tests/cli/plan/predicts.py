@@ -54,7 +54,7 @@ for axis in "xy":
 rig = ["--distance", "1.2m", "--resolution", "4104x1012", "--pixel", "3.45um", "--focal", "12mm"]
 site = (work / "rig" / "site.toml").read_text()
 plan = json.loads(runs.run([program, "plan", *rig, "--site", work / "rig" / "site.toml", "--json"]).stdout)
-advice = next(line for line in plan["advice"] if "move NW and NE up by" in line)
+advice = next(line for line in plan["advice"] if "Move NW and NE up by" in line)
 metres = float(advice.split("up by ")[1].split(" m")[0])
 moved = site.replace(", 28.0]", f", {28.0 + 1000 * metres}]", 4)
 (work / "moved.toml").write_text(moved)

@@ -60,7 +60,7 @@ void add_prints(CLI::App& command, MeasureArgs& args) {
   command.add_option("INPUT", args.input, "video, folder of images, multi-page TIFF, or printf pattern (--sequence)")
       ->type_name("FILE")
       ->required();
-  command.add_option("--site", args.site, "site.toml: what is printed where")->type_name("FILE");
+  command.add_option("--site", args.site, "site.toml, the markers and their positions")->type_name("FILE");
   command.add_option("--pitch", args.pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
   command
@@ -111,7 +111,7 @@ void add_output(CLI::App& command, MeasureArgs& args) {
   command.add_option("-o,--out", args.output, "output folder [<input>-moiregauge]")->type_name("DIR");
   command
       .add_option("--stabilised", args.stabilised,
-                  "also write every marker as a still camera would see it, frame by frame")
+                  "also write every marker frame by frame, without the camera's motion")
       ->type_name("DIR");
   add_figures(command, args.figures);
   command.add_flag("--video", args.video,

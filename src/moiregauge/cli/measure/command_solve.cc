@@ -27,20 +27,20 @@ int run(const SolveArgs& args) {
 }  // namespace
 
 void add_solve(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("solve", "New numbers from a finished run, without its video");
+  auto* command = app.add_subcommand("solve", "Compute new results from a finished run, without its video");
   auto args = std::make_shared<SolveArgs>();
   command->add_option("DIR", args->run, "folder that `measure` wrote")->type_name("DIR")->required();
-  command->add_option("--site", args->site, "site.toml with better places, turns, heights or known_to")
+  command->add_option("--site", args->site, "site.toml with better positions, rotations, heights or known_to")
       ->type_name("FILE");
-  command->add_option("--camera", args->camera, "calibrated camera: our TOML or OpenCV/ROS YAML")->type_name("FILE");
+  command->add_option("--camera", args->camera, "calibrated camera, our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command
       ->add_option("--rest", args->rest,
-                   "frames in which no target moves, half open: A:B; none: take back the run's own")
+                   "frames in which no target moves, half open: A:B; none: ignore those of the run")
       ->type_name("A:B|none");
-  command->add_option("--readout", args->readout, "rolling shutter: first row's exposure to the last one's, e.g. 18ms")
+  command->add_option("--readout", args->readout, "rolling shutter: readout time from first to last row, e.g. 18ms")
       ->type_name("TIME");
   add_print_scale(*command, args->print_scale);
-  command->add_option("--method", args->method, "two-stage, of a run measured by precise [the run's own]")
+  command->add_option("--method", args->method, "two-stage, for a run measured by precise [the run's own]")
       ->type_name("two-stage|precise|conventional");
   command->add_option("-o,--out", args->output, "output folder [DIR: its results are replaced]")->type_name("DIR");
   add_figures(*command, args->figures);
