@@ -125,7 +125,7 @@ one plain pass over a frame's bytes. Frames are the simulator's (`rig-1xyz`, eve
 the reference frame, and in brackets the scatter about the frames' mean, in which the noise of the one reference frame drops out.
 
 `hot`: the same frame again and again. `ring`: a few dozen frames to and fro; their markers' windows stay in the last-level cache, whole
-frames do not. `cold`: so many copies that not even the windows stay.
+frames do not. `cold`: more copies than fit into the cache, even windows.
 
 ## Gates
 

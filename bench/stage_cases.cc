@@ -72,9 +72,9 @@ bool templates(const SeenRing& ring, const Shot& shot) {
 bool outline(const SeenRing& ring, const Shot& shot) {
   const Reference& reference = ring.chain->reference();
   const std::size_t i = ring.chain->target();
-  const auto nobody = [](Extent<frame::Board>) { return false; };
+  const auto never = [](Extent<frame::Board>) { return false; };
   return verify_fringe_order(shot.picture, ring.view(shot), *reference.site.markers[i].grating,
-                             *reference.prints[i]->outline, ring.moved(shot, i), nobody)
+                             *reference.prints[i]->outline, ring.moved(shot, i), never)
              .order == Order::kProven;
 }
 

@@ -20,7 +20,7 @@ struct FrameRange {
 
 // The scale is mandatory: `pitch`, `site` or `site_file`. All else has a default that works.
 struct MeasureOptions {
-  std::optional<Millimetres> pitch;  // of the gratings; the site is then detected in the reference frame
+  std::optional<Millimetres> pitch;  // the gratings' pitch; the site is then detected in the reference frame
   std::optional<Site> site;
   std::string site_file;
   std::optional<Camera> camera;  // calibrated; empty: solved from the footage

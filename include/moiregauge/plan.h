@@ -15,7 +15,7 @@ struct PlanOptions {
   Site site;                     // gratings with width, height and pitch
   Camera camera;                 // width, height, fx, fy, cx, cy
   Millimetres distance;          // from the camera to the reference plane, which it faces
-  double noise_grey = 1.5;       // of a pixel, grey levels of 8 bits
+  double noise_grey = 1.5;       // each pixel's noise, grey levels of 8 bits
   double contrast_grey = 170.0;  // white minus black
   double blur_px = 0.7;          // sigma of the point spread
   bool is_compressed = false;    // a typical codec of a phone or drone

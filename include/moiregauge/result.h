@@ -55,8 +55,8 @@ struct Result {
   bool references_verified = false;  // the references were tested against each other, and none moves
   std::vector<std::string> warnings;
   std::string refusal;  // why no sample is trusted; empty for a measurement
-  int exit_code = 0;    // of the program for the same run: 0, 4 (refused), 5 (over 1 % not ok), 130 (stopped)
-  std::string folder;   // of the written results; empty: nothing was written
+  int exit_code = 0;    // the program's code for the same run: 0, 4 (refused), 5 (over 1 % not ok), 130 (stopped)
+  std::string folder;   // contains the written results; empty: nothing was written
 
   // Returns the target with this name, or null.
   [[nodiscard]] const Target* find(const std::string& name) const {

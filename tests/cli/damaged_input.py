@@ -71,8 +71,8 @@ def run_json(path):
 
 
 def insist_incomplete(path):
-    told = run_json(path)
-    insist(told["exit_code"] == 5 and told["complete"] is False, f"{path}: run.json does not say that it is incomplete")
+    reported = run_json(path)
+    insist(reported["exit_code"] == 5 and reported["complete"] is False, f"{path}: run.json does not say that it is incomplete")
 
 
 def case_01_no_such_input():
@@ -142,8 +142,8 @@ def case_05_damaged_bytes():
         hit.write_bytes(content)
         done = measure(hit, 5)
         found = insist_marked(whole, hit)
-        told = says(done, r"^warning: (\d+) frames have no values \(decode-error\): the input is damaged from frame (\d+) on")
-        insist((int(told.group(2)), int(told.group(1))) == (found.index("decode-error"), found.count("decode-error")), told.group(0))
+        warned = says(done, r"^warning: (\d+) frames have no values \(decode-error\): the input is damaged from frame (\d+) on")
+        insist((int(warned.group(2)), int(warned.group(1))) == (found.index("decode-error"), found.count("decode-error")), warned.group(0))
         insist(found.count("ok") >= 8, f"{found}")
         insist(all(row[2] == "NaN" for row in rows(out_of(hit)) if row[-1] == "decode-error"), "a damaged frame has a number")
         insist_incomplete(hit)
@@ -328,12 +328,12 @@ def strike(stroke, words):
         time.sleep(0.01)
     os.kill(child, stroke)
     begin = time.monotonic()
-    told = process.communicate(timeout=120)[1]
-    insist(process.returncode == 5, f"exit {process.returncode}: {told}")
-    found = re.search(rf"^warning: the video decoder stopped \({words}\) at frame (\d+) \((\d+) frames kept\)", told, re.MULTILINE)
-    insist(found, told)
+    stderr = process.communicate(timeout=120)[1]
+    insist(process.returncode == 5, f"exit {process.returncode}: {stderr}")
+    found = re.search(rf"^warning: the video decoder stopped \({words}\) at frame (\d+) \((\d+) frames kept\)", stderr, re.MULTILINE)
+    insist(found, stderr)
     kept = rows(out)
-    insist(4 <= len(kept) == int(found.group(2)) < 372, f"{len(kept)} rows: {told}")
+    insist(4 <= len(kept) == int(found.group(2)) < 372, f"{len(kept)} rows: {stderr}")
     insist(all(row[-1] == "ok" for row in kept), "the frames before count")
     return time.monotonic() - begin
 

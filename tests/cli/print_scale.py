@@ -37,21 +37,21 @@ def near(what, value, wanted, tolerance):
 
 site = ["--site", work / "run" / "site.toml"]
 near("pitch", measure("pitch", "--pitch", "10mm"), 1 / 1.0012, 2e-4)
-near("pitch, told", measure("pitch_told", "--pitch", "10mm", "--print-scale", "1.0012"), 1.0, 2e-4)
+near("pitch, stated", measure("pitch_stated", "--pitch", "10mm", "--print-scale", "1.0012"), 1.0, 2e-4)
 near("site", measure("site", *site), 1 / 1.0012, 5e-4)
-near("site, told", measure("site_told", *site, "--print-scale", "1.0012", "--u-print-scale", "0.0001"), 1.0, 3e-4)
+near("site, stated", measure("site_stated", *site, "--print-scale", "1.0012", "--u-print-scale", "0.0001"), 1.0, 3e-4)
 
-config = json.loads((work / "site_told" / "run.json").read_text())
+config = json.loads((work / "site_stated" / "run.json").read_text())
 runs.insist(config["config"]["print_scale"] == {"factor": 1.0012, "u": 0.0001}, f"{config['config']}")
 runs.insist(config["config"]["known_to"]["print_scale"] == 0.0001, "known_to is not the rulers'")
-untold = json.loads((work / "site" / "run.json").read_text())["targets"][0]
-told = config["targets"][0]
-runs.insist(told["u_dy_mm"] < 0.5 * untold["u_dy_mm"], f"u {told['u_dy_mm']}, without {untold['u_dy_mm']}")
+unstated = json.loads((work / "site" / "run.json").read_text())["targets"][0]
+stated = config["targets"][0]
+runs.insist(stated["u_dy_mm"] < 0.5 * unstated["u_dy_mm"], f"u {stated['u_dy_mm']}, without {unstated['u_dy_mm']}")
 
 # `solve --print-scale` on the run without it. A second call does not apply the scale again.
 for name, words in (("site", ["--u-print-scale", "0.0001"]), ("pitch", [])):
     runs.run([program, "solve", work / name, "--print-scale", "1.0012", *words, "--quiet", "-o", work / f"{name}_solved"])
-    near(f"{name}, solved", slope(work / f"{name}_solved"), slope(work / f"{name}_told"), 5e-5)
+    near(f"{name}, solved", slope(work / f"{name}_solved"), slope(work / f"{name}_stated"), 5e-5)
     runs.run([program, "solve", work / f"{name}_solved", "--print-scale", "1.0012", *words, "--quiet", "-o", work / f"{name}_twice"])
     near(f"{name}, solved twice", slope(work / f"{name}_twice"), slope(work / f"{name}_solved"), 1e-6)
 sys.exit(0)

@@ -77,13 +77,13 @@ def main():
 
     wandered = 0.0
     for x_mm, y_mm in [(-100, 40), (100, 40), (-100, -40), (100, -40)]:
-        stands = shifts(still, *place(x_mm, y_mm), pitch)
+        residual = shifts(still, *place(x_mm, y_mm), pitch)
         moves = shifts(filmed, *place(x_mm, y_mm), pitch)
         wandered = max(wandered, numpy.abs(moves).max())
-        rms = numpy.sqrt(numpy.mean(stands ** 2))
+        rms = numpy.sqrt(numpy.mean(residual ** 2))
         print(f"reference at {x_mm:4d}, {y_mm:3d} mm: moves {numpy.abs(moves).max():.2f} px as filmed, stabilised "
-              f"{rms:.4f} px rms, {numpy.abs(stands).max():.4f} px at most")
-        assert rms < CODEC_PX and numpy.abs(stands).max() < 2.0 * CODEC_PX, stands
+              f"{rms:.4f} px rms, {numpy.abs(residual).max():.4f} px at most")
+        assert rms < CODEC_PX and numpy.abs(residual).max() < 2.0 * CODEC_PX, residual
     assert wandered > 5.0, "the recording does not shake: nothing is shown"
     with open(work / "run/truth.csv", encoding="ascii") as file:
         truth = numpy.array([float(row["dy_mm"]) for row in csv.DictReader(file) if row["marker"] == "mid"])

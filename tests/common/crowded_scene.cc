@@ -91,7 +91,7 @@ void point_the_camera(Scenario& s, Dice& dice, double& roll_deg) {
 }
 
 // Adds a marker at a random free position in the image. Returns false after 400 tries.
-bool strew(Scenario& s, Dice& dice, SceneMarker marker) {
+bool scatter(Scenario& s, Dice& dice, SceneMarker marker) {
   marker.listed = false;
   for (int tries = 0; tries < 400; ++tries) {
     const double reach = 0.5 * s.camera.width / s.camera.fx * s.mount.distance_mm * 1.1;
@@ -138,7 +138,7 @@ double inside(const PaintedEllipse& e, double x, double y) {
   const double u = (c * dx + s * dy) / e.half_length, v = (-s * dx + c * dy) / e.half_width;
   const double r = std::hypot(u, v);
   if (r < 0.1) return 1.0;
-  const double slope = std::hypot(u / e.half_length, v / e.half_width) / r;  // of r, per px
+  const double slope = std::hypot(u / e.half_length, v / e.half_width) / r;  // derivative of r, per px
   return 0.5 * std::erfc((r - 1.0) / slope / 0.76 / std::sqrt(2.0));
 }
 
@@ -165,13 +165,13 @@ CrowdedScene crowded_scene(std::uint64_t seed, Fault fault) {
                                 .angle_rad = turn,
                                 .pattern = Pattern::kGrid};
   spare.print.name = "spare";
-  (void)strew(s, dice, spare);
+  (void)scatter(s, dice, spare);
   for (int i = 0; i < 6; ++i) {
     SceneMarker decoy;
     decoy.print.name = "look-alike";
     decoy.print.circle = Circle{{}, i < 4 ? 16.0 : 16.0 * dice.between(0.8, 1.25)};
     decoy.paper_margin_mm = dice.between(3.0, 10.0);
-    (void)strew(s, dice, decoy);
+    (void)scatter(s, dice, decoy);
   }
   scene.ellipses = painted(s, dice);
   scene.site = simulator::site_of(s);

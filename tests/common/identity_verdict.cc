@@ -35,7 +35,7 @@ const SceneMarker* grating_at(const CrowdedScene& scene, ImagePoint p, double px
 }
 
 struct Roles {
-  int references = 0;             // of the four true ones, each with its own grating
+  int references = 0;             // among the four true ones, each with its own grating
   int look_alikes = 0;            // false candidates among the references
   std::size_t target = SIZE_MAX;  // index of the true target in the site
   std::string wrong;
@@ -55,7 +55,7 @@ Roles roles_in(const CrowdedScene& scene, const Reference& reference) {
       if (print != nullptr && print->print.name == "mid")
         roles.target = i;
       else if (print != nullptr && print->print.name != "spare")
-        roles.wrong += " '" + print->print.name + "' taken for a target;";
+        roles.wrong += " '" + print->print.name + "' identified as a target;";
       continue;
     }
     const auto& seen = reference.seen.markers[i].circle;
@@ -65,7 +65,7 @@ Roles roles_in(const CrowdedScene& scene, const Reference& reference) {
     }
     const SceneMarker* circle = circle_at(scene, seen->centre, seen->diameter_px);
     const bool is_true = circle != nullptr && circle->listed;
-    if (print != nullptr && print->print.role == Role::kTarget) roles.wrong += " target taken for a reference;";
+    if (print != nullptr && print->print.role == Role::kTarget) roles.wrong += " target identified as a reference;";
     if (is_true && (print == circle || !marker.grating))
       ++roles.references;
     else if (!is_true)

@@ -23,7 +23,7 @@ enum class Verdict {
 struct IdentityVerdict {
   Verdict verdict = Verdict::kRefused;
   std::string words;      // text of the refusal or of the errors
-  double error_mm = 0.0;  // of the target's displacement in the moved frame; NaN: not measured
+  double error_mm = 0.0;  // error of the target's displacement in the moved frame; NaN: not measured
   double u_mm = 0.0;
 };
 

@@ -32,7 +32,7 @@ struct RunPlan {
 struct MeasuredRun {
   Reference reference;
   Observations observations;
-  Samples samples;                 // of the first target, without the reference frame
+  Samples samples;                 // for the first target, without the reference frame
   std::vector<double> error_x_um;  // measured minus true, since the reference frame, of samples with values
   std::vector<double> error_y_um;
   std::vector<double> u_x_um, u_y_um;

@@ -31,7 +31,7 @@ struct Mode {
   std::vector<Strength> strengths;
   // The fault is a wrong statement in site.toml that the images need not contradict. The mode is in the table, but not
   // in its sum.
-  bool vouched_for = false;
+  bool stated_by_site = false;
 };
 
 [[nodiscard]] const std::vector<Mode>& modes();

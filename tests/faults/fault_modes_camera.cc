@@ -28,7 +28,7 @@ void add_optics(std::vector<Mode>& all) {
         q.scenario.optics.shift_x = {.amplitude = s, .frequency_hz = 0.23, .phase_deg = 70.0 * seed};
         q.scenario.optics.shift_y = {.amplitude = s, .frequency_hz = 0.31, .phase_deg = 20.0 * seed};
       });
-  add(all, "haze", "every marker's picture wanders by itself, rms", "{} mm", {0.003, 0.01, 0.03, 0.1},
+  add(all, "haze", "each marker's image moves independently, rms", "{} mm", {0.003, 0.01, 0.03, 0.1},
       [](Sequence& q, int, double s) { q.scenario.haze = {.rms_mm = s, .step_s = 1.0}; });
 }
 
@@ -143,7 +143,7 @@ void compress(Sequence& q, int seed, VideoCodec codec, int quality, int gop) {
 void add_codecs(std::vector<Mode>& all) {
   add(all, "H.264", "x264 as a telephone writes it, rate factor", "crf {:.0f}", {12, 18, 23, 28, 35},
       [](Sequence& q, int seed, double s) { compress(q, seed, VideoCodec::kX264, static_cast<int>(s), 250); });
-  add(all, "H.264, key frames only", "every frame by itself, rate factor", "crf {:.0f}", {12, 18, 23, 28},
+  add(all, "H.264, key frames only", "each frame coded separately, rate factor", "crf {:.0f}", {12, 18, 23, 28},
       [](Sequence& q, int seed, double s) { compress(q, seed, VideoCodec::kX264, static_cast<int>(s), 1); });
   add(all, "MJPEG", "every frame a JPEG, quantiser", "q {:.0f}", {2, 5, 10, 20},
       [](Sequence& q, int seed, double s) { compress(q, seed, VideoCodec::kMjpeg, static_cast<int>(s), 1); });

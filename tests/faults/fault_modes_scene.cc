@@ -69,7 +69,7 @@ void add_prints(std::vector<Mode>& all) {
                  false,
                  {too_large(0.005, false), too_large(0.01, false), too_large(0.03, false), too_large(0.005, true),
                   too_large(0.01, true), too_large(0.03, true)}});
-  all.back().vouched_for = true;
+  all.back().stated_by_site = true;
   add(all, "print stretched", "every print too long along x", "{}", {0.002, 0.01, 0.03},
       [](Sequence& q, int, double s) {
         for (SceneMarker& m : q.scenario.markers) m.place.stretch_x = s;
@@ -84,7 +84,7 @@ void add_prints(std::vector<Mode>& all) {
       [](Sequence& q, int seed, double s) { reference(q, seed).fold_mm.knots = step(seed, s); });
   add(all, "target off the plane", "by an unstated height", "{} mm", {-40, -10, 15, 50},
       [](Sequence& q, int, double s) { target(q).place.z_mm = s; });
-  add(all, "target comes nearer", "by so much over the recording", "{} mm", {1, 5, 20}, [](Sequence& q, int, double s) {
+  add(all, "target comes nearer", "total approach over the recording", "{} mm", {1, 5, 20}, [](Sequence& q, int, double s) {
     target(q).dz.knots = {{0.0, 0.0}, {9.0, s}};
   });
   add(all, "reference off the plane", "by a height of which known_to knows nothing (3 mm)", "{} mm", {-30, 15, 30},
@@ -124,9 +124,9 @@ void add_moves(std::vector<Mode>& all) {
 // --- identification
 
 void add_identity(std::vector<Mode>& all) {
-  add(all, "look-alikes", "circles strewn over the background", "{:.0f} of them", {10, 40, 100},
+  add(all, "look-alikes", "circles distributed over the background", "{:.0f} of them", {10, 40, 100},
       [](Sequence& q, int, double s) { q.scenario.decoys = static_cast<int>(s); });
-  add(all, "second target", "an unlisted copy of the target beside it", "{} mm away", {-62, 62},
+  add(all, "second target", "an unlisted copy of the target next to it", "{} mm away", {-62, 62},
       [](Sequence& q, int, double s) {
         SceneMarker copy = target(q);
         copy.print.name = "copy";
@@ -139,7 +139,7 @@ void add_identity(std::vector<Mode>& all) {
       });
   all.push_back(
       {"wrong site",
-       "site.toml is wrong about who hangs where",
+       "site.toml states wrong marker positions",
        false,
        {{"two references exchanged",
          [](Sequence& q, int) {
@@ -150,13 +150,13 @@ void add_identity(std::vector<Mode>& all) {
            q.scenario.site_errors.exchanged = {{"NE", "mid"}};
          }},
         {"mirrored", [](Sequence& q, int) { q.scenario.site_errors.mirrored = true; }},
-        {"a reference 10 mm (a pitch) beside its place",
+        {"a reference 10 mm (a pitch) from its stated position",
          [](Sequence& q, int seed) { reference(q, seed).place.x_mm = 10.0; }},
-        {"a reference 5 mm beside its place", [](Sequence& q, int seed) { reference(q, seed).place.y_mm = 5.0; }},
-        {"a reference 30 mm beside its place",
+        {"a reference 5 mm from its stated position", [](Sequence& q, int seed) { reference(q, seed).place.y_mm = 5.0; }},
+        {"a reference 30 mm from its stated position",
          [](Sequence& q, int seed) { reference(q, seed).place.x_mm = seed % 2 == 0 ? 30.0 : -30.0; }},
-        {"the target 10 mm beside its place", [](Sequence& q, int) { target(q).place.x_mm = 10.0; }},
-        {"the target 25 mm beside its place", [](Sequence& q, int) { target(q).place.y_mm = -25.0; }}}});
+        {"the target 10 mm from its stated position", [](Sequence& q, int) { target(q).place.x_mm = 10.0; }},
+        {"the target 25 mm from its stated position", [](Sequence& q, int) { target(q).place.y_mm = -25.0; }}}});
 }
 
 // --- unusable first frames

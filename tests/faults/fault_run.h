@@ -15,11 +15,11 @@ namespace moiregauge::internal::faults {
 struct Verdict {
   int rows = 0;
   int ok = 0;                           // `ok` in a run that was not refused
-  std::map<std::string, int> statuses;  // of the others; "refused" for all rows of a refused run
+  std::map<std::string, int> statuses;  // counts of the other statuses; "refused" for all rows of a refused run
   // Silent lies (docs/accuracy.md): `ok`, with an error of more than 5 u and 0.5 um in dx or dy.
   int lies = 0;
   double worst_u = 0.0, worst_um = 0.0;  // largest error of an `ok` row, in u and um
-  double median_u_um = 0.0;              // of dy of the `ok` rows
+  double median_u_um = 0.0;              // for dy in the `ok` rows
   std::string refusal;                   // reason if there is no reference frame
   std::vector<std::string> warnings;
 };

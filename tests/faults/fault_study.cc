@@ -30,7 +30,7 @@ constexpr int kMinSequences = 42;
 
 struct Words {
   std::string modes;
-  int runs = 0;  // of every strength; 0: the default
+  int runs = 0;  // for each strength; 0: the default
   int seed = 0;
   int threads = 2;
   bool strengths = false;
@@ -140,20 +140,20 @@ void print_table(const std::vector<Task>& tasks, const std::vector<Verdict>& ver
       "| mode | sequences | rows | % ok | % others | silent lies (%) | sequences with any | worst ok error, u | um | "
       "median u "
       "of dy, um |\n|---|---|---|---|---|---|---|---|---|---|\n");
-  Tally faulty, clean, vouched_for;
+  Tally faulty, clean, stated_by_site;
   for (std::size_t i = 0; i < tasks.size();) {
     const Mode& mode = *tasks[i].mode;
     Tally all;
     std::map<std::size_t, Tally> by_strength;
     for (; i < tasks.size() && tasks[i].mode == &mode; ++i) {
-      Tally& sum = mode.clean ? clean : mode.vouched_for ? vouched_for : faulty;
+      Tally& sum = mode.clean ? clean : mode.stated_by_site ? stated_by_site : faulty;
       for (Tally* tally : {&all, &by_strength[tasks[i].strength], &sum}) tally->add(verdicts[i]);
     }
     print_row(fmt::format("**{}**: {}", mode.name, mode.what), all);
     if (!words.strengths) continue;
     for (const auto& [strength, tally] : by_strength) print_row("- " + mode.strengths[strength].words, tally);
   }
-  print_row("all faults but what the site vouches for", faulty);
+  print_row("all faults except wrong statements in site.toml", faulty);
   fmt::print("\n{} sequences. ", tasks.size());
   if (faulty.rows > 0)
     fmt::print("Silent lies: {} of {} rows with a fault, {:.2f} %. ", faulty.lies, faulty.rows,

@@ -16,10 +16,10 @@ namespace moiregauge::internal::faults {
 namespace {
 
 // Returns all modes but those with a wrong statement that images need not contradict.
-std::vector<std::size_t> to_be_told() {
+std::vector<std::size_t> to_identify() {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < modes().size(); ++i) {
-    if (!modes()[i].vouched_for) out.push_back(i);
+    if (!modes()[i].stated_by_site) out.push_back(i);
   }
   return out;
 }
@@ -54,7 +54,7 @@ TEST(FaultsFound, AReferenceOffThePlaneIsNotAPrintOfAnotherSize) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Corpus, EveryMode, testing::ValuesIn(to_be_told()), [](const auto& param) {
+INSTANTIATE_TEST_SUITE_P(Corpus, EveryMode, testing::ValuesIn(to_identify()), [](const auto& param) {
   std::string name = modes()[param.param].name;
   std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
   return name;

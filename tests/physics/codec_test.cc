@@ -78,7 +78,7 @@ struct Errors {
 };
 
 // Returns errors and u of a target that creeps upwards by `speed_px` per frame before a fixed camera.
-Errors creeping(double speed_px, double step, bool told) {
+Errors creeping(double speed_px, double step, bool is_stated) {
   constexpr long kFrames = 12;
   constexpr double kMmPerPx = 0.345;
   simulator::Scenario scenario = *simulator::built_in("small-still");
@@ -95,7 +95,7 @@ Errors creeping(double speed_px, double step, bool told) {
     return out;
   }
   method.prepare({last.view(), 8}, *reference);
-  if (told) say(reference->seen, step);
+  if (is_stated) say(reference->seen, step);
   Follower follower(*reference);
   PatchWorkspace work;
   Observations observations(*reference);
@@ -104,7 +104,7 @@ Errors creeping(double speed_px, double step, bool told) {
     Observation seen =
         method.observe({last.view(), 8, rounding_of_step(step)}, *reference, follower.prediction(), work);
     seen.frame = frame;
-    if (told) say(seen, step);
+    if (is_stated) say(seen, step);
     (void)follower.follow(*reference, seen);
     observations.push_back(seen);
   }

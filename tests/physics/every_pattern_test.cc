@@ -22,7 +22,7 @@ using simulator::Scenario;
 // spline leaves 2e-4 rad of phase between the pixels of a fringe of 5 px, which is 0.00016 px.
 constexpr double kPatternGate_px = 0.0003;
 
-constexpr double kMillimetresPerPixel = 1200.0 / 3478.26;  // of a board seen face on
+constexpr double kMillimetresPerPixel = 1200.0 / 3478.26;  // for a board seen face on
 // Three pitches of 29 px: the smallest grating in which a window of 2 T leaves a region.
 constexpr double kPrint_px = 87.0;
 
@@ -172,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(Physics, EveryPattern,
 
 // Lines rotated by 5 deg show 0.087 of a movement along y. That must not become a movement along x.
 TEST(EveryPatternOfLines, ObliqueToBothAxesMeasureNeither) {
-  const auto told = [](double turned_deg) {
+  const auto read_at = [](double turned_deg) {
     const Sight v{Pattern::kLinesX, 12.0, 0.0, false, false, {0.0, turned_deg}};
     const Scenario at_rest = scene(v, {}), moved = scene(v, {0.0, 1.0});
     const View view = view_of_target(at_rest);
@@ -183,7 +183,7 @@ TEST(EveryPatternOfLines, ObliqueToBothAxesMeasureNeither) {
     const PatchReading now = read_patch(picture_of(moved).view(), 16, view, *plan, {}, work);
     return displacement_between(*plan, then, now);
   };
-  const auto upright = told(0.0), oblique = told(5.0);
+  const auto upright = read_at(0.0), oblique = read_at(5.0);
   EXPECT_NEAR(upright.x, 0.0, kPatternGate_px * kMillimetresPerPixel);
   EXPECT_TRUE(std::isnan(upright.y));
   EXPECT_TRUE(std::isnan(oblique.x) && std::isnan(oblique.y));

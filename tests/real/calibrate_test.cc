@@ -34,7 +34,7 @@ TEST(CalibrateHandheldChess, RemovesTheBarrelDistortionFromTheNull) {
   EXPECT_GE(raw, 1.4);
   EXPECT_LE(null, 0.33);
   EXPECT_LE(s.camera.rms_px, 0.2);
-  for (const CalibratedView& view : s.camera.views) EXPECT_EQ(view.left_out, "");
+  for (const CalibratedView& view : s.camera.views) EXPECT_EQ(view.excluded, "");
   // Published calibrations of these images have k1 of about -0.29.
   EXPECT_NEAR(s.camera.camera.k1, -0.29, 0.01);
 }

@@ -109,7 +109,7 @@ TEST_P(SimulatedBoards, TheCameraIsWithinItsStatedUncertainty) {
   RecordProperty("rms_px", std::to_string(solved->rms_px));
   EXPECT_LE(solved->u[0] / c.fx, 0.01);
   for (const CalibratedView& view : solved->views) {
-    EXPECT_EQ(view.left_out, "");
+    EXPECT_EQ(view.excluded, "");
     EXPECT_LE(view.null.corners, 0.1);
     EXPECT_GE(view.null.corners_seen, view.null.corners);
   }

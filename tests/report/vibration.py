@@ -63,7 +63,7 @@ def main():
     step = 0.005  # s, interval of the knots; straight lines have an error of 0.5 mm (omega step)^2 / 8 = 0.2 um
     knots = ", ".join(f"[{k * step:.4f}, {falling(k * step):.7f}]" for k in range(round(FRAMES / FPS / step) + 20))
     decay = peaks_of(program, work, "decay", ["--set", f"marker.mid.dy.knots=[{knots}]"])
-    insist(decay["kind"] == "decay", f"a free decay is told as one, not as {decay['kind']}")
+    insist(decay["kind"] == "decay", f"a free decay is reported as one, not as {decay['kind']}")
     near(decay["frequency_hz"], decay["u_frequency_hz"], FREQUENCY, 0.005, "frequency of the decay")
     near(decay["damping"], decay["u_damping"], DAMPING, 0.1, "damping ratio")
     print(f"steady: {steady['frequency_hz']:.5f} Hz, u {steady['u_frequency_hz']:.5f}; decay: {decay['frequency_hz']:.5f} Hz, "

@@ -51,7 +51,7 @@ class CheckIncludes(unittest.TestCase):
         self.refused("simulator/a_test.cc", '"moiregauge/phase/sampling_moire/sampling_moire.h"', "stays blind")
         self.refused("phase/a.cc", '"moiregauge/simulator/scenario/scenario.h"', "phase includes simulator")
 
-    def test_nobody_includes_the_command_line(self):
+    def test_no_module_includes_the_command_line(self):
         self.refused("io/a.cc", '"moiregauge/cli/exit.h"', "nothing may include cli")
 
     def test_opencv_is_used_in_the_sources_of_detection_only(self):

@@ -86,8 +86,8 @@ def run(words):
 
 
 def compressed(frames, fps, setting, words, out):
-    told = words["crf"] if setting.startswith("crf") else words["mjpeg"] if setting == "mjpeg" else []
-    done = run(["ffmpeg", "-nostdin", "-v", "error", "-y", "-framerate", fps, "-i", frames / "%06d.png", *SETTINGS[setting], *told,
+    rate = words["crf"] if setting.startswith("crf") else words["mjpeg"] if setting == "mjpeg" else []
+    done = run(["ffmpeg", "-nostdin", "-v", "error", "-y", "-framerate", fps, "-i", frames / "%06d.png", *SETTINGS[setting], *rate,
                 "-threads", 1, out])
     if done.returncode != 0:
         raise RuntimeError(done.stderr)

@@ -215,7 +215,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", required=True)
     parser.add_argument("--mutations", type=int, default=500)
-    parser.add_argument("--step", type=int, default=1, help="truncation at every so many percent; 0: none")
+    parser.add_argument("--step", type=int, default=1, help="step of the truncation in percent; 0: none")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--only", default=",".join(INPUTS))
     parser.add_argument("--keep", type=pathlib.Path, help="leave all inputs and results there")

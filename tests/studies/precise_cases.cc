@@ -233,7 +233,7 @@ const std::vector<PreciseCase>& precise_cases() {
   return list;
 }
 
-Scenario drawn_anew(const Scenario& scenario, int seed) {
+Scenario redrawn(const Scenario& scenario, int seed) {
   Scenario s = scenario;
   s.seed = static_cast<std::uint64_t>(seed);
   auto& m = s.mount;

@@ -32,6 +32,6 @@ struct PreciseCase {
 [[nodiscard]] const std::vector<PreciseCase>& precise_cases();
 
 // Returns the scenario with another seed of the noise, the camera poses and the true positions.
-[[nodiscard]] simulator::Scenario drawn_anew(const simulator::Scenario& scenario, int seed);
+[[nodiscard]] simulator::Scenario redrawn(const simulator::Scenario& scenario, int seed);
 
 }  // namespace moiregauge::internal::study

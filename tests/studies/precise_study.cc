@@ -148,7 +148,7 @@ CaseTally long_runs(const PreciseCase& c, const Words& words) {
   CaseTally tally;
   const int runs = words.runs >= 0 ? words.runs : c.runs;
   for (int n = 0; n < runs; ++n) {
-    simulator::Scenario s = drawn_anew(c.scenario, words.seed + n);
+    simulator::Scenario s = redrawn(c.scenario, words.seed + n);
     s.draw.position = !words.no_draw;
     const test::MeasuredRun run = test::measured(s, plan_of(c, words));
     if (words.verbose) tell_case(s, run);
@@ -168,7 +168,7 @@ CaseTally short_runs(const PreciseCase& c, const Words& words) {
   CaseTally tally;
   const int runs = words.coverage >= 0 ? words.coverage : c.coverage_runs;
   for (int n = 0; n < runs; ++n) {
-    simulator::Scenario s = drawn_anew(c.scenario, 100000 + words.seed + n);
+    simulator::Scenario s = redrawn(c.scenario, 100000 + words.seed + n);
     if (!words.no_draw) s.draw = {.position = true, .rotation = true, .height = true, .print_scale = true};
     test::RunPlan plan = plan_of(c, words);
     plan.frames = c.coverage_frames;

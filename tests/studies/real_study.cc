@@ -138,10 +138,9 @@ int main(int argc, char** argv) {
       "| set | targets | references | views | median | worst |\n|---|---|---|---|---|---|\n");
   for (const SetViews& s : sets) print_nulls(s);
   fmt::print(
-      "\nThe lens of each set, solved by `calibrate`'s functions from the set's own views, nothing else known. "
-      "Scatter: of a "
-      "point, the print's own errors taken out in the views that were recognised by them. Nulls as above (outermost "
-      "points), median / worst, with the lens in and taken out.\n\n"
+      "\nThe lens of each set, solved by the functions of `calibrate` from the set's own views alone. Scatter: the "
+      "scatter of a point, without the print's own errors, in the views that were recognised by these. Nulls as above "
+      "(outermost points), median / worst, with and without lens correction.\n\n"
       "| set | f, px | u | rms, px | scatter, px | recognised | targets | lens in | lens out |\n"
       "|---|---|---|---|---|---|---|---|---|\n");
   for (const SetViews& s : sets) print_lens(s);

@@ -69,7 +69,7 @@ std::vector<Cause> causes() {
           off_plane_cause(30, 0),
           off_plane_cause(100, 170),
           references_moved("references +-3 mm off their plane, by diagonals", 0, 0, 3),
-          references_moved("references 0.3 mm beside the site's places, by diagonals", 0.3, 0.3, 0)};
+          references_moved("references 0.3 mm from the site's positions, along diagonals", 0.3, 0.3, 0)};
 }
 
 double largest_dy_um(const Scenario& scenario, long reference_frame) {

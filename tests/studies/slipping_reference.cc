@@ -21,7 +21,7 @@ using simulator::SceneMarker;
 constexpr long kFrames = 17;  // including the reference frame
 constexpr double kMmPerPx = 1200.0 / 3478.26;
 constexpr double kReference = 30.0, kTarget = 40.0, kCircle = 16.0;  // mm
-constexpr double kCircleBeside = 26.0;  // mm, from a reference's grating to its circle on the right
+constexpr double kCircleDistance = 26.0;  // mm, from a reference's grating to its circle on the right
 constexpr simulator::RenderOptions kOneThread{1, simulator::Area::kMarkersOnly};
 
 SceneMarker reference_at(std::size_t k, BoardPoint centre) {
@@ -29,7 +29,7 @@ SceneMarker reference_at(std::size_t k, BoardPoint centre) {
   m.print.name = fmt::format("R{}", k + 1);
   m.print.grating = {
       .centre = centre, .width_mm = kReference, .height_mm = kReference, .pitch_mm = 10.0, .pattern = Pattern::kGrid};
-  m.print.circle = Circle{{centre.x + kCircleBeside, centre.y}, kCircle};
+  m.print.circle = Circle{{centre.x + kCircleDistance, centre.y}, kCircle};
   m.paper_margin_mm = 3.0;
   return m;
 }

@@ -10,7 +10,7 @@
 
 namespace moiregauge::internal::study {
 
-enum class Layout { kRows, kStrewn };  // two rows; random positions without overlap
+enum class Layout { kRows, kScattered };  // two rows; random positions without overlap
 enum class Footage { kPictures, kPoints };
 
 struct SlipKind {

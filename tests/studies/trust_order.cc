@@ -20,7 +20,7 @@ constexpr double kWrong = 0.25;  // pitches; a larger error is a wrong fringe or
 struct OrderRow {
   const char* name;
   JumpKind kind;
-  double share;  // of all samples
+  double share;  // among all samples
 };
 
 constexpr std::array kRows{

@@ -22,10 +22,10 @@ Outcome outcome_of(const Slip& slip, const std::optional<Solution>& solution) {
   out.measured = true;
   out.verified = solution->references_verified;
   for (const std::string& note : solution->notes) {
-    const bool left_out = note.find("is not used, because it moves") != std::string::npos;
-    out.alarmed |= left_out || note.find("one of the references moves") != std::string::npos;
+    const bool excluded = note.find("is not used, because it moves") != std::string::npos;
+    out.alarmed |= excluded || note.find("one of the references moves") != std::string::npos;
     const bool right = note.find("'" + slip.who + "'") != std::string::npos;
-    out.named |= left_out && right, out.named_another |= left_out && !right;
+    out.named |= excluded && right, out.named_another |= excluded && !right;
   }
   out.alarmed |= std::any_of(solution->samples.begin(), solution->samples.end(),
                              [](const Sample& s) { return s.status != Status::kOk; });
@@ -41,14 +41,14 @@ struct ReferenceRow {
 std::vector<ReferenceRow> table() {
   std::vector<ReferenceRow> all;
   const auto add = [&](int references, Layout layout, bool lens_known, double slip_px, Footage footage, double draws) {
-    all.push_back({fmt::format("{} {}, lens {}{}{}", references, layout == Layout::kRows ? "in two rows" : "strewn",
+    all.push_back({fmt::format("{} {}, lens {}{}{}", references, layout == Layout::kRows ? "in two rows" : "distributed",
                                lens_known ? "known" : "unknown", slip_px > 0.0 ? "" : ", none slips",
                                footage == Footage::kPictures ? ", pictures" : ""),
                    {references, layout, lens_known, slip_px, footage},
                    draws});
   };
   for (const double px : {0.2, 0.0}) {
-    for (const Layout layout : {Layout::kRows, Layout::kStrewn}) {
+    for (const Layout layout : {Layout::kRows, Layout::kScattered}) {
       for (const bool known : {false, true}) add(6, layout, known, px, Footage::kPoints, px > 0.0 ? 0.25 : 0.15);
     }
   }

@@ -16,8 +16,8 @@ using simulator::SceneMarker;
 
 constexpr long kMeasuredFrames = 5;  // without the reference frame
 // Standard deviations for an unknown lens, equal to the priors of the instrument.
-constexpr double kCentreWithin = 0.02;       // of the image width: principal point
-constexpr double kTangentialWithin = 0.005;  // of half the diagonal: tangential distortion at the corner
+constexpr double kCentreWithin = 0.02;       // relative to the image width: principal point
+constexpr double kTangentialWithin = 0.005;  // relative to half the diagonal: tangential distortion at the corner
 
 // Returns the same rig with larger pixels: a pitch of 29 px becomes 29 / times px.
 Scenario coarser(Scenario s, double times) {
@@ -37,7 +37,7 @@ Scenario posed(const char* name, double times, double x_deg, double y_deg, doubl
   return s;
 }
 
-void print_anew(Scenario& s, Pattern pattern, double pitch_mm) {
+void replace_gratings(Scenario& s, Pattern pattern, double pitch_mm) {
   for (SceneMarker& m : s.markers) m.print.grating->pattern = pattern, m.print.grating->pitch_mm = pitch_mm;
 }
 
@@ -62,13 +62,13 @@ TrustScenario tiny() {
 }
 TrustScenario tilt() {
   TrustScenario t{"1x", "1 deg about x, dots, pitch 29 px", posed("small-still", 1.0, 1, 0, 0)};
-  print_anew(t.scenario, Pattern::kDots, 10.0);
+  replace_gratings(t.scenario, Pattern::kDots, 10.0);
   return t;
 }
 TrustScenario turn() { return {"1xyz", "1 deg about three axes", posed("small-still", 2.0, 1, 1, 1)}; }
 TrustScenario cosine() {
   TrustScenario t{"cosine", "the same, cosine print, noise 3 DN", posed("small-still", 2.0, 1, 1, 1)};
-  print_anew(t.scenario, Pattern::kCosine, 10.0);
+  replace_gratings(t.scenario, Pattern::kCosine, 10.0);
   t.scenario.sensor.noise_sigma = 3.0;
   return t;
 }
@@ -80,14 +80,14 @@ TrustScenario calibrated() {
 }
 TrustScenario fine() {
   TrustScenario t{"fine", "1 deg, pitch 8 px", posed("small-still", 2.0, 1, 1, 1)};
-  print_anew(t.scenario, Pattern::kGrid, 5.5);
+  replace_gratings(t.scenario, Pattern::kGrid, 5.5);
   return t;
 }
 TrustScenario sheet() {
   TrustScenario t{"sheet", "1 deg, one printed sheet: places to 0.05 mm, checkerboard",
                   posed("small-still", 2.0, 1, 1, 1)};
   t.scenario.known_to = {.position_mm = 0.05, .rotation_rad = 2e-4, .height_mm = 0.1, .print_scale = 1e-4};
-  print_anew(t.scenario, Pattern::kCheckerboard, 10.0);
+  replace_gratings(t.scenario, Pattern::kCheckerboard, 10.0);
   return t;
 }
 TrustScenario six() {
@@ -111,7 +111,7 @@ TrustScenario oblique() {
 }
 TrustScenario walk() {
   TrustScenario t{"walk", "1 deg, target walks 60 mm, squares", posed("small-walk", 2.0, 1, 1, 1)};
-  print_anew(t.scenario, Pattern::kSquares, 10.0);
+  replace_gratings(t.scenario, Pattern::kSquares, 10.0);
   return t;
 }
 

@@ -43,25 +43,24 @@ int main(int argc, char** argv) {
   if (coverage || all) {
     fmt::print(
         "Made by `tools/trust-study`. The small rig, markers only, raw footage.\n\n"
-        "**Coverage.** Runs of a reference frame and five more; in each, all that the instrument is told is drawn anew "
-        "as wide as it is told: places, turns, heights, print scales, a given camera. How often the truth lies inside "
-        "1.96 u; after the +-, by how much that scatters by chance (from run to run, for frames of one run share what "
-        "was drawn).\n\n");
+        "**Coverage.** Each run has a reference frame and five more. Everything stated to the instrument is "
+        "drawn again for each run, with its stated uncertainty: positions, rotations, heights, print scales, "
+        "a given camera. The columns give the share of errors inside 1.96 u. The number after +- is the "
+        "scatter of this share by chance, from run to run, because the frames of one run share their draw.\n\n");
     print_coverage(runs > 0 ? runs : 200, only, verbose);
   }
   if (order || all) {
     fmt::print(
-        "\n**Whole pitches.** Like prints all over a sheet jump by whole pitches, halves or anything, up to 4.4 "
-        "pitches from frame to frame, before a camera that turns by up to 1 deg; lens unknown.\n\n");
+        "\n**Whole pitches.** Identical prints distributed over a sheet jump by whole pitches, half pitches or "
+        "any distance, up to 4.4 pitches from frame to frame. The camera rotates by up to 1 deg; the lens is "
+        "unknown.\n\n");
     print_orders(runs > 0 ? runs : 100000, only, verbose);
   }
   if (reference || all) {
     fmt::print(
-        "\n**A reference that slips** by 0.2 px (0.069 mm) in any direction, from any of 16 frames on, before a camera "
-        "that "
-        "stands nearly still, sways or is posed anew. Points with the noise of pictures, unless it says pictures. "
-        "Noticed: "
-        "a warning, or a row that is not `ok`.\n\n");
+        "\n**A reference that slips** by 0.2 px (0.069 mm) in any direction, from any of 16 frames on. The "
+        "camera is almost still, sways or has a random pose. Points have the noise of images, unless the row "
+        "names images. Noticed: a warning, or a row that is not `ok`.\n\n");
     print_reference_faults(runs > 0 ? runs : 1000, only, verbose);
   }
   return 0;

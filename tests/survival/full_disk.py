@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import sys
 
-from survival import beside, clear, contents, done, error_lines, insist, insist_same, long_clip, measure, start
+from survival import with_suffix, clear, contents, done, error_lines, insist, insist_same, long_clip, measure, start
 
 program, work, _ = start()
 clip, site = long_clip(program, work, 60)
@@ -30,7 +30,7 @@ def run_into_a_full_disk(command, env=None, limit=None):
 said = run_into_a_full_disk(plain, limit=journal * 2 // 3)
 insist("run.mgj" in said and "frames are kept): free space and run again with --resume" in said, said)
 insist(contents(out) == wanted, "old results")
-insist(set(contents(beside(out, ".unfinished"))) == {"run.mgj"}, "more than a journal")
+insist(set(contents(with_suffix(out, ".unfinished"))) == {"run.mgj"}, "more than a journal")
 again = done(plain)
 insist(again.returncode == 2 and "there is an unfinished run: " in again.stderr, again.stderr)
 insist(contents(out) == wanted, "old results")

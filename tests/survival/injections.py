@@ -4,7 +4,7 @@ Requires one error line, exit 6, unchanged old results, and the same bytes after
 """
 import errno
 
-from survival import (beside, clear, contents, done, error_lines, insist, insist_same, measure, with_failing_calls)
+from survival import (with_suffix, clear, contents, done, error_lines, insist, insist_same, measure, with_failing_calls)
 
 
 class Injections:
@@ -29,7 +29,7 @@ class Injections:
             self.old["mark"] = b"old"
         elif state == "unfinished":
             data = self.wanted["run.mgj"]
-            unfinished = beside(self.out, ".unfinished")
+            unfinished = with_suffix(self.out, ".unfinished")
             unfinished.mkdir()
             (unfinished / "run.mgj").write_bytes(data[:len(data) // 2])
 
@@ -66,7 +66,7 @@ class Injections:
         if put_in_place:
             allowed.append(self.wanted)  # only the sync of the folder failed
         insist(found in allowed, f"{what}: {self.out.name} holds {found and sorted(found)}")
-        left = contents(beside(self.out, ".unfinished"))
+        left = contents(with_suffix(self.out, ".unfinished"))
         insist(left is None or set(left) <= {"run.mgj"}, f"{what}: half written: {left and sorted(left)}")
 
     def all(self, states, ways, stride=1):

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import time
 
-from survival import Records, beside, clear, contents, done, error_lines, insist, insist_same, long_clip, measure, start
+from survival import Records, with_suffix, clear, contents, done, error_lines, insist, insist_same, long_clip, measure, start
 
 program, work, _ = start()
 clip, site = long_clip(program, work, 300)
@@ -16,7 +16,7 @@ out = work / "out"
 plain = measure(program, clip, site, out)
 insist(done(plain).returncode == 0, "the plain run")
 wanted = contents(out)
-journal = beside(out, ".unfinished") / "run.mgj"
+journal = with_suffix(out, ".unfinished") / "run.mgj"
 
 
 def kept_frames():
@@ -65,7 +65,7 @@ for state in ("old results", "none"):
     kept = kept_frames()
     insist_found(kept)
     solved = done([program, "solve", journal.parent, "-o", work / "solved"])
-    insist(solved.returncode == 130 and f"these are its first {kept} frames" in solved.stderr, f"{solved.returncode}: {solved.stderr}")
+    insist(solved.returncode == 130 and f"the results end after the first {kept} of its frames" in solved.stderr, f"{solved.returncode}: {solved.stderr}")
     insist(len((work / "solved/displacement.csv").read_text().splitlines()) == kept + 1, "frames solved")
     clear(work / "solved")
     insist_resumes(f"killed with {state}")
@@ -112,7 +112,7 @@ for how in (signal.SIGINT, signal.SIGTERM):
 code, stderr = stopped(plain, signal.SIGINT)
 insist(code == 130 and "out.unfinished" in stderr and contents(out) == wanted, f"exit {code}: {stderr}")
 insist_found()
-insist_resumes("interrupted beside old results")
+insist_resumes("interrupted next to old results")
 code, stderr = stopped(plain, signal.SIGINT, signal.SIGINT)
 insist(code in (-signal.SIGINT, 130) and contents(out) == wanted, f"exit {code}: {stderr}")
 insist_found()

@@ -2,7 +2,7 @@
 import random
 import signal
 
-from survival import (Records, beside, clear, contents, done, error_lines, insist, insist_same, kill_after, measure,
+from survival import (Records, with_suffix, clear, contents, done, error_lines, insist, insist_same, kill_after, measure,
                       with_failing_calls)
 
 
@@ -10,7 +10,7 @@ class Kills:
     def __init__(self, program, library, clip, site, out, frames, seconds):
         self.library, self.out, self.frames, self.seconds = library, out, frames, seconds
         self.plain = measure(program, clip, site, out)
-        self.journal = beside(out, ".unfinished") / "run.mgj"
+        self.journal = with_suffix(out, ".unfinished") / "run.mgj"
         self.phase = {"before the first frame was kept": 0, "while frames were measured": 0, "while results were made and written": 0,
                       "after its end": 0}
         self.kept_late = self.synced_late = 0.0  # s, maxima

@@ -1,7 +1,7 @@
 """Checks that a resumed run gives the bytes of an uninterrupted run, for all methods, several options and inputs."""
 import shutil
 
-from survival import FRAMES, Records, beside, clear, contents, done, insist, insist_same, run, simulate, start
+from survival import FRAMES, Records, with_suffix, clear, contents, done, insist, insist_same, run, simulate, start
 
 program, work, _ = start()
 simulate(program, work / "run", "small-1xyz", FRAMES)
@@ -47,8 +47,8 @@ for what, words in RUNS.items():
     for place in (places[0], places[len(places) // 2], places[-1]):
         clear(out)
         shutil.rmtree(still, ignore_errors=True)
-        beside(out, ".unfinished").mkdir()
-        (beside(out, ".unfinished") / "run.mgj").write_bytes(wanted["run.mgj"][:place + 5])
+        with_suffix(out, ".unfinished").mkdir()
+        (with_suffix(out, ".unfinished") / "run.mgj").write_bytes(wanted["run.mgj"][:place + 5])
         again = done([*command, "--resume"])
         insist((again.returncode, again.stderr) == (first.returncode, first.stderr), f"{what}: {again.returncode}: {again.stderr}")
         insist_same(out, wanted, what)

@@ -54,7 +54,7 @@ def contents(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def beside(out, suffix):
+def with_suffix(out, suffix):
     return out.parent / (out.name + suffix)
 
 

@@ -1,4 +1,4 @@
-// What the program put into the page (src/moiregauge/report/report_page.cc), read back.
+// Reads the data that the program put into the page (src/moiregauge/report/report_page.cc).
 
 export interface Peak {
   kind: 'steady' | 'decay' | 'random';

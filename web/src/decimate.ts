@@ -31,7 +31,7 @@ export class Curve {
     return [low, high];
   }
 
-  // Lowest and highest of from..to, the last left out; Infinity and -Infinity where all are gaps.
+  // Returns the lowest and highest value in [from, to); Infinity and -Infinity if all are gaps.
   extremes(from: number, to: number): [number, number] {
     if (to - from < 4 * kBlock) return this.scan(from, to);
     if (!this.lows) this.makeBlocks();
@@ -63,8 +63,8 @@ export function firstAtLeast(x: Float64Array, value: number): number {
   return low;
 }
 
-// What is drawn of `curves` between min and max, one sample to each side included: all of it where that is few enough, else two
-// points per pixel. A pixel without any sample is a gap.
+// Returns the points of `curves` to draw between min and max, with one more sample on each side. Many samples are reduced to
+// two points per pixel. A pixel without samples is a gap.
 export function drawn(x: Float64Array, curves: Curve[], min: number, max: number, pixels: number): [number[], ...Drawn[]] {
   const from = Math.max(0, firstAtLeast(x, min) - 1);
   const to = Math.min(x.length, firstAtLeast(x, max) + 2);

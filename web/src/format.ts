@@ -4,7 +4,7 @@
 const kCoverageFactor = 2;
 export const expanded = (u: number): number => kCoverageFactor * u;
 
-// Of a frequency: clocks of cameras are no better than this part of it.
+// Relative uncertainty of a camera's clock, and so of every frequency.
 const kClock = 1e-5;
 export const expandedFrequency = (u: number, frequency: number): number => Math.max(expanded(u), kClock * frequency);
 

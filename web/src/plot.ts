@@ -22,14 +22,14 @@ export interface PlotPlan {
   lines: Line[];
   zoom: Zoom;
   height?: number;
-  // Of the sample under the pointer, in words.
+  // Describes the sample under the pointer in words.
   readout: (index: number) => string;
-  // What stands in the plot beside curves: drawn on top, in canvas pixels.
+  // Draws marks on top of the curves, in canvas pixels.
   onTop?: (plot: uPlot, scale: number) => void;
-  // How ordinate values read: a spectrum's are powers of ten.
+  // Formats ordinate values: a spectrum's are powers of ten.
   tick?: (value: number) => string;
   hasNoPoints?: boolean;
-  description: string; // for those who do not see it
+  description: string; // for screen readers
 }
 
 const kPrintWidth = 680; // CSS pixels on paper
@@ -139,7 +139,7 @@ export class Plot {
     });
   }
 
-  // Anew, in the colours of the theme that is now.
+  // Redraws in the colours of the current theme.
   remake(): void {
     if (!this.chart && !isPrinting()) return;
     this.chart?.destroy();
@@ -213,7 +213,7 @@ export class Plot {
           u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
           zoom.show(min, max);
         }],
-        setCursor: [(u) => this.tell(u)],
+        setCursor: [(u) => this.showReadout(u)],
         draw: onTop ? [(u) => onTop(u, scale)] : [],
         ready: [(u) => {
           u.over.addEventListener('wheel', (event) => this.wheel(u, event), { passive: false });
@@ -249,7 +249,7 @@ export class Plot {
     addEventListener('mouseup', end);
   }
 
-  private tell(u: uPlot): void {
+  private showReadout(u: uPlot): void {
     const { left } = u.cursor;
     if (left === undefined || left < 0) {
       this.readout.textContent = '';

@@ -1,4 +1,4 @@
-// What stands below the plots: budget, picture, origin.
+// Sections below the plots: budget, image, origin.
 import type { Report, Run } from './data';
 import { el, section, table, type Cell } from './element';
 import { brief, duration, expanded, micrometres } from './format';
@@ -58,7 +58,7 @@ function framesText(range: unknown, none: string): string {
   return step > 1 ? `${from}, one in ${step}` : from;
 }
 
-// What the user stated, in run.json's config. What is not listed here is for experts, and in run.json.
+// Returns the user's settings from run.json's config. Settings for experts are in run.json only.
 function settings(config: Settings, tone: unknown): [string, string][] {
   const pairs: [string, string][] = [['Frames measured', framesText(config.frames, 'all')], ['Frames at rest', framesText(config.rest, 'none stated')]];
   const readout = config.readout_s;

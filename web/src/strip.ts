@@ -1,4 +1,4 @@
-// Every frame's status as a strip of colours; the words stand beside it.
+// Every frame's status as a strip of colours; the words are next to it.
 import { el } from './element';
 import { isPrinting, statusColour, theme } from './theme';
 import type { Zoom } from './zoom';

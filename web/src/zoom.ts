@@ -1,4 +1,4 @@
-// What part of the abscissa a group of plots shows; all of them the same.
+// The common abscissa range of a group of plots.
 
 export type OnChange = () => void;
 

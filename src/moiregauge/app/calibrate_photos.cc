@@ -100,7 +100,7 @@ tl::expected<CalibrateReport, RunFailure> calibrate_photos(const std::vector<std
   for (std::size_t i = 0; i < photos->size(); ++i) {
     const Photo& photo = (*photos)[i];
     if (photo.board && photo.board->pattern != pattern)
-      report.solved.views[i].left_out =
+      report.solved.views[i].excluded =
           fmt::format("its pattern is {}, the others show {}", name_of(photo.board->pattern), report.pattern);
   }
   return report;

@@ -32,14 +32,14 @@ std::vector<std::string> misfits_of(const CalibrateReport& report) {
   std::vector<std::string> names;
   for (std::size_t v = 0; v < report.solved.views.size(); ++v) {
     const CalibratedView& view = report.solved.views[v];
-    if (view.left_out.empty() && view.misfit_ratio > kMaxMisfitRatio) names.push_back(report.names[v]);
+    if (view.excluded.empty() && view.misfit_ratio > kMaxMisfitRatio) names.push_back(report.names[v]);
   }
   return names;
 }
 
 std::size_t used_of(const BoardCalibration& s) {
   return static_cast<std::size_t>(
-      std::count_if(s.views.begin(), s.views.end(), [](const CalibratedView& v) { return v.left_out.empty(); }));
+      std::count_if(s.views.begin(), s.views.end(), [](const CalibratedView& v) { return v.excluded.empty(); }));
 }
 
 }  // namespace
@@ -78,8 +78,8 @@ std::vector<std::string> calibrate_warnings(const CalibrateReport& report) {
   const BoardCalibration& s = report.solved;
   std::vector<std::string> out;
   for (std::size_t v = 0; v < s.views.size(); ++v) {
-    if (!s.views[v].left_out.empty())
-      out.push_back(fmt::format("the photograph {} was not used: {}", report.names[v], s.views[v].left_out));
+    if (!s.views[v].excluded.empty())
+      out.push_back(fmt::format("the photograph {} was not used: {}", report.names[v], s.views[v].excluded));
   }
   if (s.u[0] > kPoorlyKnown * s.camera.fx)
     out.push_back(

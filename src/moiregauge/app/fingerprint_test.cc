@@ -16,13 +16,13 @@ InputOptions with_threads(int threads) {
   return options;
 }
 
-TEST(Fingerprint, BesideTheMeasuringItIsTheSameAsBeforeIt) {
+TEST(Fingerprint, IsTheSameDuringAMeasurementAsBeforeIt) {
   const TestFolder folder;
   put_text(folder / "video.avi", std::string(kBytes, 'x'));
-  Fingerprint beside(folder / "video.avi", with_threads(4));
+  Fingerprint concurrent(folder / "video.avi", with_threads(4));
   Fingerprint before(folder / "video.avi", with_threads(1));
-  EXPECT_EQ(beside.hex(), before.hex());
-  EXPECT_EQ(beside.hex().size(), 64U);
+  EXPECT_EQ(concurrent.hex(), before.hex());
+  EXPECT_EQ(concurrent.hex().size(), 64U);
 }
 
 TEST(Fingerprint, WhoGivesUpDoesNotWaitForIt) {

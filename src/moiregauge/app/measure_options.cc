@@ -44,10 +44,10 @@ tl::expected<void, UsageError> is_there(const std::string& kind, const std::stri
 UsageError no_scale(const std::string& input) {
   namespace fs = std::filesystem;
   std::string site = "a site file (docs/file-formats.md)";
-  for (const fs::path& beside : {fs::path(input) / "site.toml", fs::path(input).parent_path() / "site.toml"}) {
+  for (const fs::path& candidate : {fs::path(input) / "site.toml", fs::path(input).parent_path() / "site.toml"}) {
     std::error_code error;
-    if (!fs::is_regular_file(beside, error)) continue;
-    site = fmt::format("the site file next to it, --site {}", beside.string());
+    if (!fs::is_regular_file(candidate, error)) continue;
+    site = fmt::format("the site file next to it, --site {}", candidate.string());
     break;
   }
   return {fmt::format("the scale is unknown: {}: give the gratings' pitch, e.g. --pitch 10mm, or {}", input, site)};

@@ -59,7 +59,7 @@ using Overlay = std::future<std::vector<std::uint8_t>>;
 
 // Draws and compresses overlay.png while the scene is solved, because neither needs the other. With --threads 1, and for
 // a refused run, it is drawn at the end.
-Overlay overlay_beside(const Measurement& seen, const MeasureOptions& options, int threads) {
+Overlay overlay_in_background(const Measurement& seen, const MeasureOptions& options, int threads) {
   const auto draw = [&] {
     return seen.reference ? overlay_of(seen.picture.grey.view(), *seen.reference) : overlay_of_refusal(seen, options);
   };
@@ -177,7 +177,7 @@ class MeasurementRun {
     if (!measured_) return Failed(RunFailure{Exit::kInputUnreadable, measured_.error().message});
     const long frames = static_cast<long>(measured_->observations.size());
     (void)callbacks_.may_continue({Stage::kSolving, frames, frames, std::nullopt});
-    overlay_ = overlay_beside(*measured_, options_, request_.input_options.threads);
+    overlay_ = overlay_in_background(*measured_, options_, request_.input_options.threads);
     evaluate(options_, *measured_);
     return {};
   }

@@ -17,7 +17,7 @@ using Advice = std::optional<std::string>;
 
 constexpr double kFinePitch_px = 8.0, kGoodFine_px = 12.0;  // binary prints lose their harmonics below the first
 constexpr double kCoarsePitch_px = 40.0, kGoodCoarse_px = 20.0;
-constexpr double kMaxBlur = 0.3;  // of the pitch: 14 % of the contrast
+constexpr double kMaxBlur = 0.3;  // relative to the pitch: 14 % of the contrast
 constexpr double kSamplesPerSwing = 2.5;
 constexpr double kWorthIt = 0.8;  // largest remaining share of the uncertainty that makes a change worth its effort
 constexpr double kLittleTurn_deg = 0.5;
@@ -154,8 +154,8 @@ Advice about_time(const RecordingSetup& setup) {
   return std::nullopt;
 }
 
-Advice about_the_shutter(const RecordingSetup& setup, bool rolls_untold) {
-  if (rolls_untold)
+Advice about_the_shutter(const RecordingSetup& setup, bool readout_unknown) {
+  if (readout_unknown)
     return "this camera has a rolling shutter. Give --readout (often 0.5 to 0.9 of 1 / fps) to see its effect";
   const ShutterError error = shutter_error(setup);
   const double mm = std::hypot(error.camera_mm, error.target_mm), u = worst_u(setup);
@@ -184,10 +184,10 @@ std::string length_text(double mm) {
   return fmt::format("{:.2g} mm", mm);
 }
 
-std::vector<std::string> advice_for(const RecordingSetup& setup, bool rolls_untold) {
+std::vector<std::string> advice_for(const RecordingSetup& setup, bool readout_unknown) {
   std::vector<std::string> lines;
   for (const Advice& line : {about_the_picture(setup), about_the_pitch(setup), about_blur(setup), about_time(setup),
-                             about_the_layout(setup), about_the_shutter(setup, rolls_untold), about_checking(setup)}) {
+                             about_the_layout(setup), about_the_shutter(setup, readout_unknown), about_checking(setup)}) {
     if (line) lines.push_back(*line);
   }
   return lines;

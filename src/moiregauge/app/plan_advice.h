@@ -13,6 +13,6 @@ namespace moiregauge::internal {
 [[nodiscard]] std::string length_text(double mm);
 
 // Returns sentences, the most important first. None: no change helps.
-[[nodiscard]] std::vector<std::string> advice_for(const RecordingSetup& setup, bool rolls_untold);
+[[nodiscard]] std::vector<std::string> advice_for(const RecordingSetup& setup, bool readout_unknown);
 
 }  // namespace moiregauge::internal

@@ -54,7 +54,7 @@ PutMore put_figures(std::vector<std::string> formats, const RunCallbacks& callba
     if (formats.empty() || !m.reference) return {};
     const auto drawn =
         figure::run_figures({*m.reference, m.observations, m.samples, stated_scene(m), m.picture.grey.view()});
-    for (const std::string& why : drawn.left_out) callbacks.note("note: there is no figure of the " + why);
+    for (const std::string& why : drawn.excluded) callbacks.note("note: there is no figure of the " + why);
     return put_all(folder / "figures", drawn, formats);
   };
 }

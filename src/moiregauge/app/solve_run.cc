@@ -113,7 +113,7 @@ tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
     return tl::unexpected(fmt::format("the run was stopped before its first frame: {}: measure again", path));
   if (!kept->has_end)
     kept->run.seen.notes.push_back(fmt::format(
-        "the results end after {} frames, because the run was not finished. Finish it with measure --resume",
+        "the results end after the first {} of its frames, because the run was not finished. Finish it with measure --resume",
         kept->run.seen.observations.size()));
   return std::move(kept->run);
 }

@@ -43,7 +43,7 @@ struct BoardData {
 struct BoardState {
   CameraBlock camera{};
   std::vector<Pose> poses;
-  std::vector<std::array<double, 2>> offset;  // of each position on the board, mm
+  std::vector<std::array<double, 2>> offset;  // for each position on the board, mm
   double penalised_cost = 0.0;                // chi2 of data (Huber's loss) and priors
   bool solved = false;
 };

@@ -13,7 +13,7 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr std::size_t kMinPoints = 9;  // least points of a usable view; chosen
-constexpr int kWeightRounds = 4;       // of weights, ellipses and outliers; from the second on little changes
+constexpr int kWeightRounds = 4;       // for weights, ellipses and outliers; from the second on little changes
 // A view with a median residual this much larger than that of all views was indexed wrongly or shows another board.
 // Chosen.
 constexpr double kOddView = 5.0, kOddView_px = 0.5;
@@ -48,7 +48,7 @@ bool settle(BoardWork& work, const BoardModel& everything) {
 void begin(BoardWork& work, std::span<const BoardView> views, const std::vector<CalibratedView>& verdicts) {
   std::vector<IdealFromBoard> planes;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    if (!verdicts[v].left_out.empty()) continue;
+    if (!verdicts[v].excluded.empty()) continue;
     work.views.push_back(&views[v]);
     work.is_outlier.emplace_back(views[v].points.size(), false);
     work.turns.push_back(0);
@@ -71,12 +71,12 @@ void leave_out_unlike(std::span<const BoardView> views, std::vector<CalibratedVi
                       })->first;
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (views[v].points.size() < kMinPoints)
-      verdicts[v].left_out = "no board was found";
+      verdicts[v].excluded = "no board was found";
     else if (std::pair{views[v].width, views[v].height} != common)
-      verdicts[v].left_out = "it is " + std::to_string(views[v].width) + " x " + std::to_string(views[v].height) +
+      verdicts[v].excluded = "it is " + std::to_string(views[v].width) + " x " + std::to_string(views[v].height) +
                              " px, the others " + std::to_string(common.first) + " x " + std::to_string(common.second);
     else if (!plane_view(views[v]))
-      verdicts[v].left_out = "its points are on one line";
+      verdicts[v].excluded = "its points are on one line";
   }
 }
 
@@ -94,7 +94,7 @@ bool leave_out_odd(const BoardWork& work, std::span<const BoardView> views, std:
   bool any = false;
   for (std::size_t v = 0; v < work.views.size(); ++v) {
     if (all[v] <= limit) continue;
-    verdicts[static_cast<std::size_t>(work.views[v] - views.data())].left_out =
+    verdicts[static_cast<std::size_t>(work.views[v] - views.data())].excluded =
         "it shows another board than the others, or was indexed wrongly";
     any = true;
   }
@@ -147,7 +147,7 @@ tl::expected<BoardCalibration, std::string> calibrate_board(std::span<const Boar
   const BoardModel everything{.radial = true, .tangential = true, .k3 = options.k3};
   BoardWork work;
   for (bool again = true; again;) {
-    if (std::all_of(out.views.begin(), out.views.end(), [](const auto& v) { return !v.left_out.empty(); }))
+    if (std::all_of(out.views.begin(), out.views.end(), [](const auto& v) { return !v.excluded.empty(); }))
       return tl::unexpected(std::string("no photograph shows a board"));
     work = BoardWork{};
     begin(work, views, out.views);

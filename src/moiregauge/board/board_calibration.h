@@ -20,8 +20,8 @@ struct BoardPointSeen {
   BoardPoint board;          // mm
   ImagePoint at;             // px
   double u_px = 0.0;         // u of each coordinate from the point's own pixels
-  double diameter_mm = 0.0;  // of a dot, whose `at` is its ellipse's centre; 0: a point
-  int column = 0;            // of the lattice in this view's numbering
+  double diameter_mm = 0.0;  // a dot's diameter; `at` is then its ellipse's centre; 0: a point
+  int column = 0;            // in the lattice, by this view's numbering
   int row = 0;
 };
 
@@ -47,7 +47,7 @@ struct BoardNull {
 };
 
 struct CalibratedView {
-  std::string left_out;   // reason; empty: the view was used, and the other fields are valid
+  std::string excluded;   // reason; empty: the view was used, and the other fields are valid
   double tilt_rad = 0.0;  // between the board's normal and the line of sight to its middle
   double rms_px = 0.0;    // reprojection error, rms length
   // Scatter about the common camera divided by that about the view's own camera, both per degree of freedom.

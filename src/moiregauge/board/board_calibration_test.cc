@@ -137,10 +137,10 @@ TEST(CalibrateBoard, SeparatesPrintErrorsFromTheLens) {
 
 TEST(CalibrateBoard, NearlyParallelViewsLeaveTheFocalLengthUncertain) {
   const auto open = calibrate_board(views_of({{1, 0, 0}, {0, 2, 5}}, {}), {});
-  const auto told = calibrate_board(views_of({{30, 0, 0}, {0, 30, 5}}, {}), {});
+  const auto determined = calibrate_board(views_of({{30, 0, 0}, {0, 30, 5}}, {}), {});
   ASSERT_TRUE(open) << open.error();
-  ASSERT_TRUE(told) << told.error();
-  EXPECT_GT(open->u[0], 20.0 * told->u[0]);
+  ASSERT_TRUE(determined) << determined.error();
+  EXPECT_GT(open->u[0], 20.0 * determined->u[0]);
   EXPECT_LE(std::abs(open->camera.fx - kCamera.fx), 3.0 * open->u[0]) << "seed " << kBoardSeed;
 }
 
@@ -150,8 +150,8 @@ TEST(CalibrateBoard, ExcludesViewsOfAnotherCameraOrBoard) {
   for (std::size_t i = 0; i < 3 * kColumns; ++i) views[3].points[i].board.x += kStep;  // an error of the indexing
   const auto solved = calibrate_board(views, {});
   ASSERT_TRUE(solved) << solved.error();
-  for (std::size_t v = 0; v < views.size(); ++v) EXPECT_EQ(solved->views[v].left_out.empty(), v != 1 && v != 3) << v;
-  EXPECT_NE(solved->views[1].left_out.find("1280 x 1200 px"), std::string::npos);
+  for (std::size_t v = 0; v < views.size(); ++v) EXPECT_EQ(solved->views[v].excluded.empty(), v != 1 && v != 3) << v;
+  EXPECT_NE(solved->views[1].excluded.find("1280 x 1200 px"), std::string::npos);
   expect_the_camera(*solved);
 }
 
@@ -169,7 +169,7 @@ TEST(CalibrateBoard, ViewsOfAnotherZoomAreNamed) {
   const auto mixed = calibrate_board(views, {});
   ASSERT_TRUE(mixed) << mixed.error();
   int named = 0;  // excluded as another board, or named by its misfit
-  for (const CalibratedView& view : mixed->views) named += !view.left_out.empty() || view.misfit_ratio > 3.0 ? 1 : 0;
+  for (const CalibratedView& view : mixed->views) named += !view.excluded.empty() || view.misfit_ratio > 3.0 ? 1 : 0;
   EXPECT_GE(named, 3);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Identification of board positions from view to view. Views may differ by quarter rotations and show different parts
-// of the board. The print's errors identify the positions, because they are the same in every view.
+// Identification of board positions from view to view. Views may differ by quarter rotations and show different
+// parts of the board. The print's errors identify the positions, because they are the same in every view.
 #pragma once
 
 #include <utility>

@@ -13,7 +13,7 @@ struct BoardWork {
   std::vector<const BoardView*> views;
   std::vector<std::vector<bool>> is_outlier;
   std::vector<std::vector<int>> place;  // position of every point of the views, or kNoPlace
-  std::vector<int> turns;               // of every view: quarter rotations of its board coordinates
+  std::vector<int> turns;               // for every view: quarter rotations of its board coordinates
   int places = 0;
   int matched = 0;        // views whose points have positions
   double point_px = 0.5;  // scatter of a point beyond its own noise; start value, then from the residuals

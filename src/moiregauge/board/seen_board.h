@@ -20,7 +20,7 @@ struct SeenBoard {
   int columns = 0;
   int rows = 0;
   double step_pitches = 1.0;      // distance of columns; 0.5 for a checkerboard, whose pitch is two squares
-  double diameter_pitches = 0.0;  // of dots; 0: no dots
+  double diameter_pitches = 0.0;  // a dot's diameter; 0: no dots
   std::vector<LatticePoint> points;
 };
 

@@ -62,7 +62,7 @@ BundleFrames bundle_frames(const Reference& reference, const Observations& obser
   out.place.assign(observations.size(), 0);
   auto starts = std::make_shared<std::vector<FrameStart>>();
   starts->push_back(start_of(reference, reference.seen, camera, still));
-  std::vector<std::size_t> observation{0};  // of each frame; the reference frame has none, so its entry is unused
+  std::vector<std::size_t> observation{0};  // index for each frame; the reference frame has none: its entry is unused
   if (references_in(reference.site, starts->front()) >= least) {
     Follower follower(reference);
     for (std::size_t n = 0; n < observations.size(); ++n) {

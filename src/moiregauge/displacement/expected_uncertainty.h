@@ -16,7 +16,7 @@ namespace moiregauge::internal {
 // NaN: the target was not seen, or its grating does not show this axis.
 struct ExpectedUncertainty {
   std::size_t marker = 0;      // index in the site
-  Extent<frame::Board> u;      // of the two-stage method in frames like this one, with the codec's part
+  Extent<frame::Board> u;      // by the two-stage method in frames like this one, with the codec's part
   Extent<frame::Board> codec;  // the codec's part; 0: lossless
   Extent<frame::Board> bound;  // Cramer-Rao bound: fundamentals over all pixels of the gratings, all references
 };

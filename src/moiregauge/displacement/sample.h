@@ -35,11 +35,11 @@ enum class Status {
 
 // Standard uncertainties (k = 1) along the board's x and y by cause, mm.
 struct Budget {
-  Extent<frame::Board> noise;            // of the target's window in this frame
-  Extent<frame::Board> references;       // of the references' windows in this frame
+  Extent<frame::Board> noise;            // by the target's window in this frame
+  Extent<frame::Board> references;       // by the references' windows in this frame
   Extent<frame::Board> reference_frame;  // both of these in the reference frame
   Extent<frame::Board> model;            // error that four points do not show: lens, depth, a bent board
-  Extent<frame::Board> lens;             // of the solved or given camera
+  Extent<frame::Board> lens;             // by the solved or given camera
   Extent<frame::Board> geometry;         // positions, rotations and heights of the markers
   Extent<frame::Board> axis;             // direction of the board's axes, which follows from reference positions only
   Extent<frame::Board> print_scale;      // scale and stretch of the gratings

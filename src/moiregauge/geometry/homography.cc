@@ -34,8 +34,8 @@ std::vector<Eigen::Vector2d> mapped(const Matrix3& t, Points points) {
   return out;
 }
 
-// A homography needs four points of which no three are on a line. For normalised points the last but one singular value
-// of the design matrix tests this, for any number of points.
+// A homography needs four points of which no three are on a line. For normalised points the last but one singular
+// value of the design matrix tests this, for any number of points.
 // Limit relative to the largest singular value; for four points, of their triangles' doubled areas. Chosen.
 constexpr double kDegenerate = 1e-7;
 

@@ -36,8 +36,8 @@ inline constexpr double kUsualStep = 15.9;
 // for faint gratings.
 inline constexpr double kMaxLag_px = 0.12;
 
-// Returns the step of a parameter on H.264's scale: 0.625 at 0, and twice as much every 6 (ITU-T H.264, 8.5.9). Steps
-// of other codecs are expressed on it.
+// Returns the step of a parameter on H.264's scale: 0.625 at 0, and twice as much every 6 (ITU-T H.264, 8.5.9).
+// Steps of other codecs are expressed on it.
 [[nodiscard]] inline double step_of_parameter(int parameter) { return 0.625 * std::exp2(parameter / 6.0); }
 inline constexpr int kMaxParameter = 87;  // 51, and 6 for each bit beyond 8
 // Returns the nearest parameter of a step.

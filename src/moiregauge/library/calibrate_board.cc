@@ -22,7 +22,7 @@ Expected<CalibratedCamera> calibrate_board(const std::vector<std::string>& photo
   out.u = {solved.camera.width, solved.camera.height, u[0], u[0], u[1], u[2], u[3], u[4], u[5], u[6], u[7]};
   out.rms_px = solved.rms_px;
   for (std::size_t v = 0; v < solved.views.size(); ++v)
-    out.views.push_back({report->names[v], solved.views[v].left_out, solved.views[v].rms_px});
+    out.views.push_back({report->names[v], solved.views[v].excluded, solved.views[v].rms_px});
   return out;
 }
 

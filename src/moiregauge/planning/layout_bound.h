@@ -20,7 +20,7 @@ enum class Bound { kPhase, kFull };
 
 struct ReadPlace {
   BoardPoint at;        // mm
-  Matrix2 information;  // of its shift, 1/mm^2; singular for lines
+  Matrix2 information;  // about its shift, 1/mm^2; singular for lines
 };
 
 // Return the covariance at `target` of the board's motion from the references, mm^2 (generalised least squares).

@@ -71,9 +71,9 @@ TEST(LayoutBound, APoseIsNeverWorseThanAHomographyAndNeedsThree) {
   const auto [free, rigid] = variances({0.0, 0.0});
   EXPECT_NEAR(rigid(0, 0) / free(0, 0), 1.0, 1e-6);
   EXPECT_NEAR(rigid(1, 1) / free(1, 1), 1.0, 1e-6);
-  const auto [free_beside, rigid_beside] = variances({0.0, 60.0});
-  EXPECT_LE(rigid_beside(0, 0), free_beside(0, 0) * (1.0 + 1e-9));
-  EXPECT_LT(rigid_beside(1, 1), 0.5 * free_beside(1, 1));
+  const auto [free_outside, rigid_outside] = variances({0.0, 60.0});
+  EXPECT_LE(rigid_outside(0, 0), free_outside(0, 0) * (1.0 + 1e-9));
+  EXPECT_LT(rigid_outside(1, 1), 0.5 * free_outside(1, 1));
   const std::span<const ReadPlace> three(places.data(), 3);
   EXPECT_FALSE(through_homography(three, {0.0, 0.0}));
   EXPECT_TRUE(through_pose(three, {0.0, 0.0}, camera));

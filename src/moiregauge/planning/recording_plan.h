@@ -26,12 +26,12 @@ struct RecordingSetup {
   Site site;      // patterns, pitches, sizes and positions of the gratings
   Camera camera;  // width, height, fx, fy, cx, cy; faces the middle of the markers
   double distance_mm = 0.0;
-  double noise_sigma = 1.5;  // of a pixel, grey levels of 8 bits; rounding is added
+  double noise_sigma = 1.5;  // each pixel's noise, grey levels of 8 bits; rounding is added
   PlannedOptics optics;      // without motion blur, which follows from the swings
   double fps = 30.0;
   double exposure_s = 0.0;
   double readout_s = 0.0;  // readout time; 0: global shutter
-  Quantiser codec;         // of the recording's frames; the default is lossless
+  Quantiser codec;         // used for the recording; the default is lossless
   std::optional<Swing> target_swing, camera_swing;
 };
 
@@ -78,7 +78,7 @@ struct BetterLayout {
   std::vector<std::string> moved;                          // names
   Extent<frame::Board> by{};                               // mm
   double span_ratio_before = 0.0, span_ratio_after = 0.0;  // short side by long side of the references' extent
-  Extent<frame::Board> u_before{}, u_after{};              // of the worst target, mm
+  Extent<frame::Board> u_before{}, u_after{};              // for the worst target, mm
   std::size_t target = 0;                                  // index in the site
   bool picture_ends_it = false;                            // more would help, but leaves the image
 };

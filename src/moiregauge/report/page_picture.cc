@@ -16,7 +16,7 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr int kWidest = 1600;  // px: the width of the page's column on a screen of double density
-constexpr int kQuality = 85;   // of 100; keeps thin lines and letters sharp (chosen)
+constexpr int kQuality = 85;   // from 0 to 100; keeps thin lines and letters sharp (chosen)
 
 cairo_status_t next_bytes(void* left_of_file, unsigned char* data, unsigned int length) {
   auto& left = *static_cast<std::span<const std::uint8_t>*>(left_of_file);

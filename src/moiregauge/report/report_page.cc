@@ -28,8 +28,8 @@ constexpr double kUnknownQuantum = 1e-5;  // mm, without u
 constexpr double kTimeQuantum = 1e-6;     // s
 constexpr double kPixelQuantum = 1e-3;
 constexpr double kDegreeQuantum = 1e-5;
-constexpr double kShareQuantum = 1e-4;   // of modulation ratio and chi-squared
-constexpr double kDecadeQuantum = 1e-3;  // of a spectrum, in decades
+constexpr double kShareQuantum = 1e-4;   // for modulation ratio and chi-squared
+constexpr double kDecadeQuantum = 1e-3;  // for a spectrum, in decades
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 

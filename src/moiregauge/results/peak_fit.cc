@@ -21,7 +21,7 @@ constexpr int kSlowPasses = 3;            // each pass reduces the sine's share 
 // Least lambda in its standard uncertainties. With 3, accepted values would be too large by half a u on average.
 constexpr double kSignificant = 5.0;
 constexpr double kMaxLeft = 0.01;         // largest remaining power about its frequency, relative; chosen
-constexpr double kStandsOut = 6.0;        // times the level around: chance exceeds it about once in 10^7
+constexpr double kMinProminence = 6.0;        // times the level around: chance exceeds it about once in 10^7
 constexpr double kMisfit = 3.0;           // remaining power at the peak, times the level, that counts as noise; chosen
 constexpr double kFurthestBack = 3.0;     // limit of extrapolating a decay back, times its start amplitude; chosen
 constexpr std::size_t kNear = 3;          // ordinates to each side that belong to the peak
@@ -69,11 +69,11 @@ OnSlow fit_on_slow(const Gathered& g, double omega, Decaying decaying) {
   return fit;
 }
 
-struct Beside {
+struct Surroundings {
   double near = 0.0, around = 0.0;  // mean residual density at the peak, and on both sides of it, mm^2/Hz
 };
 
-Beside beside(const std::vector<double>& left, double frequency_hz, double interval_s) {
+Surroundings surroundings_of(const std::vector<double>& left, double frequency_hz, double interval_s) {
   const Spectrum s = periodogram(left.data(), left.size(), interval_s);
   const auto middle = std::lround(frequency_hz / s.frequency_hz[1]);
   double near = 0.0, around = 0.0;
@@ -173,10 +173,10 @@ bool PeakFits::try_fit(Window window, double omega, Decaying decaying) {
     left.push_back(g.value[i] - slow[i] - taken.back());
   }
   const double f = sine->omega / kTurnsPerHz;
-  const Beside rest = beside(left, f, times_.interval_s);
-  const double power = beside(taken, f, times_.interval_s).near;
-  if (rest.near > std::max(kMaxLeft * power, kStandsOut * rest.around)) return false;
-  if (power < kStandsOut * rest.around) return false;
+  const Surroundings rest = surroundings_of(left, f, times_.interval_s);
+  const double power = surroundings_of(taken, f, times_.interval_s).near;
+  if (rest.near > std::max(kMaxLeft * power, kMinProminence * rest.around)) return false;
+  if (power < kMinProminence * rest.around) return false;
   // Noise of one sample, assumed white with the density at this frequency.
   const double density = rest.near > kMisfit * rest.around ? rest.near : rest.around;
   const double variance = density / (2.0 * times_.interval_s);

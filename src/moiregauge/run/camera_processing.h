@@ -51,8 +51,8 @@ struct ProcessingFault {
 };
 
 // Marks samples as `untrusted` that the processing may have falsified.
-// Repeated pixels concern all samples, averages over time those of moving targets. Repeated frames concern the samples
-// of moving targets in these frames.
+// Repeated pixels concern all samples, averages over time those of moving targets. Repeated frames concern the
+// samples of moving targets in these frames.
 // `is_lossy`: a codec may have removed the grain. Returns nothing if no sample is concerned.
 [[nodiscard]] std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
                                                                 Samples& samples);

@@ -19,7 +19,7 @@ namespace moiregauge::internal {
 // Block `input` of run.json.
 struct InputInfo {
   std::string path;
-  std::string sha256;       // of the file's bytes, or of all bytes of a folder's images in order. Sources leave it
+  std::string sha256;       // hashes the file's bytes, or all bytes of a folder's images in order. Sources leave it
                             // empty, because it is computed during the measurement (app/fingerprint.h)
   long frames = -1;         // number of frames in the input; -1: unknown before the end
   int width = 0;            // px, as displayed

@@ -95,7 +95,7 @@ class Run {
   FrameSink* frames_;
   JournalSink* journal_;
   FrameObserver observer_;
-  Observations kept_;          // of the unfinished run
+  Observations kept_;          // from the unfinished run
   bool is_journaled_ = false;  // the reference frame is in the journal
 };
 

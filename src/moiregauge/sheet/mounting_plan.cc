@@ -22,7 +22,7 @@ using figure::Letters;
 
 constexpr double kLeft = 15.0, kRight = 282.0, kPlanText_mm = 3.2, kPlanSmall_mm = 2.7, kLine_mm = 4.6;
 constexpr double kDrawingTop = 24.0, kDrawingHigh = 82.0;
-constexpr std::size_t kMaxRows = 16;  // of the table; more markers are in site.toml only
+constexpr std::size_t kMaxRows = 16;  // in the table; more markers are in site.toml only
 
 Colour colour_of(const Marker& marker) {
   return marker.role == Role::kReference ? figure::kReferenceInk : figure::kTargetInk;
@@ -95,7 +95,7 @@ void draw_dimensions(Canvas& canvas, const Scale& scale, const SheetSet& set) {
   }
   const Box box = extent_of(set.site.markers);
   if (!(high.x > low.x)) return;
-  const double below = scale.at(box.low).y + 6.0, beside = scale.at(box.low).x - 6.0;
+  const double below = scale.at(box.low).y + 6.0, left_of = scale.at(box.low).x - 6.0;
   const double x0 = scale.at(low).x, x1 = scale.at(high).x, y0 = scale.at(low).y, y1 = scale.at(high).y;
   const auto tick = [&](double x, double y, bool upright) {
     canvas.line(
@@ -107,9 +107,9 @@ void draw_dimensions(Canvas& canvas, const Scale& scale, const SheetSet& set) {
   canvas.text({0.5 * (x0 + x1), below + 3.6}, fmt::format("{:g} mm", high.x - low.x),
               {Align::kCentre, kBlack, false, 0.0, kPlanSmall_mm});
   if (!(high.y > low.y)) return;
-  canvas.line({{beside, y0}, {beside, y1}}, {kGrey, 0.25});
-  tick(beside, y0, false), tick(beside, y1, false);
-  canvas.text({beside - 1.5, 0.5 * (y0 + y1) + 1.0}, fmt::format("{:g} mm", high.y - low.y),
+  canvas.line({{left_of, y0}, {left_of, y1}}, {kGrey, 0.25});
+  tick(left_of, y0, false), tick(left_of, y1, false);
+  canvas.text({left_of - 1.5, 0.5 * (y0 + y1) + 1.0}, fmt::format("{:g} mm", high.y - low.y),
               {Align::kRight, kBlack, false, 0.0, kPlanSmall_mm});
 }
 

@@ -9,7 +9,7 @@ struct _cairo;  // cairo_t, without cairo's header
 namespace moiregauge::internal::sheet {
 
 struct Ink {
-  double density = 1.0;   // of dark areas: 1 is black, 0.6 a grey of 60 %
+  double density = 1.0;   // ink in dark areas: 1 is black, 0.6 a grey of 60 %
   bool inverted = false;  // light lines on dark (a circle stays dark for detection)
   // Exponent for cosine gratings: the grey value sent to the printer is light^(1 / gamma). A printer reproduces about
   // the 2.2nd power of it.

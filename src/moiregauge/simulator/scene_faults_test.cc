@@ -189,7 +189,7 @@ TEST(Settings, IncludeEveryFault) {
   EXPECT_TRUE(set("timing.dropped", "3 5"));
   EXPECT_TRUE(set("print.scale", "0.002"));
   EXPECT_TRUE(set("site.exchanged", "NW mid"));
-  EXPECT_FALSE(set("site.exchanged", "NW nobody"));
+  EXPECT_FALSE(set("site.exchanged", "NW missing"));
   EXPECT_TRUE(set("marker.NE.cover.x_mm.knots", "0 -30 1 30"));
   EXPECT_TRUE(set("marker.mid.glare.grey", "150"));
   EXPECT_TRUE(set("marker.mid.fold_mm", "0.3"));

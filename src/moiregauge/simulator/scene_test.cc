@@ -128,7 +128,7 @@ TEST(Cover, HidesItsShareOfTheSheet) {
   double differs = 0.0;
   for (int x = int(edge.x) + 5; x < int(edge.x) + 40; ++x)
     differs = std::max(differs, std::abs(picture.at(x, int(edge.y)) - 77.0));
-  EXPECT_GT(differs, 30.0) << "beside it the print is seen";
+  EXPECT_GT(differs, 30.0) << "the print is visible outside";
 }
 
 // A camera rotating about y at w rad/s moves the middle of the image at f w px/s. A row exposed later by t is shifted

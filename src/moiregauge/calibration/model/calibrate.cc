@@ -33,8 +33,8 @@ PrintError print_error_of(const Site& site, const BundleSolution& solution, std:
   const auto fits = fits_of(site, largest);
   PrintError error;
   error.marker_jitter_mm = marker_jitter_mm(site, largest.scene, largest.frames, fits, prior, last.marker_jitter_mm);
-  const auto wandering = with_print_error(site, noise_alone, {.marker_jitter_mm = error.marker_jitter_mm});
-  error.points_mm = print_error_mm(site, largest.scene, wandering, fits, prior);
+  const auto with_jitter = with_print_error(site, noise_alone, {.marker_jitter_mm = error.marker_jitter_mm});
+  error.points_mm = print_error_mm(site, largest.scene, with_jitter, fits, prior);
   return error;
 }
 
@@ -52,7 +52,7 @@ constexpr double kWorthAsking = 0.25;
 ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits,
                          ReadoutDirection run) {
   ShutterTest out;
-  double chi2 = 0.0, gone = 0.0;
+  double chi2 = 0.0, reduction = 0.0;
   long dof = 0, frames = 0;
   for (std::size_t k = 0; k < fits.size(); ++k) {
     if (!fits[k].ok) continue;
@@ -65,9 +65,9 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   const auto excess = chi2 - static_cast<double>(dof);
   if (!(chi2 > chi2_upper_quantile(static_cast<double>(dof))) || solution.frames.front().rows) return out;
   for (std::size_t k = 0; k < fits.size(); ++k)
-    gone += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
-  out.share = gone / chi2;
-  const double turned = gone - static_cast<double>(kTurning * frames);
+    reduction += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
+  out.share = reduction / chi2;
+  const double turned = reduction - static_cast<double>(kTurning * frames);
   out.suggests_rolling_shutter =
       turned > std::log(std::max(3.0, static_cast<double>(dof))) && turned > kWorthAsking * excess;
   return out;

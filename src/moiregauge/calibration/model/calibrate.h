@@ -21,7 +21,7 @@ struct ShutterTest {
 struct Calibration {
   ScenePrior prior;            // as given, or wider if the gratings are stretched beyond it
   bool stretched = false;      // the stretch exceeds 3 u, both of the given prior and of the solution
-  BundleSolution bundle;       // of the selected model, with its covariance
+  BundleSolution bundle;       // for the selected model, with its covariance
   std::vector<FrameFit> fits;  // one per frame of the bundle
   PrintError print_error;      // added to the noise of the points; other frames need it, too (with_print_error)
   ShutterTest shutter;

@@ -15,12 +15,13 @@ namespace {
 constexpr int kPose = 6;
 using Shift18 = Eigen::Matrix<double, PatchResidual::kSize, 2>;
 
-// References of one frame, each in the two coordinates in which its shift shows (projected by Q'). `by_frame`: columns
-// of pose and motion. `by_scene`: columns of the scene, after eliminating these. `by_shift`: effect of a shift of 1 mm.
+// References of one frame, each in the two coordinates in which its shift shows (projected by Q'). `by_frame`:
+// columns of pose and motion. `by_scene`: columns of the scene, after eliminating these. `by_shift`: effect of a shift
+// by 1 mm.
 struct Common {
   Eigen::VectorXd residual;
   Eigen::MatrixXd by_frame, by_scene, by_shift;
-  Eigen::MatrixXd covariance;  // of pose and motion
+  Eigen::MatrixXd covariance;  // covariance of pose and motion
 };
 
 Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame, const FrameFit& fit) {
@@ -71,12 +72,12 @@ double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const Bu
   const auto parameters = covariance.rows();
   std::vector<Common> all;
   // Information about the scene that a jitter of 1 mm imitates.
-  Eigen::MatrixXd told = Eigen::MatrixXd::Zero(parameters, parameters);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(parameters, parameters);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (!fits[k].ok) continue;
     all.push_back(common_of(site, scene, frames[k], fits[k]));
     const Eigen::MatrixXd s = all.back().by_scene.transpose() * all.back().by_shift;
-    told.noalias() += s * s.transpose();
+    information.noalias() += s * s.transpose();
   }
   double chi2 = 0.0, dof = 0.0, per_wander = 0.0;
   for (const Common& c : all) {
@@ -84,7 +85,7 @@ double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const Bu
     const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(c.residual.size(), c.residual.size()) -
                                  c.by_frame * c.covariance * c.by_frame.transpose() - by_scene * c.by_scene.transpose();
     const Eigen::MatrixXd own = c.by_scene.transpose() * c.by_shift;
-    const Eigen::MatrixXd of_others = told - own * own.transpose();
+    const Eigen::MatrixXd of_others = information - own * own.transpose();
     chi2 += c.residual.squaredNorm();
     dof += left.trace();
     per_wander += (left * c.by_shift).squaredNorm() + (by_scene * of_others * by_scene.transpose()).trace();

@@ -14,7 +14,7 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr int kReadoutRounds = 6;  // chosen
-constexpr double kStands = 0.1;    // readout converged: change relative to its own u; chosen
+constexpr double kConvergedShare = 0.1;    // readout converged: change relative to its own u; chosen
 constexpr int kReadoutSteps = 3;   // Gauss-Newton steps per round; chosen
 // Prior of an unknown readout time, that of a phone: s, and relative u. For motion faster than half the frame rate only
 // this prior determines it. Chosen.
@@ -53,7 +53,7 @@ struct FitSummary {
   Pose pose;
   PathPlace path_variance = PathPlace::Zero();
   std::vector<std::optional<Extent<frame::Board>>> shift;  // one per site marker; empty if not fitted
-  std::vector<Extent<frame::Board>> variance;              // of the shifts, mm^2
+  std::vector<Extent<frame::Board>> variance;              // variances of the shifts, mm^2
   double chi2_sum = 0.0;
   long dof = 0;
   Motion motion = Motion::Zero();
@@ -130,7 +130,7 @@ class RollingShutterSolver {
       take_poses();
       widen();
       if (is_last) break;
-      is_last = round >= 2 && std::abs(out_.readout_s - before) < kStands * out_.u_readout_s;
+      is_last = round >= 2 && std::abs(out_.readout_s - before) < kConvergedShare * out_.u_readout_s;
     }
     count_cost();
     return std::move(out_);
@@ -322,8 +322,8 @@ double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.mot
 Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                       const ScenePrior& prior, std::optional<double> readout_s) {
   Shutter down = RollingShutterSolver(site, frames, key, prior, readout_s, 1.0).solved();
-  constexpr double kTold = 3.0;  // least readout time, in u, that needs no test of the opposite direction; chosen
-  if (readout_s || (down.problem.empty() && down.readout_s > kTold * down.u_readout_s)) return down;
+  constexpr double kSureReadout = 3.0;  // least readout time, in u, that needs no test of the opposite direction; chosen
+  if (readout_s || (down.problem.empty() && down.readout_s > kSureReadout * down.u_readout_s)) return down;
   Shutter up = RollingShutterSolver(site, frames, key, prior, readout_s, -1.0).solved();
   // Fall of the cost that the opposite direction needs: about the evidence of one frame. Sensors are rarely upside
   // down. Chosen.

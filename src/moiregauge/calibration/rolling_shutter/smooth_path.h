@@ -13,7 +13,7 @@ namespace moiregauge::internal {
 // Rate (1/s), acceleration (1/s^2) and jerk (1/s^3) at one sample, times the unit of the quantity.
 struct PathPoint {
   double rate = 0.0, acceleration = 0.0, jerk = 0.0;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of rate and acceleration
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // covariance of rate and acceleration
 };
 
 // Fits a smoothing spline of degree 2 m - 1. It is the posterior mean of an m-fold integral of white noise, m = 2, 3 or

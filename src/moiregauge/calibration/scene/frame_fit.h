@@ -11,10 +11,10 @@ struct FrameFit {
   Pose pose;
   std::vector<Extent<frame::Board>> shift;       // one per site marker, mm; NaN if not read
   std::vector<int> shift_row;                    // row of a marker's shift in the matrices below; -1: none
-  Eigen::MatrixXd covariance;                    // of pose (6: rad, mm) and shifts (mm), from this frame's noise alone
+  Eigen::MatrixXd covariance;                    // for pose (6: rad, mm) and shifts (mm), from this frame's noise alone
   Eigen::MatrixXd sensitivity;                   // change of pose and shifts per unit of each scene parameter
-  Eigen::MatrixXd scene_information;             // of the scene parameters, after eliminating pose and shifts
-  std::vector<Eigen::Matrix2d> own_information;  // of each marker's shift with the pose known, 1/mm^2
+  Eigen::MatrixXd scene_information;             // about the scene parameters, after eliminating pose and shifts
+  std::vector<Eigen::Matrix2d> own_information;  // about each marker's shift with the pose known, 1/mm^2
   std::vector<double> chi2;                      // one per site marker
   double chi2_sum = 0.0;
   long dof = 0;

@@ -128,7 +128,7 @@ PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const M
         pose.rotation * Vector3d(x0 + scale * bx, -(y0 + scale * by), -shape.value[MarkerShape::kHeight]);
     const Projection seen = projection(common, turned + pose.shift);
     const Eigen::Matrix<double, 2, 3> by_point = pitches_per_px_[n].lazyProduct(seen.by_point);
-    const Eigen::Matrix<double, 2, 3> by_board = by_point.lazyProduct(pose.rotation);  // of (X, -Y, -Z)
+    const Eigen::Matrix<double, 2, 3> by_board = by_point.lazyProduct(pose.rotation);  // derivatives by (X, -Y, -Z)
     Eigen::Matrix<double, 2, PatchColumn::kColumns> rows;
     rows.leftCols<kCameraParameters>() = pitches_per_px_[n].lazyProduct(seen.by_camera);
     const double ex = 0.5 * scale * print_[n].x, ey = -0.5 * scale * print_[n].y;  // by half the stretch

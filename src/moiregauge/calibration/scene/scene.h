@@ -38,15 +38,15 @@ inline constexpr int kCommonParameters = kCameraParameters + 1, kStretchParamete
 struct SceneModel {
   bool radial = false;      // k1, k2
   bool tangential = false;  // p1, p2
-  bool heights = false;     // of the references
-  bool depth = false;       // of the targets
+  bool heights = false;     // for the references
+  bool depth = false;       // for the targets
   [[nodiscard]] std::string name() const;
 };
 inline constexpr SceneModel kEverything{.radial = true, .tangential = true, .heights = true, .depth = true};
 
 struct Scene {
   Camera camera;                     // fx = fy
-  double stretch = 0.0;              // of all gratings: longer along x than along y, relative
+  double stretch = 0.0;              // all gratings: relatively longer along x than along y
   std::vector<MarkerShape> markers;  // one per site marker
   // Covariance of the camera's eight parameters and the stretch, then of five per marker. Fixed parameters have zeros.
   Eigen::MatrixXd covariance;
@@ -57,7 +57,7 @@ struct Scene {
     return full_covariance.size() > 0 ? full_covariance : covariance;
   }
   SceneModel model;
-  double chi2_dof = 0.0;        // of the data, per degree of freedom
+  double chi2_dof = 0.0;        // the data's chi-squared per degree of freedom
   double penalised_cost = 0.0;  // data plus priors
   std::vector<long> key_frames;
   // Readout time and its u, s. Negative: the readout starts at the opposite end. 0: global shutter. NaN: frames have no

@@ -13,8 +13,8 @@ namespace {
 constexpr double kRadial = 0.05, kRadial2 = 0.02, kTangential = 0.005;
 // Unknown lens: prior of f, and u of the principal point, relative to the image's larger side. From a wide phone lens
 // (0.7) to a long one (6) all f are within two u. The 2 % are chosen.
-constexpr double kUsualFocal = 2.0;  // of the image's larger side
-constexpr double kPrincipal = 0.02;  // of the image's larger side
+constexpr double kUsualFocal = 2.0;  // relative to the image's larger side
+constexpr double kPrincipal = 0.02;  // relative to the image's larger side
 // Given camera without u: focus and temperature may have changed since its calibration. Relative to f, L and each
 // distortion term. Chosen.
 constexpr double kCalibratedFocal = 0.005, kCalibratedPrincipal = 0.002, kCalibratedDistortion = 0.05;

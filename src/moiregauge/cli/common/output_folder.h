@@ -6,8 +6,8 @@
 
 namespace moiregauge::internal::cli {
 
-// Returns an error if results may not be written into the folder. A folder with the file `mark` is from an earlier run
-// of the command and may be replaced. Any other folder that is not empty is not changed.
+// Returns an error if results may not be written into the folder. A folder with the file `mark` is from an earlier
+// run of the command and may be replaced. Any other folder that is not empty is not changed.
 [[nodiscard]] inline bool is_free(const std::filesystem::path& output, const char* mark) {
   namespace fs = std::filesystem;
   std::error_code ignored;

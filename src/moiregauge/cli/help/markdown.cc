@@ -150,7 +150,7 @@ std::vector<Span> spans_of(std::string_view text) {
   return spans;
 }
 
-std::vector<std::string> options_told(std::string_view markdown) {
+std::vector<std::string> documented_options(std::string_view markdown) {
   std::vector<std::string> options;
   for (const Block& block : blocks_of(markdown)) {
     if (block.kind != BlockKind::kTable || block.rows.empty() || block.rows.front().front() != "option") continue;

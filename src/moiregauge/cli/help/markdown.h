@@ -12,10 +12,10 @@ enum class BlockKind { kHeading, kParagraph, kItem, kCode, kTable };
 
 struct Block {
   BlockKind kind = BlockKind::kParagraph;
-  int level = 0;                               // of a heading; 1 is the highest
-  std::string bullet;                          // of an item: "-", "1."
+  int level = 0;                               // for a heading; 1 is the highest
+  std::string bullet;                          // for an item: "-", "1."
   std::string text;                            // with inline marks, on one line; kCode: unchanged lines
-  std::vector<std::vector<std::string>> rows;  // of a table; the first is its header
+  std::vector<std::vector<std::string>> rows;  // for a table; the first is its header
 };
 
 [[nodiscard]] std::vector<Block> blocks_of(std::string_view markdown);
@@ -25,7 +25,7 @@ enum class SpanKind { kPlain, kCode, kStrong, kLink };
 struct Span {
   SpanKind kind = SpanKind::kPlain;
   std::string text;
-  std::string target;  // of a link
+  std::string target;  // for a link
 };
 
 // Splits text into spans. A mark that is not closed is plain text.
@@ -33,6 +33,6 @@ struct Span {
 
 // Returns the options described by a page: code spans starting with a dash, in the first column of tables headed
 // "option".
-[[nodiscard]] std::vector<std::string> options_told(std::string_view markdown);
+[[nodiscard]] std::vector<std::string> documented_options(std::string_view markdown);
 
 }  // namespace moiregauge::internal::cli

@@ -24,9 +24,9 @@ std::set<std::string> options_of(const CLI::App& command) {
   return names;
 }
 
-std::set<std::string> told_by(const Page& page) {
-  const auto told = options_told(page.markdown);
-  return {told.begin(), told.end()};
+std::set<std::string> options_on(const Page& page) {
+  const auto documented = documented_options(page.markdown);
+  return {documented.begin(), documented.end()};
 }
 
 // Every command has -h and --help: only the program's page describes them.
@@ -35,14 +35,14 @@ TEST(Pages, DescribeExactlyTheExistingOptions) {
   const auto tree = command_tree(exit_code);
   const Page* whole = page_named("moiregauge");
   ASSERT_NE(whole, nullptr);
-  EXPECT_EQ(told_by(*whole), options_of(*tree));
+  EXPECT_EQ(options_on(*whole), options_of(*tree));
   for (const CLI::App* command : visible_commands(*tree)) {
     const Page* page = page_named(command->get_name());
     ASSERT_NE(page, nullptr) << "docs/cli/" << command->get_name() << ".md is missing";
     auto has = options_of(*command);
     has.erase("-h");
     has.erase("--help");
-    EXPECT_EQ(told_by(*page), has) << "docs/cli/" << page->name << ".md";
+    EXPECT_EQ(options_on(*page), has) << "docs/cli/" << page->name << ".md";
   }
 }
 
@@ -62,10 +62,10 @@ TEST(Pages, EveryPageBelongsToACommandAndTheMainPageListsAll) {
 TEST(Pages, TextFitsTheTerminalAndLosesNoWord) {
   const std::string text = text_of_markdown(
       "# moiregauge x\n\nOne two `three` four five six.\n\n| option | meaning |\n|---|---|\n| `--a B` | **must** be "
-      "[told](../y.md#z) a\\|b |\n",
+      "[used](../y.md#z) a\\|b |\n",
       20);
   EXPECT_EQ(text,
-            "moiregauge x\n\n  One two three four\n  five six.\n\n  --a B\n        must be told\n        (docs/y.md)\n"
+            "moiregauge x\n\n  One two three four\n  five six.\n\n  --a B\n        must be used\n        (docs/y.md)\n"
             "        a|b\n");
 }
 

@@ -14,7 +14,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-constexpr std::size_t kMaxLines = 12;  // of one kind; --json has them all
+constexpr std::size_t kMaxLines = 12;  // for each kind; --json has them all
 
 std::string counted(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
@@ -27,10 +27,10 @@ std::string and_more(std::size_t all) {
 std::string circle_text(const Inspection& seen) {
   std::vector<const InspectedCircle*> listed;
   for (const InspectedCircle& c : seen.circles) {
-    if (c.lattice == kNobody || c.marker != kNobody) listed.push_back(&c);
+    if (c.lattice == kUnidentified || c.marker != kUnidentified) listed.push_back(&c);
   }
   std::stable_sort(listed.begin(), listed.end(), [](const auto* a, const auto* b) {
-    const auto place = [](int marker) { return marker == kNobody ? 1 << 30 : marker; };
+    const auto place = [](int marker) { return marker == kUnidentified ? 1 << 30 : marker; };
     return place(a->marker) < place(b->marker);
   });
   const std::size_t dots = seen.circles.size() - listed.size();

@@ -41,7 +41,7 @@ std::string with_u(const Parameter& p) {
 }
 
 std::string view_line(const std::string& name, const CalibratedView& v, std::size_t width) {
-  if (!v.left_out.empty()) return fmt::format("{:<{}}  not used: {}\n", name, width, v.left_out);
+  if (!v.excluded.empty()) return fmt::format("{:<{}}  not used: {}\n", name, width, v.excluded);
   return fmt::format("{:<{}}  {:>5.1f} {:>8.3f} {:>9.3f} {:>7.3f} {:>10.3f} {:>7.3f}{}\n", name, width,
                      v.tilt_rad * 180.0 / kPi, v.rms_px, v.null.corners_seen, v.null.corners, v.null.lattice_seen,
                      v.null.lattice, v.outliers > 0 ? fmt::format("   {} points not used", v.outliers) : "");
@@ -49,7 +49,7 @@ std::string view_line(const std::string& name, const CalibratedView& v, std::siz
 
 std::size_t used_of(const BoardCalibration& s) {
   return static_cast<std::size_t>(
-      std::count_if(s.views.begin(), s.views.end(), [](const CalibratedView& v) { return v.left_out.empty(); }));
+      std::count_if(s.views.begin(), s.views.end(), [](const CalibratedView& v) { return v.excluded.empty(); }));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-constexpr double kLayoutShare = 0.8;  // of the image, without --span; the rest allows for camera rotation
+constexpr double kLayoutShare = 0.8;  // relative to the image, without --span; the rest allows for camera rotation
 
 // A telephone's codec: most of its frames are predicted from others.
 constexpr Quantiser kUsualCodec{kUsualStep, true};
@@ -78,7 +78,7 @@ Done choose_camera(const PlanArgs& args, PlanOrder& order) {
       if (fov_deg == 0.0 && args.focal.empty()) fov_deg = known->hfov_deg;
       order.camera_source = known->source;
       if (known->compresses) order.setup.codec = kUsualCodec;
-      order.rolls_untold = known->rolls && args.readout.empty();
+      order.readout_unknown = known->rolls && args.readout.empty();
     } else if (std::filesystem::exists(args.camera)) {
       const auto read = read_camera(args.camera);
       if (!read) return usage(mistakes_in("camera file", args.camera, read.error()));

@@ -24,9 +24,9 @@ struct PlanArgs {
 
 struct PlanOrder {
   RecordingSetup setup;
-  std::string camera_name;    // of the table, or the file; empty: stated in numbers
-  std::string camera_source;  // of the table
-  bool rolls_untold = false;  // a rolling shutter without a stated readout time
+  std::string camera_name;    // from the table, or the file; empty: stated in numbers
+  std::string camera_source;  // from the table
+  bool readout_unknown = false;  // a rolling shutter without a stated readout time
 };
 
 [[nodiscard]] tl::expected<PlanOrder, UsageError> parse_plan_options(const PlanArgs& args);

@@ -98,7 +98,7 @@ std::string motion_text(const RecordingSetup& s) {
 
 std::string shutter_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
-  if (order.rolls_untold) return "rolling, readout time unknown: give --readout";
+  if (order.readout_unknown) return "rolling, readout time unknown: give --readout";
   if (!(s.readout_s > 0.0)) return "global, all image rows at once";
   const ShutterError e = shutter_error(s);
   std::string words = fmt::format("rolling, up to {:.3g} ms between target and references", 1000.0 * e.lag_s);
@@ -150,7 +150,7 @@ std::string plan_text(const PlanOrder& order) {
   if (!s.codec.is_lossless()) text += line("codec", codec_text(s));
   text += line("blur", blur_text(s)) + line("motion", motion_text(s)) + line("shutter", shutter_text(order)) +
           line("turns", rotation_text(s));
-  const auto advice = advice_for(s, order.rolls_untold);
+  const auto advice = advice_for(s, order.readout_unknown);
   for (const std::string& words : advice) text += line("advice", words);
   if (advice.empty()) text += line("advice", "none: the set-up is ready to film");
   return text;
@@ -194,7 +194,7 @@ std::string plan_json(const PlanOrder& order) {
       {"fps", s.fps},
       {"exposure_s", s.exposure_s},
       {"codec_step", s.codec.step},
-      {"readout_s", order.rolls_untold ? Json(nullptr) : Json(s.readout_s)},
+      {"readout_s", order.readout_unknown ? Json(nullptr) : Json(s.readout_s)},
       {"markers", markers},
       {"targets", targets},
       {"u_print_scale", s.site.known_to.print_scale},
@@ -205,7 +205,7 @@ std::string plan_json(const PlanOrder& order) {
         {"tilt", degrees_from_radians(room.tilt)},
         {"roll", degrees_from_radians(room.roll)}}},
       {"in_picture", room.pan >= 0.0},
-      {"advice", advice_for(s, order.rolls_untold)}};
+      {"advice", advice_for(s, order.readout_unknown)}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

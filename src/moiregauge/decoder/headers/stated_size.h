@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the length that a video file states. Decoders accept a truncated copy, because they cannot distinguish the end
-// of the file from the end of the video. The outermost structure of the container shows it.
+// Reads the length that a video file states. Decoders accept a truncated copy, because they cannot distinguish the
+// end of the file from the end of the video. The outermost structure of the container shows it.
 #pragma once
 
 #include <cstddef>

@@ -2,8 +2,8 @@
 // Determines the codec's quantisation step of each frame, as far as the stream states it. Runs in the child only.
 //
 // H.264, VP9 and MPEG codecs report the parameter of every block. Motion JPEG has its tables in every packet, and
-// lossless codecs lose nothing. HEVC's slice headers are read here, because libavcodec does not report them. The step
-// of AV1 and others is unknown.
+// lossless codecs lose nothing. HEVC's slice headers are read here, because libavcodec does not report them. The
+// step of AV1 and others is unknown.
 #pragma once
 
 #include <array>

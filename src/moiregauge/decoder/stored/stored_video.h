@@ -25,7 +25,7 @@ struct StoredVideo {
 // Return the layout. All its bytes are inside `file`. They read the headers of all frames, not the pixels.
 [[nodiscard]] std::optional<StoredVideo> stored_avi(std::span<const std::byte> file);
 [[nodiscard]] std::optional<StoredVideo> stored_matroska(std::span<const std::byte> file);
-[[nodiscard]] std::optional<StoredVideo> stored_video(std::span<const std::byte> file);  // of either kind
+[[nodiscard]] std::optional<StoredVideo> stored_video(std::span<const std::byte> file);  // either kind
 
 // Layout of images of one FourCC: the luma plane first. Rows are packed, or padded to 4 bytes for 8-bit grey in AVI.
 struct StoredPixels {

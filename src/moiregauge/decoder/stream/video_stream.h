@@ -50,7 +50,7 @@ class VideoStream {
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
   [[nodiscard]] bool is_place_known() const { return decoder_->has_b_frames == 0; }
   [[nodiscard]] bool damaged() const { return damaged_; }
-  [[nodiscard]] const StreamQuantiser& quantiser() const { return quantiser_; }  // of frame()
+  [[nodiscard]] const StreamQuantiser& quantiser() const { return quantiser_; }  // for frame()
   [[nodiscard]] double time_s() const;  // s, time of the frame or the lost packet in the stream's own count; NaN: none
   // Returns the reason why the file is incomplete, or nothing. `shown` frames came out of it. Call it after kEnd. Some
   // truncated files cannot be detected.
@@ -93,7 +93,7 @@ class VideoStream {
   StreamQuantiser quantiser_;
   long errors_seen_ = 0;
   std::int64_t packets_ = 0;
-  std::optional<std::int64_t> began_;    // of all packets, in the stream's own count: earliest time,
+  std::optional<std::int64_t> began_;    // in all packets, in the stream's own count: earliest time,
   std::optional<std::int64_t> reached_;  // end of the latest
   std::int64_t chunk_end_ = 0;           // AVI only: end of the last packet,
   std::int64_t count_shift_ = 0;         // number of frames that libav missed,

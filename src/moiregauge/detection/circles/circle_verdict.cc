@@ -14,9 +14,9 @@ namespace {
 // Limits of the rms distance from the ellipse, added in quadrature. A square has 0.052 of its equivalent diameter, a
 // hexagon 0.017, a roughly printed disc 0.01. The limit in px is for discs of about 10 px, which sharpening in the
 // camera or a pixel of the printer makes rough.
-constexpr double kMaxResidualShare = 0.02;   // of the diameter
+constexpr double kMaxResidualShare = 0.02;   // relative to the diameter
 constexpr double kMaxResidualPx = 0.15;      // px
-constexpr double kMinContrastInNoise = 3.0;  // of the rms residual: a disc of less contrast may be noise (chosen)
+constexpr double kMinContrastInNoise = 3.0;  // in rms residuals: a disc of less contrast may be noise (chosen)
 
 std::string two_decimals(const char* before, double value, const char* between, double limit) {
   char text[96];

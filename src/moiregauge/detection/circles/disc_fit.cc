@@ -13,7 +13,7 @@ namespace {
 constexpr double kMinBand = 2.0;          // px to either side of the edge
 constexpr double kMaxBand = 6.0;          // px
 constexpr double kBandInBlurs = 3.0;      // sigma: pixels farther from the edge hold no information about it
-constexpr double kBandShare = 0.3;        // of the minor axis: keeps neighbouring markers out
+constexpr double kBandShare = 0.3;        // relative to the minor axis: keeps neighbouring markers out
 constexpr double kMinDiscBlur = 0.25;     // px, sigma: a box pixel alone has 0.29
 constexpr double kMaxBlur = 4.0;          // px, sigma (chosen)
 constexpr double kMaxStray = 0.5;         // px from the traced centre (chosen)

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSeriesPasses = 2;  // before the lattice passes: without a series the lattice has no gradient
 constexpr int kLatticePasses = 5;
-constexpr int kUnknowns = 8;  // of the lattice: phases, k, q
+constexpr int kUnknowns = 8;  // in the lattice: phases, k, q
 // Per px, 1 sigma of the prior on q = tan(tilt) / focal length: a wide lens of 1000 px at 45 degrees. The prior limits
 // q if the pixels do not determine it.
 constexpr double kLikelyPerspective = 1e-3;
@@ -57,7 +57,7 @@ std::vector<LatticePixel> pixels_in(const Image<float>& grey, const PhiBox& box,
   if (area > static_cast<double>(most)) {
     const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(most)));
     for (std::size_t i = 0; i < side * side; ++i) {
-      const Eigen::Vector2d s = box.low + size.cwiseProduct(markers_detail::strewn_in_square(i, side));
+      const Eigen::Vector2d s = box.low + size.cwiseProduct(markers_detail::stratified_in_square(i, side));
       const ImagePoint p = lattice.at(to_phi * s);
       if (!(std::abs(p.x) < 1e6 && std::abs(p.y) < 1e6)) continue;
       picker.pick(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y)), s);

@@ -43,7 +43,7 @@ struct PhiBox {
   Eigen::Vector2d high{0, 0};
 };
 
-inline constexpr int kHighestOrder = 3;  // of the harmonics along either axis
+inline constexpr int kHighestOrder = 3;  // for the harmonics along either axis
 
 struct LatticeFitOptions {
   int order = 1;                   // highest harmonic, 1 to kHighestOrder

@@ -94,7 +94,7 @@ DetectedPatch seen_patch(const GrownPatch& grown) {
 }
 
 // Returns the signed distance in px of p from the line a -> b; positive on the right-hand side in the image (y down).
-double beside(ImagePoint a, ImagePoint b, ImagePoint p) {
+double signed_distance(ImagePoint a, ImagePoint b, ImagePoint p) {
   const auto ab = b - a, ap = p - a;
   return (ab.x * ap.y - ab.y * ap.x) / std::max(length(ab), 1e-12);
 }
@@ -109,7 +109,7 @@ bool overlap(const DetectedPatch& a, const DetectedPatch& b) {
 
 bool holds(const DetectedPatch& patch, ImagePoint p) {
   int sign = 0;
-  for (std::size_t i = 0; i < 4; ++i) sign += beside(patch.outline[i], patch.outline[(i + 1) % 4], p) > 0.0 ? 1 : -1;
+  for (std::size_t i = 0; i < 4; ++i) sign += signed_distance(patch.outline[i], patch.outline[(i + 1) % 4], p) > 0.0 ? 1 : -1;
   return std::abs(sign) == 4;
 }
 

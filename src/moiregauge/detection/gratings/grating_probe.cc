@@ -19,7 +19,7 @@ const std::array<Eigen::Vector2d, kSide * kSide>& places() {
   static const auto list = [] {
     std::array<Eigen::Vector2d, kSide * kSide> out;
     for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = kProbeReach * (2.0 * markers_detail::strewn_in_square(i, kSide) - Eigen::Vector2d(1, 1));
+      out[i] = kProbeReach * (2.0 * markers_detail::stratified_in_square(i, kSide) - Eigen::Vector2d(1, 1));
     return out;
   }();
   return list;
@@ -82,7 +82,7 @@ double explained_by_thin_lines(const LatticeSeed& seed, const Image<float>& grey
   Eigen::Matrix<double, kThinTerms + 1, 1> row;
   for (std::size_t i = 0; i < kThinSide * kThinSide; ++i) {
     const Eigen::Vector2d place =
-        kThinReach * (2.0 * markers_detail::strewn_in_square(i, kThinSide) - Eigen::Vector2d(1, 1));
+        kThinReach * (2.0 * markers_detail::stratified_in_square(i, kThinSide) - Eigen::Vector2d(1, 1));
     const Eigen::Vector2d x = px_from_phi * place;
     const int px = static_cast<int>(std::lround(seed.centre.x + x.x())),
               py = static_cast<int>(std::lround(seed.centre.y + x.y()));

@@ -16,10 +16,10 @@ namespace {
 // image) and pixels. Relative and px terms are added in quadrature.
 constexpr double kScaleSpread = 0.025;        // relative
 constexpr double kScaleSpreadPx = 0.25;       // px of diameter
-constexpr double kShapeSpread = 0.03;         // of ln(major / minor)
+constexpr double kShapeSpread = 0.03;         // in ln(major / minor)
 constexpr double kShapeSpreadPx = 0.35;       // px of diameter
-constexpr double kLensSpread = 0.015;         // of the layout's size in the image: positions without lens correction
-constexpr double kPositionSlack = 0.05;       // of the layout's size in the image: a circle farther away is another one
+constexpr double kLensSpread = 0.015;         // in layout sizes in the image: positions without lens correction
+constexpr double kPositionSlack = 0.05;       // in layout sizes in the image: a circle farther away is another one
 constexpr double kPositionSlackPx = 3.0;      // px, added to the relative slack
 constexpr double kPositionSpreads = 3.0;      // coverage factor k of the stated positions, added to the slack
 constexpr double kMaxMisfitPerCircle = 15.0;  // chi-squared with 3 degrees of freedom: exceeded once in 500
@@ -120,9 +120,9 @@ class Searcher {
           seen_[picked[k]].diameter_px / size_of(base[k]) * size_of(j) / seen_[picked[depth]].diameter_px;
       if (sizes > kMaxSizeSpan || sizes < 1.0 / kMaxSizeSpan) return false;
       if (!sizes_stated_ && depth == 1) continue;
-      const double told = gauged_distance(gauges_[base[k]][picked[k]], b) / unit;
+      const double measured = gauged_distance(gauges_[base[k]][picked[k]], b) / unit;
       const double stated = length(references_[j].centre - references_[base[k]].centre);
-      if (std::abs(told - stated) > kDistanceSlack * stated + kPositionSpreads * std::sqrt(2.0) * position_mm_)
+      if (std::abs(measured - stated) > kDistanceSlack * stated + kPositionSpreads * std::sqrt(2.0) * position_mm_)
         return false;
     }
     return true;

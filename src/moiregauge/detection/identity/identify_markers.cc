@@ -20,12 +20,12 @@ using markers_detail::ReferenceCircle;
 constexpr double kDecisive = 12.0;  // difference of misfit that decides: a likelihood ratio of exp(6) = 400
 constexpr double kSameRoll = 0.05;  // rad: two rotations of one layout with a smaller difference of |roll| are a tie
 constexpr double kOtherTurn = 0.3;  // rad of roll: a smaller difference is the same rotation, by other outlines
-constexpr double kSamePlaceShare = 0.25;  // of the diameter: concentric outlines (disc in a ring) have one position
+constexpr double kSamePlaceShare = 0.25;  // in diameters: concentric outlines (disc in a ring) have one position
 constexpr std::size_t kCrowd = 40;        // circles of one size: more are a printed pattern of dots (chosen)
 constexpr double kCrowdSize = 0.15;       // relative difference of diameters within one size
-constexpr double kTargetReach = 0.1;   // of the layout's size in the image: largest distance from the stated position
+constexpr double kTargetReach = 0.1;   // in layout sizes in the image: largest distance from the stated position
 constexpr double kTargetSize = 0.2;    // relative difference from the stated diameter
-constexpr double kTravelShare = 0.05;  // of the layout's size: movement that counts as one standard deviation
+constexpr double kTravelShare = 0.05;  // relative to the layout's size: movement that counts as one standard deviation
 
 struct References {
   std::vector<std::size_t> marker;

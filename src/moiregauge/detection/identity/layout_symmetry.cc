@@ -10,8 +10,8 @@ namespace moiregauge::internal {
 namespace {
 
 // Tolerances of the identification, as in assignments.cc.
-constexpr double kSamePlace = 0.05;     // of the layout's size: a circle farther away is another one
-constexpr double kSameDiameter = 0.15;  // of ln(diameter): 4 standard deviations (2.5 %, and 0.25 px for 8 px)
+constexpr double kSamePlace = 0.05;     // relative to the layout's size: a circle farther away is another one
+constexpr double kSameDiameter = 0.15;  // in ln(diameter): 4 standard deviations (2.5 %, and 0.25 px for 8 px)
 
 bool are_alike(const Circle& a, const Circle& b) {
   return !(a.diameter_mm > 0.0) || !(b.diameter_mm > 0.0) ||

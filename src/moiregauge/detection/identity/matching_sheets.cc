@@ -16,7 +16,7 @@ constexpr double kSameSize = 0.12;      // relative, of the circle's diameter
 constexpr double kSameDistance = 0.12;  // relative, of the distance of the two centres
 constexpr double kPlaceSpread = 0.4;    // pitches: error of a patch's centre if its edge is not sharp
 constexpr double kExtentSpread = 0.8;   // pitches: an outline may end half a pitch inside the grating on either side
-constexpr double kRound = 0.10;         // of ln(major / minor) on the plane
+constexpr double kRound = 0.10;         // in ln(major / minor) on the plane
 
 // A circle and its grating, measured in pitches of the grating.
 struct Pair {

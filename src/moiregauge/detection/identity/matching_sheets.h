@@ -26,9 +26,9 @@ inline constexpr double kRoundPx = 0.7;  // px of diameter: two standard deviati
 // is round and on that plane. Returns 0 for a line grating, which does not determine the plane.
 [[nodiscard]] double out_of_round(const DetectedCircle& circle, const DetectedPatch& patch);
 
-// Returns the largest set of circles, each with its nearest grating, that agree in size, polarity, distance and extent
-// of the grating. Sizes are measured in pitches of that grating, which removes the perspective. Circles that are not
-// round on the grating's plane are excluded. Empty if fewer than two agree.
+// Returns the largest set of circles, each with its nearest grating, that agree in size, polarity, distance and
+// extent of the grating. Sizes are measured in pitches of that grating, which removes the perspective. Circles that are
+// not round on the grating's plane are excluded. Empty if fewer than two agree.
 [[nodiscard]] std::vector<LikeSheet> matching_sheets(std::span<const DetectedCircle> circles,
                                                      std::span<const DetectedPatch> patches);
 

@@ -11,10 +11,10 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kOneSize = 0.25;       // of ln(diameter): effect of perspective
-constexpr double kConcentric = 0.3;     // of the diameter, largest distance of concentric circles
+constexpr double kOneSize = 0.25;       // in ln(diameter): effect of perspective
+constexpr double kConcentric = 0.3;     // relative to the diameter, largest distance of concentric circles
 constexpr double kNearHull = 0.5;       // diameters
-constexpr double kFarOutOfRound = 0.2;  // of ln(major / minor); perspective causes 0.13, see is_round_on_some_plane
+constexpr double kFarOutOfRound = 0.2;  // in ln(major / minor); perspective causes 0.13, see is_round_on_some_plane
 constexpr std::size_t kEnough = 4;      // references
 
 double cross(ImagePoint o, ImagePoint a, ImagePoint b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); }

@@ -21,11 +21,11 @@ using markers_detail::LocalModel;
 
 constexpr double kMinExplained = 0.85;           // share of the variance in the window (chosen)
 constexpr double kMinSymmetric = 0.85;           // correlation: corners have 0.98 or more, other points 0.8 or less
-constexpr double kMinWeakest = 0.5;              // of the contrast (chosen)
-constexpr double kMaxUncertainty = 0.05;         // of the spacing (chosen)
-constexpr double kMinCornerContrastShare = 0.3;  // of the neighbour's contrast (chosen)
+constexpr double kMinWeakest = 0.5;              // relative to the contrast (chosen)
+constexpr double kMaxUncertainty = 0.05;         // relative to the spacing (chosen)
+constexpr double kMinCornerContrastShare = 0.3;  // relative to the neighbour's contrast (chosen)
 constexpr std::size_t kTooManyFailed = 20;       // fits; the refinement stops if half of the fits failed, too
-constexpr double kCornerReach = 0.15;            // of the spacing, distance from the prediction
+constexpr double kCornerReach = 0.15;            // relative to the spacing, distance from the prediction
 // A board has a few thousand corners. More candidates are texture, in which a search for lattices takes a minute.
 constexpr std::size_t kMaxCandidates = 20000;
 

@@ -18,9 +18,9 @@ using markers_detail::LatticeNode;
 
 // Limits for a dot at a predicted position. Position, size and contrast are known, so the limits of the shape are
 // wider.
-constexpr double kDotReach = 0.12;            // of the spacing, distance from the prediction
+constexpr double kDotReach = 0.12;            // relative to the spacing, distance from the prediction
 constexpr double kSizeSlack = 1.35;           // ratio to the predicted diameter
-constexpr double kMinDotContrastShare = 0.4;  // of the neighbour's contrast
+constexpr double kMinDotContrastShare = 0.4;  // relative to the neighbour's contrast
 constexpr double kMinDotCircularity = 0.78;   // W
 constexpr double kEllipseSlack = 1.6;         // times the usual limit; a square differs by more than two limits
 

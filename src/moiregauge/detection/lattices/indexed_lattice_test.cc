@@ -22,7 +22,7 @@ struct Board {
   double pitch_px = 50.0;  // in the middle of the board, without tilt
   double tilt_rad = 0.0;
   double about_rad = 0.3;  // direction of the tilt's axis in the image
-  double roll_rad = 0.1;   // of the board in the image, from x towards y
+  double roll_rad = 0.1;   // rotation of the board in the image, from x towards y
   double barrel = 0.0;     // k1
   ImagePoint middle{600.0, 450.0};
 };
@@ -161,7 +161,7 @@ TEST(DotLattice, ScatteredCirclesAreNone) {
 
 TEST(DotLattice, CirclesThatOnlyRoughlyKeepTheirDistanceAreNone) {
   std::mt19937_64 rng(kLatticeSeed);
-  std::uniform_real_distribution<double> stray(-0.2, 0.2);  // of the pitch
+  std::uniform_real_distribution<double> stray(-0.2, 0.2);  // relative to the pitch
   for (int trial = 0; trial < 20; ++trial) {
     std::vector<DetectedCircle> heap = dots_of({});
     for (DetectedCircle& circle : heap) {

@@ -13,17 +13,17 @@ namespace moiregauge::internal::markers_detail {
 namespace {
 
 constexpr std::size_t kNeighboursTried = 12;
-constexpr double kSeedSymmetry = 0.15;  // of a step, deviation from point symmetry; perspective causes 5 % per step
-constexpr double kSeedReach = 0.2;      // of a step, deviation of the corners of the 3 x 3
+constexpr double kSeedSymmetry = 0.15;  // in steps, deviation from point symmetry; perspective causes 5 % per step
+constexpr double kSeedReach = 0.2;      // relative to a step, deviation of the corners of the 3 x 3
 constexpr double kMinSeedSine = 0.3;    // sine of the angle between the two steps
 // Largest |a . b| / min(a^2, b^2) of a reduced pair of steps, with a margin for perspective. Below 0.5 adding one step
 // to the other does not shorten it. With alternating signs only twice a step keeps the sign: the limit is 1.
 constexpr double kReducedAlike = 0.57;
 constexpr double kReducedAlternating = 1.1;
-constexpr double kMaxStepRatio = 2.5;    // of the two steps: a square lattice tilted by 66 degrees
+constexpr double kMaxStepRatio = 2.5;    // relative to the two steps: a square lattice tilted by 66 degrees
 constexpr double kSeedSizeRatio = 1.6;   // between points of a seed
 constexpr double kGrownSizeRatio = 2.6;  // between any points: larger dots may mark a corner of the board
-constexpr double kGrowthReach = 0.25;    // of the spacing, distance from the prediction
+constexpr double kGrowthReach = 0.25;    // relative to the spacing, distance from the prediction
 constexpr double kMaxSignError = 1.0;    // rad
 
 double wrapped(double angle) { return std::remainder(angle, kTwoPi); }
@@ -43,12 +43,12 @@ class Growth {
       for (const auto& [cell, node] : lattice->node_at) taken_[node] = true;
       grow(*lattice);
       const auto before = lattice->node_at;
-      const bool stands = prune(*lattice, nodes_);
+      const bool is_kept = prune(*lattice, nodes_);
       for (const auto& [cell, node] : before) {
-        taken_[node] = stands && lattice->node_at.contains(cell);
-        tried[node] = !stands;
+        taken_[node] = is_kept && lattice->node_at.contains(cell);
+        tried[node] = !is_kept;
       }
-      if (stands) found.push_back(std::move(*lattice));
+      if (is_kept) found.push_back(std::move(*lattice));
     }
     std::stable_sort(found.begin(), found.end(),
                      [](const auto& a, const auto& b) { return a.node_at.size() > b.node_at.size(); });

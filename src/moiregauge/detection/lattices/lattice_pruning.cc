@@ -12,11 +12,11 @@ namespace moiregauge::internal::markers_detail {
 namespace {
 
 // The limit of a residual is 6 times the median residual, but within these bounds.
-constexpr double kMinResidual = 0.06;        // of the spacing
-constexpr double kMaxResidual = 0.12;        // of the spacing
+constexpr double kMinResidual = 0.06;        // relative to the spacing
+constexpr double kMaxResidual = 0.12;        // relative to the spacing
 constexpr double kResidualInMedians = 6.0;   // chosen
-constexpr double kMaxMedianResidual = 0.04;  // of the spacing; a larger median is no lattice (chosen)
-constexpr double kMaxTakenOut = 0.25;        // of the points; if more are removed, it was no lattice (chosen)
+constexpr double kMaxMedianResidual = 0.04;  // relative to the spacing; a larger median is no lattice (chosen)
+constexpr double kMaxRemoved = 0.25;        // relative to the points; if more are removed, it was no lattice (chosen)
 constexpr double kThreadSizeRatio = 1.3;     // to the predicted size, for points with fewer than three neighbours
 
 struct Residual {
@@ -96,7 +96,7 @@ bool spans_three_by_three(const GrownLattice& lattice) {
 }  // namespace
 
 bool prune(GrownLattice& lattice, std::span<const LatticeNode> nodes) {
-  const auto fewest = static_cast<std::size_t>((1.0 - kMaxTakenOut) * static_cast<double>(lattice.node_at.size()));
+  const auto fewest = static_cast<std::size_t>((1.0 - kMaxRemoved) * static_cast<double>(lattice.node_at.size()));
   LatticeResiduals known(lattice, nodes);
   while (spans_three_by_three(lattice) && lattice.node_at.size() >= fewest) {
     const auto residuals = known.all();

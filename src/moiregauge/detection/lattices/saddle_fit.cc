@@ -11,7 +11,7 @@
 namespace moiregauge::internal::markers_detail {
 namespace {
 
-constexpr double kWindowShare = 0.4;     // of the spacing: keeps neighbouring corners outside
+constexpr double kWindowShare = 0.4;     // relative to the spacing: keeps neighbouring corners outside
 constexpr double kMinWindow = 2.5;       // px, radius
 constexpr double kMaxWindow = 12.0;      // px, radius: in a larger window the lens bends the edges noticeably
 constexpr double kMinSaddleBlur = 0.25;  // px, sigma: a box pixel alone has 0.29

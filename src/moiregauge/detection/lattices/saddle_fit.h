@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sub-pixel position of a corner of a checkerboard: least squares fit to the grey levels around it.
 //
-// Model: two straight edges through one point, with dark and light quadrants in turn. The light quadrants are a plane
-// of grey levels, the dark ones the same plane times 1 - q. The edges are error functions of width sigma, as in
+// Model: two straight edges through one point, with dark and light quadrants in turn. The light quadrants are a
+// plane of grey levels, the dark ones the same plane times 1 - q. The edges are error functions of width sigma, as in
 // disc_fit.h. The model is point-symmetric, so symmetric errors of printing or lens do not move the corner.
 #pragma once
 

@@ -12,7 +12,7 @@ namespace moiregauge::internal {
 
 // A camera that the references contradict.
 struct CameraContradiction {
-  std::size_t parameter = 0;  // of the scene's camera: the most deviating one
+  std::size_t parameter = 0;  // index in the scene's camera: the most deviating one
   double given = 0.0, u_given = 0.0;
   double shown = 0.0, u_shown = 0.0;  // from the footage without the statement
   double error_u = 0.0;               // largest change of a displacement, in its u

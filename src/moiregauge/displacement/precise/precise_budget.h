@@ -29,7 +29,7 @@ class PreciseBudget {
   Eigen::MatrixXd scene_;
   FrameFit then_;
   double u_readout_s_;
-  double u_axis_rad_ = 0.0;  // of the direction of the board's axes, rad
+  double u_axis_rad_ = 0.0;  // direction of the board's axes, rad
 };
 
 // Returns the root of the sum of squares of all parts, mm.

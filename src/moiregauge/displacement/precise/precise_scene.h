@@ -18,7 +18,7 @@ namespace moiregauge::internal {
 inline constexpr double kRollingChi2 = 4.0;
 
 struct PreciseScene {
-  Calibration calibration;  // of the key frames, the reference frame first
+  Calibration calibration;  // from the key frames, the reference frame first
   std::string problem;      // reason why the run cannot be measured in this scene
   // Rolling shutter that no camera path explains: no row of any method is trusted.
   bool rolls = false;

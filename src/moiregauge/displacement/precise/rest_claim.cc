@@ -21,8 +21,8 @@ constexpr std::size_t kMaxRestFrames = 240;
 // Factor by which the variance of the frames may exceed the stated noise, because u is verified to 12 %
 // (docs/accuracy.md).
 constexpr double kNoiseSlack = 1.25;
-// Passes of the scene towards one in which the target rests. A depth that is wrong by 10 mm bends the parallax of 50 mm
-// of travel at 1200 mm by 5 um. Two passes remove that.
+// Passes of the scene towards one in which the target rests. A depth that is wrong by 10 mm bends the parallax of 50
+// mm of travel at 1200 mm by 5 um. Two passes remove that.
 constexpr int kScenePasses = 3;
 // Largest noise of an axis that the grating shows.
 constexpr double kShownAxis = 0.25;  // pitches
@@ -34,7 +34,7 @@ struct RestPlaces {
   std::vector<Eigen::Matrix2d> noise;  // covariance of each frame's noise, mm^2
   Eigen::MatrixXd sensitivity;         // to the scene parameters and, last, to the readout time
   long rows = 0;                       // coordinates that the grating shows
-  double chi2 = 0.0;                   // of the frames against the scene
+  double chi2 = 0.0;                   // fit of the frames to the scene
   long dof = 0;
   [[nodiscard]] double unit() const { return dof > 0 ? std::max(1.0, chi2 / static_cast<double>(dof)) : 1.0; }
 };

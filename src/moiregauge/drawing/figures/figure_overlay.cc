@@ -84,9 +84,9 @@ void outlined_text(Canvas& canvas, Spot at, const std::string& words, Letters le
 struct Contents {
   Image<std::uint8_t> picture;
   std::vector<Outline> outlines;
-  double points_per_px = 1.0;  // of the original image
-  double points_per_mm = 1.0;  // of the board at the image centre
-  Spot size;                   // of the image on the page
+  double points_per_px = 1.0;  // per pixel of the original image
+  double points_per_mm = 1.0;  // per mm on the board at the image centre
+  Spot size;                   // the image's size on the page
 };
 
 void draw_contents(Canvas& canvas, const Contents& c) {

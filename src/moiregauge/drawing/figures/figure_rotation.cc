@@ -14,7 +14,7 @@ constexpr double kRotationMargin = 4.0, kRotationHeight = 176.0, kLegendLine = 1
                  kLegendHeight = 2.0 * kLegendLine + 4.0;
 constexpr double kBetweenRows = 6.0;
 constexpr std::size_t kColumns = 2;
-constexpr double kMarkRim = 0.08;  // of the axes: keeps the outermost marks complete
+constexpr double kMarkRim = 0.08;  // relative to the axes: keeps the outermost marks complete
 constexpr double kMarkRadius = 1.7, kPublishedRadius = 2.4, kCrossRadius = 3.0, kLargestWidth = 1.1, kRmsWidth = 0.6;
 constexpr std::array kMethodColours{kVermilion, kBlue, kGreen, kPurple};
 constexpr std::array kTurns{Turn::kOneAxis, Turn::kAllAxes};

@@ -263,12 +263,12 @@ RunFigures run_figures(const RunFound& found) {
   if (auto figure = displacement_figure(found))
     out.figures.push_back({"displacement", *std::move(figure)});
   else
-    out.left_out.emplace_back("displacement (no row has a value)");
+    out.excluded.emplace_back("displacement (no row has a value)");
   std::string refusal;
   if (auto figure = spectrum_figure(found, refusal))
     out.figures.push_back({"spectrum", *std::move(figure)});
   else
-    out.left_out.push_back("spectrum (" + refusal + ")");
+    out.excluded.push_back("spectrum (" + refusal + ")");
   out.figures.push_back({"camera", camera_figure(found)});
   if (found.picture.width > 0)
     out.figures.push_back({"overlay", overlay_figure(found.reference, found.picture, kWidth, kZoom)});

@@ -28,7 +28,7 @@ struct NamedFigure {
 
 struct RunFigures {
   std::vector<NamedFigure> figures;
-  std::vector<std::string> left_out;  // "spectrum (reason)"
+  std::vector<std::string> excluded;  // "spectrum (reason)"
 };
 
 // Returns four figures.

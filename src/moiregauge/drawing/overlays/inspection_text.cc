@@ -48,7 +48,7 @@ std::vector<const RejectedOutline*> rejected_elsewhere(const Inspection& seen) {
 }
 
 std::string name_of(const Inspection& seen, int marker) {
-  return marker == kNobody ? "-" : seen.reference->site.markers[static_cast<std::size_t>(marker)].name;
+  return marker == kUnidentified ? "-" : seen.reference->site.markers[static_cast<std::size_t>(marker)].name;
 }
 
 std::string pattern_text(const DetectedPatch& patch) {

@@ -48,7 +48,7 @@ void draw_markers(Pen& pen, const Reference& reference, const Box& page) {
       pen.cross(reference.view(g.centre), 6.0);
       if (about.empty()) about = corners;
     }
-    if (!about.empty()) pen.label_beside(about, marker.name, page);
+    if (!about.empty()) pen.label_outside(about, marker.name, page);
   }
 }
 

@@ -28,7 +28,7 @@ constexpr double kLetterSize = 12.0;
 using Corners = std::vector<ImagePoint>;
 
 Colour colour_of(const Inspection& seen, int marker) {
-  if (marker == kNobody) return kNobodyColour;
+  if (marker == kUnidentified) return kUnidentifiedColour;
   const Marker& m = seen.reference->site.markers[static_cast<std::size_t>(marker)];
   return m.role == Role::kReference ? kReferenceColour : kTargetColour;
 }
@@ -108,7 +108,7 @@ class InspectionDrawing {
   }
   void draw_circles() {
     for (const InspectedCircle& c : seen_.circles) {
-      if (c.lattice != kNobody && c.marker == kNobody) continue;
+      if (c.lattice != kUnidentified && c.marker == kUnidentified) continue;
       pen_.colour(colour_of(seen_, c.marker));
       pen_.ellipse(c.seen);
       pen_.cross(c.seen.centre, 4.0);
@@ -126,7 +126,7 @@ class InspectionDrawing {
       if (!std::isfinite(end.x) || !std::isfinite(end.y)) continue;
       pen_.arrow(view({0.0, 0.0}), end);
       pen_.keep_free(pen_.page_box({view({0.0, 0.0}), end}).grown(3.0 * pen_.unit()));
-      pen_.label_beside({end}, letter, picture_);
+      pen_.label_outside({end}, letter, picture_);
     }
   }
   // Draws one label for both the circle and the grating of a marker.
@@ -150,7 +150,7 @@ class InspectionDrawing {
       }
       pen_.colour(colour_of(seen_, marker));
       pen_.letters(kLetterSize, true);
-      pen_.label_beside(about, words, picture_);
+      pen_.label_outside(about, words, picture_);
     }
   }
   void draw_scale() {
@@ -170,18 +170,18 @@ class InspectionDrawing {
     pen_.letters(kLetterSize, false);
     pen_.colour(kLatticeColour);
     for (const IndexedLattice& lattice : seen_.lattices) {
-      pen_.label_beside(about(lattice), lattice_text(lattice), picture_);
+      pen_.label_outside(about(lattice), lattice_text(lattice), picture_);
     }
-    pen_.colour(kNobodyColour);
+    pen_.colour(kUnidentifiedColour);
     for (const InspectedPatch& p : seen_.patches) {
-      if (p.marker == kNobody) pen_.label_beside(corners_of(p), pattern_text(p.seen) + "\n" + short_text(p), picture_);
+      if (p.marker == kUnidentified) pen_.label_outside(corners_of(p), pattern_text(p.seen) + "\n" + short_text(p), picture_);
     }
     pen_.letters(0.85 * kLetterSize, false);
     pen_.colour(kRejectedColour);
     const auto rejected = rejected_to_draw(seen_);
     for (std::size_t i = 0; i < std::min(rejected.size(), kMaxReasons); ++i) {
       const RejectedOutline& r = *rejected[i];
-      pen_.label_beside(corners_round(r.centre, r.diameter_px + 4.0), reason(r), picture_, kMaxCovered);
+      pen_.label_outside(corners_round(r.centre, r.diameter_px + 4.0), reason(r), picture_, kMaxCovered);
     }
   }
   // Returns "W = 0.79" or "W = 0.90: not an ellipse". The terminal and --json show the whole reason.
@@ -212,11 +212,11 @@ std::vector<Piece> legend_of(const InspectionOverlay& contents) {
                            : std::count_if(seen.reference->site.markers.begin(), seen.reference->site.markers.end(),
                                            [&](const Marker& m) { return m.role == role; });
   };
-  const auto nobody = std::count_if(seen.circles.begin(), seen.circles.end(), [](const InspectedCircle& c) {
-    return c.marker == kNobody && c.lattice == kNobody;
+  const auto unidentified = std::count_if(seen.circles.begin(), seen.circles.end(), [](const InspectedCircle& c) {
+    return c.marker == kUnidentified && c.lattice == kUnidentified;
   });
   const auto spare = std::count_if(seen.patches.begin(), seen.patches.end(),
-                                   [](const InspectedPatch& p) { return p.marker == kNobody; });
+                                   [](const InspectedPatch& p) { return p.marker == kUnidentified; });
   const auto drawn = rejected_to_draw(seen).size();
   bool first = true;
   const auto count = [&](auto n, Colour colour, const char* one, const char* many) {
@@ -225,8 +225,8 @@ std::vector<Piece> legend_of(const InspectionOverlay& contents) {
   };
   count(named(Role::kReference), kReferenceColour, "reference (must not move)", "references (must not move)");
   count(named(Role::kTarget), kTargetColour, "target (may move)", "targets (may move)");
-  count(nobody, kNobodyColour, "circle not used", "circles not used");
-  count(spare, kNobodyColour, "grating not used", "gratings not used");
+  count(unidentified, kUnidentifiedColour, "circle not used", "circles not used");
+  count(spare, kUnidentifiedColour, "grating not used", "gratings not used");
   count(seen.lattices.size(), kLatticeColour, "lattice", "lattices");
   count(seen.rejected.size(), kRejectedColour, "outline rejected as a circle", "outlines rejected as circles");
   if (!seen.rejected.empty())

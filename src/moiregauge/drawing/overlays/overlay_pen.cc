@@ -184,25 +184,25 @@ void Pen::label(double x, double y, const std::string& text, const Box& within) 
   taken_.push_back(box);
 }
 
-void Pen::label_beside(const std::vector<ImagePoint>& corners, const std::string& text, const Box& within,
+void Pen::label_outside(const std::vector<ImagePoint>& corners, const std::string& text, const Box& within,
                        double most_covered) {
   const Box about = page_box(corners), size = plate(0.0, 0.0, text);
   const double gap = 4.0 * unit_, left = about.x, right = about.x + about.width, top = about.y,
                bottom = about.y + about.height;
   const double middle = 0.5 * (left + right - size.width), half = 0.5 * (top + bottom - size.height);
-  const double above = top - gap - size.height, below = bottom + gap, beside = right + gap,
+  const double above = top - gap - size.height, below = bottom + gap, right_of = right + gap,
                before = left - gap - size.width;
   const std::pair<double, double> places[] = {{left, above},
                                               {middle, above},
                                               {right - size.width, above},
                                               {left, below},
                                               {middle, below},
-                                              {beside, half},
+                                              {right_of, half},
                                               {before, half},
-                                              {beside, top},
+                                              {right_of, top},
                                               {before, top},
-                                              {beside, below},
-                                              {beside, bottom - size.height}};
+                                              {right_of, below},
+                                              {right_of, bottom - size.height}};
   double best_cost = 1e300, best_covered = 0.0;
   std::pair<double, double> best = places[0];
   for (const auto& place : places) {

@@ -22,7 +22,7 @@ struct Colour {
 // Palette of Okabe and Ito (2008), which colour-blind readers can distinguish.
 inline constexpr Colour kReferenceColour{0.34, 0.71, 0.91}, kTargetColour{0.90, 0.62, 0.0},
     kRejectedColour{1.0, 0.47, 0.16}, kUnusedColour{0.6, 0.6, 0.6}, kLatticeColour{0.0, 0.75, 0.55},
-    kNobodyColour{0.94, 0.89, 0.26}, kWhite{1.0, 1.0, 1.0};
+    kUnidentifiedColour{0.94, 0.89, 0.26}, kWhite{1.0, 1.0, 1.0};
 
 // Returns a page of width x height px with the image in the upper left corner. Each image pixel has `scale` x `scale`
 // px.
@@ -60,7 +60,7 @@ class Pen {
   void label(double x, double y, const std::string& text, const Box& within);
   // Draws such a text next to an object with these corners, at the position that covers the smallest reserved area.
   // Draws nothing if that exceeds `most_covered`, a share of the label's area.
-  void label_beside(const std::vector<ImagePoint>& about, const std::string& text, const Box& within,
+  void label_outside(const std::vector<ImagePoint>& about, const std::string& text, const Box& within,
                     double most_covered = 1e9);
   // Reserves a part of the page, which labels should not cover.
   void keep_free(const Box& box) { taken_.push_back(box); }

@@ -18,7 +18,7 @@ struct Series {
   std::vector<double> low{}, high{};  // limits of the band around y, one per y; empty: none
   Colour colour = kBlack;
   Mark mark = Mark::kLine;
-  double width = 0.9;  // of the line, or the radius of a mark
+  double width = 0.9;  // the line's width, or the radius of a mark
   bool on_right_axis = false;
 };
 

@@ -19,7 +19,7 @@ double PlotAxis::place(double value) const {
 }
 
 std::vector<Tick> ticks_of(const PlotAxis& axis, int most) {
-  constexpr double kSlack = 1e-9;  // of the axis length: includes ticks at its ends
+  constexpr double kSlack = 1e-9;  // relative to the axis length: includes ticks at its ends
   const auto values = labelled(axis, most);
   std::vector<Tick> ticks;
   const auto put = [&](double value, std::string label) {

@@ -14,7 +14,7 @@ std::vector<double> nice_ticks(Range range, int most) {
     range = {range.low - half, range.low + half};
   }
   double step = std::pow(10.0, std::floor(std::log10((range.high - range.low) / std::max(most, 1))) - 1.0);
-  constexpr double kSlack = 1e-9;  // of a step: an end at a tick needs no further one
+  constexpr double kSlack = 1e-9;  // relative to a step: an end at a tick needs no further one
   const auto first = [&] { return std::floor(range.low / step + kSlack); };
   const auto last = [&] { return std::ceil(range.high / step - kSlack); };
   for (int i = 0; last() - first() + 1.0 > std::max(most, 2); ++i) step *= i % 3 == 1 ? 2.5 : 2.0;  // 1, 2, 5, 10
@@ -24,7 +24,7 @@ std::vector<double> nice_ticks(Range range, int most) {
 }
 
 std::vector<double> decade_ticks(Range range, int most) {
-  constexpr double kSlack = 1e-9;  // of a decade: an end at a power of ten needs no further one
+  constexpr double kSlack = 1e-9;  // relative to a decade: an end at a power of ten needs no further one
   const double low = std::log10(range.low) + kSlack, high = std::log10(range.high) - kSlack;
   int step = 1;  // decades
   const auto first = [&] { return static_cast<int>(std::floor(low / step)); };

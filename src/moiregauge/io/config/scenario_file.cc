@@ -11,6 +11,7 @@
 
 #include "moiregauge/base/nearest_word.h"
 #include "moiregauge/io/config/toml_table.h"
+#include "moiregauge/io/config/toml_version.h"
 #include "moiregauge/simulator/scenario/built_in.h"
 #include "moiregauge/simulator/scenario/settings.h"
 
@@ -25,7 +26,7 @@ struct Entry {
 };
 
 std::string text_of(const toml::value& value) {
-  if (value.is_string()) return value.as_string(std::nothrow).str;
+  if (value.is_string()) return string_in(value);
   if (value.is_boolean()) return value.as_boolean(std::nothrow) ? "true" : "false";
   if (const auto number = finite_number(value)) return fmt::format("{}", *number);
   if (!value.is_array()) return value.is_integer() || value.is_floating() ? "not finite" : "";

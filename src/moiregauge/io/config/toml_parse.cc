@@ -11,6 +11,7 @@
 
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/config/toml_table.h"
+#include "moiregauge/io/config/toml_version.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -92,8 +93,9 @@ tl::expected<toml::value, std::string> parse_toml(const std::string& text, const
     std::istringstream stream(text);
     return toml::parse(stream, path);
   } catch (const toml::exception& error) {
-    return tl::unexpected(fmt::format("{}:{}:{}: {}", path, error.location().line(), error.location().column(),
-                                      printable(first_line_of(error.what()))));
+    const TomlPosition at = position_of(error);
+    return tl::unexpected(
+        fmt::format("{}:{}:{}: {}", path, at.line, at.column, printable(first_line_of(error.what()))));
   } catch (const std::exception& error) {
     return tl::unexpected(fmt::format("{}:1:1: {}", path, printable(first_line_of(error.what()))));
   }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/base/nearest_word.h"
+#include "moiregauge/io/config/toml_version.h"
 
 namespace moiregauge::internal {
 
@@ -24,14 +25,14 @@ void TomlMistakes::add(std::size_t line, std::size_t column, const std::string& 
 }
 
 void TomlMistakes::add_at(const toml::value& value, const std::string& text) {
-  add(value.location().line(), value.location().column(), text);
+  const TomlPosition at = position_of(value);
+  add(at.line, at.column, text);
 }
 
 void TomlMistakes::add_at_key(const toml::value& value, const std::string& key, const std::string& text) {
-  const auto place = value.location();
-  const std::string line = place.line_str();
-  const std::size_t found = line.find(key);
-  add(place.line(), found == std::string::npos ? place.column() : found + 1, text);
+  const TomlPosition at = position_of(value);
+  const std::size_t found = at.text.find(key);
+  add(at.line, found == std::string::npos ? at.column : found + 1, text);
 }
 
 std::vector<std::string> TomlMistakes::lines() const {
@@ -69,10 +70,10 @@ void TomlTable::mistake(const std::string& key, const std::string& text) const {
 
 // toml11 replaces a number out of range (1e999) by the largest one, so the largest ones are refused.
 std::optional<double> finite_number(const toml::value& value) {
-  constexpr auto kLast = std::numeric_limits<toml::integer>::max();
+  constexpr auto kLast = std::numeric_limits<toml::value::integer_type>::max();
   constexpr double kLargest = std::numeric_limits<double>::max();
   if (value.is_integer()) {
-    const toml::integer read = value.as_integer(std::nothrow);
+    const toml::value::integer_type read = value.as_integer(std::nothrow);
     return read < kLast && read > -kLast ? std::optional(static_cast<double>(read)) : std::nullopt;
   }
   if (!value.is_floating()) return std::nullopt;
@@ -117,7 +118,7 @@ std::optional<std::array<double, 2>> TomlTable::pair(const std::string& key) con
 std::optional<std::string> TomlTable::text(const std::string& key) const {
   const toml::value* value = find(key);
   if (value == nullptr) return std::nullopt;
-  if (value->is_string()) return value->as_string(std::nothrow).str;
+  if (value->is_string()) return string_in(*value);
   mistake(key, fmt::format("{} must be a text in quotes", key));
   return std::nullopt;
 }

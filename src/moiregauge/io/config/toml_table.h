@@ -38,8 +38,8 @@ class TomlMistakes {
   std::vector<Entry> entries_;
 };
 
-// Returns an integer or a real number. Returns nothing for NaN, infinity, and numbers beyond the range of a double or
-// of 64 bits.
+// Returns an integer or a real number. Returns nothing for NaN, infinity, and numbers beyond the range of a double
+// or of 64 bits.
 [[nodiscard]] std::optional<double> finite_number(const toml::value& value);
 
 // One table. Absent keys return nothing. Keys of a wrong type return nothing and add a mistake.

@@ -23,7 +23,7 @@ inline constexpr std::string_view kRunFileName = "run.mgj";
 // Identity of a run, known before its first frame: only the same run can resume.
 struct RunStart {
   std::string version;        // program version
-  std::string fingerprint;    // of the input (quick_fingerprint of file_hash.h)
+  std::string fingerprint;    // identifies the input (quick_fingerprint of file_hash.h)
   std::optional<double> fps;  // --fps
   bool sequence = false;      // --sequence
   InputInfo input;            // as opened

@@ -23,7 +23,7 @@ struct Picture {
   int bits = 8;           // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
   int rotation_deg = 0;   // clockwise, already applied
   std::string codec;      // "png", "jpeg", "tiff"
-  Quantiser quantiser{};  // of a lossy format
+  Quantiser quantiser{};  // for a lossy format
   Tone tone{};            // as tagged in the file, or usual for its format
   // View into the mapped file for uncompressed images, which are not copied. `file` owns the pages.
   std::optional<LumaView> in_place = std::nullopt;

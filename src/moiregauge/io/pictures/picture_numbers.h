@@ -20,8 +20,8 @@ struct NumberedName {
   long number = 0;
 };
 
-// Splits names that are in natural order and differ only in their extension and digits. The number is the first group
-// of digits that increases from name to name. Returns nothing without such a group, or if it is a time of day.
+// Splits names that are in natural order and differ only in their extension and digits. The number is the first
+// group of digits that increases from name to name. Returns nothing without such a group, or if it is a time of day.
 [[nodiscard]] std::optional<std::vector<NumberedName>> numbered_names(const std::vector<std::string>& names);
 
 // Returns the name without extension, with every group of digits as one '#'. Names of one recording have the same

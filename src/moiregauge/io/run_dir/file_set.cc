@@ -53,7 +53,7 @@ tl::expected<void, OutputError> write_file_set(const std::string& dir, const std
                            place.shown, why)});
   };
   std::error_code error;
-  fs::remove_all(partial, error);  // of a killed process
+  fs::remove_all(partial, error);  // left by a killed process
   fs::create_directories(partial, error);
   if (error) return fail(error.message());
   for (const auto& [name, bytes] : files) {

@@ -54,7 +54,7 @@ constexpr const char* kOneAxis = "the grating does not show this axis";
 constexpr const char* kNoPitch = "millimetres require --pitch or --site";
 
 void put_name(Facts& facts, const Inspection& seen, int marker) {
-  if (marker == kNobody) {
+  if (marker == kUnidentified) {
     const char* why = seen.reference ? "not identified as a marker" : "the markers could not be identified";
     facts.null("name", why).null("role", why);
     return;
@@ -66,7 +66,7 @@ void put_name(Facts& facts, const Inspection& seen, int marker) {
 Json circle_json(const Inspection& seen, const InspectedCircle& c) {
   Facts facts;
   put_name(facts, seen, c.marker);
-  if (c.lattice == kNobody)
+  if (c.lattice == kUnidentified)
     facts.null("lattice", "not a dot of a lattice");
   else
     facts.put("lattice", c.lattice);

@@ -125,7 +125,7 @@ tl::expected<void, OutputError> RunDirectory::write(const Measurement& measureme
   std::error_code error;
   const bool is_new = solved_from_.empty();
   const fs::path folder = is_new ? place_.unfinished : place_.solved;
-  if (!is_new) fs::remove_all(folder, error);  // of a killed `solve`
+  if (!is_new) fs::remove_all(folder, error);  // left by a killed `solve`
   fs::create_directories(folder, error);
   if (error) return tl::unexpected(unwritable(folder.string() + ": " + error.message(), measurement));
   auto done = put_files(folder, measurement, options);

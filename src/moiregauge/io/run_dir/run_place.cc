@@ -46,8 +46,8 @@ RunPlace place_of_run(const std::string& dir) {
   const fs::path results = real_place(dir);
   std::string shown = dir;
   while (shown.size() > 1 && shown.back() == '/') shown.pop_back();
-  const auto beside = [&](const char* suffix) { return fs::path(results.string() + suffix); };
-  return {shown, results, beside(".unfinished"), beside(".solved"), beside(".replaced")};
+  const auto with_suffix = [&](const char* suffix) { return fs::path(results.string() + suffix); };
+  return {shown, results, with_suffix(".unfinished"), with_suffix(".solved"), with_suffix(".replaced")};
 }
 
 void recover(const RunPlace& place) {

@@ -20,8 +20,8 @@ namespace moiregauge::internal {
 // not solved.
 [[nodiscard]] MarkerShape u_of_marker(const Scene& scene, std::size_t marker);
 
-// Returns the solved site. Independent errors of size `known_to` cover all common errors of the markers: it is the root
-// of the largest eigenvalue of their covariance. Parameters that were not solved keep at least their stated value.
+// Returns the solved site. Independent errors of size `known_to` cover all common errors of the markers: it is the
+// root of the largest eigenvalue of their covariance. Parameters that were not solved keep at least their stated value.
 [[nodiscard]] Site solved_site(const Site& site, const Scene& scene);
 
 }  // namespace moiregauge::internal

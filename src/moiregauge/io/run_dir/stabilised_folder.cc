@@ -54,7 +54,7 @@ tl::expected<void, OutputError> StabilisedFolder::open() {
   if (fs::exists(path_, error) && !(fs::is_directory(path_, error) && fs::is_empty(path_, error)))
     return tl::unexpected(
         OutputError{true, fmt::format("the folder is not empty: {}: choose another with --stabilised", path_)});
-  fs::remove_all(partial_, error);  // of a killed run
+  fs::remove_all(partial_, error);  // left by a killed run
   fs::create_directories(partial_, error);
   if (error) return tl::unexpected(unwritable(fmt::format("{}: {}", path_, error.message())));
   return {};

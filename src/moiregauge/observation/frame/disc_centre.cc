@@ -24,9 +24,9 @@ constexpr int kFirstRows = 3;
 constexpr double kLarge = 40.0;  // px: smallest diameter of which every second row may suffice
 constexpr int kRowsAhead = 6;
 // px: largest last movement of the centroid.
-constexpr double kStands = 0.1;
+constexpr double kConverged_px = 0.1;
 constexpr double kSameArea = 0.05;    // relative
-constexpr double kMinContrast = 0.4;  // of the earlier contrast
+constexpr double kMinContrast = 0.4;  // relative to the earlier contrast
 
 struct DiscLook {
   ImagePoint centre;
@@ -135,7 +135,7 @@ std::optional<ImagePoint> disc_centre(const LumaView& luma, ImagePoint expected,
     if (!seen || !(seen->contrast * like.contrast > 0.0) || !(length(seen->centre - at) < radius)) return std::nullopt;
     const double moved = length(seen->centre - at);
     at = seen->centre;
-    if (k == 0 || moved > kStands) continue;
+    if (k == 0 || moved > kConverged_px) continue;
     const bool same = std::abs(row_step * seen->area / (kPi * radius * radius) - 1.0) < kSameArea &&
                       std::abs(seen->contrast) > kMinContrast * std::abs(like.contrast);
     return same ? std::optional(at) : std::nullopt;

@@ -19,7 +19,7 @@ bool off_centre(const RasterPlan& plan, Extent<frame::Board> rest) {
 }  // namespace
 
 Loss loss_of(const PatchReading& then, const PatchReading& patch) {
-  if (patch.valid) return is_gone(then, patch) ? Loss::kNoModulation : Loss::kNone;
+  if (patch.valid) return is_lost(then, patch) ? Loss::kNoModulation : Loss::kNone;
   return patch.noise_sigma == 0.0 ? Loss::kOutsidePicture : Loss::kNoModulation;
 }
 

@@ -26,7 +26,7 @@ Extent<frame::Board> travel_of(const Site& site, std::size_t i, const Prediction
 }
 
 // Returns the displacement of a grating from the site's position, mm. An axis without a reading has the window's.
-Extent<frame::Board> gone(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
+Extent<frame::Board> measured_travel(const Reference& reference, const MarkerObservation& seen, std::size_t i) {
   const auto d = displacement_at(reference.plans[i], reference.seen.markers[i].patch, seen.patch, seen.window_shift);
   return {std::isnan(d.x) ? seen.window_shift.x : d.x, std::isnan(d.y) ? seen.window_shift.y : d.y};
 }
@@ -39,7 +39,7 @@ void flag_ambiguous_targets(const Reference& reference, const Prediction& predic
     MarkerObservation& here = seen.markers[i];
     const auto& own = site.markers[i].grating;
     if (site.markers[i].role != Role::kTarget || !own || here.loss != Loss::kNone) continue;
-    const auto last = travel_of(site, i, prediction), now = gone(reference, here, i);
+    const auto last = travel_of(site, i, prediction), now = measured_travel(reference, here, i);
     const double went = length(now - last);
     if (went < kStirs * own->pitch_mm) continue;
     for (std::size_t j = 0; j < site.markers.size(); ++j) {

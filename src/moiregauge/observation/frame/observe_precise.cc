@@ -41,8 +41,8 @@ bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> 
     if (i == target || !site.markers[i].grating) continue;
     const Grating& other = *site.markers[i].grating;
     const bool travels = site.markers[i].role == Role::kTarget && i < prediction.travel.size();
-    const auto gone = travels ? prediction.travel[i] : Extent<frame::Board>{};
-    const auto apart = own.centre + moved - (other.centre + gone);
+    const auto travel = travels ? prediction.travel[i] : Extent<frame::Board>{};
+    const auto apart = own.centre + moved - (other.centre + travel);
     const double reach = 0.4 * (std::min(own.width_mm, own.height_mm) + std::min(other.width_mm, other.height_mm));
     if (length(apart) < reach) return true;
   }

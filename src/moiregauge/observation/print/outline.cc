@@ -22,7 +22,7 @@ constexpr double kClear = 0.5;
 constexpr double kWhole = 0.5;
 constexpr double kFaint = 0.1;
 // Smallest share of a strip of the inside that must be lost one pitch away.
-constexpr double kStandsOut = 0.4;
+constexpr double kMinProminence = 0.4;
 
 struct Place {
   int i = 0, j = 0;  // half pitches
@@ -97,7 +97,7 @@ std::optional<Outline> learn_outline(const LumaView& luma, const View& view, con
     for (const int side : {-2, 2}) best = std::max(best, map->sum(window, axis == 0 ? side : 0, axis == 0 ? 0 : side));
     outline.step[axis] = 1.0 - best / here;
     const double strip = 0.5 / (axis == 0 ? window.half_x : window.half_y);  // one pitch of the whole
-    if (outline.step[axis] < kStandsOut * strip) return std::nullopt;
+    if (outline.step[axis] < kMinProminence * strip) return std::nullopt;
   }
   return outline;
 }
@@ -152,20 +152,20 @@ Place best_place(const VisibilityMap& map, const PatchWindow& window, int pitche
 }
 
 // Losses of a grating whose window is displaced by one pitch, to the low and to the high side.
-struct Beside {
+struct Neighbours {
   double low, high;
   [[nodiscard]] double middle() const { return low + high > 0.0 ? 0.5 * (low - high) / (low + high) : 0.0; }  // pitches
 };
 
-Beside beside(const VisibilityMap& map, const PatchWindow& window, const Place& best, bool along_x) {
+Neighbours neighbours_of(const VisibilityMap& map, const PatchWindow& window, const Place& best, bool along_x) {
   const int x = along_x ? 2 : 0, y = along_x ? 0 : 2;
   return {best.score - map.sum(window, best.i - x, best.j - y), best.score - map.sum(window, best.i + x, best.j + y)};
 }
 
 // Returns true if the losses show an outline. Half a pitch off the middle of its cells, a grating loses little on one
 // side and twice that on the other.
-bool stands_out(const Beside& b, double score, double half) {
-  const double strip = kStandsOut * score * 0.5 / half;
+bool is_prominent(const Neighbours& b, double score, double half) {
+  const double strip = kMinProminence * score * 0.5 / half;
   return 0.5 * (b.low + b.high) > strip && std::min(b.low, b.high) > 0.3 * strip;
 }
 
@@ -197,8 +197,8 @@ std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View&
       if (!is_plausible(correction)) return std::nullopt;
       continue;
     }
-    const Beside x = beside(*map, window, best, true), y = beside(*map, window, best, false);
-    if ((axes.x && !stands_out(x, best.score, window.half_x)) || (axes.y && !stands_out(y, best.score, window.half_y)))
+    const Neighbours x = neighbours_of(*map, window, best, true), y = neighbours_of(*map, window, best, false);
+    if ((axes.x && !is_prominent(x, best.score, window.half_x)) || (axes.y && !is_prominent(y, best.score, window.half_y)))
       return std::nullopt;
     const PrintPoint own{0.5 * best.i + x.middle(), 0.5 * best.j + y.middle()};
     const PrintPoint p = correction.inverse()(own);

@@ -25,8 +25,8 @@ constexpr double kNoSlope = 1e-3;
 // Then the window grows, and the last rounds have all harmonics. Template and map then drift together by 1e-5 to 6e-5
 // pitch per round. So a map that moves as in the previous round has converged, too. Chosen.
 constexpr int kMaxRounds = 12;
-constexpr double kStandsStill = 1e-6;  // pitches
-constexpr double kAsBefore = 0.03;     // of the movement
+constexpr double kUnmoved = 1e-6;  // pitches
+constexpr double kAsBefore = 0.03;     // relative to the movement
 constexpr int kFirstOrders = 5;
 
 // Rows for the shift of a window to a hundredth of a pitch: three per pitch. More than four apart, they could skip
@@ -218,12 +218,12 @@ class Learning {
     return moved;
   }
 
-  tl::expected<void, Failure> until_it_stands_still(int most_orders) {
+  tl::expected<void, Failure> until_converged(int most_orders) {
     double before = 0.0;
     for (int k = 0; k < kMaxRounds; ++k) {
       const auto moved = round(most_orders);
       if (!moved) return tl::unexpected(moved.error());
-      if (*moved < kStandsStill || std::abs(*moved - before) < kAsBefore * *moved) break;
+      if (*moved < kUnmoved || std::abs(*moved - before) < kAsBefore * *moved) break;
       before = *moved;
     }
     return {};
@@ -285,12 +285,12 @@ PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Gratin
 tl::expected<Learning, Failure> chosen(Learning with_template, TemplateUse use) {
   if (use == TemplateUse::kOn) return with_template;
   Learning fundamentals = with_template;
-  const auto done = fundamentals.until_it_stands_still(1);
+  const auto done = fundamentals.until_converged(1);
   const bool helps = !done || with_template.sigma() < (1.0 - kTemplateHelps) * fundamentals.sigma();
   if (!helps) return fundamentals;
   if (use == TemplateUse::kAuto) return with_template;
   fundamentals.trim();
-  if (const auto again = fundamentals.until_it_stands_still(1); !again) return tl::unexpected(again.error());
+  if (const auto again = fundamentals.until_converged(1); !again) return tl::unexpected(again.error());
   return fundamentals;
 }
 
@@ -315,7 +315,7 @@ namespace {
 // Uncertainty of the origin of a grating without a symmetry point, pitches. Chosen.
 constexpr double kNoSymmetry = 0.25;
 // Largest distance of the origin from a symmetry point. Near one half it is unknown which point the site states.
-constexpr double kClearlyOne = 0.35;  // of their spacing
+constexpr double kClearlyOne = 0.35;  // relative to their spacing
 
 void take_own_origin(PrintModel& model, double within) {
   const auto origin = nearest_symmetry(model.print, model.options.along_x, model.options.along_y);
@@ -344,12 +344,12 @@ tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, cons
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
   const auto start = lattice_seen(luma, view, grating, {});
   Learning learning(luma, grating, start * *map, view.mm_per_px(grating.centre), in_light);
-  if (const auto done = learning.until_it_stands_still(kFirstOrders); !done) return tl::unexpected(done.error());
+  if (const auto done = learning.until_converged(kFirstOrders); !done) return tl::unexpected(done.error());
   // With a few harmonics the residuals are large, and an edge would count as grating. The window therefore grows with
   // all harmonics.
   if (const auto done = learning.round(kAllOrders); !done) return tl::unexpected(done.error());
   learning.grow();
-  if (const auto done = learning.until_it_stands_still(kAllOrders); !done) return tl::unexpected(done.error());
+  if (const auto done = learning.until_converged(kAllOrders); !done) return tl::unexpected(done.error());
   auto taken = chosen(std::move(learning), use);
   if (!taken) return tl::unexpected(taken.error());
   PrintModel model = taken->model();

@@ -11,7 +11,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kMaxOddPower = 0.01;  // of the template's power; chosen
+constexpr double kMaxOddPower = 0.01;  // relative to the template's power; chosen
 
 double to_nearest_half(double pitches) { return pitches - 0.5 * std::round(2.0 * pitches); }
 double to_nearest_whole(double pitches) { return pitches - std::round(pitches); }

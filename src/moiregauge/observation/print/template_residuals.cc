@@ -14,7 +14,7 @@ namespace {
 // Limits of covered blocks. Chosen.
 constexpr double kThrice = 3.0;
 constexpr double kBeyondNoise = 6.0;  // standard deviations of noise
-constexpr double kMinFree = 0.4;      // of the window
+constexpr double kMinFree = 0.4;      // relative to the window
 // In a block. With fewer pixels its mean square is too uncertain.
 constexpr int kMinPixels = 30;
 

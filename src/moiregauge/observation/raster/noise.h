@@ -9,7 +9,7 @@ namespace moiregauge::internal {
 struct PixelNoise {
   // Noise of one pixel, grey levels, including the rounding to whole grey levels.
   double sigma = 0.0;
-  double clipped_share = 0.0;  // of pixels at 0 or at the highest grey level of `bits`
+  double clipped_share = 0.0;  // share of pixels at 0 or at the highest grey level of `bits`
 };
 
 // Estimates the noise in a box, which is clipped to the image. The estimate is 1.4826 / 6 of the median magnitude of a

@@ -86,7 +86,7 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
   return reading;
 }
 
-bool is_gone(const PatchReading& then, const PatchReading& now) {
+bool is_lost(const PatchReading& then, const PatchReading& now) {
   for (std::size_t a = 0; a < 2; ++a) {
     if (now.modulation[a] < kLostModulation * then.modulation[a]) return true;
   }

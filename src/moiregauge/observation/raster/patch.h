@@ -41,12 +41,12 @@ struct PatchWorkspace {
 // Share of the reference frame's modulation. Below it the grating is lost, not only dark or blurred. Chosen.
 inline constexpr double kLostModulation = 0.15;
 // Returns true if the modulation along an axis is below this share.
-[[nodiscard]] bool is_gone(const PatchReading& then, const PatchReading& now);
+[[nodiscard]] bool is_lost(const PatchReading& then, const PatchReading& now);
 
 // Limits of a change of the lattice since the reference frame, beyond five times its noise. A lattice that is bent,
 // stretched or rotated by more is partly occluded. For comparison, a lens of -2 % at 8 deg stretches a patch by 1e-3.
 // Chosen.
-inline constexpr double kBentLattice = 0.001;       // of the pitch, rms
+inline constexpr double kBentLattice = 0.001;       // relative to the pitch, rms
 inline constexpr double kStretchedLattice = 0.003;  // relative
 // Returns true if the lattice exceeds one of these limits. `lag_mm`: distance by which a lossy codec may leave parts of
 // it behind.

@@ -30,7 +30,7 @@ struct MarkerObservation {
   // By `precise`. The points are then those of the free part.
   Occlusion occlusion = Occlusion::kNone;
   Order order = Order::kUnproven;  // by `precise`: fringe order
-  Quantiser quantiser;             // of a lossy codec, at the marker
+  Quantiser quantiser;             // a lossy codec's, at the marker
 };
 
 // Readings of one frame, and the homographies through which they were made.

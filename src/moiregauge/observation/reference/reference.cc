@@ -22,7 +22,7 @@ double diameter_mm(const Circle& circle, const DetectedCircle& seen, const Ideal
 
 // Distance from which on the window moves to its grating, pitches. At a smaller one the window contains enough of it.
 // Chosen.
-constexpr double kBeside = 0.35;
+constexpr double kMaxOffset = 0.35;
 
 // Radius of a circle's mask, in radii. Next to a soft grating its circle would count as more grating. Chosen.
 constexpr double kCircleAndRim = 1.1;
@@ -75,12 +75,12 @@ void centre_windows(Reference& reference, const LumaView& luma) {
     Marker& marker = reference.site.markers[i];
     if (!marker.grating) continue;
     const double may_be_off = 3.0 * u_of_place(reference, marker.grating->centre) / marker.grating->pitch_mm;
-    if (may_be_off <= kBeside) continue;
+    if (may_be_off <= kMaxOffset) continue;
     const double room = half_way_mm(as_stated, i) / marker.grating->pitch_mm;
     const int pitches = static_cast<int>(std::ceil(std::min({may_be_off, room, double{kMaxPitchesOff}})));
     const auto found = find_print(luma, reference.view, *marker.grating, pitches,
                                   [&](ImagePoint p) { return is_circle(reference, p); });
-    if (found && length(*found) > kBeside * marker.grating->pitch_mm)
+    if (found && length(*found) > kMaxOffset * marker.grating->pitch_mm)
       marker.grating->centre = marker.grating->centre + *found;
   }
 }

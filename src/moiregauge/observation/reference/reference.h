@@ -40,7 +40,7 @@ struct Reference {
   int width = 0;  // px, of the image
   int height = 0;
   ObserveOptions options;
-  std::vector<CirclePoint> circles;  // of the reference markers, in the site's order
+  std::vector<CirclePoint> circles;  // the reference markers' circles, in the site's order
   View view;                         // view of the board through the circles of the reference frame
   // One per site marker; pitch_mm = 0 if it has no grating.
   std::vector<RasterPlan> plans;

@@ -12,7 +12,7 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr std::ptrdiff_t kCirclesOfAView = 4;  // circles that a homography needs
-constexpr double kSamePrint = 0.5;             // of a grating's shorter side: two gratings cannot be nearer
+constexpr double kSamePrint = 0.5;             // relative to a grating's shorter side: two gratings cannot be nearer
 
 std::vector<Grating> gratings_of(const Site& site) {
   std::vector<Grating> gratings;

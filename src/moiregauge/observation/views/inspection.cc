@@ -80,7 +80,7 @@ int lattice_of(const DetectedCircle& circle, const std::vector<IndexedLattice>& 
       if (length(dot.at - circle.centre) < 0.25 * dot.size_px) return static_cast<int>(i);
     }
   }
-  return kNobody;
+  return kUnidentified;
 }
 
 RejectedOutline too_small(const DetectedCircle& circle, const CircleOptions& options) {
@@ -115,7 +115,7 @@ void name_the_seen(Inspection& inspection) {
     const int marker = static_cast<int>(i);
     if (const auto& circle = reference.seen.markers[i].circle) {
       for (InspectedCircle& c : inspection.circles) {
-        if (c.marker == kNobody && same_circle(c.seen, *circle)) {
+        if (c.marker == kUnidentified && same_circle(c.seen, *circle)) {
           c.marker = marker;
           break;
         }

@@ -23,20 +23,20 @@ struct InspectOptions {
   ObserveOptions observe = {};
 };
 
-inline constexpr int kNobody = -1;  // detected, but identified as no marker
+inline constexpr int kUnidentified = -1;  // detected, but identified as no marker
 
 struct InspectedCircle {
   DetectedCircle seen;
-  int marker = kNobody;  // index in the reference's site
+  int marker = kUnidentified;  // index in the reference's site
   // Index in the inspection's lattices, if the circle is a dot of one.
-  int lattice = kNobody;
+  int lattice = kUnidentified;
 };
 
 struct InspectedPatch {
   DetectedPatch seen;   // modulation and noise in grey levels as stored
   PixelNoise noise;     // raw pixels in and around the outline
   double pixels = 0.0;  // image pixels inside the outline
-  int marker = kNobody;
+  int marker = kUnidentified;
 };
 
 // Unit of lengths on the board.

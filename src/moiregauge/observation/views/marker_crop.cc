@@ -9,7 +9,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kReferenceMargin = 0.1;  // of the marker's longer side
+constexpr double kReferenceMargin = 0.1;  // relative to the marker's longer side
 constexpr double kTargetMargin = 0.5;
 // Largest side of a crop, in sides of the image. It limits the memory for wrong sites. Chosen.
 constexpr double kLargest = 2.0;

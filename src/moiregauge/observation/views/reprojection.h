@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Converts a run to a better site or lens. Readings belong to pixels, and site and lens determine the position of these
-// pixels on the board. So no image is read again. Every reading moves to the new position of its window, by the slope
-// of its phase. Error: second order in the distance of the two positions.
+// pixels on the board. So no image is read again. Every reading moves to the new position of its window, by the
+// slope of its phase. Error: second order in the distance of the two positions.
 #pragma once
 
 #include <string>

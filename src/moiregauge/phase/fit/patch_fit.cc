@@ -26,8 +26,8 @@ constexpr double kSeenPattern = 4.0;
 constexpr double kNear = 0.02;
 constexpr double kConverged = 2e-4;
 constexpr double kShapeConverged = 5e-4;
-constexpr double kStands = 0.002;  // beyond it, the frame's own normal equations are needed
-constexpr int kMaxPasses = 3;      // of each kind; chosen
+constexpr double kMaxFrozenStep = 0.002;  // beyond it, the frame's own normal equations are needed
+constexpr int kMaxPasses = 3;      // for each kind; chosen
 
 // Returns the matrix that fits a homography near the identity to a field at the nine points, by least squares. Rows: a0
 // a1 a2 b0 b1 b2 g h of
@@ -214,10 +214,10 @@ PatchFit Passes::fit(const PatchSystem* known) const {
 // Fits with the frame's own normal equations. Windows of few pixels in few pitches need this: with those of the
 // reference frame a corner does not converge. A fit that has not converged must not be used. Its residual is predicted
 // from the step and can be far too small.
-tl::expected<PatchFit, Failure> stand_by_own_equations(Passes& passes) {
+tl::expected<PatchFit, Failure> finish_with_own_equations(Passes& passes) {
   for (int k = 0; k < kMaxPasses; ++k) {
     if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());
-    if (passes.last_step() < kStands) break;
+    if (passes.last_step() < kMaxFrozenStep) break;
   }
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   return passes.fit(nullptr);
@@ -244,13 +244,13 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
   passes.begin(&at_rest);
   for (int k = 0; k < kMaxPasses; ++k) {
     if (const auto done = passes.shift(options.row_step); !done) return tl::unexpected(done.error());
-    if (passes.last_step() < (rows == Rows::kAll ? kNear : kStands)) break;
+    if (passes.last_step() < (rows == Rows::kAll ? kNear : kMaxFrozenStep)) break;
   }
   for (int k = 0; rows == Rows::kAll && k < kMaxPasses; ++k) {
     if (const auto done = passes.pass(&at_rest.system); !done) return tl::unexpected(done.error());
     if (passes.last_step() < kConverged && passes.shape_step() < kShapeConverged) break;
   }
-  if (rows == Rows::kAll && !(passes.last_step() < kStands)) return stand_by_own_equations(passes);
+  if (rows == Rows::kAll && !(passes.last_step() < kMaxFrozenStep)) return finish_with_own_equations(passes);
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   return passes.fit(&at_rest.system);
 }

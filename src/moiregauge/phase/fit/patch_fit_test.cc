@@ -26,7 +26,7 @@ PrintFromImage oblique(double turn_deg) {
 }
 
 struct Light {
-  double amplitude = 42.5;  // of the grating's fundamentals, grey levels
+  double amplitude = 42.5;  // the grating's fundamentals, grey levels
   double slope = 0.0;       // change of light along the grating over the width of the image, relative
   double sigma = 0.0;       // noise, grey levels
 };
@@ -247,9 +247,9 @@ TEST(PatchFit, FlatPaperAndTheImageEdgeAreRefused) {
   const auto rest =
       fit_patch(seen(truth, {.sigma = 1.0}, crossed, 8).view(), truth, kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_TRUE(rest);
-  const auto gone = follow_patch(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {}, rest->at_rest);
-  ASSERT_FALSE(gone) << gone->gain[0];
-  EXPECT_EQ(gone.error(), PatchFitFailure::kNoPattern);
+  const auto lost = follow_patch(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {}, rest->at_rest);
+  ASSERT_FALSE(lost) << lost->gain[0];
+  EXPECT_EQ(lost.error(), PatchFitFailure::kNoPattern);
   const auto outside = fitted(flat.view(), off_by(truth, 2.0, 0.0, 0.0), kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_FALSE(outside);
   EXPECT_EQ(outside.error(), PatchFitFailure::kOutsidePicture);

@@ -68,7 +68,7 @@ double gaussian_sigma(const Scenario& scenario, long frame) {
 
 // A defocus disc is a set of equal Gaussians on a spiral, with the variance of a disc in total, radius^2 / 4. Their
 // distance is 1.5 sigma, which gives a ripple of 2 exp(-2 pi^2 / 1.5^2) = 3e-4.
-constexpr double kSoft = 0.12;  // of the radius, sigma of the rim
+constexpr double kSoft = 0.12;  // relative to the radius, sigma of the rim
 
 std::vector<ImagePoint> disc_of(double radius_px, double sigma_px) {
   if (radius_px <= 0.0) return {};
@@ -165,9 +165,9 @@ void ExposedMarker::add_moment_at(const Scenario& scenario, const SceneMarker& m
   for (const ImagePoint offset : disc_) {
     // The ray of a pixel at this offset, without the change of distortion over the disc.
     const double x = offset.x / camera_.fx, y = offset.y / camera_.fy;
-    Matrix3 beside = print_from_ray;
-    for (auto& row : beside) row[2] += row[0] * x + row[1] * y;
-    moments_.push_back({beside, weight / static_cast<double>(disc_.size())});
+    Matrix3 shifted = print_from_ray;
+    for (auto& row : shifted) row[2] += row[0] * x + row[1] * y;
+    moments_.push_back({shifted, weight / static_cast<double>(disc_.size())});
   }
 }
 

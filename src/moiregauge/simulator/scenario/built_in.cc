@@ -80,8 +80,8 @@ void draw_poses(Mount& mount, double within_deg, double within_mm) {
   for (Track* track : {&mount.shift_x, &mount.shift_y, &mount.shift_z}) track->random = within_mm;
 }
 
-// Moves the camera around the board's middle, which stays at its image position and distance. The elevation is a sine
-// of half the angle.
+// Moves the camera around the board's middle, which stays at its image position and distance. The elevation is a
+// sine of half the angle.
 void orbit(Scenario& scenario, double angle_deg) {
   scenario.mount.pivot_z_mm = scenario.mount.distance_mm;
   scenario.mount.rotation_y.knots = {{0.0, -angle_deg}, {kRunLength_s, angle_deg}};

@@ -114,8 +114,8 @@ struct Timing {
 // Object in front of a marker's sheet.
 struct Cover {
   std::vector<FrameSpan> frames;
-  double share = 1.0;         // of the sheet's width, from its left edge
-  double height_share = 1.0;  // of the sheet's height, from its lower edge
+  double share = 1.0;         // relative to the sheet's width, from its left edge
+  double height_share = 1.0;  // relative to the sheet's height, from its lower edge
   double grey = 90.0;         // grey levels
   double texture = 0.0;       // grey levels, rms of its roughness
   double opacity = 1.0;       // below 1 it is translucent; with grey 0 it is a shadow
@@ -131,7 +131,7 @@ struct Glare {
 
 // Deviations of a printer from the ideal grating. They are part of the sheet and move with it.
 struct Ink {
-  double line_share = 0.5;        // of the pitch: width of the ink in dark lines, squares and dots
+  double line_share = 0.5;        // relative to the pitch: width of the ink in dark lines, squares and dots
   double gain_mm = 0.0;           // mm, dot gain: outward shift of the edges of the grating's ink
   double rough_mm = 0.0;          // mm, rms of ragged edges along each axis
   double rough_length_mm = 0.3;   // mm, correlation length of ragged edges
