@@ -7,6 +7,7 @@
 
 #include "moiregauge/board/board_start.h"
 #include "moiregauge/board/board_work.h"
+#include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/calibration/scene/frame_pose.h"
 
 namespace moiregauge::internal {
@@ -106,7 +107,7 @@ bool leave_out_odd(const BoardWork& work, std::span<const BoardView> views, std:
 BoardModel choose(BoardWork& work, const BoardOptions& options) {
   long rows = 0;
   for (const auto& view : work.data.views) rows += 2 * static_cast<long>(view.size());
-  const double price = std::log(std::max(3.0, static_cast<double>(rows)));
+  const double price = bic_price(rows);
   BoardModel chosen;
   BoardState best = solve_board(work.data, work.prior, chosen, work.state);
   for (const auto& [model, more] : {std::pair{BoardModel{.radial = true, .k3 = options.k3}, options.k3 ? 3 : 2},

@@ -69,7 +69,7 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   out.share = reduction / chi2;
   const double turned = reduction - static_cast<double>(kTurning * frames);
   out.suggests_rolling_shutter =
-      turned > std::log(std::max(3.0, static_cast<double>(dof))) && turned > kWorthAsking * excess;
+      turned > bic_price(dof) && turned > kWorthAsking * excess;
   return out;
 }
 

@@ -16,4 +16,10 @@ namespace moiregauge::internal {
   return dof * root * root * root;
 }
 
+// Returns by how much one more parameter must lower the cost of a fit to `residuals` numbers: ln(n) (BIC, Schwarz 1978,
+// doi:10.1214/aos/1176344136).
+[[nodiscard]] inline double bic_price(long residuals) {
+  return std::log(std::max(3.0, static_cast<double>(residuals)));
+}
+
 }  // namespace moiregauge::internal

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/units/units.h"
 
@@ -342,7 +343,7 @@ bool is_justified(const Shutter& shutter, const Calibration& at_once) {
   const ShutterTest &before = at_once.shutter, &after = shutter.calibration.shutter;
   const double gain = chi2_of(before) - cost_of(shutter);
   const double taken = 1.0 + static_cast<double>(before.dof - after.dof);
-  return gain > std::log(std::max(3.0, static_cast<double>(before.dof))) * taken &&
+  return gain > bic_price(before.dof) * taken &&
          gain > kGoodPart * (chi2_of(before) - static_cast<double>(before.dof));
 }
 

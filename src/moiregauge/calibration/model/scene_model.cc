@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/calibration/scene/free_parameters.h"
 
 namespace moiregauge::internal {
@@ -122,7 +123,7 @@ std::optional<BundleSolution> select_scene_model(const Site& site, std::span<con
   const Bundle bundle(site, frames, prior);
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
-  const double price = std::log(std::max(3.0, static_cast<double>(rows_of(frames))));
+  const double price = bic_price(rows_of(frames));
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
     const double due = have ? price * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;

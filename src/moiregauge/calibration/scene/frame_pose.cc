@@ -13,18 +13,18 @@ namespace {
 // Fits the homography through the four outermost points, or through all if three of the four are collinear. It only
 // starts a fit.
 std::optional<IdealFromBoard> rough_view(const std::vector<BoardPoint>& board, const std::vector<IdealPoint>& ideal) {
-  std::array<std::size_t, 4> select_references{};
+  std::array<std::size_t, 4> outermost{};
   const auto towards = [&](std::size_t corner, std::size_t k) {
     return (corner % 2 == 0 ? 1.0 : -1.0) * board[k].x + (corner / 2 == 0 ? 1.0 : -1.0) * board[k].y;
   };
-  for (std::size_t corner = 0; corner < select_references.size(); ++corner) {
+  for (std::size_t corner = 0; corner < outermost.size(); ++corner) {
     for (std::size_t k = 1; k < board.size(); ++k)
-      if (towards(corner, k) > towards(corner, select_references[corner])) select_references[corner] = k;
+      if (towards(corner, k) > towards(corner, outermost[corner])) outermost[corner] = k;
   }
   std::array<BoardPoint, 4> from;
   std::array<IdealPoint, 4> to;
-  for (std::size_t corner = 0; corner < select_references.size(); ++corner)
-    from[corner] = board[select_references[corner]], to[corner] = ideal[select_references[corner]];
+  for (std::size_t corner = 0; corner < outermost.size(); ++corner)
+    from[corner] = board[outermost[corner]], to[corner] = ideal[outermost[corner]];
   auto h =
       fit_homography<frame::Ideal, frame::Board>(std::span<const BoardPoint>(from), std::span<const IdealPoint>(to));
   if (!h) h = fit_homography<frame::Ideal, frame::Board>(board, ideal);

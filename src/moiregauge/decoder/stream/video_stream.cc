@@ -95,6 +95,31 @@ int refuse_to_open(AVFormatContext* /*container*/, AVIOContext** /*bytes*/, cons
   return AVERROR(EPERM);
 }
 
+// A frame carries the number of its packet through the decoder, which changes the order. FFmpeg 6 replaced the field for
+// this, and FFmpeg 7 removed the earlier one.
+#ifdef AV_CODEC_FLAG_COPY_OPAQUE
+void copy_packet_numbers(AVCodecContext& decoder) { decoder.flags |= AV_CODEC_FLAG_COPY_OPAQUE; }
+
+void set_packet_number(AVCodecContext& /*decoder*/, AVPacket& packet, std::int64_t number) {
+  packet.opaque = reinterpret_cast<void*>(static_cast<std::intptr_t>(number));
+}
+
+std::optional<std::int64_t> packet_number(const AVFrame& frame) {
+  if (frame.opaque == nullptr) return std::nullopt;
+  return static_cast<std::int64_t>(reinterpret_cast<std::intptr_t>(frame.opaque));
+}
+#else
+void copy_packet_numbers(AVCodecContext& /*decoder*/) {}
+
+void set_packet_number(AVCodecContext& decoder, AVPacket& /*packet*/, std::int64_t number) {
+  decoder.reordered_opaque = number;
+}
+
+std::optional<std::int64_t> packet_number(const AVFrame& frame) {
+  return frame.reordered_opaque > 0 ? std::optional(frame.reordered_opaque) : std::nullopt;
+}
+#endif
+
 }  // namespace
 
 int read_bytes(void* self, std::uint8_t* out, int size) {
@@ -186,6 +211,7 @@ bool VideoStream::open_decoder() {
   decoder_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;  // output and marked here, so that other frames keep their numbers
   StreamQuantiser::ask(*decoder_);
   decoder_->max_pixels = decoders_limit(max_pixels_);
+  copy_packet_numbers(*decoder_);
   if (avcodec_open2(decoder_, codec, nullptr) < 0) return false;
   quantiser_.begin(*decoder_);
   return true;
@@ -238,7 +264,7 @@ void VideoStream::note_extent() {
 }
 
 bool VideoStream::send_packet() {
-  decoder_->reordered_opaque = packets_;
+  set_packet_number(*decoder_, *packet_, packets_);
   quantiser_.note_packet(*decoder_, *packet_, packets_);
   const int sent = avcodec_send_packet(decoder_, packet_);
   note_complaints(packets_);
@@ -260,7 +286,7 @@ Decoded VideoStream::next() {
     const int received = avcodec_receive_frame(decoder_, frame_);
     note_complaints(packets_);
     if (received >= 0) {
-      const std::int64_t packet = frame_->reordered_opaque > 0 ? frame_->reordered_opaque : packets_;
+      const std::int64_t packet = packet_number(*frame_).value_or(packets_);
       if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) damage_.complaint(packet);
       damaged_ =
           damage_.touches(packet) || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0;

@@ -59,7 +59,6 @@ struct RegionPhase {
   double phase_rad = 0.0;
   // Mean amplitude a, grey levels, corrected for the window's response at 1/P.
   double modulation = 0.0;
-  double background = 0.0;  // not computed, always 0
   // Slopes of phi minus carrier, by a least-squares plane over the region.
   double gradient_x_rad_per_px = 0.0;
   double gradient_y_rad_per_px = 0.0;
