@@ -84,9 +84,10 @@ void add_prints(std::vector<Mode>& all) {
       [](Sequence& q, int seed, double s) { reference(q, seed).fold_mm.knots = step(seed, s); });
   add(all, "target off the plane", "by an unstated height", "{} mm", {-40, -10, 15, 50},
       [](Sequence& q, int, double s) { target(q).place.z_mm = s; });
-  add(all, "target comes nearer", "total approach over the recording", "{} mm", {1, 5, 20}, [](Sequence& q, int, double s) {
-    target(q).dz.knots = {{0.0, 0.0}, {9.0, s}};
-  });
+  add(all, "target comes nearer", "total approach over the recording", "{} mm", {1, 5, 20},
+      [](Sequence& q, int, double s) {
+        target(q).dz.knots = {{0.0, 0.0}, {9.0, s}};
+      });
   add(all, "reference off the plane", "by a height of which known_to knows nothing (3 mm)", "{} mm", {-30, 15, 30},
       [](Sequence& q, int seed, double s) { reference(q, seed).place.z_mm = s; });
 }
@@ -152,7 +153,8 @@ void add_identity(std::vector<Mode>& all) {
         {"mirrored", [](Sequence& q, int) { q.scenario.site_errors.mirrored = true; }},
         {"a reference 10 mm (a pitch) from its stated position",
          [](Sequence& q, int seed) { reference(q, seed).place.x_mm = 10.0; }},
-        {"a reference 5 mm from its stated position", [](Sequence& q, int seed) { reference(q, seed).place.y_mm = 5.0; }},
+        {"a reference 5 mm from its stated position",
+         [](Sequence& q, int seed) { reference(q, seed).place.y_mm = 5.0; }},
         {"a reference 30 mm from its stated position",
          [](Sequence& q, int seed) { reference(q, seed).place.x_mm = seed % 2 == 0 ? 30.0 : -30.0; }},
         {"the target 10 mm from its stated position", [](Sequence& q, int) { target(q).place.x_mm = 10.0; }},

@@ -41,11 +41,12 @@ struct ReferenceRow {
 std::vector<ReferenceRow> table() {
   std::vector<ReferenceRow> all;
   const auto add = [&](int references, Layout layout, bool lens_known, double slip_px, Footage footage, double draws) {
-    all.push_back({fmt::format("{} {}, lens {}{}{}", references, layout == Layout::kRows ? "in two rows" : "distributed",
-                               lens_known ? "known" : "unknown", slip_px > 0.0 ? "" : ", none slips",
-                               footage == Footage::kPictures ? ", pictures" : ""),
-                   {references, layout, lens_known, slip_px, footage},
-                   draws});
+    all.push_back(
+        {fmt::format("{} {}, lens {}{}{}", references, layout == Layout::kRows ? "in two rows" : "distributed",
+                     lens_known ? "known" : "unknown", slip_px > 0.0 ? "" : ", none slips",
+                     footage == Footage::kPictures ? ", pictures" : ""),
+         {references, layout, lens_known, slip_px, footage},
+         draws});
   };
   for (const double px : {0.2, 0.0}) {
     for (const Layout layout : {Layout::kRows, Layout::kScattered}) {

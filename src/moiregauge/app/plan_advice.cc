@@ -186,8 +186,9 @@ std::string length_text(double mm) {
 
 std::vector<std::string> advice_for(const RecordingSetup& setup, bool readout_unknown) {
   std::vector<std::string> lines;
-  for (const Advice& line : {about_the_picture(setup), about_the_pitch(setup), about_blur(setup), about_time(setup),
-                             about_the_layout(setup), about_the_shutter(setup, readout_unknown), about_checking(setup)}) {
+  for (const Advice& line :
+       {about_the_picture(setup), about_the_pitch(setup), about_blur(setup), about_time(setup), about_the_layout(setup),
+        about_the_shutter(setup, readout_unknown), about_checking(setup)}) {
     if (line) lines.push_back(*line);
   }
   return lines;

@@ -112,9 +112,10 @@ tl::expected<StoredRun, std::string> run_in(const std::string& folder) {
   if (kept->run.options.method == nullptr)
     return tl::unexpected(fmt::format("the run was stopped before its first frame: {}: measure again", path));
   if (!kept->has_end)
-    kept->run.seen.notes.push_back(fmt::format(
-        "the results end after the first {} of its frames, because the run was not finished. Finish it with measure --resume",
-        kept->run.seen.observations.size()));
+    kept->run.seen.notes.push_back(
+        fmt::format("the results end after the first {} of its frames, because the run was not finished. Finish it "
+                    "with measure --resume",
+                    kept->run.seen.observations.size()));
   return std::move(kept->run);
 }
 

@@ -21,7 +21,7 @@ constexpr int kSlowPasses = 3;            // each pass reduces the sine's share 
 // Least lambda in its standard uncertainties. With 3, accepted values would be too large by half a u on average.
 constexpr double kSignificant = 5.0;
 constexpr double kMaxLeft = 0.01;         // largest remaining power about its frequency, relative; chosen
-constexpr double kMinProminence = 6.0;        // times the level around: chance exceeds it about once in 10^7
+constexpr double kMinProminence = 6.0;    // times the level around: chance exceeds it about once in 10^7
 constexpr double kMisfit = 3.0;           // remaining power at the peak, times the level, that counts as noise; chosen
 constexpr double kFurthestBack = 3.0;     // limit of extrapolating a decay back, times its start amplitude; chosen
 constexpr std::size_t kNear = 3;          // ordinates to each side that belong to the peak

@@ -24,8 +24,8 @@ struct PlanArgs {
 
 struct PlanOrder {
   RecordingSetup setup;
-  std::string camera_name;    // from the table, or the file; empty: stated in numbers
-  std::string camera_source;  // from the table
+  std::string camera_name;       // from the table, or the file; empty: stated in numbers
+  std::string camera_source;     // from the table
   bool readout_unknown = false;  // a rolling shutter without a stated readout time
 };
 

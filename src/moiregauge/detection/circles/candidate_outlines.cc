@@ -16,9 +16,9 @@ namespace {
 constexpr int kOutlineLevels = 4;  // scales 1, 1/2, 1/4, 1/8: neighbourhoods of 12, 24, 48 and 96 px
 // Grey levels of 8 bits. A neighbourhood with a smaller range is flat: noise of 5 grey levels has less after smoothing.
 constexpr int kMinOutlineContrast = 14;
-constexpr double kFilledShare = 0.5;       // share of full scale: an image with a larger range is not stretched (chosen)
-constexpr double kMinRangeShare = 0.1;     // relative to full scale: limits the stretching of noise (chosen)
-constexpr double kMinLevelDiameter = 5;    // px at the scale of the level: smaller discs have no usable outline
+constexpr double kFilledShare = 0.5;     // share of full scale: an image with a larger range is not stretched (chosen)
+constexpr double kMinRangeShare = 0.1;   // relative to full scale: limits the stretching of noise (chosen)
+constexpr double kMinLevelDiameter = 5;  // px at the scale of the level: smaller discs have no usable outline
 constexpr double kMaxLevelDiameter = 110;  // px at the scale of the level; larger discs are left to coarser levels
 constexpr double kMinCircularity = 0.62;   // for the digitised outline; far below 0.84: chain code errs by 5 to 10 %
 constexpr double kMinAxisRatio = 0.3;      // relative to the bounding box; an ellipse with W > 0.84 has more than 0.5

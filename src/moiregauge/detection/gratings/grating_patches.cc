@@ -109,7 +109,8 @@ bool overlap(const DetectedPatch& a, const DetectedPatch& b) {
 
 bool holds(const DetectedPatch& patch, ImagePoint p) {
   int sign = 0;
-  for (std::size_t i = 0; i < 4; ++i) sign += signed_distance(patch.outline[i], patch.outline[(i + 1) % 4], p) > 0.0 ? 1 : -1;
+  for (std::size_t i = 0; i < 4; ++i)
+    sign += signed_distance(patch.outline[i], patch.outline[(i + 1) % 4], p) > 0.0 ? 1 : -1;
   return std::abs(sign) == 4;
 }
 

@@ -23,8 +23,8 @@ constexpr double kOtherTurn = 0.3;  // rad of roll: a smaller difference is the 
 constexpr double kSamePlaceShare = 0.25;  // in diameters: concentric outlines (disc in a ring) have one position
 constexpr std::size_t kCrowd = 40;        // circles of one size: more are a printed pattern of dots (chosen)
 constexpr double kCrowdSize = 0.15;       // relative difference of diameters within one size
-constexpr double kTargetReach = 0.1;   // in layout sizes in the image: largest distance from the stated position
-constexpr double kTargetSize = 0.2;    // relative difference from the stated diameter
+constexpr double kTargetReach = 0.1;      // in layout sizes in the image: largest distance from the stated position
+constexpr double kTargetSize = 0.2;       // relative difference from the stated diameter
 constexpr double kTravelShare = 0.05;  // relative to the layout's size: movement that counts as one standard deviation
 
 struct References {

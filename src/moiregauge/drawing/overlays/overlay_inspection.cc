@@ -174,7 +174,8 @@ class InspectionDrawing {
     }
     pen_.colour(kUnidentifiedColour);
     for (const InspectedPatch& p : seen_.patches) {
-      if (p.marker == kUnidentified) pen_.label_outside(corners_of(p), pattern_text(p.seen) + "\n" + short_text(p), picture_);
+      if (p.marker == kUnidentified)
+        pen_.label_outside(corners_of(p), pattern_text(p.seen) + "\n" + short_text(p), picture_);
     }
     pen_.letters(0.85 * kLetterSize, false);
     pen_.colour(kRejectedColour);

@@ -185,7 +185,7 @@ void Pen::label(double x, double y, const std::string& text, const Box& within) 
 }
 
 void Pen::label_outside(const std::vector<ImagePoint>& corners, const std::string& text, const Box& within,
-                       double most_covered) {
+                        double most_covered) {
   const Box about = page_box(corners), size = plate(0.0, 0.0, text);
   const double gap = 4.0 * unit_, left = about.x, right = about.x + about.width, top = about.y,
                bottom = about.y + about.height;

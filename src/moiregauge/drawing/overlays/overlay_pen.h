@@ -61,7 +61,7 @@ class Pen {
   // Draws such a text next to an object with these corners, at the position that covers the smallest reserved area.
   // Draws nothing if that exceeds `most_covered`, a share of the label's area.
   void label_outside(const std::vector<ImagePoint>& about, const std::string& text, const Box& within,
-                    double most_covered = 1e9);
+                     double most_covered = 1e9);
   // Reserves a part of the page, which labels should not cover.
   void keep_free(const Box& box) { taken_.push_back(box); }
   [[nodiscard]] double covered(const Box& box) const;  // reserved area, page px^2

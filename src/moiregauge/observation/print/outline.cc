@@ -198,7 +198,8 @@ std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View&
       continue;
     }
     const Neighbours x = neighbours_of(*map, window, best, true), y = neighbours_of(*map, window, best, false);
-    if ((axes.x && !is_prominent(x, best.score, window.half_x)) || (axes.y && !is_prominent(y, best.score, window.half_y)))
+    if ((axes.x && !is_prominent(x, best.score, window.half_x)) ||
+        (axes.y && !is_prominent(y, best.score, window.half_y)))
       return std::nullopt;
     const PrintPoint own{0.5 * best.i + x.middle(), 0.5 * best.j + y.middle()};
     const PrintPoint p = correction.inverse()(own);

@@ -25,8 +25,8 @@ constexpr double kNoSlope = 1e-3;
 // Then the window grows, and the last rounds have all harmonics. Template and map then drift together by 1e-5 to 6e-5
 // pitch per round. So a map that moves as in the previous round has converged, too. Chosen.
 constexpr int kMaxRounds = 12;
-constexpr double kUnmoved = 1e-6;  // pitches
-constexpr double kAsBefore = 0.03;     // relative to the movement
+constexpr double kUnmoved = 1e-6;   // pitches
+constexpr double kAsBefore = 0.03;  // relative to the movement
 constexpr int kFirstOrders = 5;
 
 // Rows for the shift of a window to a hundredth of a pitch: three per pitch. More than four apart, they could skip

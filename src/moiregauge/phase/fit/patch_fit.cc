@@ -27,7 +27,7 @@ constexpr double kNear = 0.02;
 constexpr double kConverged = 2e-4;
 constexpr double kShapeConverged = 5e-4;
 constexpr double kMaxFrozenStep = 0.002;  // beyond it, the frame's own normal equations are needed
-constexpr int kMaxPasses = 3;      // for each kind; chosen
+constexpr int kMaxPasses = 3;             // for each kind; chosen
 
 // Returns the matrix that fits a homography near the identity to a field at the nine points, by least squares. Rows: a0
 // a1 a2 b0 b1 b2 g h of
