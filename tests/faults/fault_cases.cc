@@ -43,8 +43,14 @@ const std::vector<Mode>& modes() {
   static const std::vector<Mode> all = [] {
     std::vector<Mode> list;
     for (const auto add_some : {add_clean, add_covers, add_glare, add_optics, add_blur, add_light, add_prints,
-                                add_moves, add_identity, add_first_frames, add_timing, add_codecs, add_processing})
+                                add_moves, add_identity, add_first_frames, add_timing, add_codecs})
       add_some(list);
+    std::vector<Mode> processed;
+    add_processing(processed);
+    for (Mode& mode : processed) {
+      mode.processed = true;
+      list.push_back(std::move(mode));
+    }
     return list;
   }();
   return all;

@@ -32,6 +32,7 @@ struct Mode {
   // The fault is a wrong statement in site.toml that the images need not contradict. The mode is in the table, but not
   // in its sum.
   bool stated_by_site = false;
+  bool processed = false;  // the camera's software processed the footage; the table is a section of its own
 };
 
 [[nodiscard]] const std::vector<Mode>& modes();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the fault corpus and prints a Markdown table.
 //
-//     fault_study [--modes WORD[+WORD]...] [--runs N] [--seed S] [--threads N] [--strengths] [--verbose]
+//     fault_study [--group scene|processing] [--modes WORD[+WORD]...] [--runs N] [--seed S] [--threads N] [--strengths] [--verbose]
 //
 // One row per mode (whose name starts with a WORD), or per strength. Progress is printed to stderr.
 #include <algorithm>
@@ -30,7 +30,8 @@ constexpr int kMinSequences = 42;
 
 struct Words {
   std::string modes;
-  int runs = 0;  // for each strength; 0: the default
+  std::string group;  // "scene" or "processing"; empty: both
+  int runs = 0;       // for each strength; 0: the default
   int seed = 0;
   int threads = 2;
   bool strengths = false;
@@ -59,6 +60,7 @@ std::vector<Task> tasks_of(const Words& words) {
   std::vector<Task> tasks;
   for (const Mode& mode : modes()) {
     if (!is_wanted(mode.name, words.modes)) continue;
+    if (!words.group.empty() && mode.processed != (words.group == "processing")) continue;
     const int strengths = static_cast<int>(mode.strengths.size());
     const int runs = words.runs > 0 ? words.runs : std::max(kMinRuns, (kMinSequences + strengths - 1) / strengths);
     for (std::size_t strength = 0; strength < mode.strengths.size(); ++strength) {
@@ -68,7 +70,7 @@ std::vector<Task> tasks_of(const Words& words) {
   return tasks;
 }
 
-void tell(const Task& task, const Verdict& v) {
+void print_verdict(const Task& task, const Verdict& v) {
   std::string statuses;
   for (const auto& [word, count] : v.statuses) statuses += fmt::format(" {} {}", count, word);
   fmt::print(stderr, "  {}, {}, seed {}: {} ok,{} lies {}, worst {:.1f} u {:.2f} um, u {:.2f} um {}\n", task.mode->name,
@@ -87,7 +89,7 @@ std::vector<Verdict> verdicts_on(const std::vector<Task>& tasks, const Words& wo
       const Task& task = tasks[i];
       verdicts[i] = verdict_on(sequence_of(*task.mode, task.strength, task.seed), folder);
       const std::scoped_lock lock(mutex);
-      if (words.verbose) tell(task, verdicts[i]);
+      if (words.verbose) print_verdict(task, verdicts[i]);
       if (++done % 20 == 0) fmt::print(stderr, "{} of {} sequences\n", done, tasks.size());
     }
   };
@@ -138,8 +140,7 @@ void print_row(const std::string& name, const Tally& t) {
 void print_table(const std::vector<Task>& tasks, const std::vector<Verdict>& verdicts, const Words& words) {
   fmt::print(
       "| mode | sequences | rows | % ok | % others | silent lies (%) | sequences with any | worst ok error, u | um | "
-      "median u "
-      "of dy, um |\n|---|---|---|---|---|---|---|---|---|---|\n");
+      "median u of dy, um |\n|---|---|---|---|---|---|---|---|---|---|\n");
   Tally faulty, clean, stated_by_site;
   for (std::size_t i = 0; i < tasks.size();) {
     const Mode& mode = *tasks[i].mode;
@@ -178,11 +179,13 @@ Words words_of(int argc, char** argv) {
       *number->second = std::atoi(argv[++i]);
     } else if (word == "--modes" && i + 1 < argc) {
       words.modes = argv[++i];
+    } else if (word == "--group" && i + 1 < argc) {
+      words.group = argv[++i];
     } else {
-      fmt::print(
-          stderr,
-          "error: bad option: {}: --modes WORD[+WORD]..., --runs N, --seed S, --threads N, --strengths or --verbose\n",
-          word);
+      fmt::print(stderr,
+                 "error: bad option: {}: --group scene|processing, --modes WORD[+WORD]..., --runs N, --seed S, "
+                 "--threads N, --strengths or --verbose\n",
+                 word);
       std::exit(2);
     }
   }
