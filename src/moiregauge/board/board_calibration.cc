@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/Geometry>
+
 #include "moiregauge/board/board_start.h"
 #include "moiregauge/board/board_work.h"
 #include "moiregauge/calibration/model/chi2.h"

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "moiregauge/board/board_places.h"
 #include "moiregauge/geometry/view.h"

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/LU>
+
 #include "moiregauge/board/board_places.h"
 #include "moiregauge/board/board_work.h"
 #include "moiregauge/calibration/scene/frame_pose.h"

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "moiregauge/board/board_bundle.h"
 #include "moiregauge/calibration/scene/normal_inverse.h"

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "moiregauge/geometry/conic.h"
 #include "moiregauge/units/units.h"
 

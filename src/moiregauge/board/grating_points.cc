@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include <Eigen/LU>
+
 #include "moiregauge/board/seen_board.h"
 #include "moiregauge/detection/gratings/grating_fit.h"
 #include "moiregauge/units/units.h"

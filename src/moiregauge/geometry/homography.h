@@ -5,7 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
 #include <tl/expected.hpp>
 
 #include "moiregauge/units/point.h"

@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 
+#include "moiregauge/geometry/symmetric_eigen.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
@@ -32,10 +33,10 @@ std::optional<Matrix2> through_field(std::span<const ReadPlace> references, Boar
   const Eigen::VectorXd length = normal.diagonal().cwiseSqrt();
   if (!(length.minCoeff() > 0.0)) return std::nullopt;
   const Eigen::MatrixXd scaled = length.cwiseInverse().asDiagonal() * normal * length.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  if (!(eigen.eigenvalues()(0) > kNoInformation * kNoInformation)) return std::nullopt;
-  const Eigen::MatrixXd k = here * length.cwiseInverse().asDiagonal() * eigen.eigenvectors();
-  return Matrix2(k * eigen.eigenvalues().cwiseInverse().asDiagonal() * k.transpose());
+  const SymmetricEigenX eigen = eigen_of(scaled);
+  if (!(eigen.values(0) > kNoInformation * kNoInformation)) return std::nullopt;
+  const Eigen::MatrixXd k = here * length.cwiseInverse().asDiagonal() * eigen.vectors;
+  return Matrix2(k * eigen.values.cwiseInverse().asDiagonal() * k.transpose());
 }
 
 double reach_of(std::span<const ReadPlace> references, BoardPoint target) {
@@ -46,13 +47,13 @@ double reach_of(std::span<const ReadPlace> references, BoardPoint target) {
 
 // Returns the variances along the board's axes, mm^2. NaN for an axis that lines do not show.
 Eigen::Vector2d own_variance(const Matrix2& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix2> eigen(information);
-  const auto& strength = eigen.eigenvalues();
+  const SymmetricEigen2 eigen = eigen_of(information);
+  const auto& strength = eigen.values;
   if (!(strength(1) > 0.0)) return {kUndetermined, kUndetermined};
   const bool has_both = strength(0) > kNoInformation * strength(1);
-  Eigen::Vector2d variance = eigen.eigenvectors().col(1).cwiseAbs2() / strength(1);
+  Eigen::Vector2d variance = eigen.vectors.col(1).cwiseAbs2() / strength(1);
   for (int axis = 0; axis < 2; ++axis) {
-    const double along = std::pow(eigen.eigenvectors()(axis, 0), 2);
+    const double along = std::pow(eigen.vectors(axis, 0), 2);
     if (has_both)
       variance(axis) += along / strength(0);
     else if (along > kNoInformation)

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "moiregauge/observation/print/print_model.h"
 #include "moiregauge/planning/codec_error.h"

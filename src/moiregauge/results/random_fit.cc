@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 namespace moiregauge::internal {
 namespace {

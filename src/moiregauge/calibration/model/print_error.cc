@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/calibration/scene/patch_residual.h"

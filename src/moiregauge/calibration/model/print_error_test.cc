@@ -4,6 +4,7 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "moiregauge/calibration/model/marker_jitter.h"
 #include "moiregauge/calibration/scene/patch_residual.h"

@@ -1,10 +1,14 @@
-// SPDX-License-Identifier: Apache-2.0 Ellipse as the image of the unit circle under an affine map. In this form small
-// corrections of the outline are linear.
+// SPDX-License-Identifier: Apache-2.0
+// Ellipse as the image of the unit circle under an affine map. In this form small corrections of the outline are
+// linear.
 #pragma once
 
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include "moiregauge/geometry/symmetric_eigen.h"
 
 namespace moiregauge::internal::markers_detail {
 
@@ -15,8 +19,7 @@ struct Ellipse {
   // Returns the ellipse with the given area moments (px and px^2). A disc of radius r has variance r^2 / 4 along every
   // direction.
   static Ellipse from_moments(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(4.0 * covariance);
-    return {mean, solver.operatorSqrt()};
+    return {mean, symmetric_root(4.0 * covariance)};
   }
   [[nodiscard]] double diameter() const { return 2.0 * std::sqrt(std::abs(axes.determinant())); }
 
@@ -27,9 +30,9 @@ struct Ellipse {
     double major_px = 0.0;   // px, half axis
   };
   [[nodiscard]] Shape shape() const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(axes);
-    const Eigen::Vector2d half = solver.eigenvalues().cwiseAbs();
-    const Eigen::Vector2d major = solver.eigenvectors().col(half.y() >= half.x() ? 1 : 0);
+    const SymmetricEigen2 eigen = eigen_of(axes);
+    const Eigen::Vector2d half = eigen.values.cwiseAbs();
+    const Eigen::Vector2d major = eigen.vectors.col(half.y() >= half.x() ? 1 : 0);
     return {half.minCoeff() / half.maxCoeff(), std::atan(major.y() / major.x()), half.minCoeff(), half.maxCoeff()};
   }
 
@@ -40,8 +43,7 @@ struct Ellipse {
     stretch << 1.0 + k[0] + k[3], k[4], k[4], 1.0 + k[0] - k[3];
     const Eigen::Matrix2d bent = axes * stretch;
     // Restores the symmetric root. A rotation of the unit circle does not change the ellipse.
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(bent * bent.transpose());
-    return {centre + axes * Eigen::Vector2d(k[1], k[2]), solver.operatorSqrt()};
+    return {centre + axes * Eigen::Vector2d(k[1], k[2]), symmetric_root(bent * bent.transpose())};
   }
 };
 

@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "moiregauge/detection/circles/radial_profile.h"
 #include "moiregauge/units/units.h"
 

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "moiregauge/detection/gratings/stratified_points.h"
 #include "moiregauge/units/units.h"
 

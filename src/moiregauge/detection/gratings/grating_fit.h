@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "moiregauge/image/image.h"
 #include "moiregauge/units/point.h"

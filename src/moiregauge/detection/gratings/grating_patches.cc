@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
 #include "moiregauge/detection/gratings/patch_growth.h"

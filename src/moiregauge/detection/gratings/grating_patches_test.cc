@@ -2,6 +2,7 @@
 #include "moiregauge/detection/gratings/grating_patches.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "moiregauge/detection/gratings/painted_print_for_tests.h"
 #include "moiregauge/detection/identity/grating_elements.h"

@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "moiregauge/detection/gratings/stratified_points.h"
 #include "moiregauge/units/units.h"
 

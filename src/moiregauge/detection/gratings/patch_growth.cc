@@ -6,6 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 namespace moiregauge::internal {
 namespace {
 

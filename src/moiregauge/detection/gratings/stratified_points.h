@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 namespace moiregauge::internal::markers_detail {
 

@@ -7,6 +7,9 @@
 #include <numeric>
 #include <optional>
 
+#include <Eigen/LU>
+
+#include "moiregauge/geometry/symmetric_eigen.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal::markers_detail {
@@ -59,9 +62,9 @@ double gauged_distance(const Gauge& a, const Gauge& b) {
 
 // Returns ln(major / minor) as a vector at twice the angle of the major axis. A round shape gives the zero vector.
 Eigen::Vector2d elongation(const Eigen::Matrix2d& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(symmetric);
-  const double log_ratio = std::log(solver.eigenvalues()[1] / std::max(solver.eigenvalues()[0], 1e-12));
-  const Eigen::Vector2d major = solver.eigenvectors().col(1);
+  const SymmetricEigen2 eigen = eigen_of(symmetric);
+  const double log_ratio = std::log(eigen.values[1] / std::max(eigen.values[0], 1e-12));
+  const Eigen::Vector2d major = eigen.vectors.col(1);
   return log_ratio * Eigen::Vector2d(major.x() * major.x() - major.y() * major.y(), 2.0 * major.x() * major.y());
 }
 
@@ -251,7 +254,7 @@ class Searcher {
       const auto i = static_cast<std::size_t>(a.circle_of_reference[r]);
       const double diameter = seen_[i].diameter_px;
       const Matrix2 j = a.image_from_board.jacobian(references_[r].centre);
-      const Eigen::Matrix2d expected = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(j * j.transpose()).operatorSqrt();
+      const Eigen::Matrix2d expected = symmetric_root(j * j.transpose());
       const double shape = (elongation(gauges_[r][i].px_from_board) - elongation(expected)).norm();
       const double stretch = map_spread(r);
       const double own =

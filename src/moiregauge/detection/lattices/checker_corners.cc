@@ -7,6 +7,7 @@
 #include <complex>
 #include <optional>
 
+#include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
 #include "moiregauge/units/units.h"

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "moiregauge/detection/lattices/checker_corners.h"
 #include "moiregauge/detection/lattices/indexed_lattice.h"
 #include "moiregauge/detection/lattices/indexing.h"

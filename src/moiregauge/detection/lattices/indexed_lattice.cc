@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "moiregauge/detection/lattices/indexing.h"
 
 namespace moiregauge::internal {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "moiregauge/detection/lattices/lattice_frontier.h"
 #include "moiregauge/detection/lattices/point_grid.h"
 #include "moiregauge/units/units.h"

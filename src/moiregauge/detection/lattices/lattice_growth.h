@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 namespace moiregauge::internal::markers_detail {
 

@@ -3,7 +3,10 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "moiregauge/detection/lattices/lattice_growth.h"
+#include "moiregauge/geometry/symmetric_eigen.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal::markers_detail {
@@ -46,7 +49,7 @@ bool spreads_both_ways(const std::vector<Known>& known) {
   for (const Known& k : known) {
     spread += (k.offset - mean) * (k.offset - mean).transpose() / static_cast<double>(known.size());
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread, Eigen::EigenvaluesOnly).eigenvalues()[0] > kMinSpread;
+  return eigen_of(spread).values[0] > kMinSpread;
 }
 
 // Returns true if the points determine a quadratic: at least kMinQuadratic of them, in three columns and three rows.

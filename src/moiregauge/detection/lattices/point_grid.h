@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace moiregauge::internal::markers_detail {
 

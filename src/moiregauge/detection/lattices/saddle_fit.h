@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "moiregauge/image/image.h"
 

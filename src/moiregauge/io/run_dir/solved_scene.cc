@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "moiregauge/geometry/symmetric_eigen.h"
+
 namespace moiregauge::internal {
 namespace {
 
@@ -26,8 +28,8 @@ double width_over(const Scene& scene, const std::vector<int>& rows, double given
     for (Eigen::Index b = 0; b < n; ++b)
       block(a, b) = covariance(rows[static_cast<std::size_t>(a)], rows[static_cast<std::size_t>(b)]);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(block, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()(n - 1)));
+  const SymmetricEigenX eigen = eigen_of(block);
+  return std::sqrt(std::max(0.0, eigen.values(n - 1)));
 }
 
 bool is_solved(const Scene& scene, std::size_t marker, int parameter) {

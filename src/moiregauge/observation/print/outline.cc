@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/LU>
+
 #include "moiregauge/observation/print/print_model.h"
 #include "moiregauge/observation/print/visibility.h"
 #include "moiregauge/observation/raster/raster.h"

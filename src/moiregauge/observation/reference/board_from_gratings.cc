@@ -4,6 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {

@@ -8,6 +8,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "moiregauge/geometry/symmetric_eigen.h"
+
 namespace moiregauge::internal {
 namespace {
 
@@ -29,7 +31,7 @@ std::optional<std::string> references_on_a_line(const Site& site) {
   mean /= static_cast<double>(at.size());
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const auto& p : at) spread += (p - mean) * (p - mean).transpose();
-  const Eigen::Matrix2d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors();
+  const Eigen::Matrix2d axes = eigen_of(spread).vectors;
   const auto extent = [&](Eigen::Index axis) {
     double low = 0.0, high = 0.0;
     for (const auto& p : at) {

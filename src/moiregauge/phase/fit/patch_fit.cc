@@ -5,6 +5,9 @@
 #include <cmath>
 #include <variant>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
