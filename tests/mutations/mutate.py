@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests the tests: changes one constant at a time, and finds a test that detects the change.
 
-    mutate.py --root CHECKOUT --work FOLDER [--only WORD] [--labels unit,physics,...]
+    mutate.py --root CHECKOUT --work FOLDER [--only WORD] [--missing] [--labels unit,physics,...]
 
 Copies the sources to FOLDER and builds one program with all mutations, which an environment variable selects. Then runs
-the tests for one mutation at a time until one fails. Prints a table with one row per mutation.
+the tests for one mutation at a time until one fails. Each result is stored at once in CHECKOUT/tests/mutations/results.csv,
+so an interrupted run keeps what it has. Prints the table of all results. --missing: only mutations without a result.
 """
 import argparse
+import csv
 import os
 import pathlib
 import re
@@ -30,6 +32,7 @@ inline bool is_mutated(int n) {
 }  // namespace moiregauge
 """
 LABELS = "unit,physics,paper,real,faults,cli"
+COLUMNS = ["file", "constant", "value", "instead", "caught_by", "commit"]
 
 
 def copied(root, work):
@@ -78,11 +81,39 @@ def first_failure(work, number, labels):
     return None
 
 
+def read_results(path):
+    """Returns the stored results by (file, constant, wrong value)."""
+    if not path.exists():
+        return {}
+    with open(path, newline="", encoding="utf-8") as file:
+        return {(row["file"], row["constant"], row["instead"]): row for row in csv.DictReader(file)}
+
+
+def write_results(path, mutations, results):
+    """Stores the results in the order of the list. Drops those of mutations that are not in it."""
+    fresh = path.with_suffix(".partial")
+    with open(fresh, "w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        table.writeheader()
+        table.writerows(results[key] for key in map(tuple, mutations) if key in results)
+    fresh.replace(path)
+
+
+def print_table(mutations, results):
+    print("| file | constant | value | instead | caught by | commit |\n|---|---|---|---|---|---|")
+    known = [results[key] for key in map(tuple, mutations) if key in results]
+    for row in known:
+        print("| " + " | ".join(row[column] or "none" for column in COLUMNS) + " |")
+    caught = sum(bool(row["caught_by"]) for row in known)
+    print(f"\n{caught} of {len(known)} mutations are caught. {len(mutations) - len(known)} of {len(mutations)} are not measured.")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--root", required=True, type=pathlib.Path)
     parser.add_argument("--work", required=True, type=pathlib.Path)
     parser.add_argument("--only", default="")
+    parser.add_argument("--missing", action="store_true")
     parser.add_argument("--labels", default=LABELS)
     options = parser.parse_args()
     work = options.work.resolve()
@@ -101,18 +132,19 @@ def main():
     none = first_failure(work, 0, ["unit"])
     if none:
         sys.exit(f"mutate: {none} fails without a mutation")
-    print("| file | constant | value | instead | caught by |\n|---|---|---|---|---|", flush=True)
-    caught = tried = 0
+    stored = options.root / "tests/mutations/results.csv"
+    results = read_results(stored)
+    commit = subprocess.run(["git", "-C", options.root, "rev-parse", "--short", "HEAD"], check=True, capture_output=True,
+                            text=True).stdout.strip()
     for number, ((file, name, value), was) in enumerate(zip(mutations, before), 1):
-        if options.only not in f"{file} {name}":
+        if options.only not in f"{file} {name}" or options.missing and (file, name, value) in results:
             continue
         start = time.monotonic()
         test = first_failure(work, number, labels)
-        tried += 1
-        caught += test is not None
-        print(f"| {file} | {name} | {was} | {value} | {test or 'none'} |", flush=True)
-        print(f"{number} of {len(mutations)}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
-    print(f"\n{caught} of {tried} mutations are caught.")
+        results[file, name, value] = dict(zip(COLUMNS, (file, name, was, value, test or "", commit)))
+        write_results(stored, mutations, results)
+        print(f"{number} of {len(mutations)}: {name}: {test or 'none'}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
+    print_table(mutations, results)
 
 
 main()

@@ -16,6 +16,7 @@
 #include "moiregauge/decoder/child/confinement.h"
 #include "moiregauge/decoder/child/wire.h"
 #include "moiregauge/decoder/headers/stream_tone.h"
+#include "moiregauge/decoder/stream/ffmpeg_version.h"
 #include "moiregauge/decoder/stream/luma_plane.h"
 #include "moiregauge/decoder/stream/margin.h"
 #include "moiregauge/decoder/stream/video_stream.h"
@@ -183,7 +184,7 @@ void Child::send_rest() {
 
 void Child::send_frame(const VideoStream& stream, bool lost) {
   if (number_ == 0) start_s_ = stream.time_s();
-  if (!lost && !warned_fields_ && stream.frame().interlaced_frame != 0) {
+  if (!lost && !warned_fields_ && is_interlaced(stream.frame())) {
     warned_fields_ = true;
     warn(
         "moving targets are less certain: the video is interlaced (odd and even image rows at different times). "

@@ -18,6 +18,8 @@ extern "C" {
 #include <libavutil/display.h>
 }
 
+#include "moiregauge/decoder/stream/ffmpeg_version.h"
+
 namespace moiregauge::internal {
 
 ReadAt reader_of(int file) {
@@ -94,31 +96,6 @@ int refuse_to_open(AVFormatContext* /*container*/, AVIOContext** /*bytes*/, cons
                    AVDictionary** /*options*/) {
   return AVERROR(EPERM);
 }
-
-// A frame carries the number of its packet through the decoder, which changes the order. FFmpeg 6 replaced the field for
-// this, and FFmpeg 7 removed the earlier one.
-#ifdef AV_CODEC_FLAG_COPY_OPAQUE
-void copy_packet_numbers(AVCodecContext& decoder) { decoder.flags |= AV_CODEC_FLAG_COPY_OPAQUE; }
-
-void set_packet_number(AVCodecContext& /*decoder*/, AVPacket& packet, std::int64_t number) {
-  packet.opaque = reinterpret_cast<void*>(static_cast<std::intptr_t>(number));
-}
-
-std::optional<std::int64_t> packet_number(const AVFrame& frame) {
-  if (frame.opaque == nullptr) return std::nullopt;
-  return static_cast<std::int64_t>(reinterpret_cast<std::intptr_t>(frame.opaque));
-}
-#else
-void copy_packet_numbers(AVCodecContext& /*decoder*/) {}
-
-void set_packet_number(AVCodecContext& decoder, AVPacket& /*packet*/, std::int64_t number) {
-  decoder.reordered_opaque = number;
-}
-
-std::optional<std::int64_t> packet_number(const AVFrame& frame) {
-  return frame.reordered_opaque > 0 ? std::optional(frame.reordered_opaque) : std::nullopt;
-}
-#endif
 
 }  // namespace
 
@@ -327,11 +304,10 @@ double VideoStream::fps() const {
 std::string VideoStream::codec() const { return avcodec_get_name(stream_->codecpar->codec_id); }
 
 tl::expected<int, VideoProblem> VideoStream::rotation_deg() const {
-  std::size_t size = 0;
-  const auto* data = av_stream_get_side_data(stream_, AV_PKT_DATA_DISPLAYMATRIX, &size);
-  if (data == nullptr || size < 9 * sizeof(std::int32_t)) return 0;
+  const std::span<const std::uint8_t> stored = display_matrix(*stream_);
   std::int32_t matrix[9];
-  std::memcpy(matrix, data, sizeof matrix);
+  if (stored.size() < sizeof matrix) return 0;
+  std::memcpy(matrix, stored.data(), sizeof matrix);
   const double mirror = double{1} * matrix[0] * matrix[4] - double{1} * matrix[1] * matrix[3];
   const double clockwise = -av_display_rotation_get(matrix);
   const double quarters = std::round(clockwise / 90.0);
