@@ -17,7 +17,7 @@ import zlib
 import numpy
 import pictures
 import runs
-from runs import insist, rows, run, simulate
+from runs import insist, rows, run, simulate, tag_rotation
 
 program, work, _ = runs.start()
 H264 = ["-pix_fmt", "yuv420p", "-c:v", "libx264", "-g", "8", "-bf", "2", "-qp", "8", "-threads", "1", "-bitexact"]
@@ -211,7 +211,7 @@ def case_10_depth_and_rotation():
     measure(deep, 0)
     insist(run_json(deep)["input"]["bits"] == 16, "16 bits stay 16")
     upright = clip("b.mp4", H264)
-    run(["ffmpeg", "-nostdin", "-loglevel", "error", "-i", upright, "-c", "copy", "-metadata:s:v", "rotate=90", work / "c.mp4"])
+    tag_rotation(upright, 90, work / "c.mp4")
     done = run([program, "inspect", work / "c.mp4", "--pitch", "10mm", "--json", "-o", work / "turned"])
     insist('"width": 512' in done.stdout and '"height": 1024' in done.stdout, "the tag is applied")
 

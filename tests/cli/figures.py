@@ -31,7 +31,8 @@ def main():
     for path in (work / "out/figures").glob("*.svg"):
         width = float(re.search(r'<svg [^>]*width="([0-9.]+)(?:pt)?"', path.read_text()).group(1))
         assert abs(width - WIDTH) < 0.01, f"{path.name} is {width} points wide"
-    bands = (work / "out/figures/displacement.svg").read_text().count("fill-opacity:0.28")
+    drawing = (work / "out/figures/displacement.svg").read_text()
+    bands = len(re.findall(r'opacity(?::|=")0\.28', drawing))
     assert bands == 4, f"{bands} pieces of bands, expected 2 axes with 2 pieces each"
     short = run(program, "measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", 30, "--frames", "0:20",
                 "--figures", "svg", "-o", work / "short")

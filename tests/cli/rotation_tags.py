@@ -5,7 +5,7 @@ A phone stores frames as read from the sensor, with a tag for the display.
 import numpy
 
 from pictures import read_png, write_png
-from runs import insist, rows, run, simulate, start
+from runs import insist, rows, run, simulate, start, tag_rotation
 
 program, work, _ = start()
 simulate(program, work / "run")
@@ -16,13 +16,11 @@ for tag in [0, 90, 180, 270]:
     stored = work / f"stored{tag}"
     stored.mkdir()
     for path in sorted((work / "run/frames").glob("*.png")):
-        # ffmpeg 5.1 writes `rotate=90` as a display matrix that rotates the stored image by 90 degrees
-        # COUNTER-clockwise (its own player does that). The image is therefore stored rotated clockwise.
+        # The tag rotates the stored image by 90 degrees COUNTER-clockwise. The image is therefore stored rotated clockwise.
         write_png(stored / path.name, numpy.ascontiguousarray(numpy.rot90(read_png(path), -tag // 90)))
     run(["ffmpeg", "-loglevel", "error", "-framerate", "10", "-i", stored / "%06d.png", "-c:v", "libx264", "-qp", "0",
          "-pix_fmt", "gray", work / f"plain{tag}.mp4"])
-    run(["ffmpeg", "-loglevel", "error", "-i", work / f"plain{tag}.mp4", "-c", "copy", "-metadata:s:v:0", f"rotate={tag}",
-         work / f"tagged{tag}.mp4"])
+    tag_rotation(work / f"plain{tag}.mp4", tag, work / f"tagged{tag}.mp4")
     run([program, "measure", work / f"tagged{tag}.mp4", "--site", site, "-o", work / f"out{tag}"])
     got = rows(work / f"out{tag}", ("frame", "marker", "dx_mm", "dy_mm", "status"))
     insist(got == expected, f"tag {tag}:\n{got}\n{expected}")

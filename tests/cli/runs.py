@@ -33,3 +33,11 @@ def rows(folder, keep=("frame", "marker", "dx_mm", "dy_mm", "u_dx_mm", "u_dy_mm"
 def insist(condition, message):
     if not condition:
         sys.exit(message)
+
+
+def tag_rotation(video, degrees, out):
+    """Copies a video and adds a tag that rotates the image counter-clockwise. FFmpeg 6 replaced the option for this."""
+    version = run(["ffmpeg", "-version"]).stdout.split("version ")[1]
+    is_old = version.startswith(("4", "5"))
+    before, after = ([], ["-metadata:s:v:0", f"rotate={degrees}"]) if is_old else (["-display_rotation:v:0", str(degrees)], [])
+    run(["ffmpeg", "-nostdin", "-loglevel", "error", *before, "-i", video, "-c", "copy", *after, out])

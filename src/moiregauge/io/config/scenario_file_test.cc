@@ -99,7 +99,7 @@ TEST(Setting, WithAnImpossibleValueIsRefused) {
 
 TEST(ScenarioFile, AllImpossibleValuesAreReportedWithTheirPositions) {
   const auto read = parse_scenario(
-      "base = \"small-1x\"\nframs = 3\n[lens]\nk1 = 1e999\n[sensor]\nfps = -1\n[grating]\npitch_mm = -10.0\n"
+      "base = \"small-1x\"\nframs = 3\n[lens]\nk1 = nan\n[sensor]\nfps = -1\n[grating]\npitch_mm = -10.0\n"
       "[known_to]\nprint_scale = 3.0\n",
       "s.toml");
   ASSERT_FALSE(read);

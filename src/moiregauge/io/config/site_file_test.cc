@@ -180,7 +180,9 @@ TEST(SiteFile, ANumberOutOfRangeIsRefused) {
         std::string("[[target]]\ngrating_mm = [0.0, 0.0]\ngrating_size_mm = [4.0, 4.0]\npitch_mm = ") + number,
         "s.toml");
     ASSERT_FALSE(site) << number;
-    EXPECT_EQ(site.error().front(), "s.toml:4:12: pitch_mm must be a finite number");
+    // toml11 4 refuses it while it parses, and gives the last column.
+    EXPECT_EQ(site.error().front().rfind("s.toml:4:", 0), 0U) << site.error().front();
+    EXPECT_NE(site.error().front().find("must be a finite number"), std::string::npos) << site.error().front();
   }
 }
 

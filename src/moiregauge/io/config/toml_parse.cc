@@ -5,6 +5,8 @@
 #include <cstring>
 #include <exception>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -69,7 +71,19 @@ std::string first_line_of(const std::string& what) {
   }
   if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon)
     line.erase(0, colon + 2);
-  if (line == "invalid line format") return "there is text after the value, write numbers like 1.5, without a unit";
+  // The texts of toml11 3 and 4, and ours for both.
+  static constexpr std::pair<std::string_view, std::string_view> kOurs[] = {
+      {"invalid line format", "there is text after the value, write numbers like 1.5, without a unit"},
+      {"newline (LF / CRLF) or EOF", "there is text after the value, write numbers like 1.5, without a unit"},
+      {"missing key-value separator", "there is no = after the key"},
+      {"invalid key value separator", "there is no = after the key"},
+      {"already exists", "the key or table is given twice"},
+      {"already defined", "the key or table is given twice"},
+      {"failed to read floating point", "the value must be a finite number"},
+      {"too large integer", "the value must be a finite number"}};
+  for (const auto& [theirs, ours] : kOurs) {
+    if (line.find(theirs) != std::string::npos) return std::string(ours);
+  }
   return line;
 }
 
