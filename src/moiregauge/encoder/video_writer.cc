@@ -168,6 +168,9 @@ class LibavWriter : public VideoWriter {
       const int e = avcodec_receive_packet(encoder_.get(), packet_.get());
       if (e == AVERROR(EAGAIN) || e == AVERROR_EOF) return {};
       if (e < 0) return failed(e);
+      // FFmpeg 7's MP4 would otherwise end at the beginning of the last frame.
+      if (format_.codec == VideoCodec::kX264 && packet_->duration == 0)
+        packet_->duration = std::llround(kTicksPerSecond / format_.fps);
       av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream_->time_base);
       packet_->stream_index = stream_->index;
       if (const int w = av_interleaved_write_frame(file_.get(), packet_.get()); w < 0) return failed(w);
