@@ -82,11 +82,14 @@ std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
     return VideoProblem{InputErrorKind::kDamaged,
                         "the times may be wrong, because the container of the video is damaged", "copy it again"};
   }
-  // An mp4 states its length twice: the stream's, and that of its edit list. The times must match one of them.
+  // An mp4 states its length twice: the stream's, and that of its edit list. The times must match one of them. FFmpeg 7
+  // states the length of the decode times, which is shorter if the last frames are reordered and a gap is among them.
   const double edited = static_cast<double>(container_->duration) / AV_TIME_BASE;
+  const double decoded =
+      last_decoded_ ? static_cast<double>(*last_decoded_ - *first_decoded_) * av_q2d(stream_->time_base) : 0.0;
   const double slack = 1.5 * frame_s + kRounding;
   if (is_kind(*container_, "mp4") && stated > 0.0 && counted == packets_ && std::fabs(end_s - stated) > slack &&
-      std::fabs(end_s - edited) > slack) {
+      std::fabs(end_s - edited) > slack && std::fabs(decoded - stated) > slack) {
     return VideoProblem{
         InputErrorKind::kDamaged,
         fmt::format("the times may be wrong, because they end at {:.2f} s and the video states {:.2f} s", end_s,

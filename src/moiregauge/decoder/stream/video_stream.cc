@@ -236,8 +236,12 @@ void VideoStream::take_early_complaints() {
 void VideoStream::note_extent() {
   const std::int64_t time = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
   if (time == AV_NOPTS_VALUE || (packet_->flags & AV_PKT_FLAG_DISCARD) != 0) return;
+  const std::int64_t duration = std::max<std::int64_t>(packet_->duration, 0);
+  const std::int64_t decoded = packet_->dts != AV_NOPTS_VALUE ? packet_->dts : time;
+  first_decoded_ = std::min(first_decoded_.value_or(decoded), decoded);
+  last_decoded_ = std::max(last_decoded_.value_or(decoded), decoded + duration);
   began_ = std::min(began_.value_or(time), time);
-  reached_ = std::max(reached_.value_or(time), time + std::max<std::int64_t>(packet_->duration, 0));
+  reached_ = std::max(reached_.value_or(time), time + duration);
 }
 
 bool VideoStream::send_packet() {

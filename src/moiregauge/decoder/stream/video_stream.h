@@ -95,10 +95,11 @@ class VideoStream {
   std::int64_t packets_ = 0;
   std::optional<std::int64_t> began_;    // in all packets, in the stream's own count: earliest time,
   std::optional<std::int64_t> reached_;  // end of the latest
-  std::int64_t chunk_end_ = 0;           // AVI only: end of the last packet,
-  std::int64_t count_shift_ = 0;         // number of frames that libav missed,
-  bool has_places_ = false;              // true if its index has positions
-  std::optional<VideoProblem> tear_;     // reading ended here
+  std::optional<std::int64_t> first_decoded_, last_decoded_;  // decode times: first, and end of the last
+  std::int64_t chunk_end_ = 0;                                // AVI only: end of the last packet,
+  std::int64_t count_shift_ = 0;                              // number of frames that libav missed,
+  bool has_places_ = false;                                   // true if its index has positions
+  std::optional<VideoProblem> tear_;                          // reading ended here
   bool draining_ = false;
   bool last_packet_corrupt_ = false;   // the reader's flag: usually truncated
   bool last_read_complained_ = false;  // error at the end
