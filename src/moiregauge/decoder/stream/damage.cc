@@ -18,7 +18,7 @@ thread_local std::vector<std::int64_t> places;
 
 // Returns the container reader if it logged the message. `source` is null or a struct that begins with a pointer to its
 // class.
-const AVFormatContext* reader_of(void* source) {
+const AVFormatContext* demuxer_behind(void* source) {
   if (source == nullptr || *static_cast<const AVClass**>(source) != avformat_get_class()) return nullptr;
   const auto* container = static_cast<const AVFormatContext*>(source);
   return container->iformat != nullptr && container->pb != nullptr ? container : nullptr;
@@ -27,7 +27,7 @@ const AVFormatContext* reader_of(void* source) {
 void count(void* source, int level, const char* /*format*/, va_list /*values*/) {
   if (level > AV_LOG_ERROR) return;
   ++errors;
-  const AVFormatContext* container = reader_of(source);
+  const AVFormatContext* container = demuxer_behind(source);
   if (container != nullptr && places.size() < 10000) places.push_back(avio_tell(container->pb));
 }
 
