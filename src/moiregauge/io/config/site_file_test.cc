@@ -174,6 +174,12 @@ TEST(SiteFile, AMissingFileIsNamed) {
   EXPECT_NE(all(read_site("/nowhere/site.toml")).find("/nowhere/site.toml: cannot be read"), std::string::npos);
 }
 
+TEST(SiteFile, AControlCharacterIsRefused) {
+  const auto site = parse_site("# a comment\n# with \x01 in it\n", "s.toml");
+  ASSERT_FALSE(site);
+  EXPECT_EQ(site.error().front(), "s.toml:2:1: there is a control character, write plain text");
+}
+
 TEST(SiteFile, ANumberOutOfRangeIsRefused) {
   for (const char* number : {"1e999", "-1e999", "nan", "inf", "99999999999999999999"}) {
     const auto site = parse_site(

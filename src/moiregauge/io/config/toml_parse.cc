@@ -63,6 +63,18 @@ std::optional<std::size_t> line_not_utf8(const std::string& text) {
   return std::nullopt;
 }
 
+// Returns the first line with a control character, which TOML forbids. toml11 4.4 does not return from such a comment
+// (found by fuzzing).
+std::optional<std::size_t> line_with_control(const std::string& text) {
+  std::size_t line = 1;
+  for (const char c : text) {
+    if (c == '\n') ++line;
+    const bool is_control = static_cast<unsigned char>(c) < 0x20 || c == '\x7f';
+    if (is_control && c != '\n' && c != '\r' && c != '\t') return line;
+  }
+  return std::nullopt;
+}
+
 // Reduces toml11's message of several lines with a drawing to one line.
 std::string first_line_of(const std::string& what) {
   std::string line = what.substr(0, what.find('\n'));
@@ -98,6 +110,9 @@ tl::expected<toml::value, std::string> parse_toml(const std::string& text, const
   if (text.find('\0') != std::string::npos) return tl::unexpected(fmt::format("{}:1:1: this is not a text file", path));
   if (const auto line = line_not_utf8(text)) {
     return tl::unexpected(fmt::format("{}:{}:1: the text is not UTF-8, save the file as UTF-8", path, *line));
+  }
+  if (const auto line = line_with_control(text)) {
+    return tl::unexpected(fmt::format("{}:{}:1: there is a control character, write plain text", path, *line));
   }
   if (const auto line = line_nested_too_deep(text)) {
     return tl::unexpected(
