@@ -54,8 +54,7 @@ void with_noise(int seeds) {
       "\n## The rig's noise (1.5 DN), ideal lens, two-stage\n\n"
       "Scatter about each run's mean over {} seeds x 40 frames, um, and its ratio to the bound of the method's own "
       "averaged regions; raw rms and largest error relative to the reference frame. Gates: dy ratio <= 1.3 (8 deg: "
-      "1.8), "
-      "largest dy <= 6 um.\n\n"
+      "1.8), largest dy <= 6 um.\n\n"
       "| case | dx scatter | ratio | dy scatter | ratio | dy raw rms | largest dy | u_dy "
       "|\n|---|---|---|---|---|---|---|---|\n",
       seeds);
@@ -89,9 +88,8 @@ void through_lenses() {
   fmt::print(
       "\n## Through a lens: the paper's cases\n\n"
       "Two-stage, the rig's noise, every 8th frame. `exact` is the published pairing (a patch's displacement added at "
-      "its "
-      "circle) on exact points; `circles only` leaves the second stage out. rms of dy, um; u is the stated standard "
-      "uncertainty (rms).\n\n"
+      "its circle) on exact points; `circles only` leaves the second stage out. rms of dy, um; u is the stated "
+      "standard uncertainty (rms).\n\n"
       "| case | paper | lens | conventional, largest | circles only, exact | exact | two-stage | u_dy | statuses |\n"
       "|---|---|---|---|---|---|---|---|---|\n");
   for (const Case& c : kCases) {

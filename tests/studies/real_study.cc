@@ -125,11 +125,9 @@ int main(int argc, char** argv) {
   for (const PhotoSet& set : test::kPhotoSets) sets.push_back({set, test::lattice_views(data, set)});
   fmt::print(
       "Made by `tools/real-study` from the photographs of tests/real/data, without a lens model. The boards are rigid, "
-      "so "
-      "every figure is an error.\n\n"
+      "so every figure is an error.\n\n"
       "Lattices: the largest of each view. Whole: every place of its rectangle was seen; some views cut the board off, "
-      "and "
-      "`board-dots` lies at 45 degrees.\n\n"
+      "and `board-dots` lies at 45 degrees.\n\n"
       "| set | views indexed | points | whole |\n|---|---|---|---|\n");
   for (const SetViews& s : sets) fmt::print("| {} | {} |\n", s.set.name, indexed(s.views));
   fmt::print(
@@ -147,8 +145,7 @@ int main(int argc, char** argv) {
   if (argc <= 1) {
     fmt::print(
         "\n`board-checker` measured as a recording of two frames, lens unknown: the null of its centre, and the rms of "
-        "nine "
-        "patches of two periods each, px.\n\n"
+        "nine patches of two periods each, px.\n\n"
         "| method | centre | nine patches | u of the centre, x / y | status |\n|---|---|---|---|---|\n");
     for (const char* method : {"two-stage", "precise"}) print_measured(method);
   }

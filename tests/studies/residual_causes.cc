@@ -90,8 +90,7 @@ void print_residual_causes(std::span<const PaperCase> cases) {
   }
   fmt::print(
       "\n## What the residuals are made of\n\nLargest error of dy over the run, um, of the published two stages on "
-      "exact "
-      "points: no pixels, no noise, one cause at a time (docs/methods/two-stage.md).\n\n{}\n{}\n",
+      "exact points: no pixels, no noise, one cause at a time (docs/methods/two-stage.md).\n\n{}\n{}\n",
       head, rule);
   for (const Cause& cause : causes()) {
     std::string row = fmt::format("| {} |", cause.name);

@@ -58,13 +58,13 @@ std::optional<std::string> calibrate_refusal(const CalibrateReport& report, cons
         misfits.front(), misfits.size() - 1, used_of(s) - 1);
   if (s.u[0] > kUnknownFocalShare * s.camera.fx)
     return fmt::format(
-        "the photographs do not determine the focal length: {} (u is {:.0f} % of it): add photographs tilted by 30 to "
-        "45 degrees to each side",
+        "the photographs do not determine the focal length: {} (u is {:.0f} % of it): add photographs with the board "
+        "tilted by 30 to 45 degrees, each to another side",
         photos, 100.0 * s.u[0] / s.camera.fx);
   if (const Centre c = worse_centre(s); c.u > kUnknownCentre * larger_side(s.camera))
     return fmt::format(
-        "the photographs do not determine the principal point: {} (u of {} is {:.0f} px): add photographs tilted by 30 "
-        "to 45 degrees to each side",
+        "the photographs do not determine the principal point: {} (u of {} is {:.0f} px): add photographs with the "
+        "board tilted by 30 to 45 degrees, each to another side",
         photos, c.name, c.u);
   if (const auto fold = s.camera.fold_px(); fold && s.k3)
     return fmt::format(

@@ -107,8 +107,7 @@ Advice about_the_pitch(const RecordingSetup& setup) {
     const double after = worst_u(with_pitch(setup, factor)), before = worst_u(setup);
     return fmt::format(
         "the pitch of '{}' is {:.1f} px in the image (8 to 30 px are good). With {:.1f} times the pitch, on gratings "
-        "of "
-        "this size, the largest u is {} instead of {}",
+        "of this size, the largest u is {} instead of {}",
         fine.name, fine.pitch_px, factor, length_text(after), length_text(before));
   }
   const Worst coarse = extreme_pitch(setup, std::greater<>());
@@ -130,8 +129,7 @@ Advice about_blur(const RecordingSetup& setup) {
   shorter.exposure_s *= kMaxBlur * pitch / px;
   return fmt::format(
       "the vibration blurs the image by {:.1f} px of a pitch of {:.1f} px{}. Expose for {:.2g} ms at most to get a "
-      "largest "
-      "u of {} instead of {}",
+      "largest u of {} instead of {}",
       px, pitch, px > 0.6 * pitch ? " (status blurred)" : "", 1000.0 * shorter.exposure_s,
       length_text(worst_u(shorter)), length_text(worst_u(setup)));
 }
@@ -162,8 +160,7 @@ Advice about_the_shutter(const RecordingSetup& setup, bool readout_unknown) {
   if (!(mm > u)) return std::nullopt;
   return fmt::format(
       "the rolling shutter adds {}, more than u, because the references are read up to {:.2g} ms from the target. "
-      "Mount "
-      "references at the target's height, or rotate the camera by 90 deg",
+      "Mount references at the target's height, or rotate the camera by 90 deg",
       length_text(mm), 1000.0 * error.lag_s);
 }
 

@@ -109,7 +109,7 @@ bool leave_out_odd(const BoardWork& work, std::span<const BoardView> views, std:
 BoardModel choose(BoardWork& work, const BoardOptions& options) {
   long rows = 0;
   for (const auto& view : work.data.views) rows += 2 * static_cast<long>(view.size());
-  const double price = bic_price(rows);
+  const double penalty = bic_penalty(rows);
   BoardModel chosen;
   BoardState best = solve_board(work.data, work.prior, chosen, work.state);
   for (const auto& [model, more] : {std::pair{BoardModel{.radial = true, .k3 = options.k3}, options.k3 ? 3 : 2},
@@ -117,7 +117,7 @@ BoardModel choose(BoardWork& work, const BoardOptions& options) {
     const BoardState state = solve_board(work.data, work.prior, model, best);
     const bool of_chosen = model.tangential == chosen.tangential || chosen.radial;
     const int parameters = of_chosen ? more : more + (options.k3 ? 3 : 2);
-    if (!state.solved || best.penalised_cost - state.penalised_cost < price * parameters) continue;
+    if (!state.solved || best.penalised_cost - state.penalised_cost < penalty * parameters) continue;
     chosen = model;
     best = state;
   }

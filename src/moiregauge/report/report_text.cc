@@ -218,8 +218,7 @@ std::vector<std::string> advice_of(const Measurement& m) {
   if (!m.reference) {
     advice.emplace_back(
         "Look at the image below, which shows everything that was found in the first frame. Every reference circle "
-        "must "
-        "be complete, sharp and evenly lit.");
+        "must be complete, sharp and evenly lit.");
     advice.emplace_back(
         "If the first frame is not suitable, choose another with --reference-frame. If the site file does not fit, "
         "correct it, or give --pitch instead.");

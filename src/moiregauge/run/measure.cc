@@ -234,8 +234,7 @@ std::optional<std::string> note_on_first_frames(const Measurement& measured, con
   if (!first) return std::nullopt;
   return fmt::format(
       "frames {} to {} have no values (reference-lost): frame {} is the first that shows every marker. In frame {}, "
-      "{}. "
-      "Choose another with --reference-frame",
+      "{}. Choose another with --reference-frame",
       first->frame, last, reference, first->frame, first->reference_problem);
 }
 

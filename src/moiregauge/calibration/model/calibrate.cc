@@ -68,7 +68,7 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
     reduction += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
   out.share = reduction / chi2;
   const double turned = reduction - static_cast<double>(kTurning * frames);
-  out.suggests_rolling_shutter = turned > bic_price(dof) && turned > kWorthAsking * excess;
+  out.suggests_rolling_shutter = turned > bic_penalty(dof) && turned > kWorthAsking * excess;
   return out;
 }
 

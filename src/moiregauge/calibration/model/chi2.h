@@ -18,7 +18,7 @@ namespace moiregauge::internal {
 
 // Returns by how much one more parameter must lower the cost of a fit to `residuals` numbers: ln(n) (BIC, Schwarz 1978,
 // doi:10.1214/aos/1176344136).
-[[nodiscard]] inline double bic_price(long residuals) {
+[[nodiscard]] inline double bic_penalty(long residuals) {
   return std::log(std::max(3.0, static_cast<double>(residuals)));
 }
 

@@ -323,8 +323,8 @@ double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.mot
 Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                       const ScenePrior& prior, std::optional<double> readout_s) {
   Shutter down = RollingShutterSolver(site, frames, key, prior, readout_s, 1.0).solved();
-  constexpr double kSureReadout =
-      3.0;  // least readout time, in u, that needs no test of the opposite direction; chosen
+  // Least readout time, in u, that needs no test of the opposite direction; chosen.
+  constexpr double kSureReadout = 3.0;
   if (readout_s || (down.problem.empty() && down.readout_s > kSureReadout * down.u_readout_s)) return down;
   Shutter up = RollingShutterSolver(site, frames, key, prior, readout_s, -1.0).solved();
   // Fall of the cost that the opposite direction needs: about the evidence of one frame. Sensors are rarely upside
@@ -344,7 +344,8 @@ bool is_justified(const Shutter& shutter, const Calibration& at_once) {
   const ShutterTest &before = at_once.shutter, &after = shutter.calibration.shutter;
   const double gain = chi2_of(before) - cost_of(shutter);
   const double taken = 1.0 + static_cast<double>(before.dof - after.dof);
-  return gain > bic_price(before.dof) * taken && gain > kGoodPart * (chi2_of(before) - static_cast<double>(before.dof));
+  return gain > bic_penalty(before.dof) * taken &&
+         gain > kGoodPart * (chi2_of(before) - static_cast<double>(before.dof));
 }
 
 }  // namespace moiregauge::internal

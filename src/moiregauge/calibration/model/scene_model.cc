@@ -83,11 +83,11 @@ BundleSolution at_focal_length(BundleSolution solution, double factor) {
 // A start with all parameters free also leaves a false minimum into which too small a model has led. With rough
 // gratings every parameter must satisfy BIC.
 BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePrior& prior, BundleSolution best,
-                           double price, Prints prints, Until until) {
+                           double penalty, Prints prints, Until until) {
   const int side = std::max(prior.camera.width, prior.camera.height);
   const auto due = [&](const SceneModel& m) {
-    return price * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
-                                             : count(free_common(m)) - count(free_common(best.scene.model)));
+    return penalty * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
+                                               : count(free_common(m)) - count(free_common(best.scene.model)));
   };
   const auto take_if_better = [&](BundleSolution larger) {
     const double gain = best.scene.penalised_cost - larger.scene.penalised_cost;
@@ -123,10 +123,10 @@ std::optional<BundleSolution> select_scene_model(const Site& site, std::span<con
   const Bundle bundle(site, frames, prior);
   BundleSolution best;
   const int side = std::max(prior.camera.width, prior.camera.height);
-  const double price = bic_price(rows_of(frames));
+  const double penalty = bic_penalty(rows_of(frames));
   bool have = false;
   const auto attempt = [&](const SceneModel& model, const BundleSolution* from) {
-    const double due = have ? price * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
+    const double due = have ? penalty * (parameters(site, model) - parameters(site, best.scene.model)) : 0.0;
     if (from != nullptr && bundle.predicted_reduction(model, *from) < kMinPrediction * due) return false;
     const auto solved = [&](FocalLength f) { return bundle.solve(model, from->scene, from->frames, f, until); };
     BundleSolution solution = from == nullptr ? bundle.solve(model) : solved(FocalLength::kAsModel);
@@ -145,7 +145,7 @@ std::optional<BundleSolution> select_scene_model(const Site& site, std::span<con
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return with_shapes(bundle, site, prior, std::move(best), price, prints, until);
+  return with_shapes(bundle, site, prior, std::move(best), penalty, prints, until);
 }
 
 }  // namespace moiregauge::internal

@@ -88,8 +88,9 @@ std::optional<VideoProblem> VideoStream::end_problem(long shown) const {
   const double decoded =
       last_decoded_ ? static_cast<double>(*last_decoded_ - *first_decoded_) * av_q2d(stream_->time_base) : 0.0;
   const double slack = 1.5 * frame_s + kRounding;
+  const bool states_decoded = decoder_->has_b_frames > 0 && end_s > stated && std::fabs(decoded - stated) <= slack;
   if (is_kind(*container_, "mp4") && stated > 0.0 && counted == packets_ && std::fabs(end_s - stated) > slack &&
-      std::fabs(end_s - edited) > slack && std::fabs(decoded - stated) > slack) {
+      std::fabs(end_s - edited) > slack && !states_decoded) {
     return VideoProblem{
         InputErrorKind::kDamaged,
         fmt::format("the times may be wrong, because they end at {:.2f} s and the video states {:.2f} s", end_s,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detects circular markers in an image: outlines, circularity W (paper Eq. 6),
-// distance from an ellipse, and a sub-pixel centre fitted to the grey levels.
+// Detects circular markers in an image: outlines, circularity W (paper Eq. 6), distance from an ellipse, and a sub-
+// pixel centre fitted to the grey levels.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey levels along a ray, and their level crossings. Sums and products in double
-// precision without fused operations, so the bits are the same on every SIMD target.
+// Grey levels along a ray, and their level crossings. Sums and products in double precision without fused operations,
+// so the bits are the same on every SIMD target.
 #pragma once
 
 #include <cstdint>

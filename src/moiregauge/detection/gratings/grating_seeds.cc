@@ -26,8 +26,7 @@ constexpr double kMinExplained = 0.4;  // share of the variance; rejects most ro
 // Share of the variance. Thin lines spread their power over many harmonics, so the plain model may explain less.
 constexpr double kMinPlainOfThin = 0.2;
 constexpr double kMinThinExplained = 0.5;  // share of the variance (grating_probe.h)
-constexpr double kSecondShare =
-    0.15;  // share of the first fundamental's power: a weaker peak is no second one (chosen)
+constexpr double kSecondShare = 0.15;  // power of the second fundamental to the first: a weaker peak is none (chosen)
 
 Image<float> halved(const Image<float>& from) {
   Image<float> out(from.width() / 2, from.height() / 2);

@@ -22,7 +22,7 @@ constexpr double kMinSeedSine = 0.3;    // sine of the angle between the two ste
 // to the other does not shorten it. With alternating signs only twice a step keeps the sign: the limit is 1.
 constexpr double kReducedAlike = 0.57;
 constexpr double kReducedAlternating = 1.1;
-constexpr double kMaxStepRatio = 2.5;    // relative to the two steps: a square lattice tilted by 66 degrees
+constexpr double kMaxStepRatio = 2.5;    // ratio of the two steps: a square lattice tilted by 66 degrees
 constexpr double kSeedSizeRatio = 1.6;   // between points of a seed
 constexpr double kGrownSizeRatio = 2.6;  // between any points: larger dots may mark a corner of the board
 constexpr double kGrowthReach = 0.25;    // relative to the spacing, distance from the prediction

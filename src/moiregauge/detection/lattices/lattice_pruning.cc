@@ -16,7 +16,7 @@ constexpr double kMinResidual = 0.06;        // relative to the spacing
 constexpr double kMaxResidual = 0.12;        // relative to the spacing
 constexpr double kResidualInMedians = 6.0;   // chosen
 constexpr double kMaxMedianResidual = 0.04;  // relative to the spacing; a larger median is no lattice (chosen)
-constexpr double kMaxRemoved = 0.25;         // relative to the points; if more are removed, it was no lattice (chosen)
+constexpr double kMaxRemoved = 0.25;         // share of the points; if more are removed, it was no lattice (chosen)
 constexpr double kThreadSizeRatio = 1.3;     // to the predicted size, for points with fewer than three neighbours
 
 struct Residual {

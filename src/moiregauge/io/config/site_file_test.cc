@@ -2,7 +2,9 @@
 #include "moiregauge/io/config/site_file.h"
 
 #include <cmath>
+#include <cstring>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -186,9 +188,13 @@ TEST(SiteFile, ANumberOutOfRangeIsRefused) {
         std::string("[[target]]\ngrating_mm = [0.0, 0.0]\ngrating_size_mm = [4.0, 4.0]\npitch_mm = ") + number,
         "s.toml");
     ASSERT_FALSE(site) << number;
-    // toml11 4 refuses it while it parses, and gives the last column.
-    EXPECT_EQ(site.error().front().rfind("s.toml:4:", 0), 0U) << site.error().front();
-    EXPECT_NE(site.error().front().find("must be a finite number"), std::string::npos) << site.error().front();
+    // toml11 4 refuses a number beyond its range before the key is known, at the end of the number.
+    const std::string& error = site.error().front();
+    const bool is_beyond_range = std::string_view(number).find('9') != std::string_view::npos;
+    const std::string end = "s.toml:4:" + std::to_string(12 + std::strlen(number));
+    EXPECT_TRUE(error == "s.toml:4:12: pitch_mm must be a finite number" ||
+                (is_beyond_range && error == end + ": the value must be a finite number"))
+        << error;
   }
 }
 

@@ -5,8 +5,6 @@
 #include <cstring>
 #include <exception>
 #include <sstream>
-#include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -75,28 +73,34 @@ std::optional<std::size_t> line_with_control(const std::string& text) {
   return std::nullopt;
 }
 
-// Reduces toml11's message of several lines with a drawing to one line.
-std::string first_line_of(const std::string& what) {
-  std::string line = what.substr(0, what.find('\n'));
+// Returns what a line defines: the key before `=`, or the table in brackets.
+std::string defined_in_line(const std::string& text, std::size_t line) {
+  std::istringstream lines(text);
+  std::string found;
+  for (std::size_t k = 0; k < line; ++k) std::getline(lines, found);
+  found = found.substr(0, found.find(found.rfind('[', 0) == 0 ? '#' : '='));
+  while (!found.empty() && (found.back() == ' ' || found.back() == '\t' || found.back() == '\r')) found.pop_back();
+  return found;
+}
+
+// Returns one sentence for toml11's message, which has several lines with a drawing. Versions 3 and 4 differ in their
+// texts, so frequent mistakes have a text of ours. `line` is that of the mistake in the file.
+std::string sentence_for(const std::string& what, const std::string& text, std::size_t line) {
+  std::string first = what.substr(0, what.find('\n'));
+  const auto is_about = [&](const char* theirs) { return first.find(theirs) != std::string::npos; };
+  if (is_about("invalid line format") || is_about("newline (LF / CRLF) or EOF"))
+    return "there is text after the value, write numbers like 1.5, without a unit";
+  if (is_about("missing key-value separator") || is_about("invalid key value separator"))
+    return "there is no = after the key";
+  if (is_about("already exists") || is_about("already defined")) return defined_in_line(text, line) + " is given twice";
+  if (is_about("failed to read floating point") || is_about("too large integer"))
+    return "the value must be a finite number";
   for (const char* prefix : {"[error] ", "toml::", "detail::"}) {
-    if (line.rfind(prefix, 0) == 0) line.erase(0, std::strlen(prefix));
+    if (first.rfind(prefix, 0) == 0) first.erase(0, std::strlen(prefix));
   }
-  if (const auto colon = line.find(": "); colon != std::string::npos && line.find(' ') > colon)
-    line.erase(0, colon + 2);
-  // The texts of toml11 3 and 4, and ours for both.
-  static constexpr std::pair<std::string_view, std::string_view> kOurs[] = {
-      {"invalid line format", "there is text after the value, write numbers like 1.5, without a unit"},
-      {"newline (LF / CRLF) or EOF", "there is text after the value, write numbers like 1.5, without a unit"},
-      {"missing key-value separator", "there is no = after the key"},
-      {"invalid key value separator", "there is no = after the key"},
-      {"already exists", "the key or table is given twice"},
-      {"already defined", "the key or table is given twice"},
-      {"failed to read floating point", "the value must be a finite number"},
-      {"too large integer", "the value must be a finite number"}};
-  for (const auto& [theirs, ours] : kOurs) {
-    if (line.find(theirs) != std::string::npos) return std::string(ours);
-  }
-  return line;
+  if (const auto colon = first.find(": "); colon != std::string::npos && first.find(' ') > colon)
+    first.erase(0, colon + 2);
+  return first;
 }
 
 }  // namespace
@@ -124,9 +128,9 @@ tl::expected<toml::value, std::string> parse_toml(const std::string& text, const
   } catch (const toml::exception& error) {
     const TomlPosition at = position_of(error);
     return tl::unexpected(
-        fmt::format("{}:{}:{}: {}", path, at.line, at.column, printable(first_line_of(error.what()))));
+        fmt::format("{}:{}:{}: {}", path, at.line, at.column, printable(sentence_for(error.what(), text, at.line))));
   } catch (const std::exception& error) {
-    return tl::unexpected(fmt::format("{}:1:1: {}", path, printable(first_line_of(error.what()))));
+    return tl::unexpected(fmt::format("{}:1:1: {}", path, printable(sentence_for(error.what(), text, 1))));
   }
 }
 

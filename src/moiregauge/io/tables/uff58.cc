@@ -133,8 +133,7 @@ std::string gap_text(const RunTable& table, const Place& place, const std::vecto
   for (const Readings& stretch : stretches) there += stretch.size();
   return fmt::format(
       "the samples have gaps, which UFF 58 cannot hold: {} {} ({} of {} samples in {} stretches): give --gaps split, "
-      "or "
-      "a --time without gaps",
+      "or a --time without gaps",
       table.markers[place.marker].name, place.axis == 0 ? "dx" : "dy", there, rows, stretches.size());
 }
 

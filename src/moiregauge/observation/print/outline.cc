@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/LU>
-
 #include "moiregauge/observation/print/print_model.h"
 #include "moiregauge/observation/print/visibility.h"
 #include "moiregauge/observation/raster/raster.h"

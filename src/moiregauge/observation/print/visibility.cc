@@ -8,8 +8,6 @@
 #include <numeric>
 #include <variant>
 
-#include <Eigen/LU>
-
 #include "moiregauge/observation/print/print_model.h"
 #include "moiregauge/observation/raster/raster.h"
 #include "moiregauge/units/units.h"

@@ -6,7 +6,6 @@
 #include <variant>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 #include "moiregauge/units/units.h"
 

@@ -64,8 +64,7 @@ std::optional<std::string> problem_with_timing(const Scenario& s) {
   if (timing.jitter_s < 0.0 || timing.stamp_jitter_s < 0.0 || timing.jitter_s + timing.stamp_jitter_s > most) {
     return fmt::format(
         "timing.jitter_s and timing.stamp_jitter_s must not be negative, and their sum must be 0.45 / fps = {} at "
-        "most, "
-        "so that time stamps rise",
+        "most, so that time stamps rise",
         most);
   }
   if (s.haze.rms_mm < 0.0) return "haze.rms_mm must not be negative";
