@@ -1,8 +1,31 @@
-# moiregauge_module(NAME name [PRIVATE] LINK libs... TEST_LINK libs...) adds the library and the tests of
+# moiregauge_precompiled(target name [TEXT] options...) gives the target the headers that most files include, compiled once
+# as library `name` with the target's own options. TEXT: with those of fmt, for targets that link to it. It saves a sixth of
+# the processor time. Not for a compiler cache, which would not find such files again, and only where files are compiled
+# several at once: the other builds show an include that is missing in a file.
+function(moiregauge_precompiled target name)
+  cmake_parse_arguments(ARG "TEXT" "" "" ${ARGN})
+  if(NOT MOIREGAUGE_UNITY OR CMAKE_CXX_COMPILER_LAUNCHER)
+    return()
+  endif()
+  if(NOT TARGET ${name})
+    file(WRITE ${PROJECT_BINARY_DIR}/generated/${name}.cc "")
+    add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/generated/${name}.cc)
+    target_link_libraries(${name} PRIVATE Eigen3::Eigen tl::expected $<$<BOOL:${ARG_TEXT}>:fmt::fmt> moiregauge_warnings)
+    target_compile_options(${name} PRIVATE ${ARG_UNPARSED_ARGUMENTS})
+    target_precompile_headers(${name} PRIVATE <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <optional>
+                              <span> <string> <string_view> <utility> <vector> <Eigen/Core> <tl/expected.hpp>
+                              $<$<BOOL:${ARG_TEXT}>:<fmt/format.h$<ANGLE-R>>)
+  endif()
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:Eigen3::Eigen> $<BUILD_INTERFACE:tl::expected>)
+  target_precompile_headers(${target} REUSE_FROM ${name})
+endfunction()
+
+# moiregauge_module(NAME name [PRIVATE] [QUICK_COMPILE] LINK libs... TEST_LINK libs...) adds the library and the tests of
 # src/moiregauge/<name>. All *_test.cc files are part of <name>_test, all other *.cc files of the static library
 # moiregauge_<name>. Unless PRIVATE, it is installed as moiregauge::<name> with its headers (cmake/Install.cmake).
+# QUICK_COMPILE: no loop over pixels or samples is in it, so -O1 suffices, which takes a quarter less time to compile.
 function(moiregauge_module)
-  cmake_parse_arguments(ARG "PRIVATE" "NAME" "LINK;TEST_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "PRIVATE;QUICK_COMPILE" "NAME" "LINK;TEST_LINK" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/src/moiregauge/${ARG_NAME})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${dir}/*.cc)
   set(tests ${sources})
@@ -13,6 +36,14 @@ function(moiregauge_module)
     add_library(${lib} STATIC ${sources})
     target_include_directories(${lib} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src;${PROJECT_BINARY_DIR}/generated>")
     target_link_libraries(${lib} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:moiregauge_warnings>)
+    if(ARG_QUICK_COMPILE)
+      target_compile_options(${lib} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
+      moiregauge_precompiled(${lib} moiregauge_quick_headers TEXT $<$<CONFIG:RelWithDebInfo>:-O1>)
+    elseif("fmt::fmt" IN_LIST ARG_LINK)
+      moiregauge_precompiled(${lib} moiregauge_text_headers TEXT)
+    else()
+      moiregauge_precompiled(${lib} moiregauge_headers)
+    endif()
   else()
     add_library(${lib} INTERFACE)
     target_include_directories(${lib} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)

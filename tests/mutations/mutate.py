@@ -5,8 +5,9 @@
     mutate.py --root CHECKOUT --work FOLDER [--only WORD] [--missing] [--labels unit,physics,...]
 
 Copies the sources to FOLDER and builds one program with all mutations, which an environment variable selects. Then runs
-the tests for one mutation at a time until one fails. Each result is stored at once in CHECKOUT/tests/mutations/results.csv,
-so an interrupted run keeps what it has. Prints the table of all results. --missing: only mutations without a result.
+the tests for one mutation at a time until one fails: quick tests first, and none that takes over 20 s. Each result is
+stored at once in CHECKOUT/tests/mutations/results.csv, so an interrupted run keeps what it has. Prints the table of all
+results. --missing: only mutations without a result.
 """
 import argparse
 import csv
@@ -36,9 +37,16 @@ COLUMNS = ["file", "constant", "value", "instead", "caught_by", "commit"]
 
 
 def copied(root, work):
-    """Copies the files tracked by git, except unchanged ones, so that a second run builds changed files only."""
-    files = subprocess.run(["git", "-C", root, "ls-files", "-z"], check=True, capture_output=True, text=True).stdout
-    for name in filter(None, files.split("\0")):
+    """Copies the files tracked by git, except unchanged ones, so that a second run builds changed files only.
+
+    Removes sources of an earlier copy that are no longer tracked: CMake would find them."""
+    listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], check=True, capture_output=True, text=True).stdout
+    files = set(filter(None, listed.split("\0")))
+    for folder in ("src", "tests", "include", "bench"):
+        for old in (work / folder).rglob("*"):
+            if old.is_file() and old.relative_to(work).as_posix() not in files:
+                old.unlink()
+    for name in sorted(files):
         source, copy = root / name, work / name
         if not source.is_file() or copy.is_file() and copy.read_bytes() == source.read_bytes():
             continue
@@ -69,15 +77,30 @@ def switch(work, number, file, name, value):
     return at[3]
 
 
-def first_failure(work, number, labels):
-    """Returns the name of the first test that fails; None if all pass."""
+def ctest(work, number, tests, *more):
+    """Runs tests by their numbers in ctest's list, with one mutation. Returns what ctest prints."""
     environment = dict(os.environ, MOIREGAUGE_MUTATION=str(number))
-    for label in labels:
-        done = subprocess.run(["ctest", "--preset", "check", "-L", f"^{label}$", "--stop-on-failure", "--parallel", "2"], cwd=work,
-                              env=environment, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            failed = re.search(r"^\s*\d+ - (\S+).*\((?:Failed|Timeout|SEGFAULT|Subprocess aborted)", done.stdout, re.M)
-            return failed[1] if failed else "(" + label + ")"
+    chosen = ["-I", f"{tests[0]},{tests[0]},1," + ",".join(map(str, tests))] if tests else []
+    return subprocess.run(["ctest", "--preset", "check", "--parallel", "2", *chosen, *more], cwd=work, env=environment,
+                          capture_output=True, text=True, check=False).stdout
+
+
+def stages(work, labels):
+    """Runs all tests without a mutation. Returns those that pass within 20 s, as lists of numbers, from quick to slow."""
+    printed = ctest(work, 0, [], "-L", "^(" + "|".join(labels) + ")$")
+    times = {int(n): float(s) for n, s in re.findall(r"Test +#(\d+): .* Passed +([\d.]+) sec", printed)}
+    limits = (0.5, 2.0, 6.0, 20.0)
+    print(f"{len(times)} tests pass without a mutation", file=sys.stderr, flush=True)
+    return [chosen for low, high in zip((0.0, *limits), limits) if (chosen := sorted(n for n, t in times.items() if low <= t < high))]
+
+
+def first_failure(work, number, tests):
+    """Returns the name of the first test that fails; None if all pass."""
+    for stage in tests:
+        failed = re.search(r"^\s*\d+ - (\S+).*\((?:Failed|Timeout|SEGFAULT|Subprocess aborted)",
+                           ctest(work, number, stage, "--stop-on-failure"), re.M)
+        if failed:
+            return failed[1]
     return None
 
 
@@ -128,10 +151,7 @@ def main():
         done = subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit(f"mutate: {' '.join(command)}:\n{done.stdout[-4000:]}{done.stderr[-2000:]}")
-    labels = options.labels.split(",")
-    none = first_failure(work, 0, ["unit"])
-    if none:
-        sys.exit(f"mutate: {none} fails without a mutation")
+    tests = stages(work, options.labels.split(","))
     stored = options.root / "tests/mutations/results.csv"
     results = read_results(stored)
     commit = subprocess.run(["git", "-C", options.root, "rev-parse", "--short", "HEAD"], check=True, capture_output=True,
@@ -140,7 +160,7 @@ def main():
         if options.only not in f"{file} {name}" or options.missing and (file, name, value) in results:
             continue
         start = time.monotonic()
-        test = first_failure(work, number, labels)
+        test = first_failure(work, number, tests)
         results[file, name, value] = dict(zip(COLUMNS, (file, name, was, value, test or "", commit)))
         write_results(stored, mutations, results)
         print(f"{number} of {len(mutations)}: {name}: {test or 'none'}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
