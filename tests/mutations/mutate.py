@@ -7,7 +7,8 @@
 Copies the sources to FOLDER and builds one program with all mutations, which an environment variable selects. Then runs
 the tests for one mutation at a time until one fails: quick tests first, and none that takes over 20 s. Each result is
 stored at once in CHECKOUT/tests/mutations/results.csv, so an interrupted run keeps what it has. Prints the table of all
-results. --missing: only mutations without a result.
+results. --missing: only mutations without a result. --labels: only tests with these labels. Stores then what they
+detect, and leaves the others without a result.
 """
 import argparse
 import csv
@@ -161,8 +162,9 @@ def main():
             continue
         start = time.monotonic()
         test = first_failure(work, number, tests)
-        results[file, name, value] = dict(zip(COLUMNS, (file, name, was, value, test or "", commit)))
-        write_results(stored, mutations, results)
+        if test or options.labels == LABELS:
+            results[file, name, value] = dict(zip(COLUMNS, (file, name, was, value, test or "", commit)))
+            write_results(stored, mutations, results)
         print(f"{number} of {len(mutations)}: {name}: {test or 'none'}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
     print_table(mutations, results)
 

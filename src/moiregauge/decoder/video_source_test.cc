@@ -225,8 +225,9 @@ TEST(VideoSource, ATruncatedFileGivesItsIntactFramesAndAnError) {
 
 TEST(VideoSource, DamageIsMarkedUntilTheNextKeyFrame) {
   const TestFolder folder;
-  ffmpeg(fmt::format("-f lavfi -i testsrc2=s=320x240:d=4 -pix_fmt yuv420p -c:v libx264 -g 25 -bf 2 {}",
-                     folder / "whole.mkv"));
+  ffmpeg(fmt::format(
+      "-f lavfi -i testsrc2=s=320x240:d=4 -pix_fmt yuv420p -c:v libx264 -threads 1 -fflags +bitexact -g 25 -bf 2 {}",
+      folder / "whole.mkv"));
   std::string bytes = text_of(folder / "whole.mkv");
   for (std::size_t i = 0; i < 400; ++i) bytes[bytes.size() / 2 + i] = static_cast<char>(i * 37);
   put_text(folder / "hit.mkv", bytes);

@@ -172,6 +172,19 @@ TEST(SiteFile, InputThatCouldExhaustTheParserIsRefusedFirst) {
   EXPECT_NE(all(parse_site(std::string(65 * 1024, ' '), "s")).find("64 kB"), std::string::npos);
 }
 
+// toml11 4.4 exhausts the stack on the first, and does not return from the second.
+TEST(SiteFile, AnArrayThatIsNotClosedIsReported) {
+  EXPECT_EQ(all(parse_site("g=[\n[0.0[=", "s")), "s:2:1: a ] is missing before this line's =\n");
+  EXPECT_NE(all(parse_site("a = [[1, 2, # first\n [3, 4]]\n", "s")).find("s:"), std::string::npos);
+  EXPECT_EQ(all(parse_site("a = [1, 2 # first\nb = 3\n", "s")), "s:2:1: a ] is missing before this line's =\n");
+}
+
+TEST(SiteFile, BracketsAndHashesInStringsAreText) {
+  const auto site = all(parse_site("name = \"a[b=c # d\"\nother = '''[x\n# = '''\n", "s"));
+  EXPECT_EQ(site.find("] is missing"), std::string::npos) << site;
+  EXPECT_NE(site.find("s:2:1: the key \"other\" is unknown"), std::string::npos) << site;
+}
+
 TEST(SiteFile, AMissingFileIsNamed) {
   EXPECT_NE(all(read_site("/nowhere/site.toml")).find("/nowhere/site.toml: cannot be read"), std::string::npos);
 }

@@ -255,6 +255,17 @@ TEST(PatchFit, FlatPaperAndTheImageEdgeAreRefused) {
   EXPECT_EQ(outside.error(), PatchFitFailure::kOutsidePicture);
 }
 
+// One step says where the grating might be. Only a second, small step shows that it is there.
+TEST(PatchFit, AFitThatStillMovesIsRefused) {
+  const auto truth = oblique(17.0);
+  const auto picture = seen(truth, {}, crossed, 9);
+  const auto start = off_by(truth, 0.15, 0.0, 0.0);
+  const auto moving = fitted(picture.view(), start, kWindow, PrintTemplate::cosine(40, 40), {.passes = 1});
+  ASSERT_FALSE(moving) << moving->last_step;
+  EXPECT_EQ(moving.error(), PatchFitFailure::kNoPattern);
+  EXPECT_TRUE(fitted(picture.view(), start, kWindow, PrintTemplate::cosine(40, 40), {}));
+}
+
 // A tone curve bends dark and bright ends of an edge differently, so more blur widens dark lines on both sides alike.
 // With three periods in the window the outermost edges are of one kind. A fit without the width of lines then reads a
 // smaller grating.
