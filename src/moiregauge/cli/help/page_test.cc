@@ -61,12 +61,14 @@ TEST(Pages, EveryPageBelongsToACommandAndTheMainPageListsAll) {
 
 TEST(Pages, TextFitsTheTerminalAndLosesNoWord) {
   const std::string text = text_of_markdown(
-      "# moiregauge x\n\nOne two `three` four five six.\n\n| option | meaning |\n|---|---|\n| `--a B` | **must** be "
-      "[used](../y.md#z) a\\|b |\n",
+      "# moiregauge x\n\nOne two `three` four five six.\n\n| option | meaning |\n|---|---|\n| `--long-word B` | "
+      "**must** "
+      "be [used](../y.md#z) a\\|b |\n| `-a` | one two three |\n\n| code | |\n|---|---|\n| 0 | one two three four five "
+      "|\n",
       20);
   EXPECT_EQ(text,
-            "moiregauge x\n\n  One two three four\n  five six.\n\n  --a B\n        must be used\n        (docs/y.md)\n"
-            "        a|b\n");
+            "moiregauge x\n\n  One two three four\n  five six.\n\n  --long-word B\n        must be used\n"
+            "        (docs/y.md)\n        a|b\n  -a    one two\n        three\n\n  0  one two three\n     four five\n");
 }
 
 TEST(Pages, DashesCanBeCopiedFromAManPageAndDotsAreEscaped) {

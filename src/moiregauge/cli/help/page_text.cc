@@ -10,7 +10,8 @@ namespace moiregauge::internal::cli {
 namespace {
 
 constexpr std::size_t kIndent = 2;
-constexpr std::size_t kHang = 8;  // columns: indentation of an option's description
+constexpr std::size_t kHang = 8;        // columns: indentation of an option's description
+constexpr std::size_t kShortTerm = 12;  // columns: a table of shorter terms has the descriptions beside them
 
 // Returns the number of columns of a UTF-8 text. The pages use only characters of one column.
 std::size_t columns(std::string_view text) {
@@ -51,16 +52,23 @@ std::string filled(std::string_view words, std::size_t width, std::size_t indent
   return text + line + "\n";
 }
 
-// Formats a table as terms with descriptions. A third column follows the second.
+// Formats a table as terms with descriptions, without its head. A third column follows the second.
 std::string table_text(const Block& table, std::size_t width) {
-  const std::string head = plain(table.rows.front().front());
-  std::string text = head == "option" ? "" : fmt::format("{}{}:\n", std::string(kIndent, ' '), head);
+  std::size_t widest = 0;
+  for (auto row = table.rows.begin() + 1; row < table.rows.end(); ++row)
+    widest = std::max(widest, columns(plain(row->front())));
+  const std::size_t hang = widest <= kShortTerm ? kIndent + widest + 2 : kHang;
+  std::string text;
   for (auto row = table.rows.begin() + 1; row < table.rows.end(); ++row) {
     std::string said;
     for (std::size_t i = 1; i < row->size(); ++i)
       if (!(*row)[i].empty()) said += (said.empty() ? "" : "; ") + plain((*row)[i]);
-    text += std::string(kIndent, ' ') + plain(row->front()) + "\n";
-    if (!said.empty()) text += filled(said, width, kHang, std::string(kHang, ' '));
+    std::string term = std::string(kIndent, ' ') + plain(row->front());
+    if (said.empty() || columns(term) + 2 > hang) {  // no room for the description beside it
+      text += term + "\n";
+      term.clear();
+    }
+    if (!said.empty()) text += filled(said, width, hang, term + std::string(hang - columns(term), ' '));
   }
   return text;
 }
