@@ -56,11 +56,14 @@ def copied(root, work):
 
 
 def read_list(path):
-    mutations = []
+    """Returns the mutations, and the reason why no test detects one, where the list gives it."""
+    mutations, reasons = [], {}
     for line in path.read_text().splitlines():
-        if line and not line.startswith("#"):
-            mutations.append(line.split())
-    return mutations
+        words, _, reason = line.partition("#")
+        if words.split():
+            mutations.append(words.split())
+            reasons[tuple(words.split())] = reason.strip()
+    return mutations, reasons
 
 
 def switch(work, number, file, name, value):
@@ -123,12 +126,12 @@ def write_results(path, mutations, results):
     fresh.replace(path)
 
 
-def print_table(mutations, results):
+def print_table(mutations, reasons, results):
     print("| file | constant | value | instead | caught by | commit |\n|---|---|---|---|---|---|")
-    known = [results[key] for key in map(tuple, mutations) if key in results]
-    for row in known:
-        print("| " + " | ".join(row[column] or "none" for column in COLUMNS) + " |")
-    caught = sum(bool(row["caught_by"]) for row in known)
+    known = [(results[key], reasons[key] or "none") for key in map(tuple, mutations) if key in results]
+    for row, reason in known:
+        print("| " + " | ".join(row[column] or reason for column in COLUMNS) + " |")
+    caught = sum(bool(row["caught_by"]) for row, _ in known)
     print(f"\n{caught} of {len(known)} mutations are caught. {len(mutations) - len(known)} of {len(mutations)} are not measured.")
 
 
@@ -144,7 +147,7 @@ def main():
     work.mkdir(parents=True, exist_ok=True)
     copied(options.root.resolve(), work)
     (work / "src/moiregauge/mutation.h").write_text(HEADER)
-    mutations = read_list(options.root / "tests/mutations/mutations.txt")
+    mutations, reasons = read_list(options.root / "tests/mutations/mutations.txt")
     before = [switch(work, number, *mutation) for number, mutation in enumerate(mutations, 1)]
     launchers = [f"-DCMAKE_{language}_COMPILER_LAUNCHER=ccache" for language in ("C", "CXX")] if "CCACHE_DIR" in os.environ or \
         subprocess.run(["which", "ccache"], capture_output=True, check=False).returncode == 0 else []
@@ -166,7 +169,7 @@ def main():
             results[file, name, value] = dict(zip(COLUMNS, (file, name, was, value, test or "", commit)))
             write_results(stored, mutations, results)
         print(f"{number} of {len(mutations)}: {name}: {test or 'none'}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
-    print_table(mutations, results)
+    print_table(mutations, reasons, results)
 
 
 main()

@@ -60,12 +60,20 @@ TEST(Pages, EveryPageBelongsToACommandAndTheMainPageListsAll) {
 }
 
 TEST(Pages, TextFitsTheTerminalAndLosesNoWord) {
-  const std::string text = text_of_markdown(
-      "# moiregauge x\n\nOne two `three` four five six.\n\n| option | meaning |\n|---|---|\n| `--long-word B` | "
-      "**must** "
-      "be [used](../y.md#z) a\\|b |\n| `-a` | one two three |\n\n| code | |\n|---|---|\n| 0 | one two three four five "
-      "|\n",
-      20);
+  const std::string text = text_of_markdown(R"(# moiregauge x
+
+One two `three` four five six.
+
+| option | meaning |
+|---|---|
+| `--long-word B` | **must** be [used](../y.md#z) a\|b |
+| `-a` | one two three |
+
+| code | |
+|---|---|
+| 0 | one two three four five |
+)",
+                                            20);
   EXPECT_EQ(text,
             "moiregauge x\n\n  One two three four\n  five six.\n\n  --long-word B\n        must be used\n"
             "        (docs/y.md)\n        a|b\n  -a    one two\n        three\n\n  0  one two three\n     four five\n");
