@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kIndent = 2;
 constexpr std::size_t kHang = 8;        // columns: indentation of an option's description
-constexpr std::size_t kShortTerm = 12;  // columns: a table of shorter terms has the descriptions beside them
+constexpr std::size_t kShortTerm = 12;  // columns: a table of shorter terms has two columns
 
 // Returns the number of columns of a UTF-8 text. The pages use only characters of one column.
 std::size_t columns(std::string_view text) {
@@ -64,7 +64,7 @@ std::string table_text(const Block& table, std::size_t width) {
     for (std::size_t i = 1; i < row->size(); ++i)
       if (!(*row)[i].empty()) said += (said.empty() ? "" : "; ") + plain((*row)[i]);
     std::string term = std::string(kIndent, ' ') + plain(row->front());
-    if (said.empty() || columns(term) + 2 > hang) {  // no room for the description beside it
+    if (said.empty() || columns(term) + 2 > hang) {  // no room for the description on this line
       text += term + "\n";
       term.clear();
     }

@@ -81,8 +81,8 @@ std::optional<std::size_t> line_nested_too_deep(const std::string& text) {
   return std::nullopt;
 }
 
-// Returns the first line with a key inside an array that is not closed. toml11 4.4 exhausts the stack on some of these
-// (found by fuzzing).
+// Returns the first line with a key inside an array that is not closed. On some of these, toml11 4.4 exhausts the stack.
+// This was found by fuzzing.
 std::optional<std::size_t> line_in_open_array(const std::string& text) {
   std::string open;  // brackets
   std::size_t line = 1;
