@@ -2,35 +2,57 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests the tests: changes one constant at a time, and finds a test that detects the change.
 
-    mutate.py --root CHECKOUT --work FOLDER [--only WORD] [--missing] [--labels unit,physics,...]
+    mutate.py --root CHECKOUT --work FOLDER [--only WORD,...] [--missing] [--labels unit,physics,...] [--most SECONDS]
 
-Copies the sources to FOLDER and builds one program with all mutations, which an environment variable selects. Then runs
-the tests for one mutation at a time until one fails: quick tests first, and none that takes over 20 s. Each result is
-stored at once in CHECKOUT/tests/mutations/results.csv, so an interrupted run keeps what it has. Prints the table of all
-results. --missing: only mutations without a result. --labels: only tests with these labels. Stores then what they
-detect, and leaves the others without a result.
+Copies the sources to FOLDER and builds one program with all mutations, which an environment variable selects. Runs each
+test once without a mutation, to learn which constants it reads. Then runs, for one mutation at a time, the tests that
+read its constant, quick ones first and none that takes over --most seconds (20), until one fails. Each result is stored at once in
+CHECKOUT/tests/mutations/results.csv, so an interrupted run keeps what it has. Prints the table of all results.
+--missing: only mutations without a result. With --labels (only tests with these labels) or a lower --most, stores what
+is detected, and leaves the others without a result.
 """
 import argparse
 import csv
+import json
+import multiprocessing.pool
 import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 
 HEADER = """#pragma once
+#include <fcntl.h>
+#include <unistd.h>
+#include <atomic>
+#include <cstdio>
 #include <cstdlib>
 namespace moiregauge {
-// Is mutation number n the one to be tried?
-inline bool is_mutated(int n) {
-  static const int active = [] {
-    const char* const value = std::getenv("MOIREGAUGE_MUTATION");
-    return value == nullptr ? 0 : std::atoi(value);
-  }();
-  return n == active;
-}
+// A constant that mutation number kNumber changes. Writes its number to the file of MOIREGAUGE_READ when it is first read.
+template <int kNumber, class Value>
+struct Mutated {
+  Value was, instead;
+  operator Value() const {
+    static const bool is_mutated = [] {
+      const char* const value = std::getenv("MOIREGAUGE_MUTATION");
+      return value != nullptr && std::atoi(value) == kNumber;
+    }();
+    static const bool is_noted = [] {
+      const char* const path = std::getenv("MOIREGAUGE_READ");
+      const int file = path == nullptr ? -1 : ::open(path, O_WRONLY | O_CREAT | O_APPEND, 0666);
+      if (file >= 0) {
+        ::dprintf(file, "%d\\n", kNumber);
+        ::close(file);
+      }
+      return true;
+    }();
+    return is_noted && is_mutated ? instead : was;
+  }
+  Value operator+() const { return *this; }
+};
 }  // namespace moiregauge
 """
 LABELS = "unit,physics,paper,real,faults,cli"
@@ -70,39 +92,58 @@ def switch(work, number, file, name, value):
     """Makes the value of a constant depend on the mutation number. Returns the original value as text."""
     path = work / "src/moiregauge" / file
     text = path.read_text()
-    found = list(re.finditer(rf"^(inline )?constexpr ([^;]*\b{name} = )([^,;]+)", text, re.M))
+    found = list(re.finditer(rf"^(inline )?constexpr (\w+) {name} = ([^,;]+)([,;])", text, re.M))
     if len(found) != 1:
         sys.exit(f"mutate: {file}: {name} is set {len(found)} times, not once")
     at = found[0]
-    text = (text[:at.start()] + (at[1] or "") + "const " + at[2] + f"is_mutated({number}) ? {value} : {at[3]}" + text[at.end():])
+    more = "" if at[4] == ";" else f" constexpr {at[2]}"
+    uses = re.sub(rf"(?<![\w:]){name}\b", f"(+{name})", text[at.end():])  # + gives the value, which std::max() needs
+    text = f"{text[:at.start()]}{at[1] or ''}const Mutated<{number}, {at[2]}> {name}{{{at[3]}, {value}}};{more}{uses}"
     if "moiregauge/mutation.h" not in text:
         text = re.sub(r"^#include", '#include "moiregauge/mutation.h"\n#include', text, count=1, flags=re.M)
     path.write_text(text)
     return at[3]
 
 
-def ctest(work, number, tests, *more):
-    """Runs tests by their numbers in ctest's list, with one mutation. Returns what ctest prints."""
-    environment = dict(os.environ, MOIREGAUGE_MUTATION=str(number))
+def ctest(work, tests, *more, **variables):
+    """Runs tests by their places in the list of the preset's tests. Returns what ctest prints."""
     chosen = ["-I", f"{tests[0]},{tests[0]},1," + ",".join(map(str, tests))] if tests else []
-    return subprocess.run(["ctest", "--preset", "check", "--parallel", "2", *chosen, *more], cwd=work, env=environment,
+    return subprocess.run(["ctest", "--preset", "check", *chosen, *more], cwd=work, env=os.environ | variables,
                           capture_output=True, text=True, check=False).stdout
 
 
-def stages(work, labels):
-    """Runs all tests without a mutation. Returns those that pass within 20 s, as lists of numbers, from quick to slow."""
-    printed = ctest(work, 0, [], "-L", "^(" + "|".join(labels) + ")$")
-    times = {int(n): float(s) for n, s in re.findall(r"Test +#(\d+): .* Passed +([\d.]+) sec", printed)}
-    limits = (0.5, 2.0, 6.0, 20.0)
-    print(f"{len(times)} tests pass without a mutation", file=sys.stderr, flush=True)
-    return [chosen for low, high in zip((0.0, *limits), limits) if (chosen := sorted(n for n, t in times.items() if low <= t < high))]
+def readers(work, labels):
+    """Runs each test without a mutation. Returns, by mutation as text, the (seconds, place) of the tests that read its
+    constant and pass. Stores this in the work folder, and reads it from there if the programs are older."""
+    stored = work / f"readers-{'-'.join(labels)}.json"
+    newest = max(file.stat().st_mtime for file in (work / "build/check/bin").iterdir())
+    if stored.exists() and stored.stat().st_mtime > newest:
+        return json.loads(stored.read_text())
+    label = "^(" + "|".join(labels) + ")$"
+    every, chosen = (re.findall(r"Test +#(\d+):", ctest(work, [], "--show-only", *more)) for more in ([], ["-L", label]))
+    places = [n for n, number in enumerate(every, 1) if number in set(chosen)]
+    found = {}
+    with tempfile.TemporaryDirectory() as folder, multiprocessing.pool.ThreadPool(2) as pool:
+        def tried(place):
+            return place, ctest(work, [place], MOIREGAUGE_READ=f"{folder}/{place}")
+        for place, printed in pool.imap_unordered(tried, places):
+            file = pathlib.Path(folder, str(place))
+            seconds = re.search(r" Passed +([\d.]+) sec", printed)
+            if seconds and file.exists():
+                for mutation in set(file.read_text().split()):
+                    found.setdefault(mutation, []).append((float(seconds[1]), place))
+    stored.write_text(json.dumps(found))
+    return found
 
 
 def first_failure(work, number, tests):
-    """Returns the name of the first test that fails; None if all pass."""
-    for stage in tests:
+    """Returns the name of the first test that fails, of tests from quick to slow; None if all pass."""
+    while tests:
+        until = 4.0 * tests[0][0] + 0.5  # a stage: a failure among quick tests spares the slow ones
+        stage = [place for seconds, place in tests if seconds <= until]
+        tests = [t for t in tests if t[0] > until]
         failed = re.search(r"^\s*\d+ - (\S+).*\((?:Failed|Timeout|SEGFAULT|Subprocess aborted)",
-                           ctest(work, number, stage, "--stop-on-failure"), re.M)
+                           ctest(work, stage, "--parallel", "2", "--stop-on-failure", MOIREGAUGE_MUTATION=str(number)), re.M)
         if failed:
             return failed[1]
     return None
@@ -142,6 +183,7 @@ def main():
     parser.add_argument("--only", default="")
     parser.add_argument("--missing", action="store_true")
     parser.add_argument("--labels", default=LABELS)
+    parser.add_argument("--most", default=20.0, type=float)
     options = parser.parse_args()
     work = options.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
@@ -155,20 +197,22 @@ def main():
         done = subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit(f"mutate: {' '.join(command)}:\n{done.stdout[-4000:]}{done.stderr[-2000:]}")
-    tests = stages(work, options.labels.split(","))
+    tests = readers(work, options.labels.split(","))
     stored = options.root / "tests/mutations/results.csv"
     results = read_results(stored)
     commit = subprocess.run(["git", "-C", options.root, "rev-parse", "--short", "HEAD"], check=True, capture_output=True,
                             text=True).stdout.strip()
     for number, ((file, name, value), was) in enumerate(zip(mutations, before), 1):
-        if options.only not in f"{file} {name}" or options.missing and (file, name, value) in results:
+        if not any(word in f"{file} {name}" for word in options.only.split(",")) or options.missing and (file, name, value) in results:
             continue
         start = time.monotonic()
-        test = first_failure(work, number, tests)
-        if test or options.labels == LABELS:
+        chosen = sorted(test for test in tests.get(str(number), []) if test[0] < options.most)
+        test = first_failure(work, number, chosen)
+        if test or options.labels == LABELS and options.most >= 20.0:
             results[file, name, value] = dict(zip(COLUMNS, (file, name, was, value, test or "", commit)))
             write_results(stored, mutations, results)
-        print(f"{number} of {len(mutations)}: {name}: {test or 'none'}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
+        print(f"{number} of {len(mutations)}: {name}: {test or 'none'} of {len(chosen)}: "
+              f"{time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
     print_table(mutations, reasons, results)
 
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 #include <vector>
 
 #include "moiregauge/units/units.h"
@@ -18,46 +17,13 @@ constexpr double kMinFree = 0.4;      // relative to the window
 // In a block. With fewer pixels its mean square is too uncertain.
 constexpr int kMinPixels = 30;
 
-// Predicted grey level of a pixel. It contains light, contrast and blur, but no width of lines.
-class Expected {
- public:
-  Expected(const PatchFit& fit, const PrintTemplate& print) : fit_(fit), print_(print) {
-    // By patch_fit.cc, fundamental = contrast - (2 pi)^2 blur.
-    for (std::size_t a = 0; a < 2; ++a) blur_[a] = (fit.gain[0] - fit.fundamental[a]) / (kTwoPi * kTwoPi);
-  }
-  [[nodiscard]] double operator()(ImagePoint at, PrintPoint p) const {
-    const PrintLevel level = print_.at(p);
-    return fit_.background(at) + fit_.contrast(at) * level.t + blur_[0] * level.dxx + blur_[1] * level.dyy;
-  }
-
- private:
-  const PatchFit& fit_;
-  const PrintTemplate& print_;
-  std::array<double, 2> blur_{};
-};
-
-int block_of(double uv) { return std::clamp(static_cast<int>(0.5 * (uv + 1.0) * kMissBlocks), 0, kMissBlocks - 1); }
-
-template <typename Grey>
-void gather_misses(const ImageView<Grey>& picture, const PatchFit& fit, const PrintFromImage& map, const PatchWindow& w,
-                   const PrintTemplate& print, PrintMisses& out) {
-  PixelBox box = box_round(map.inverse(), w);
-  box = {std::max(0, box.x0), std::max(0, box.y0), std::min(picture.width - 1, box.x1),
-         std::min(picture.height - 1, box.y1)};
-  const Expected expected(fit, print);
-  const auto to_window = window_from_print(w);
-  for (int y = box.y0; y <= box.y1; ++y) {
-    for (int x = box.x0; x <= box.x1; ++x) {
-      const ImagePoint at{double(x), double(y)};
-      const PrintPoint p = map(at);
-      const auto uv = to_window(p);
-      if (!(std::abs(uv.x) <= 1.0 && std::abs(uv.y) <= 1.0)) continue;
-      const auto block = static_cast<std::size_t>(block_of(uv.y) * kMissBlocks + block_of(uv.x));
-      const double off = static_cast<double>(picture.at(x, y)) - expected(at, p);
-      out.mean_square[block] += off * off;
-      ++out.pixels[block];
-    }
-  }
+// Returns the prediction of a fit: light, contrast and blur, but no width of lines.
+PatchModel model_of(const PatchFit& fit, const PrintFromImage& map, const PatchWindow& window) {
+  PatchModel model{map, window};
+  model.light = fit.light, model.contrast = fit.gain;
+  // By patch_fit.cc, fundamental = contrast - (2 pi)^2 blur.
+  for (std::size_t a = 0; a < 2; ++a) model.shape[a] = (fit.gain[0] - fit.fundamental[a]) / (kTwoPi * kTwoPi);
+  return model;
 }
 
 double median_of(const PrintMisses& m) {
@@ -79,9 +45,14 @@ PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const 
   const auto map = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(fit.image),
                                                               std::span<const PrintPoint>(fit.print));
   if (!map) return out;
-  std::visit([&](const auto& picture) { gather_misses(picture, fit, *map, window, print, out); }, luma);
+  PixelBox box = box_round(map->inverse(), window);
+  box = {std::max(0, box.x0), std::max(0, box.y0), std::min(width_of(luma) - 1, box.x1),
+         std::min(height_of(luma) - 1, box.y1)};
+  BlockSums sums;
+  sum_blocks(luma, model_of(fit, *map, window), print.nodes(), box, sums);
+  out.pixels = sums.pixels;
   for (std::size_t b = 0; b < kAllMissBlocks; ++b) {
-    if (out.pixels[b] > 0) out.mean_square[b] /= out.pixels[b];
+    if (out.pixels[b] > 0) out.mean_square[b] = sums.squares[b] / out.pixels[b];
   }
   return out;
 }

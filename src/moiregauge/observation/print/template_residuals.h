@@ -12,7 +12,7 @@
 
 namespace moiregauge::internal {
 
-inline constexpr int kMissBlocks = 6;  // per side of the window; chosen
+inline constexpr int kMissBlocks = kWindowBlocks;  // per side of the window
 inline constexpr std::size_t kAllMissBlocks = std::size_t{kMissBlocks} * kMissBlocks;
 
 // Residuals of the window's blocks, row by row from low grating coordinates.

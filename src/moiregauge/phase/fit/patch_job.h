@@ -17,10 +17,13 @@ enum class Sum {
   kRight,   // residual times each column, and squared residual
   kNormal,  // also the products of the columns
   // The same for a window that moves as a whole: with its four columns and their products.
-  kShift
+  kShift,
+  kBlocks  // squared residual by blocks of the window
 };
 // Returns the number of sums that are kept in registers.
-constexpr int registers_of(Sum sum) { return sum == Sum::kShift ? kShiftColumns + 1 + kShiftProducts : kColumns + 1; }
+constexpr int registers_of(Sum sum) {
+  return sum == Sum::kBlocks ? 1 : sum == Sum::kShift ? kShiftColumns + 1 + kShiftProducts : kColumns + 1;
+}
 
 // Map from pixels to (u, v). Pixels count from the window's middle one, so that the numbers suit single precision.
 struct PatchJob {
@@ -37,12 +40,16 @@ struct PatchJob {
 struct LaneSums {
   alignas(64) float right[kColumns + 1][kBlockWidth];  // in the order of the registers
   alignas(64) float normal[kProducts][kBlockWidth];    // lower triangle, row by row
+  // Squared residuals and numbers of pixels by blocks.
+  alignas(64) float squares[kWindowBlocks * kWindowBlocks][kBlockWidth];
+  alignas(64) float pixels[kWindowBlocks * kWindowBlocks][kBlockWidth];
 };
 
 // Totals in the order of the registers.
 struct PatchTotals {
   std::array<double, kColumns + 1> sums{};
   NormalMatrix* normal = nullptr;
+  BlockSums* blocks = nullptr;
   int pixels = 0;
 };
 

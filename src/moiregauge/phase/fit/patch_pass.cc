@@ -83,6 +83,20 @@ HWY_INLINE void add_normal(V inside, const Level& l, V u, V v, int lane, LaneSum
   }
 }
 
+// Adds to the sums of the window's blocks. Each lane has its own column, so lanes of one block do not collide.
+HWY_INLINE void add_blocks(V left, V inside, V u, V v, int lane, LaneSums& sums) {
+  const Float d;
+  const Whole di;
+  const V one = hn::Set(d, 1.0F), half = hn::Set(d, 0.5F * kWindowBlocks), last = hn::Set(d, kWindowBlocks - 1.0F);
+  const auto block = [&](V uv) { return hn::Min(hn::Floor(hn::Mul(hn::Mul(hn::Add(uv, one), half), inside)), last); };
+  const V column = plus(block(u), block(v), hn::Set(d, float{kWindowBlocks}));
+  const auto at =
+      hn::ConvertTo(di, plus(hn::Iota(d, static_cast<float>(lane)), column, hn::Set(d, float{kBlockWidth})));
+  float *const squares = sums.squares[0], *const pixels = sums.pixels[0];
+  hn::ScatterIndex(hn::Add(hn::GatherIndex(d, squares, at), hn::Mul(left, left)), d, squares, at);
+  hn::ScatterIndex(hn::Add(hn::GatherIndex(d, pixels, at), inside), d, pixels, at);
+}
+
 // Adds a block of pixels and returns the number inside the window. `grey`: grey levels of the lanes. `dx`: distances of
 // the lanes from the middle pixel, px. `there`: lanes inside the box.
 template <Sum kSum, typename Mask>
@@ -100,7 +114,10 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
   if (patch.has_shape) shown = plus(plus(plus(shown, patch.blur_x, l.bx), patch.blur_y, l.by), patch.width, l.edge);
   const V left = hn::IfThenElseZero(in, hn::Sub(grey, shown));
   const V inside = hn::IfThenElseZero(in, patch.one);
-  if constexpr (kSum == Sum::kShift) {
+  if constexpr (kSum == Sum::kBlocks) {
+    sums[0] = hn::Add(sums[0], hn::Mul(left, left));
+    add_blocks(left, inside, hn::IfThenElseZero(in, u), hn::IfThenElseZero(in, v), lane, lanes);
+  } else if constexpr (kSum == Sum::kShift) {
     add_shift(left, inside, l, sums);
   } else {
     add_right(left, l, u, v, sums);
@@ -164,6 +181,10 @@ void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out)
   LaneSums lanes;
   const Patch patch(job);
   const int band = kBandRows * job.row_step;
+  if constexpr (kSum == Sum::kBlocks) {
+    std::fill_n(&lanes.squares[0][0], out.blocks->squares.size() * kBlockWidth, 0.0F);
+    std::fill_n(&lanes.pixels[0][0], out.blocks->pixels.size() * kBlockWidth, 0.0F);
+  }
   for (int y = job.box.y0; y <= job.box.y1; y += band) {
     if constexpr (kSum == Sum::kNormal) std::fill_n(&lanes.normal[0][0], kProducts * kBlockWidth, 0.0F);
     out.pixels += add_band<kSum>(job, patch, picture, y, std::min(y + band - 1, job.box.y1), lanes);
@@ -172,6 +193,12 @@ void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out)
       for (int i = 0, k = 0; i < kColumns; ++i) {
         for (int j = 0; j <= i; ++j, ++k) (*out.normal)(i, j) += folded(lanes.normal[k]);
       }
+    }
+  }
+  if constexpr (kSum == Sum::kBlocks) {
+    for (std::size_t b = 0; b < out.blocks->squares.size(); ++b) {
+      out.blocks->squares[b] = folded(lanes.squares[b]);
+      out.blocks->pixels[b] = static_cast<int>(folded(lanes.pixels[b]));
     }
   }
 }
@@ -185,6 +212,8 @@ void pass_of(const PatchJob& job, const ImageView<Grey>& picture, Sum sum, Patch
       return pass<Sum::kNormal>(job, picture, out);
     case Sum::kShift:
       return pass<Sum::kShift>(job, picture, out);
+    case Sum::kBlocks:
+      return pass<Sum::kBlocks>(job, picture, out);
   }
 }
 
@@ -238,6 +267,13 @@ void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& 
     for (int j = 0; j <= i; ++j) sums.normal(i, j) = sums.normal(j, i) = totals.sums[from++];
   }
   sums.pixels = totals.pixels;
+}
+
+void sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+                BlockSums& sums) {
+  PatchTotals totals;
+  totals.blocks = &sums;
+  dispatched(luma, job_of(model, nodes, box, 1), Sum::kBlocks, totals);
 }
 
 }  // namespace moiregauge::internal

@@ -90,4 +90,15 @@ struct ShiftSums {
 void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
                int row_step, ShiftSums& sums);
 
+// Blocks per side of a window. Chosen.
+inline constexpr int kWindowBlocks = 6;
+// Sums over the pixels of each block, row by row from low grating coordinates.
+struct BlockSums {
+  std::array<double, std::size_t{kWindowBlocks} * kWindowBlocks> squares{};  // squared residuals, grey levels^2
+  std::array<int, std::size_t{kWindowBlocks} * kWindowBlocks> pixels{};
+};
+// Sums the squared residuals by blocks over `box`, which must lie inside the image.
+void sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+                BlockSums& sums);
+
 }  // namespace moiregauge::internal

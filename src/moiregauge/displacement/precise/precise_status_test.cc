@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/displacement/precise/precise_status.h"
+
+#include <gtest/gtest.h>
+
+namespace moiregauge::internal {
+namespace {
+
+// A target with a noise of 1.5 grey levels and a contrast of 40, and a frame that fits it.
+struct Frame {
+  Reference reference;
+  Observation seen;
+  FrameFit fit;
+  Frame() {
+    reference.site.markers.resize(1);
+    reference.site.markers[0].role = Role::kTarget;
+    reference.prints.resize(1);
+    reference.prints[0].emplace();
+    reference.prints[0]->print = PrintTemplate::cosine(40.0, 40.0);
+    PatchFit points;
+    points.sigma = 1.5, points.gain = {1.0, 0.0, 0.0};
+    MarkerObservation marker;
+    marker.loss = Loss::kNone;
+    marker.patch.modulation = {40.0, 40.0};
+    marker.patch.clipped_share = 0.0;
+    marker.points = points;
+    marker.quantiser.step = 0.0;  // lossless
+    reference.seen.markers = {marker};
+    seen = reference.seen;
+    seen.references_seen = true;
+    fit.ok = true;
+    fit.shift_row = {0};
+    fit.dof = 80;
+    fit.chi2_sum = 80.0;
+  }
+  [[nodiscard]] Status status() const { return precise_status(reference, seen, 0, fit, kUntrustedChi2); }
+};
+
+TEST(PreciseStatus, AFrameThatFitsIsOk) { EXPECT_EQ(Frame().status(), Status::kOk); }
+
+// Displacements are stated with a coverage factor of 2, so a scatter of ten times u must never pass.
+TEST(PreciseStatus, AFrameTenTimesItsUncertaintyOffTheSceneIsUntrusted) {
+  Frame frame;
+  frame.fit.chi2_sum = 100.0 * static_cast<double>(frame.fit.dof);
+  EXPECT_EQ(frame.status(), Status::kUntrusted);
+}
+
+// A share s of hidden grating, in which the pixels miss the whole contrast, leaves a residual of sqrt(s) contrasts.
+TEST(PreciseStatus, AGratingHiddenByATenthIsPartlyCovered) {
+  Frame frame;
+  frame.seen.markers[0].points->sigma = std::hypot(1.5, std::sqrt(0.1) * 40.0);
+  EXPECT_EQ(frame.status(), Status::kPartlyCovered);
+}
+
+// A motion of the width of half a pitch during exposure leaves 2 / pi of the fundamental, one of three quarters 0.3.
+TEST(PreciseStatus, AFringeSmearedOverThreeQuartersOfAPitchIsBlurred) {
+  for (const std::size_t axis : {0U, 1U}) {
+    Frame frame;
+    frame.seen.markers[0].patch.modulation[axis] *= 0.6366;
+    EXPECT_EQ(frame.status(), Status::kOk);
+    frame.seen.markers[0].patch.modulation[axis] = 0.3001 * 40.0;
+    EXPECT_EQ(frame.status(), Status::kBlurred);
+  }
+}
+
+// A tenth of a sine's period is within 5 % of its peak. Clipped there, the fundamental shrinks by 0.2 %, and an
+// asymmetric light shifts it.
+TEST(PreciseStatus, AFringeWithATenthOfItsPixelsClippedIsSaturated) {
+  Frame frame;
+  frame.seen.markers[0].patch.clipped_share = 0.1;
+  EXPECT_EQ(frame.status(), Status::kSaturated);
+  frame.reference.seen.markers[0].patch.clipped_share = 0.1;  // as in the reference frame, and in the template
+  EXPECT_EQ(frame.status(), Status::kOk);
+}
+
+}  // namespace
+}  // namespace moiregauge::internal
