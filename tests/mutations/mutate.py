@@ -8,8 +8,8 @@ Copies the sources to FOLDER and builds one program with all mutations, which an
 test once without a mutation, to learn which constants it reads. Then runs, for one mutation at a time, the tests that
 read its constant, quick ones first and none that takes over --most seconds (20), until one fails. Each result is stored at once in
 CHECKOUT/tests/mutations/results.csv, so an interrupted run keeps what it has. Prints the table of all results.
---missing: only mutations without a result. With --labels (only tests with these labels) or a lower --most, stores what
-is detected, and leaves the others without a result.
+--missing: only mutations that no test has caught, and for which not all tests ran. --labels: only tests with these
+labels.
 """
 import argparse
 import csv
@@ -56,25 +56,32 @@ struct Mutated {
 }  // namespace moiregauge
 """
 LABELS = "unit,physics,paper,real,faults,cli"
-COLUMNS = ["file", "constant", "value", "instead", "caught_by", "commit"]
+COLUMNS = ["file", "constant", "value", "instead", "caught_by", "tried", "commit"]
+ALL_TESTS = "all"
 
 
-def copied(root, work):
-    """Copies the files tracked by git, except unchanged ones, so that a second run builds changed files only.
+def copied(root, work, mutated):
+    """Copies the files tracked by git except `mutated`, a text by path, and writes these. Leaves unchanged ones alone, so
+    that a second run builds changed files only.
 
     Removes sources of an earlier copy that are no longer tracked: CMake would find them."""
     listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], check=True, capture_output=True, text=True).stdout
     files = set(filter(None, listed.split("\0")))
     for folder in ("src", "tests", "include", "bench"):
         for old in (work / folder).rglob("*"):
-            if old.is_file() and old.relative_to(work).as_posix() not in files:
+            if old.is_file() and old.relative_to(work).as_posix() not in files | set(mutated):
                 old.unlink()
-    for name in sorted(files):
+    for name in sorted(files - set(mutated)):
         source, copy = root / name, work / name
         if not source.is_file() or copy.is_file() and copy.read_bytes() == source.read_bytes():
             continue
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(source, copy)
+    for name, text in mutated.items():
+        copy = work / name
+        if not copy.is_file() or copy.read_text() != text:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_text(text)
 
 
 def read_list(path):
@@ -88,10 +95,11 @@ def read_list(path):
     return mutations, reasons
 
 
-def switch(work, number, file, name, value):
-    """Makes the value of a constant depend on the mutation number. Returns the original value as text."""
-    path = work / "src/moiregauge" / file
-    text = path.read_text()
+def switch(root, mutated, number, file, name, value):
+    """Makes the value of a constant depend on the mutation number, in `mutated`, a text by path. Returns the original
+    value as text."""
+    path = f"src/moiregauge/{file}"
+    text = mutated.get(path) or (root / path).read_text()
     found = list(re.finditer(rf"^(inline )?constexpr (\w+) {name} = ([^,;]+)([,;])", text, re.M))
     if len(found) != 1:
         sys.exit(f"mutate: {file}: {name} is set {len(found)} times, not once")
@@ -101,7 +109,7 @@ def switch(work, number, file, name, value):
     text = f"{text[:at.start()]}{at[1] or ''}const Mutated<{number}, {at[2]}> {name}{{{at[3]}, {value}}};{more}{uses}"
     if "moiregauge/mutation.h" not in text:
         text = re.sub(r"^#include", '#include "moiregauge/mutation.h"\n#include', text, count=1, flags=re.M)
-    path.write_text(text)
+    mutated[path] = text
     return at[3]
 
 
@@ -150,7 +158,7 @@ def first_failure(work, number, tests):
 
 
 def read_results(path):
-    """Returns the stored results by (file, constant, wrong value)."""
+    """Returns the stored results by (file, constant, wrong value). `tried`: number and kind of the tests that passed."""
     if not path.exists():
         return {}
     with open(path, newline="", encoding="utf-8") as file:
@@ -169,11 +177,14 @@ def write_results(path, mutations, results):
 
 def print_table(mutations, reasons, results):
     print("| file | constant | value | instead | caught by | commit |\n|---|---|---|---|---|---|")
-    known = [(results[key], reasons[key] or "none") for key in map(tuple, mutations) if key in results]
+    known = [(results[key], reasons[key]) for key in map(tuple, mutations) if key in results]
     for row, reason in known:
-        print("| " + " | ".join(row[column] or reason for column in COLUMNS) + " |")
+        verdict = row["caught_by"] or f"none of {row['tried']}" + (f": {reason}" if reason else "")
+        print(f"| {row['file']} | {row['constant']} | {row['value']} | {row['instead']} | {verdict} | {row['commit']} |")
     caught = sum(bool(row["caught_by"]) for row, _ in known)
-    print(f"\n{caught} of {len(known)} mutations are caught. {len(mutations) - len(known)} of {len(mutations)} are not measured.")
+    whole = sum(not row["caught_by"] and row["tried"].endswith(ALL_TESTS) for row, _ in known)
+    print(f"\n{caught} of {len(mutations)} mutations are caught. Of the others, all tests ran for {whole}, some for "
+          f"{len(known) - caught - whole}, and none for {len(mutations) - len(known)}.")
 
 
 def main():
@@ -187,10 +198,10 @@ def main():
     options = parser.parse_args()
     work = options.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
-    copied(options.root.resolve(), work)
-    (work / "src/moiregauge/mutation.h").write_text(HEADER)
-    mutations, reasons = read_list(options.root / "tests/mutations/mutations.txt")
-    before = [switch(work, number, *mutation) for number, mutation in enumerate(mutations, 1)]
+    root, mutated = options.root.resolve(), {"src/moiregauge/mutation.h": HEADER}
+    mutations, reasons = read_list(root / "tests/mutations/mutations.txt")
+    before = [switch(root, mutated, number, *mutation) for number, mutation in enumerate(mutations, 1)]
+    copied(root, work, mutated)
     launchers = [f"-DCMAKE_{language}_COMPILER_LAUNCHER=ccache" for language in ("C", "CXX")] if "CCACHE_DIR" in os.environ or \
         subprocess.run(["which", "ccache"], capture_output=True, check=False).returncode == 0 else []
     for command in (["cmake", "--preset", "check", *launchers], ["cmake", "--build", "--preset", "check"]):
@@ -203,14 +214,19 @@ def main():
     commit = subprocess.run(["git", "-C", options.root, "rev-parse", "--short", "HEAD"], check=True, capture_output=True,
                             text=True).stdout.strip()
     for number, ((file, name, value), was) in enumerate(zip(mutations, before), 1):
-        if not any(word in f"{file} {name}" for word in options.only.split(",")) or options.missing and (file, name, value) in results:
+        old = results.get((file, name, value))
+        is_known = old and (old["caught_by"] or old["tried"].endswith(ALL_TESTS))
+        if options.missing and is_known or not any(word in f"{file} {name}" for word in options.only.split(",")):
             continue
         start = time.monotonic()
         chosen = sorted(test for test in tests.get(str(number), []) if test[0] < options.most)
         test = first_failure(work, number, chosen)
-        if test or options.labels == LABELS and options.most >= 20.0:
-            results[file, name, value] = dict(zip(COLUMNS, (file, name, was, value, test or "", commit)))
-            write_results(stored, mutations, results)
+        kind = ALL_TESTS
+        if options.labels != LABELS or options.most < 20.0:
+            kind = f"{options.labels.replace(',', '/')} under {options.most:g} s"
+        row = (file, name, was, value, test or "", f"{len(chosen)} tests, {kind}", commit)
+        results[file, name, value] = dict(zip(COLUMNS, row))
+        write_results(stored, mutations, results)
         print(f"{number} of {len(mutations)}: {name}: {test or 'none'} of {len(chosen)}: "
               f"{time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
     print_table(mutations, reasons, results)

@@ -145,6 +145,29 @@ TEST(CalibrateBoard, NearlyParallelViewsLeaveTheFocalLengthUncertain) {
   EXPECT_LE(std::abs(open->camera.fx - kCamera.fx), 3.0 * open->u[0]) << "seed " << kBoardSeed;
 }
 
+// Ten points of one view, each 2 px off in a direction of its own: 40 times their noise.
+TEST(CalibrateBoard, MisreadPointsAreLeftOut) {
+  auto views = views_of(kLooks, {});
+  for (int n = 0; n < 10; ++n) {
+    ImagePoint& at = views[2].points[static_cast<std::size_t>(4 * n)].at;
+    at = {at.x + 2.0 * std::cos(1.3 * n), at.y + 2.0 * std::sin(1.3 * n)};
+  }
+  const auto solved = calibrate_board(views, {});
+  ASSERT_TRUE(solved) << solved.error();
+  expect_the_camera(*solved);
+  EXPECT_NEAR(solved->chi2_dof, 1.0, 4.0 * std::sqrt(2.0 / 513.0)) << "seed " << kBoardSeed;
+}
+
+// The board is wavy in one view, by a millimetre: 6 px where the camera sees it from the side.
+TEST(CalibrateBoard, ExcludesAViewInWhichTheBoardIsBent) {
+  auto views = views_of(kLooks, {});
+  for (BoardPointSeen& p : views[2].points) p.at.x += 6.0 * std::cos(kPi * p.board.x / 28.0);
+  const auto solved = calibrate_board(views, {});
+  ASSERT_TRUE(solved) << solved.error();
+  EXPECT_FALSE(solved->views[2].excluded.empty());
+  expect_the_camera(*solved);
+}
+
 TEST(CalibrateBoard, ExcludesViewsOfAnotherCameraOrBoard) {
   auto views = views_of(kLooks, {});
   views[1].width = 1280;

@@ -26,10 +26,11 @@ double least_of(const PrintModel& model, const PatchFit& fit, double rounding) {
 }  // namespace
 
 CoveredBlocks find_occluded_blocks(const GreyPicture& picture, const PrintModel& model, const PatchFit& at_rest,
-                                   const PatchFit& fit) {
+                                   const PatchFit& fit, Rows rows) {
   const double ratio = square(fit.sigma) / square(at_rest.sigma);
   if (ratio < kMissesChanged && ratio > 1.0 / kMissesChanged) return {};
-  return covered_blocks(model.misses, template_residuals(picture.luma, fit, model.window, model.print),
+  const int row_step = rows == Rows::kAll ? 1 : model.options.row_step;
+  return covered_blocks(model.misses, template_residuals(picture.luma, fit, model.window, model.print, row_step),
                         least_of(model, fit, picture.rounding));
 }
 

@@ -10,9 +10,9 @@ namespace moiregauge::internal {
 
 // Returns the blocks of a window that are covered in one frame only. `at_rest` is the fit of the reference frame, `fit`
 // that of this one. Blocks are examined only if sigma changed since the reference frame. `picture.rounding` allows for
-// blocks that a lossy codec leaves coarser than others.
+// blocks that a lossy codec leaves coarser than others. `rows`: those of the fit.
 [[nodiscard]] CoveredBlocks find_occluded_blocks(const GreyPicture& picture, const PrintModel& model,
-                                                 const PatchFit& at_rest, const PatchFit& fit);
+                                                 const PatchFit& at_rest, const PatchFit& fit, Rows rows = Rows::kAll);
 
 // Fits the free part of the window.
 // Fails (nothing): the free part is too small, or still partly covered.

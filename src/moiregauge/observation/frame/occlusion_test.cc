@@ -62,7 +62,7 @@ TEST(Occlusion, AFaintReflectionOverANinthIsFound) {
   EXPECT_NEAR(blocks, 4, 1) << "a ninth of 36 blocks";
 }
 
-// Of a window that is covered elsewhere, too, no part is free.
+// A window that is covered elsewhere, too, has no free part.
 TEST(Occlusion, AFreePartMustFitLikeTheReferenceFrame) {
   Scene scene;
   BlockSet covered{};

@@ -51,7 +51,7 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
   if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) ||
       !is_whole(*fit, *reference.seen.markers[i].points, print, picture.rounding))
     return std::nullopt;
-  const CoveredBlocks covered = find_occluded_blocks(picture, print, *reference.seen.markers[i].points, *fit);
+  const CoveredBlocks covered = find_occluded_blocks(picture, print, *reference.seen.markers[i].points, *fit, rows);
   if (covered.any_now || covered.any_then) return std::nullopt;
   return *std::move(fit);
 }

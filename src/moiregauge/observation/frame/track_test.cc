@@ -88,15 +88,21 @@ TEST(Track, AnOccludedReferenceGoesThroughDetection) {
   EXPECT_FALSE(track_references({now.view(), 8}, rig().reference, as_at_rest(rig().reference)));
 }
 
-TEST(DiscCentre, IsWithinATwentiethOfAPixelAndOnlyWhereADiscIs) {
+// Returns a disc of 40 px, lit from one side.
+constexpr ImagePoint kDisc{58.3, 61.8};
+Image<std::uint8_t> disc_picture(double contrast) {
   Image<std::uint8_t> picture(120, 120, 210);
-  const ImagePoint centre{58.3, 61.8};
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 120; ++x) {
-      const double inside = std::clamp(20.0 - std::hypot(x - centre.x, y - centre.y) + 0.5, 0.0, 1.0);
-      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(210.0 - 160.0 * inside - 0.2 * x));  // lit from one side
+      const double inside = std::clamp(20.0 - std::hypot(x - kDisc.x, y - kDisc.y) + 0.5, 0.0, 1.0);
+      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(210.0 + contrast * inside - 0.2 * x));
     }
   }
+  return picture;
+}
+
+TEST(DiscCentre, IsWithinATwentiethOfAPixelAndOnlyWhereADiscIs) {
+  const auto picture = disc_picture(-160.0);
   DetectedCircle like;
   like.contrast = -160.0;
   const auto found = disc_centre(picture.view(), {64.0, 58.0}, 40.0, like);
@@ -104,11 +110,21 @@ TEST(DiscCentre, IsWithinATwentiethOfAPixelAndOnlyWhereADiscIs) {
   // Light that falls by s per pixel displaces the centroid of a window of radius R by (pi R^4 / 4) s over the disc's
   // weight.
   constexpr double kReach = 25.0, kRadius = 20.0;
-  EXPECT_LT(length(*found - centre), 0.05 + std::pow(kReach, 4) / (4.0 * kRadius * kRadius) * 0.2 / 160.0);
+  EXPECT_LT(length(*found - kDisc), 0.05 + std::pow(kReach, 4) / (4.0 * kRadius * kRadius) * 0.2 / 160.0);
   EXPECT_FALSE(disc_centre(picture.view(), {64.0, 58.0}, 36.0, like)) << "too small";
   EXPECT_FALSE(disc_centre(picture.view(), {20.0, 20.0}, 40.0, like)) << "paper";
   like.contrast = 160.0;
   EXPECT_FALSE(disc_centre(picture.view(), {64.0, 58.0}, 40.0, like)) << "a light disc was asked for";
+}
+
+// The edge of the paper's ring does not reach the disc here, so its area is measured whole.
+TEST(DiscCentre, OfAnotherAreaOrContrastIsNotTheSameDisc) {
+  DetectedCircle like;
+  like.contrast = -160.0;
+  EXPECT_TRUE(disc_centre(disc_picture(-160.0).view(), kDisc, 40.0, like));
+  EXPECT_FALSE(disc_centre(disc_picture(-160.0).view(), kDisc, 43.0, like)) << "its area is 13 % too small";
+  EXPECT_TRUE(disc_centre(disc_picture(-80.0).view(), kDisc, 40.0, like)) << "half the light";
+  EXPECT_FALSE(disc_centre(disc_picture(-48.0).view(), kDisc, 40.0, like)) << "a shadow";
 }
 
 }  // namespace

@@ -20,9 +20,9 @@ struct PrintMisses {
   std::array<double, kAllMissBlocks> mean_square{};  // grey levels^2
   std::array<int, kAllMissBlocks> pixels{};
 };
-// Returns the residuals of a fit. All are zero if its points determine no homography.
+// Returns the residuals of a fit in every row_step-th row. All are zero if its points determine no homography.
 [[nodiscard]] PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
-                                             const PrintTemplate& print);
+                                             const PrintTemplate& print, int row_step = 1);
 
 // Blocks that are covered in one frame only: now or in the reference frame.
 using BlockSet = std::array<bool, kAllMissBlocks>;

@@ -40,9 +40,9 @@ struct PatchJob {
 struct LaneSums {
   alignas(64) float right[kColumns + 1][kBlockWidth];  // in the order of the registers
   alignas(64) float normal[kProducts][kBlockWidth];    // lower triangle, row by row
-  // Squared residuals and numbers of pixels by blocks.
+  // By blocks: squared residuals, and numbers of pixels.
   alignas(64) float squares[kWindowBlocks * kWindowBlocks][kBlockWidth];
-  alignas(64) float pixels[kWindowBlocks * kWindowBlocks][kBlockWidth];
+  int pixels[kWindowBlocks * kWindowBlocks];
 };
 
 // Totals in the order of the registers.

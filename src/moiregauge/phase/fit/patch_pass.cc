@@ -83,18 +83,21 @@ HWY_INLINE void add_normal(V inside, const Level& l, V u, V v, int lane, LaneSum
   }
 }
 
-// Adds to the sums of the window's blocks. Each lane has its own column, so lanes of one block do not collide.
-HWY_INLINE void add_blocks(V left, V inside, V u, V v, int lane, LaneSums& sums) {
+// Adds to the sums of the window's blocks. Neighbouring pixels share one or two of these, which the loop visits.
+template <typename Mask>
+HWY_INLINE void add_blocks(V left, Mask in, V u, V v, int lane, LaneSums& sums) {
   const Float d;
-  const Whole di;
   const V one = hn::Set(d, 1.0F), half = hn::Set(d, 0.5F * kWindowBlocks), last = hn::Set(d, kWindowBlocks - 1.0F);
-  const auto block = [&](V uv) { return hn::Min(hn::Floor(hn::Mul(hn::Mul(hn::Add(uv, one), half), inside)), last); };
-  const V column = plus(block(u), block(v), hn::Set(d, float{kWindowBlocks}));
-  const auto at =
-      hn::ConvertTo(di, plus(hn::Iota(d, static_cast<float>(lane)), column, hn::Set(d, float{kBlockWidth})));
-  float *const squares = sums.squares[0], *const pixels = sums.pixels[0];
-  hn::ScatterIndex(hn::Add(hn::GatherIndex(d, squares, at), hn::Mul(left, left)), d, squares, at);
-  hn::ScatterIndex(hn::Add(hn::GatherIndex(d, pixels, at), inside), d, pixels, at);
+  const auto along = [&](V uv) { return hn::Min(hn::Floor(hn::Mul(hn::Add(uv, one), half)), last); };
+  const V block = plus(along(u), along(v), hn::Set(d, float{kWindowBlocks}));
+  const V squares = hn::Mul(left, left);
+  const int low = static_cast<int>(hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(in, block, hn::Set(d, 1e3F)))));
+  const int high = static_cast<int>(hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(in, block))));
+  for (int b = low; b <= high; ++b) {
+    const auto here = hn::And(in, hn::Eq(block, hn::Set(d, static_cast<float>(b))));
+    add_to(sums.squares[b] + lane, hn::IfThenElseZero(here, squares));
+    sums.pixels[b] += static_cast<int>(hn::CountTrue(d, here));
+  }
 }
 
 // Adds a block of pixels and returns the number inside the window. `grey`: grey levels of the lanes. `dx`: distances of
@@ -116,7 +119,7 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
   const V inside = hn::IfThenElseZero(in, patch.one);
   if constexpr (kSum == Sum::kBlocks) {
     sums[0] = hn::Add(sums[0], hn::Mul(left, left));
-    add_blocks(left, inside, hn::IfThenElseZero(in, u), hn::IfThenElseZero(in, v), lane, lanes);
+    add_blocks(left, in, u, v, lane, lanes);
   } else if constexpr (kSum == Sum::kShift) {
     add_shift(left, inside, l, sums);
   } else {
@@ -183,7 +186,7 @@ void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out)
   const int band = kBandRows * job.row_step;
   if constexpr (kSum == Sum::kBlocks) {
     std::fill_n(&lanes.squares[0][0], out.blocks->squares.size() * kBlockWidth, 0.0F);
-    std::fill_n(&lanes.pixels[0][0], out.blocks->pixels.size() * kBlockWidth, 0.0F);
+    std::fill_n(lanes.pixels, out.blocks->pixels.size(), 0);
   }
   for (int y = job.box.y0; y <= job.box.y1; y += band) {
     if constexpr (kSum == Sum::kNormal) std::fill_n(&lanes.normal[0][0], kProducts * kBlockWidth, 0.0F);
@@ -198,7 +201,7 @@ void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out)
   if constexpr (kSum == Sum::kBlocks) {
     for (std::size_t b = 0; b < out.blocks->squares.size(); ++b) {
       out.blocks->squares[b] = folded(lanes.squares[b]);
-      out.blocks->pixels[b] = static_cast<int>(folded(lanes.pixels[b]));
+      out.blocks->pixels[b] = lanes.pixels[b];
     }
   }
 }
@@ -270,10 +273,10 @@ void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& 
 }
 
 void sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-                BlockSums& sums) {
+                int row_step, BlockSums& sums) {
   PatchTotals totals;
   totals.blocks = &sums;
-  dispatched(luma, job_of(model, nodes, box, 1), Sum::kBlocks, totals);
+  dispatched(luma, job_of(model, nodes, box, row_step), Sum::kBlocks, totals);
 }
 
 }  // namespace moiregauge::internal

@@ -97,8 +97,8 @@ struct BlockSums {
   std::array<double, std::size_t{kWindowBlocks} * kWindowBlocks> squares{};  // squared residuals, grey levels^2
   std::array<int, std::size_t{kWindowBlocks} * kWindowBlocks> pixels{};
 };
-// Sums the squared residuals by blocks over `box`, which must lie inside the image.
+// Sums the squared residuals by blocks over every row_step-th row of `box`, which must lie inside the image.
 void sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-                BlockSums& sums);
+                int row_step, BlockSums& sums);
 
 }  // namespace moiregauge::internal

@@ -50,6 +50,7 @@ struct Summed {
   PatchSums sums, with_normal;
   NormalMatrix normal;
   ShiftSums shift;
+  BlockSums blocks;
 };
 
 Summed summed(const LumaView& luma, int row_step) {
@@ -59,6 +60,7 @@ Summed summed(const LumaView& luma, int row_step) {
   sum_patch(luma, oblique_model(), binary().nodes(), box, out.sums);
   sum_patch(luma, oblique_model(), binary().nodes(), box, out.with_normal, &out.normal);
   sum_shift(luma, oblique_model(), binary().nodes(), box, row_step, out.shift);
+  sum_blocks(luma, oblique_model(), binary().nodes(), box, row_step, out.blocks);
   return out;
 }
 
@@ -81,6 +83,8 @@ TEST(PatchPass, GivesTheSameBitsOnEverySimdTarget) {
         EXPECT_TRUE((*first)[k].normal == now[k].normal) << target << " rows " << row_step;
         EXPECT_TRUE((*first)[k].shift.right == now[k].shift.right && (*first)[k].shift.normal == now[k].shift.normal)
             << target << " rows " << row_step;
+        EXPECT_EQ((*first)[k].blocks.squares, now[k].blocks.squares) << target;
+        EXPECT_EQ((*first)[k].blocks.pixels, now[k].blocks.pixels) << target;
       }
     }
   }
@@ -99,6 +103,7 @@ TEST(PatchPass, SumsEqualAPixelByPixelComputation) {
   double left2 = 0.0;
   NormalVector right = NormalVector::Zero();
   NormalMatrix normal = NormalMatrix::Zero();
+  BlockSums blocks;
   for (int y = 6; y <= kPassSide - 2; ++y) {
     for (int x = 4; x <= kPassSide - 1; ++x) {
       const PrintPoint p = model.map({double(x), double(y)});
@@ -116,6 +121,9 @@ TEST(PatchPass, SumsEqualAPixelByPixelComputation) {
         c(kBaseColumns + kFieldColumns + k) = gain * level.dy * power;
       }
       const double left = picture.at(x, y) - plane(model.light, u, v) - plane(model.contrast, u, v) * level.t;
+      const auto block_of = [](double uv) { return std::min(static_cast<int>((uv + 1.0) / 2.0 * kWindowBlocks), 5); };
+      const auto block = static_cast<std::size_t>(block_of(v) * kWindowBlocks + block_of(u));
+      ++blocks.pixels[block], blocks.squares[block] += left * left;
       ++pixels, left2 += left * left, right += left * c, normal += c * c.transpose();
     }
   }
@@ -126,6 +134,11 @@ TEST(PatchPass, SumsEqualAPixelByPixelComputation) {
     EXPECT_NEAR(seen.sums.right(i), right(i), 0.02 * std::sqrt(left2 * normal(i, i) / pixels)) << i;
     for (int j = 0; j <= i; ++j)
       EXPECT_NEAR(seen.normal(i, j), normal(i, j), 1e-3 * std::sqrt(normal(i, i) * normal(j, j))) << i << " " << j;
+  }
+  for (std::size_t b = 0; b < blocks.pixels.size(); ++b) {
+    EXPECT_NEAR(seen.blocks.pixels[b], blocks.pixels[b], 2.0) << "pixels on a block's very edge " << b;
+    // Such a pixel carries up to (255 levels)^2.
+    EXPECT_NEAR(seen.blocks.squares[b], blocks.squares[b], 2.0 * 65025.0 + 1e-3 * blocks.squares[b]) << b;
   }
   // Shift of the whole window: the first columns of light, contrast and field.
   EXPECT_EQ(seen.shift.pixels, seen.sums.pixels);
