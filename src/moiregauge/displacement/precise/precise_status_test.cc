@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/precise/precise_status.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
+
+#include "moiregauge/observation/frame/patch_of_points.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -50,6 +54,15 @@ TEST(PreciseStatus, AGratingHiddenByATenthIsPartlyCovered) {
   Frame frame;
   frame.seen.markers[0].points->sigma = std::hypot(1.5, std::sqrt(0.1) * 40.0);
   EXPECT_EQ(frame.status(), Status::kPartlyCovered);
+}
+
+// Tracking, which has a short way for whole gratings, is stricter: it lets a fit with a hidden hundredth through, at most.
+TEST(PreciseStatus, AGratingHiddenByATwentiethIsNotWhole) {
+  const Frame frame;
+  PatchFit points = *frame.seen.markers[0].points;
+  EXPECT_TRUE(is_whole(points, *frame.reference.seen.markers[0].points, *frame.reference.prints[0], 0.0));
+  points.sigma = std::hypot(1.5, std::sqrt(0.05) * 40.0);
+  EXPECT_FALSE(is_whole(points, *frame.reference.seen.markers[0].points, *frame.reference.prints[0], 0.0));
 }
 
 // A motion of the width of half a pitch during exposure leaves 2 / pi of the fundamental, one of three quarters 0.3.
