@@ -50,7 +50,7 @@ ProductChain::ProductChain(const Recording& recording, const Method& method)
 }
 
 void ProductChain::observe(const Shot& shot) {
-  keep(method_.observe({shot.picture, 8}, reference_, follower_.prediction(), work_), shot.frame);
+  keep(method_.observe({shot.picture, 8}, reference_, follower_.prediction()), shot.frame);
 }
 
 void ProductChain::track(const Shot& shot) {

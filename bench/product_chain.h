@@ -40,7 +40,6 @@ class ProductChain {
   Reference reference_;
   std::size_t target_ = 0;
   Follower follower_;
-  PatchWorkspace work_;
   Observations seen_;
   std::optional<Scene> scene_;
   std::unique_ptr<PreciseBudget> budget_;

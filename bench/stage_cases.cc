@@ -51,11 +51,10 @@ bool circles(const SeenRing& ring, const Shot& shot) {
 }
 
 bool rasters(const SeenRing& ring, const Shot& shot) {
-  static PatchWorkspace work;
   const Reference& reference = ring.chain->reference();
   bool all = true;
   for (std::size_t i = 0; i < reference.plans.size(); ++i)
-    all &= read_patch(shot.picture, 8, ring.view(shot), reference.plans[i], ring.moved(shot, i), work).valid;
+    all &= read_patch(shot.picture, 8, ring.view(shot), reference.plans[i], ring.moved(shot, i)).valid;
   return all;
 }
 

@@ -92,9 +92,8 @@ double quarter_turn(const CrowdedScene& scene, const Reference& reference, std::
 void compare_identity(const CrowdedScene& scene, const Image<std::uint8_t>& moved, const Reference& reference,
                       std::size_t target, IdentityVerdict& out) {
   const Method* method = method_named("two-stage");
-  PatchWorkspace work;
   Follower follower(reference);
-  Observation seen = method->observe({moved.view(), 8}, reference, follower.prediction(), work);
+  Observation seen = method->observe({moved.view(), 8}, reference, follower.prediction());
   seen.frame = kMovedFrame;
   const auto& truth_of = *simulator::find_marker(scene.scenario, "mid");
   const auto truth = simulator::truth(scene.scenario, kMovedFrame, truth_of);

@@ -67,12 +67,11 @@ MeasuredRun measured(const Scenario& scenario, const RunPlan& plan) {
   if (method->prepare != nullptr) method->prepare(first.view(), run.reference);
   run.observations.refer_to(run.reference);
   Follower follower(run.reference);
-  PatchWorkspace work;
   long count = 0;
   for (long frame = plan.first; frame < scenario.frames && (plan.frames < 0 || count < plan.frames);
        frame += plan.step, ++count) {
     const Shot now = shot(scenario, frame, plan, recorder);
-    Observation seen = method->observe(now.view(), run.reference, follower.prediction(), work);
+    Observation seen = method->observe(now.view(), run.reference, follower.prediction());
     seen.frame = frame;
     seen.time_s = simulator::time_of(scenario, frame);
     run.observations.push_back(seen);

@@ -7,13 +7,9 @@
 
 namespace moiregauge::internal {
 
-Observation observe_conventional(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&) {
-  std::abort();
-}
-Observation observe_two_stage(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&) {
-  std::abort();
-}
-Observation observe_precise(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&) { std::abort(); }
+Observation observe_conventional(const GreyPicture&, const Reference&, const Prediction&) { std::abort(); }
+Observation observe_two_stage(const GreyPicture&, const Reference&, const Prediction&) { std::abort(); }
+Observation observe_precise(const GreyPicture&, const Reference&, const Prediction&) { std::abort(); }
 void learn_prints(const GreyPicture&, Reference&) { std::abort(); }
 Solution solve_conventional(const Reference&, const Observations&, const SolveOptions&) { std::abort(); }
 Solution solve_two_stage(const Reference&, const Observations&, const SolveOptions&) { std::abort(); }

@@ -97,12 +97,10 @@ Errors creeping(double speed_px, double step, bool is_stated) {
   method.prepare({last.view(), 8}, *reference);
   if (is_stated) say(reference->seen, step);
   Follower follower(*reference);
-  PatchWorkspace work;
   Observations observations(*reference);
   for (long frame = 1; frame < kFrames; ++frame) {
     last = coded(shot(scenario, frame), &last, step);
-    Observation seen =
-        method.observe({last.view(), 8, rounding_of_step(step)}, *reference, follower.prediction(), work);
+    Observation seen = method.observe({last.view(), 8, rounding_of_step(step)}, *reference, follower.prediction());
     seen.frame = frame;
     if (is_stated) say(seen, step);
     (void)follower.follow(*reference, seen);

@@ -107,8 +107,7 @@ Worst worst_of(const Sight& v) {
   const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
   EXPECT_TRUE(plan) << v;
   if (!plan) return worst;
-  PatchWorkspace work;
-  const PatchReading rest = read_patch(picture_of(at_rest).view(), 16, view, *plan, {}, work);
+  const PatchReading rest = read_patch(picture_of(at_rest).view(), 16, view, *plan, {});
   EXPECT_TRUE(rest.valid) << v;
   // The centre of a grating is the middle of a dark part. That of a cosine is a crest.
   const double there = (v.pattern == Pattern::kCosine) == v.inverted ? kPi : 0.0;
@@ -118,7 +117,7 @@ Worst worst_of(const Sight& v) {
   for (const auto& [along, across] : {std::array{-0.36, 0.11}, std::array{0.07, -0.43}, std::array{0.29, 0.34}}) {
     const Extent<frame::Board> moved{along * grating.pitch_mm, across * grating.pitch_mm};
     const Extent<frame::Board> window = moved + Extent<frame::Board>{0.3 * px, -0.2 * px};
-    const PatchReading now = read_patch(picture_of(scene(v, moved)).view(), 16, view, *plan, window, work);
+    const PatchReading now = read_patch(picture_of(scene(v, moved)).view(), 16, view, *plan, window);
     EXPECT_TRUE(now.valid) << v;
     // By raster axis, which also tests oblique lines: position of the grating relative to the window.
     const auto expected = raster_from_board(*plan, moved + (-1.0) * window);
@@ -178,9 +177,8 @@ TEST(EveryPatternOfLines, ObliqueToBothAxesMeasureNeither) {
     const View view = view_of_target(at_rest);
     const Grating& grating = *at_rest.markers[0].print.grating;
     const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
-    PatchWorkspace work;
-    const PatchReading then = read_patch(picture_of(at_rest).view(), 16, view, *plan, {}, work);
-    const PatchReading now = read_patch(picture_of(moved).view(), 16, view, *plan, {}, work);
+    const PatchReading then = read_patch(picture_of(at_rest).view(), 16, view, *plan, {});
+    const PatchReading now = read_patch(picture_of(moved).view(), 16, view, *plan, {});
     return displacement_between(*plan, then, now);
   };
   const auto upright = read_at(0.0), oblique = read_at(5.0);
@@ -199,9 +197,8 @@ TEST(EveryPatternOfLines, AreReadWhileAPartIsInTheWindow) {
     const View view = view_of_target(at_rest);
     const Grating& grating = *at_rest.markers[0].print.grating;
     const auto plan = plan_raster(grating, view.finest_mm_per_px(grating.centre), {});
-    PatchWorkspace work;
-    const PatchReading then = read_patch(picture_of(at_rest).view(), 16, view, *plan, {}, work);
-    const PatchReading now = read_patch(picture_of(moved).view(), 16, view, *plan, {}, work);
+    const PatchReading then = read_patch(picture_of(at_rest).view(), 16, view, *plan, {});
+    const PatchReading now = read_patch(picture_of(moved).view(), 16, view, *plan, {});
     ASSERT_TRUE(now.valid) << along_px;
     EXPECT_NEAR(displacement_between(*plan, then, now).x / kMillimetresPerPixel, across_px, 0.002) << along_px;
     EXPECT_GT(now.u_phase_rad[0], 1.1 * then.u_phase_rad[0]) << along_px;

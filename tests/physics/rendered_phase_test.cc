@@ -58,7 +58,6 @@ double worst_phase_px(const Scenario& scenario) {
       fine.at(x, y) = static_cast<std::uint16_t>(std::lround(256.0 * light.at(x, y)));
   }
   const View view = exact_view(scenario);
-  PatchWorkspace work;
   double worst = 0.0;
   for (const Marker& marker : simulator::site_of(scenario).markers) {
     if (!marker.grating) continue;
@@ -66,7 +65,7 @@ double worst_phase_px(const Scenario& scenario) {
     const auto plan = plan_raster(*marker.grating, view.finest_mm_per_px(marker.grating->centre), {});
     EXPECT_TRUE(plan) << marker.name;
     if (!plan) continue;
-    const PatchReading reading = read_patch(fine.view(), 16, view, *plan, {}, work);
+    const PatchReading reading = read_patch(fine.view(), 16, view, *plan, {});
     EXPECT_TRUE(reading.valid) << marker.name;
     // A cosine has its crest at the centre, a grid the crossing of two dark lines.
     const double there = marker.grating->pattern == Pattern::kCosine ? 0.0 : kPi;

@@ -40,7 +40,6 @@ PhasePlaces phase_places(const LatticeView& first, const LatticeView& second, La
   constexpr int kReach = 2;  // points to either side
   PhasePlaces out;
   const View first_view = view_of_lattice(first.places), second_view = view_of_lattice(second.places);
-  PatchWorkspace work;
   for (const auto& [place, at] : first.places) {
     if (!whole_round(first.places, place, kReach) || !whole_round(second.places, place, kReach)) continue;
     Grating print;
@@ -52,8 +51,8 @@ PhasePlaces phase_places(const LatticeView& first, const LatticeView& second, La
         std::min(first_view.finest_mm_per_px(print.centre), second_view.finest_mm_per_px(print.centre));
     const auto plan = plan_raster(print, finest, {});
     if (!plan) continue;
-    const auto then = read_patch(view_of(first.picture), first.picture.bits, first_view, *plan, {}, work);
-    const auto now = read_patch(view_of(second.picture), second.picture.bits, second_view, *plan, {}, work);
+    const auto then = read_patch(view_of(first.picture), first.picture.bits, first_view, *plan, {});
+    const auto now = read_patch(view_of(second.picture), second.picture.bits, second_view, *plan, {});
     if (!then.valid || !now.valid) continue;
     const auto moved = displacement_between(*plan, then, now);
     out.first[place] = first_view(print.centre);

@@ -69,7 +69,7 @@ struct Method {
   std::string_view name;
   std::string_view summary;
   void (*prepare)(const GreyPicture&, Reference&);  // called once with the image of the reference frame; may be nullptr
-  Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&, PatchWorkspace&);
+  Observation (*observe)(const GreyPicture&, const Reference&, const Prediction&);
   Solution (*solve)(const Reference&, const Observations&, const SolveOptions&);
   bool needs_circles = true;  // false: gratings suffice, because the camera is assumed fixed
 };

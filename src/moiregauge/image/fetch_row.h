@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prefetch of image rows. Rows of an image are kilobytes apart, so the processor cannot predict where the next row of a
-// window begins.
+// Rows of a window of an image, for loops over vectors of pixels. Rows of an image are kilobytes apart, so the processor
+// cannot predict where the next row of a window begins.
 #pragma once
 
 #include <algorithm>
@@ -16,6 +16,17 @@ inline void fetch_row(const ImageView<Grey>& picture, int y, int x0, int x1) {
   constexpr int kLine = 64 / static_cast<int>(sizeof(Grey));  // pixels in a cache line of 64 bytes
   const Grey* const row = picture.row(y).data();
   for (int x = x0; x < x1 + kLine; x += kLine) __builtin_prefetch(row + std::min(x, x1));
+}
+
+// Returns the grey levels from (x, y) on, as many as `edge` holds. Those beyond the image are zero, and its memory is not
+// read there.
+template <typename Grey, std::size_t kCount>
+const Grey* pixels_from(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[kCount]) {
+  const Grey* const at = picture.row(y).data() + x;
+  if (x + static_cast<int>(kCount) <= picture.width) return at;
+  std::fill_n(edge, kCount, Grey{0});
+  std::copy_n(at, picture.width - x, edge);
+  return edge;
 }
 
 }  // namespace moiregauge::internal

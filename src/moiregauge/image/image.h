@@ -54,6 +54,11 @@ class Image {
   std::vector<Grey> pixels_;
 };
 
+// Range of pixels, both ends included.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
 // Luma plane of one frame at its native depth: 8 bits, or 9 to 16 bits in the low bits of 16-bit words.
 using LumaView = std::variant<ImageView<std::uint8_t>, ImageView<std::uint16_t>>;
 

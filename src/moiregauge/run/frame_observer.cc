@@ -147,7 +147,7 @@ Observation FrameObserver::observe(const Frame& frame) {
   const double now = rounding_of(frame.quantiser, *out_.reference, where);
   const double rounding = std::max({now, rounding_, rounding_of(*out_.reference, out_.reference->seen)});
   Observation seen =
-      options_.method->observe(light_.picture(frame.luma, rounding), *out_.reference, follower_->prediction(), work_);
+      options_.method->observe(light_.picture(frame.luma, rounding), *out_.reference, follower_->prediction());
   seen.frame = frame.number;
   seen.time_s = frame.time_s;
   note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);

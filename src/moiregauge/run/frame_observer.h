@@ -49,7 +49,6 @@ class FrameObserver {
   std::vector<std::string> reference_notes_;  // remarks on the reference frame
   std::optional<Follower> follower_;
   std::optional<Observation> last_;
-  PatchWorkspace work_;
   LightMap light_;
   double rounding_ = 0.0;  // largest so far, grey levels or light levels
   RepeatedFrames repeats_;

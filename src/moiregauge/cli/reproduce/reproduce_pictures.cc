@@ -32,7 +32,7 @@ class CaseFilm {
     follower_ = std::make_unique<Follower>(reference_);
   }
   Observation look(const Image<std::uint8_t>& picture) {
-    const Observation seen = observe_two_stage({picture.view(), 8}, reference_, follower_->prediction(), work_);
+    const Observation seen = observe_two_stage({picture.view(), 8}, reference_, follower_->prediction());
     if (!seen.references_seen) throw std::logic_error(scenario_.name + ": " + seen.reference_problem);
     (void)follower_->follow(reference_, seen);
     return seen;
@@ -43,7 +43,7 @@ class CaseFilm {
     for (std::size_t i = 0; i < reference_.site.markers.size(); ++i) {
       const Marker& marker = reference_.site.markers[i];
       if (marker.role != Role::kReference || !marker.grating) continue;
-      const auto now = read_patch(picture.view(), 8, {view, {}}, reference_.plans[i], {}, work_);
+      const auto now = read_patch(picture.view(), 8, {view, {}}, reference_.plans[i], {});
       const auto left = displacement_between(reference_.plans[i], reference_.seen.markers[i].patch, now);
       largest = std::max(largest, length(left) / reference_.view.mm_per_px(marker.grating->centre));
     }
@@ -58,7 +58,6 @@ class CaseFilm {
   Image<std::uint8_t> first_;
   Reference reference_;
   std::unique_ptr<Follower> follower_;
-  PatchWorkspace work_;
 };
 
 // Returns a crop. Parts outside the image are white.

@@ -28,11 +28,10 @@ GreyPicture grey(const simulator::Picture& picture, const Scenario& scenario) {
 struct Walk {
   const Method* method;
   Follower follower;
-  PatchWorkspace work;
   Observations observations;
 
   void see(const GreyPicture& picture, const Reference& reference, long frame, double time_s) {
-    Observation seen = method->observe(picture, reference, follower.prediction(), work);
+    Observation seen = method->observe(picture, reference, follower.prediction());
     seen.frame = frame;
     seen.time_s = time_s;
     observations.push_back(seen);

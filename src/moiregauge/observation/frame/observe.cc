@@ -7,6 +7,7 @@
 #include <span>
 
 #include "moiregauge/geometry/pose.h"
+#include "moiregauge/observation/frame/discs_near.h"
 #include "moiregauge/observation/frame/follow_marker.h"
 #include "moiregauge/observation/frame/slipped_circle.h"
 #include "moiregauge/units/units.h"
@@ -67,8 +68,20 @@ Located as_before(const Reference& reference, const CircleSearch& near, const Id
   return located(reference, near, who);
 }
 
+bool reads_all_gratings(const Reference& reference) {
+  return std::ranges::all_of(reference.circles, [&](const CirclePoint& point) {
+    return reference.site.markers[point.marker].grating && reference.seen.markers[point.marker].patch.valid;
+  });
+}
+
 Located locate(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
                std::size_t least) {
+  // With a grating at each circle, coarse centres suffice: the second homography does not depend on them.
+  if (prediction.expected && reads_all_gratings(reference)) {
+    Identified who;
+    const auto discs = discs_near(picture, reference, *prediction.expected, Rows::kAll, who);
+    if (discs) return located(reference, *discs, who);
+  }
   const IdealFromBoard& last = prediction.view ? *prediction.view : reference.seen.stage1;
   const PreviousCircles previous{Homography<frame::Image, frame::Board>(last.matrix()), 0.0};
   CircleSearch near;
@@ -132,31 +145,30 @@ const DetectedCircle* circle_of_slipped(const Reference& reference, const Locate
 
 // Reads the grating of a slipped reference, with its circle. It counts as covered until its template matches.
 void read_slipped(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                  const DetectedCircle& circle, MarkerObservation& seen, PatchWorkspace& work) {
+                  const DetectedCircle& circle, MarkerObservation& seen) {
   const auto went = view.board(circle.centre) - reference.view.board(reference.seen.markers[i].circle->centre);
   seen.circle = circle;
-  follow_marker(picture, reference, view, i, went, seen, work);
+  follow_marker(picture, reference, view, i, went, seen);
   if (seen.loss == Loss::kNone) seen.loss = Loss::kCovered;
 }
 
 void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                 MarkerObservation& seen, PatchWorkspace& work) {
+                 MarkerObservation& seen) {
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
-  seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], {}, work);
+  seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], {});
   seen.loss = loss_of(reference.seen.markers[i].patch, seen.patch);
 }
 
 }  // namespace
 
-Observation observe_conventional(const GreyPicture& picture, const Reference& reference, const Prediction&,
-                                 PatchWorkspace& work) {
+Observation observe_conventional(const GreyPicture& picture, const Reference& reference, const Prediction&) {
   Observation observation;
   observation.references_seen = true;
   observation.stage1 = observation.stage2 = reference.seen.stage1;
   observation.markers.resize(reference.site.markers.size());
   for (std::size_t i = 0; i < observation.markers.size(); ++i)
-    read_marker(picture, reference, reference.view, i, observation.markers[i], work);
+    read_marker(picture, reference, reference.view, i, observation.markers[i]);
   return observation;
 }
 
@@ -200,7 +212,7 @@ double lag_mm(const GreyPicture& picture, const Reference& reference, const Circ
 }  // namespace
 
 Observation observe_board(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
-                          std::size_t least, PatchWorkspace& work) {
+                          std::size_t least) {
   Observation observation;
   observation.markers.resize(reference.site.markers.size());
   // Step 1: circles, first homography.
@@ -217,7 +229,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   for (std::size_t i = 0; i < now.circles.size(); ++i) observation.markers[i].circle = now.circles[i];
   // Step 2: gratings of the references, whose displacements are added at their circles.
   for (const CirclePoint& point : now.points)
-    read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker], work);
+    read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker]);
   for (const CirclePoint& point : now.points) {
     MarkerObservation& seen = observation.markers[point.marker];
     const auto& at_rest = reference.seen.markers[point.marker].patch;
@@ -234,7 +246,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
       circle = &*now.circles[i];
     else if (!now.circles[i] && now.points.size() + 1 >= kMinReferencesForSlip)
       circle = circle_of_slipped(reference, now, view, point);
-    if (circle) read_slipped(picture, reference, view, i, *circle, observation.markers[i], work);
+    if (circle) read_slipped(picture, reference, view, i, *circle, observation.markers[i]);
   }
   const auto second = second_view(reference, now.points, observation);
   if (!second) {
@@ -247,14 +259,13 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   for (std::size_t i = 0; i < observation.markers.size(); ++i) {
     if (reference.site.markers[i].role != Role::kTarget) continue;
     const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
-    follow_marker(picture, reference, {observation.stage2, reference.lens}, i, travel, observation.markers[i], work);
+    follow_marker(picture, reference, {observation.stage2, reference.lens}, i, travel, observation.markers[i]);
   }
   return observation;
 }
 
-Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
-                              PatchWorkspace& work) {
-  return observe_board(picture, reference, prediction, kMinForHomography, work);
+Observation observe_two_stage(const GreyPicture& picture, const Reference& reference, const Prediction& prediction) {
+  return observe_board(picture, reference, prediction, kMinForHomography);
 }
 
 }  // namespace moiregauge::internal

@@ -23,7 +23,7 @@ struct Prediction {
 // Reads a frame by seed paper 2.1. The camera is assumed fixed: every window stays at its position in the reference
 // frame.
 [[nodiscard]] Observation observe_conventional(const GreyPicture& picture, const Reference& reference,
-                                               const Prediction& prediction, PatchWorkspace& work);
+                                               const Prediction& prediction);
 
 // Fewest references that determine a homography, and the pose of a known camera.
 inline constexpr std::size_t kMinForHomography = 4, kMinForPose = 3;
@@ -32,13 +32,13 @@ inline constexpr std::size_t kMinForHomography = 4, kMinForPose = 3;
 // previous frame identifies the three references.
 // Fails (references_seen = false): reference_problem names the reason.
 [[nodiscard]] Observation observe_board(const GreyPicture& picture, const Reference& reference,
-                                        const Prediction& prediction, std::size_t least, PatchWorkspace& work);
+                                        const Prediction& prediction, std::size_t least);
 
 // Reads a frame by seed paper 2.2, Fig. 5. The circle centres give the first homography, which serves to read the
 // references' gratings. Their displacements, added at the circles, give the second homography, which serves to read the
 // targets.
 [[nodiscard]] Observation observe_two_stage(const GreyPicture& picture, const Reference& reference,
-                                            const Prediction& prediction, PatchWorkspace& work);
+                                            const Prediction& prediction);
 
 // Returns the second homography of Fig. 5: stage 1 of `seen`, corrected at the circles by the displacements of the
 // references' gratings.
@@ -54,6 +54,6 @@ void learn_prints(const GreyPicture& picture, Reference& reference);
 // Reads a frame by tracking, or by detection where tracking fails, and fits every template to the raw pixels. Steps and
 // limits are in docs/methods/precise/frame-reading.md.
 [[nodiscard]] Observation observe_precise(const GreyPicture& picture, const Reference& reference,
-                                          const Prediction& prediction, PatchWorkspace& work);
+                                          const Prediction& prediction);
 
 }  // namespace moiregauge::internal

@@ -52,14 +52,14 @@ bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> 
 // Determines the fringe order of a target from its outline or its circle. Repeats the raster reading if continuity gave
 // another order or lost the target.
 void prove(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-           const Prediction& prediction, MarkerObservation& seen, PatchWorkspace& work) {
+           const Prediction& prediction, MarkerObservation& seen) {
   const auto& outline = reference.prints[i]->outline;
   const Grating& grating = *reference.site.markers[i].grating;
   const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
   if (seen.loss != Loss::kNone && seen.loss != Loss::kTooCoarse && outline) {
     const auto last = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
     const auto found = search_print(picture.luma, view, grating, *outline, last, kLostPitches, is_taken);
-    if (found) follow_marker(picture, reference, view, i, *found, seen, work);
+    if (found) follow_marker(picture, reference, view, i, *found, seen);
   }
   if (seen.loss != Loss::kNone) return;
   if (!outline) {
@@ -70,7 +70,7 @@ void prove(const GreyPicture& picture, const Reference& reference, const View& v
   const OrderVerdict verdict = verify_fringe_order(picture.luma, view, grating, *outline, here, is_taken);
   seen.order = verdict.order;
   if (verdict.order == Order::kProven && length(verdict.moved - here) > 0.0)
-    follow_marker(picture, reference, view, i, verdict.moved, seen, work);
+    follow_marker(picture, reference, view, i, verdict.moved, seen);
 }
 
 // Fits the template of a marker. The raster reads a reference as covered if its window reaches beyond the grating. The
@@ -178,20 +178,19 @@ bool tracked(const GreyPicture& picture, const Reference& reference, const View&
 
 // Reads a marker by the raster first, then by outline and template.
 void look_for(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-              const Prediction& prediction, bool by_raster, MarkerObservation& seen, PatchWorkspace& work) {
+              const Prediction& prediction, bool by_raster, MarkerObservation& seen) {
   const bool may_move = reference.site.markers[i].role == Role::kTarget;
   if (by_raster) {
     const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
-    follow_marker(picture, reference, view, i, travel, seen, work);
+    follow_marker(picture, reference, view, i, travel, seen);
   }
-  if (may_move && reference.prints[i]) prove(picture, reference, view, i, prediction, seen, work);
+  if (may_move && reference.prints[i]) prove(picture, reference, view, i, prediction, seen);
   read(picture, reference, view, i, seen);
 }
 
 }  // namespace
 
-Observation observe_precise(const GreyPicture& picture, const Reference& reference, const Prediction& prediction,
-                            PatchWorkspace& work) {
+Observation observe_precise(const GreyPicture& picture, const Reference& reference, const Prediction& prediction) {
   auto as_expected = track_references(picture, reference, prediction);
   if (as_expected) {
     Observation seen = *std::move(as_expected);
@@ -200,17 +199,17 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
       const Marker& marker = reference.site.markers[i];
       if (marker.role != Role::kTarget || !marker.grating) continue;
       if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
-        look_for(picture, reference, view, i, prediction, true, seen.markers[i], work);
+        look_for(picture, reference, view, i, prediction, true, seen.markers[i]);
     }
     flag_ambiguous_targets(reference, prediction, seen);
     return seen;
   }
   const std::size_t least = reference.knows_camera() ? kMinForPose : kMinForHomography;
-  Observation seen = observe_board(picture, reference, prediction, least, work);
+  Observation seen = observe_board(picture, reference, prediction, least);
   if (!seen.references_seen) return seen;
   const View view{seen.stage2, reference.lens};
   for (std::size_t i = 0; i < seen.markers.size(); ++i)
-    look_for(picture, reference, view, i, prediction, false, seen.markers[i], work);
+    look_for(picture, reference, view, i, prediction, false, seen.markers[i]);
   flag_ambiguous_targets(reference, prediction, seen);
   return seen;
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "moiregauge/observation/frame/disc_centre.h"
+#include "moiregauge/observation/frame/discs_near.h"
 #include "moiregauge/observation/frame/occlusion.h"
 #include "moiregauge/observation/frame/patch_of_points.h"
 
@@ -25,25 +25,6 @@ bool expects_all(const Reference& reference, const Prediction& prediction) {
   return !reference.circles.empty();
 }
 
-// Finds each disc separately. The previous frame identifies them.
-std::optional<CircleSearch> discs(const GreyPicture& picture, const Reference& reference,
-                                  const IdealFromBoard& expected, Rows rows, Identified& who) {
-  const View view{expected, reference.lens};
-  CircleSearch search;
-  who.circle_of_marker.assign(reference.site.markers.size(), -1);
-  who.image_from_board = Homography<frame::Image, frame::Board>(expected.matrix());
-  for (const CirclePoint& point : reference.circles) {
-    DetectedCircle circle = *reference.seen.markers[point.marker].circle;
-    circle.diameter_px = reference.diameter_px(point, view);
-    const auto centre = disc_centre(picture.luma, view(point.board), circle.diameter_px, circle, rows);
-    if (!centre) return std::nullopt;
-    circle.centre = *centre;
-    who.circle_of_marker[point.marker] = static_cast<int>(search.circles.size());
-    search.circles.push_back(circle);
-  }
-  return search;
-}
-
 std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
                                Extent<frame::Board> moved, Rows rows) {
   const PrintModel& print = *reference.prints[i];
@@ -62,7 +43,7 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
                                             const Prediction& prediction, Rows rows) {
   if (!expects_all(reference, prediction)) return std::nullopt;
   Identified who;
-  const auto search = discs(picture, reference, *prediction.expected, rows, who);
+  const auto search = discs_near(picture, reference, *prediction.expected, rows, who);
   if (!search) return std::nullopt;
   const auto points = circle_points(reference.site, reference.lens, *search, who);
   const auto first = fit_circles(points);

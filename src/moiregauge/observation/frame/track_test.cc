@@ -47,8 +47,7 @@ TEST(Track, AgreesWithDetection) {
   const Prediction prediction = as_at_rest(reference);
   const auto seen = track_references(picture, reference, prediction);
   ASSERT_TRUE(seen);
-  PatchWorkspace work;
-  const Observation long_way = observe_board(picture, reference, prediction, kMinForHomography, work);
+  const Observation long_way = observe_board(picture, reference, prediction, kMinForHomography);
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
     const RasterPlan& plan = reference.plans[i];

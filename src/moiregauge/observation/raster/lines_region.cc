@@ -38,8 +38,9 @@ Run longest_alive(const std::vector<double>& modulus) {
 
 }  // namespace
 
-LinesRegion region_mean_of_lines(const FringeField& field, Axis axis, double pitch_px, int region_px) {
-  LinesRegion out{region_mean(field, axis, pitch_px, region_px), 1.0};
+LinesRegion region_mean_of_lines(const FringeField& field, Axis axis) {
+  const int side = std::max(field.fringe.width(), field.fringe.height());
+  LinesRegion out{region_mean(field, axis, kNoCarrier, side), 1.0};
   if (out.phase.valid || field.fringe.width() < 1 || field.fringe.height() < 1) return out;
   const bool along_y = axis == Axis::kX;
   const int whole = along_y ? field.fringe.height() : field.fringe.width();
@@ -52,7 +53,7 @@ LinesRegion region_mean_of_lines(const FringeField& field, Axis axis, double pit
     for (int x = 0; x < part.fringe.width(); ++x)
       part.fringe.at(x, y) = along_y ? field.fringe.at(x, y + run.first) : field.fringe.at(x + run.first, y);
   }
-  RegionPhase phase = region_mean(part, axis, pitch_px, region_px);
+  RegionPhase phase = region_mean(part, axis, kNoCarrier, side);
   const double off_middle = run.first + 0.5 * (run.length - 1) - 0.5 * (whole - 1);
   phase.phase_rad =
       wrapped(phase.phase_rad - off_middle * (along_y ? phase.gradient_y_rad_per_px : phase.gradient_x_rad_per_px));

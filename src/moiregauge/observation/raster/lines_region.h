@@ -13,9 +13,9 @@ struct LinesRegion {
   double share = 1.0;
 };
 
-// Returns the mean phase over the part of the region that still shows the grating. Its modulation there is at least
+// Returns the mean phase over the part of the region (the whole field) that still shows the grating. Its modulation there is at least
 // half of the region's largest. The plane gives the phase at the middle of the whole region.
 // Fails (phase.valid = false): less than one sampling pitch of the length is left.
-[[nodiscard]] LinesRegion region_mean_of_lines(const FringeField& field, Axis axis, double pitch_px, int region_px);
+[[nodiscard]] LinesRegion region_mean_of_lines(const FringeField& field, Axis axis);
 
 }  // namespace moiregauge::internal

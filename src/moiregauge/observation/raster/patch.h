@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "moiregauge/geometry/view.h"
+#include "moiregauge/image/image.h"
 #include "moiregauge/observation/raster/raster.h"
 
 namespace moiregauge::internal {
@@ -28,15 +30,10 @@ struct PatchReading {
   double clipped_share = 0.0;
 };
 
-// Buffers that are reused from frame to frame.
-struct PatchWorkspace {
-  RasterWorkspace raster;
-};
-
 // Reads the grating of `plan`, in a window displaced on the board by `shift` (mm).
 // Fails (valid = false): the window leaves the image, or a phase has no u below 0.1 rad.
 [[nodiscard]] PatchReading read_patch(const LumaView& luma, int bits, const View& view, const RasterPlan& plan,
-                                      Extent<frame::Board> shift, PatchWorkspace& work);
+                                      Extent<frame::Board> shift);
 
 // Share of the reference frame's modulation. Below it the grating is lost, not only dark or blurred. Chosen.
 inline constexpr double kLostModulation = 0.15;

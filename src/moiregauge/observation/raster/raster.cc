@@ -22,65 +22,6 @@ double periodic_part(const Grating& grating, double size_mm) {
   return std::min(size_mm, (2.0 * last + 1.0) * grating.pitch_mm);
 }
 
-// Map from raster pixels, counted from the raster's middle, to the image.
-class RasterPoints {
- public:
-  RasterPoints(const View& view, const RasterPlan& plan, Extent<frame::Board> shift)
-      : view_(view),
-        centre_(plan.centre + shift),
-        c_(std::cos(plan.angle_rad) * plan.step_mm),
-        s_(std::sin(plan.angle_rad) * plan.step_mm) {}
-  [[nodiscard]] ImagePoint operator()(double u, double v) const {
-    return view_(BoardPoint{centre_.x + c_ * u - s_ * v, centre_.y + s_ * u + c_ * v});
-  }
-
- private:
-  const View& view_;
-  BoardPoint centre_;
-  double c_, s_;
-};
-
-// Part of the image under the raster, which the raster's border determines. Empty if a part is outside the image.
-struct Box {
-  int x0 = 0, y0 = 0, width = 0, height = 0;
-};
-
-Box box_round_points(const RasterPoints& points, int side, int width, int height) {
-  const double half = 0.5 * (side - 1);
-  double x0 = width, x1 = 0.0, y0 = height, y1 = 0.0;
-  for (int i = 0; i < side; ++i) {
-    const double at = i - half;
-    for (const ImagePoint p : {points(at, -half), points(at, half), points(-half, at), points(half, at)}) {
-      if (!(p.x >= 1.0 && p.y >= 1.0 && p.x < width - 2 && p.y < height - 2)) return {};
-      x0 = std::min(x0, p.x);
-      x1 = std::max(x1, p.x);
-      y0 = std::min(y0, p.y);
-      y1 = std::max(y1, p.y);
-    }
-  }
-  const int left = std::max(0, static_cast<int>(x0) - kSplineRim), top = std::max(0, static_cast<int>(y0) - kSplineRim);
-  const int right = std::min(width, static_cast<int>(x1) + kSplineRim),
-            bottom = std::min(height, static_cast<int>(y1) + kSplineRim);
-  return {left, top, right - left, bottom - top};
-}
-
-template <typename Grey>
-bool resample_from(const ImageView<Grey>& picture, const RasterPoints& points, int side, RasterWorkspace& work) {
-  const Box box = box_round_points(points, side, picture.width, picture.height);
-  if (box.width == 0) return false;
-  work.spline.fit(picture, box.x0, box.y0, box.width, box.height);
-  if (work.raster.width() != side || work.raster.height() != side) work.raster = Image<double>(side, side);
-  const double middle = 0.5 * (side - 1);
-  for (int j = 0; j < side; ++j) {
-    const auto row = work.raster.row(j);
-    for (int i = 0; i < side; ++i) {
-      const ImagePoint p = points(i - middle, j - middle);
-      if (!work.spline.at(p.x, p.y, row[static_cast<std::size_t>(i)])) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 double fundamental_pitch_mm(const Grating& grating) {
@@ -114,12 +55,6 @@ tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, doub
   plan.side_px = plan.region_px + support;
   plan.clearance_mm = std::max(0.0, 0.5 * (print_px - plan.side_px) - kOversampling * options.edge_px) * plan.step_mm;
   return plan;
-}
-
-bool resample(const LumaView& luma, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
-              RasterWorkspace& work) {
-  const RasterPoints points(view, plan, shift);
-  return std::visit([&](const auto& picture) { return resample_from(picture, points, plan.side_px, work); }, luma);
 }
 
 }  // namespace moiregauge::internal

@@ -63,15 +63,4 @@ inline constexpr int kOversampling = 2;
 [[nodiscard]] tl::expected<RasterPlan, RasterFailure> plan_raster(const Grating& grating, double mm_per_px,
                                                                   const RasterOptions& options);
 
-// Buffers that are reused from one raster to the next.
-struct RasterWorkspace {
-  Image<double> raster;
-  Spline spline;
-};
-
-// Resamples the grey levels of `luma` at the raster's points, displaced on the board by `shift`, into work.raster.
-// Fails (false, raster unspecified): a point is outside the image.
-[[nodiscard]] bool resample(const LumaView& luma, const View& view, const RasterPlan& plan, Extent<frame::Board> shift,
-                            RasterWorkspace& work);
-
 }  // namespace moiregauge::internal

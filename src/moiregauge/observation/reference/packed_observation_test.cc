@@ -27,8 +27,7 @@ struct PackedRig {
     Prediction still;
     still.view = reference.seen.stage1;
     still.travel.resize(reference.site.markers.size());
-    PatchWorkspace work;
-    seen = observe_precise({later.view(), 8}, reference, still, work);
+    seen = observe_precise({later.view(), 8}, reference, still);
     seen.frame = 60;
     seen.time_s = 6.0;
   }

@@ -113,12 +113,11 @@ std::string coarse_message(const Reference& reference, std::size_t i) {
 }
 
 void read_patches(Reference& reference, const GreyPicture& picture) {
-  PatchWorkspace work;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     MarkerObservation& seen = reference.seen.markers[i];
     seen.loss = reference.plan_loss[i];
     if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) continue;
-    seen.patch = read_patch(picture.luma, picture.bits, reference.view, reference.plans[i], {}, work);
+    seen.patch = read_patch(picture.luma, picture.bits, reference.view, reference.plans[i], {});
     if (!seen.patch.valid) seen.loss = Loss::kNoModulation;
   }
 }

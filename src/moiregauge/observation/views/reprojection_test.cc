@@ -67,8 +67,7 @@ struct Film {
 
 Film seen_with(const Site& site, const Camera& lens) {
   Film run{make_reference({picture(0).view(), 8}, site, lens, {}).value(), {}};
-  PatchWorkspace work;
-  run.observations.push_back(observe_two_stage({picture(kLater).view(), 8}, run.reference, {}, work));
+  run.observations.push_back(observe_two_stage({picture(kLater).view(), 8}, run.reference, {}));
   return run;
 }
 

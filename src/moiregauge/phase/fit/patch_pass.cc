@@ -139,16 +139,6 @@ HWY_INLINE double folded(float* lanes) {
   return static_cast<double>((lanes[0] + lanes[2]) + (lanes[1] + lanes[3]));
 }
 
-// Returns sixteen grey levels from (x, y) on. Those beyond the image are zero, and its memory is not read there.
-template <typename Grey>
-const Grey* sixteen(const ImageView<Grey>& picture, int x, int y, Grey (&edge)[kBlockWidth]) {
-  const Grey* const at = picture.row(y).data() + x;
-  if (x + kBlockWidth <= picture.width) return at;
-  std::fill_n(edge, kBlockWidth, Grey{0});
-  std::copy_n(at, picture.width - x, edge);
-  return edge;
-}
-
 // Rows by which memory is fetched ahead. Chosen.
 constexpr int kRowsAhead = 4;
 
@@ -169,7 +159,7 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
       V dx = hn::Iota(d, static_cast<float>(job.box.x0 - job.x + lane));
       V left = hn::Sub(hn::Set(d, static_cast<float>(job.box.x1 - job.x)), dx);
       for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth) {
-        const V grey = greys(sixteen(picture, x, y, edge) + lane);
+        const V grey = greys(pixels_from(picture, x, y, edge) + lane);
         pixels += add_block<kSum>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, lanes, sums);
         dx = hn::Add(dx, step), left = hn::Sub(left, step);
       }

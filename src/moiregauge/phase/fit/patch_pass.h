@@ -35,11 +35,6 @@ struct PatchWindow {
   return Homography<frame::Window, frame::Print>(h);
 }
 
-// Range of pixels, both ends included.
-struct PixelBox {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-};
-
 // Order of the unknowns, in window coordinates (u, v): light b0 bu bv, contrast g0 gu gv, blur along X and Y, width.
 // Then come the terms u^i v^j of dX (i fastest, i, j <= 2), then those of dY.
 inline constexpr int kLightColumns = 6;

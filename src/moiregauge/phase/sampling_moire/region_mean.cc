@@ -117,8 +117,9 @@ RegionPhase region_mean(const FringeField& field, Axis axis, double pitch_px, in
   result.centre_y_px = field.margin + region.y0 + 0.5 * (region.height - 1);
   double least = 0.0;
   const double amplitude = mean_amplitude(field.fringe, region, least);
-  const double response =
-      field.sampling_pitch_px > 0.0 ? window_response(field.sampling_pitch_px, 1.0 / pitch_px) : 1.0;
+  const double response = field.sampling_pitch_px > 0.0 && pitch_px < kNoCarrier
+                              ? window_response(field.sampling_pitch_px, 1.0 / pitch_px)
+                              : 1.0;
   result.modulation = 2.0 * amplitude / std::abs(response);
   // This form of the condition refuses NaN, too.
   if (!(result.modulation > kMinModulation && least > kMinRelativeModulation * amplitude)) return result;
@@ -148,18 +149,21 @@ double phase_bound(double noise_sigma, double modulation, double pixels) {
 double region_mean_uncertainty(double noise_sigma, double modulation, double sampling_pitch_px, double pitch_px,
                                int region_px) {
   const SamplingWindow window(sampling_pitch_px);
-  // Weight of pixel j, counted from the region's first: the taps of all windows of the region that contain it. Each is
-  // rotated to the phase of the window's own pixel.
+  // Sums of the first taps. Each is rotated to the phase of the window's own pixel.
+  const int taps = 2 * window.margin + 1;
+  std::vector<std::complex<double>> first_along{{}};
+  std::vector<double> first_across{0.0};
+  for (int u = -window.margin; u <= window.margin; ++u) {
+    first_along.push_back(first_along.back() + window.along(u) * std::polar(1.0, kTwoPi * u / pitch_px));
+    first_across.push_back(first_across.back() + window.triangle(u));
+  }
+  // Weight of a pixel: the taps of all windows of the region that contain it.
   double along = 0.0, across = 0.0;
-  for (int j = -window.margin; j < region_px + window.margin; ++j) {
-    std::complex<double> weight_along;
-    double weight_across = 0.0;
-    for (int u = std::max(-window.margin, j - region_px + 1); u <= std::min(window.margin, j); ++u) {
-      weight_along += window.along(u) * std::polar(1.0, kTwoPi * u / pitch_px);
-      weight_across += window.triangle(u);
-    }
-    along += std::norm(weight_along);
-    across += weight_across * weight_across;
+  for (int j = 0; j < region_px + taps - 1; ++j) {
+    const auto from = static_cast<std::size_t>(std::max(0, j - region_px + 1));
+    const auto to = static_cast<std::size_t>(std::min(taps, j + 1));
+    along += std::norm(first_along[to] - first_along[from]);
+    across += std::pow(first_across[to] - first_across[from], 2);
   }
   const double sum = static_cast<double>(region_px) * region_px * window_response(sampling_pitch_px, 1.0 / pitch_px);
   return noise_sigma / modulation * std::sqrt(2.0 * along * across) / sum;

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "moiregauge/image/image.h"
 
@@ -78,6 +79,9 @@ inline constexpr double kMinRelativeModulation = 0.1;
 // Grey levels. A smaller modulation is the rounding of an evenly lit sheet (1e-13 of its level). Callers compare a
 // larger one with the camera's noise, by region_mean_uncertainty and the straightness. Chosen.
 inline constexpr double kMinModulation = 1e-6;
+
+// Pitch of a field whose carrier is removed and whose window has the response 1.
+inline constexpr double kNoCarrier = std::numeric_limits<double>::infinity();
 
 // Returns the mean phase over the centred region of `region_px` x `region_px`, or over the whole field if it is
 // smaller. The carrier has the pitch P along `axis`. The phase is unwrapped from the centre outwards, relative to that
