@@ -13,7 +13,7 @@ namespace moiregauge::internal {
 // Locates the disc of each reference circle near its expected position, without detection. The previous frame identifies
 // them in `who`.
 // Fails (nothing): a disc is not there (disc_centre). All must then be detected.
-// Error: about 0.05 px, which suffices where a grating beside each circle is read.
+// Error: about 0.05 px, which suffices where a grating is read at each circle.
 [[nodiscard]] std::optional<CircleSearch> discs_near(const GreyPicture& picture, const Reference& reference,
                                                      const IdealFromBoard& expected, Rows rows, Identified& who);
 

@@ -8,7 +8,7 @@
 
 #include "moiregauge/observation/raster/lines_region.h"
 #include "moiregauge/observation/raster/noise.h"
-#include "moiregauge/phase/sampling_moire/fringe_nodes.h"
+#include "moiregauge/phase/raw_pixels/fringe_nodes.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
@@ -146,8 +146,11 @@ PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const R
 // neither axis is known. A grating is mounted to 0.3 deg. Chosen.
 constexpr double kUpright = 0.99966;
 
-// Returns u of a plane's slope over a side of n points, whose mean has the uncertainty u: u sqrt(12) / n.
-double slope_uncertainty(double u_mean, double side) { return side > 1.0 ? u_mean * std::sqrt(12.0) / side : kNaN; }
+// Returns u of a plane's slope through the means of `cells` cells along a side of n points, whose mean has the uncertainty
+// u: u sqrt(12 / (1 - 1 / cells^2)) / n.
+double slope_uncertainty(double u_mean, double side, int cells) {
+  return side > 1.0 && cells > 1 ? u_mean * std::sqrt(12.0 / (1.0 - 1.0 / (cells * cells))) / side : kNaN;
+}
 
 }  // namespace
 
@@ -192,8 +195,8 @@ PatchReading read_patch(const LumaView& luma, int bits, const View& view, const 
     reading.u_phase_rad[a] = u;
     const double per_px = -mm_per_rad / (cell_px * plan.step_mm);  // RegionPhase counts in nodes
     reading.gradient[a] = {per_px * region.gradient_x_rad_per_px, per_px * region.gradient_y_rad_per_px};
-    reading.u_gradient =
-        slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad, lines.share * plan.region_px * plan.step_mm);
+    reading.u_gradient = slope_uncertainty(reading.u_phase_rad[a] * mm_per_rad,
+                                           lines.share * plan.region_px * plan.step_mm, cells.nodes);
     reading.u_straightness_mm = mm_per_rad / step_px *
                                 region_mean_uncertainty(noise.sigma, region.modulation, plan.sampling_pitch_px,
                                                         pitch_px, std::max(1, static_cast<int>(cell_px)));

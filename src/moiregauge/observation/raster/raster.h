@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Resamples a marker's grating into a square raster along the grating's own axes. This replaces the two warps of the
-// seed paper (Figs. 3 and 5) for the markers' windows only. It reads the raw frame and uses exact coordinates.
+// Plans the square window through which a marker's grating is read, along the grating's own axes. This replaces the two
+// warps of the seed paper (Figs. 3 and 5) for the markers' windows only.
 #pragma once
 
 #include <tl/expected.hpp>
 
-#include "moiregauge/geometry/view.h"
-#include "moiregauge/image/image.h"
-#include "moiregauge/image/spline.h"
 #include "moiregauge/site/site.h"
+#include "moiregauge/units/point.h"
 
 namespace moiregauge::internal {
 
@@ -47,9 +45,8 @@ enum class RasterFailure {
 // px. Pixels do not resolve a shorter fundamental. Chosen.
 inline constexpr double kMinPitchPx = 2.5;
 
-// Raster points per image pixel along each axis. One suffices for an upright cosine. An oblique binary grating at one
-// point per pixel folds its harmonics back into the fundamental: 0.002 px at 20 deg. With two points it is below 0.001
-// px.
+// Raster pixels per image pixel along each axis. They are the unit of the plan. The phase is read from the image's own
+// pixels.
 inline constexpr int kOversampling = 2;
 
 // Returns the period along the axes of the grating's fundamentals, mm. It is the pitch, except for a checkerboard. The

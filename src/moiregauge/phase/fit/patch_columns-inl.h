@@ -46,9 +46,43 @@ struct Table {
   explicit Table(const PrintNodes& nodes) : words(nodes.words.data()) {
     const auto set = [](auto value) { return hn::Set(Float(), static_cast<float>(value)); };
     side = set(nodes.side), per_side = set(1.0F / static_cast<float>(nodes.side)), wide = set(nodes.wide());
-    words_per_node = set(PrintNodes::kWords), one = set(1);
+    words_per_node = set(PrintNodes::kStride), one = set(1);
     for (int k = 0; k < 2 * PrintNodes::kWords; ++k) scale[k] = set(nodes.scale[static_cast<std::size_t>(k)]);
   }
+
+#if HWY_TARGET == HWY_SCALAR
+  // Reads the words of the only lane's node.
+  HWY_INLINE void nodes_of(const std::int32_t* at_node, hn::Vec<Whole> (&out)[PrintNodes::kWords]) const {
+    for (int w = 0; w < PrintNodes::kWords; ++w) out[w] = hn::Set(Whole(), words[at_node[0] + w]);
+  }
+#else
+  // Returns the four words of every fourth node from the first, each in a block of four lanes.
+  template <class D>
+  HWY_INLINE hn::Vec<D> every_fourth(D d, const std::int32_t* at_node) const {
+    if constexpr (hn::MaxLanes(D()) <= 4) {
+      return hn::LoadU(d, words + at_node[0]);
+    } else {
+      const hn::Half<D> half;
+      constexpr int kNodes = static_cast<int>(hn::MaxLanes(D())) / 2;
+      return hn::Combine(d, every_fourth(half, at_node + kNodes), every_fourth(half, at_node));
+    }
+  }
+
+  // Reads the words of each lane's node. Whole nodes are loaded and transposed, because a gather costs more.
+  HWY_INLINE void nodes_of(const std::int32_t* at_node, hn::Vec<Whole> (&out)[PrintNodes::kWords]) const {
+    const Whole d;
+    const hn::RepartitionToWide<Whole> pairs;
+    const auto r0 = every_fourth(d, at_node), r1 = every_fourth(d, at_node + 1), r2 = every_fourth(d, at_node + 2),
+               r3 = every_fourth(d, at_node + 3);
+    const auto low_01 = hn::BitCast(pairs, hn::InterleaveLower(d, r0, r1));
+    const auto low_23 = hn::BitCast(pairs, hn::InterleaveLower(d, r2, r3));
+    const auto high_01 = hn::BitCast(pairs, hn::InterleaveUpper(d, r0, r1));
+    const auto high_23 = hn::BitCast(pairs, hn::InterleaveUpper(d, r2, r3));
+    out[0] = hn::BitCast(d, hn::InterleaveLower(pairs, low_01, low_23));
+    out[1] = hn::BitCast(d, hn::InterleaveUpper(pairs, low_01, low_23));
+    out[2] = hn::BitCast(d, hn::InterleaveLower(pairs, high_01, high_23));
+  }
+#endif
 
   // Returns the node's index in the table, which begins one node before the period.
   HWY_INLINE V node_of(V whole) const {
@@ -60,12 +94,15 @@ struct Table {
     const Whole di;
     const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j);
     const auto node = hn::ConvertTo(di, hn::Mul(plus(node_of(i), node_of(j), wide), words_per_node));
+    alignas(64) std::int32_t at_node[kBlockWidth];
+    hn::Store(node, di, at_node);
+    hn::Vec<Whole> words_of[PrintNodes::kWords];
+    nodes_of(at_node, words_of);
     V a[2 * PrintNodes::kWords];
 #pragma GCC unroll 3
     for (int w = 0; w < PrintNodes::kWords; ++w) {
-      const auto word = hn::GatherIndex(di, words + w, node);
-      a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word))), scale[2 * w]);
-      a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(word)), scale[2 * w + 1]);
+      a[2 * w] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(words_of[w]))), scale[2 * w]);
+      a[2 * w + 1] = hn::Mul(hn::ConvertTo(d, hn::ShiftRight<16>(words_of[w])), scale[2 * w + 1]);
     }
     const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
     const V tx = plus(plus(a[1], u, bx), v, a[4]), ty = plus(plus(a[2], v, by), u, a[4]);

@@ -20,10 +20,12 @@ enum class Sum {
   kShift,
   kBlocks  // squared residual by blocks of the window
 };
-// Returns the number of sums that are kept in registers.
-constexpr int registers_of(Sum sum) {
+// Return the number of sums, and of those that are kept in registers. The others are pending (patch_pass.cc).
+constexpr int sums_of(Sum sum) {
   return sum == Sum::kBlocks ? 1 : sum == Sum::kShift ? kShiftColumns + 1 + kShiftProducts : kColumns + 1;
 }
+constexpr bool is_pending(Sum sum) { return sum == Sum::kRight || sum == Sum::kNormal; }
+constexpr int registers_of(Sum sum) { return is_pending(sum) ? 1 : sums_of(sum); }
 
 // Map from pixels to (u, v). Pixels count from the window's middle one, so that the numbers suit single precision.
 struct PatchJob {

@@ -69,9 +69,86 @@ HWY_INLINE void add_shift(V left, V inside, const Level& l, Registers<Sum::kShif
   }
 }
 
-HWY_INLINE void add_right(V left, const Level& l, V u, V v, Registers<Sum::kRight>& sums) {
-  sums[kColumns] = hn::Add(sums[kColumns], hn::Mul(left, left));
-  expand(left, times(l, left), u, v, [&sums](int k, V value) { sums[k] = hn::Add(sums[k], value); });
+// Blocks of a row whose sums are pending. All sums at once would not fit into registers, so each group of them runs
+// through the blocks on its own.
+struct Pending {
+  static constexpr int kMost = 16;
+  int blocks = 0;
+  // Position in the window, and residual times 1 and times each quantity of the level.
+  alignas(64) float u[kMost][kBlockWidth], v[kMost][kBlockWidth], left[kMost][kBlockWidth], t[kMost][kBlockWidth],
+      tx[kMost][kBlockWidth], ty[kMost][kBlockWidth], bx[kMost][kBlockWidth], by[kMost][kBlockWidth],
+      edge[kMost][kBlockWidth];
+
+  HWY_INLINE void put(V residual, const Level& l, V at_u, V at_v) {
+    const Float d;
+    const Level part = times(l, residual);
+    hn::Store(at_u, d, u[blocks]), hn::Store(at_v, d, v[blocks]), hn::Store(residual, d, left[blocks]);
+    hn::Store(part.t, d, t[blocks]), hn::Store(part.tx, d, tx[blocks]), hn::Store(part.ty, d, ty[blocks]);
+    hn::Store(part.bx, d, bx[blocks]), hn::Store(part.by, d, by[blocks]), hn::Store(part.edge, d, edge[blocks]);
+    ++blocks;
+  }
+};
+
+using LaneRow = float[kBlockWidth];
+
+// Registers for kCount sums from `first` on, which go back to memory at the end.
+template <int kCount>
+struct SumGroup {
+  V sums[kCount];
+  LaneRow* memory;
+  int lane;
+  HWY_INLINE SumGroup(LaneSums& lanes, int first, int at) : memory(lanes.right + first), lane(at) {
+    for (int k = 0; k < kCount; ++k) sums[k] = hn::Load(Float(), memory[k] + lane);
+  }
+  HWY_INLINE void keep() const {
+    for (int k = 0; k < kCount; ++k) hn::Store(sums[k], Float(), memory[k] + lane);
+  }
+  HWY_INLINE void add(int k, V value) { sums[k] = hn::Add(sums[k], value); }
+};
+
+HWY_INLINE void add_field(const Pending& pending, const LaneRow* slopes, int first, int lane, LaneSums& lanes) {
+  const Float d;
+  SumGroup<kFieldColumns> group(lanes, first, lane);
+  for (int b = 0; b < pending.blocks; ++b)
+    expand_field<0>(hn::Load(d, slopes[b]), hn::Load(d, pending.u[b]), hn::Load(d, pending.v[b]),
+                    [&group](int k, V value) { group.add(k, value); });
+  group.keep();
+}
+
+// Adds three sums: of a quantity, and of its products with u and v.
+HWY_INLINE void add_plane(const Pending& pending, const LaneRow* values, int first, int lane, LaneSums& lanes) {
+  const Float d;
+  SumGroup<3> group(lanes, first, lane);
+  for (int b = 0; b < pending.blocks; ++b) {
+    const V value = hn::Load(d, values[b]);
+    group.add(0, value);
+    group.add(1, hn::Mul(value, hn::Load(d, pending.u[b])));
+    group.add(2, hn::Mul(value, hn::Load(d, pending.v[b])));
+  }
+  group.keep();
+}
+
+// Adds the sums of blur and width, and the squared residuals.
+HWY_INLINE void add_shape(const Pending& pending, int lane, LaneSums& lanes) {
+  const Float d;
+  SumGroup<kBlurColumns + kWidthColumns> shape(lanes, kLightColumns, lane);
+  SumGroup<1> squares(lanes, kColumns, lane);
+  for (int b = 0; b < pending.blocks; ++b) {
+    const V left = hn::Load(d, pending.left[b]);
+    shape.add(0, hn::Load(d, pending.bx[b])), shape.add(1, hn::Load(d, pending.by[b]));
+    shape.add(2, hn::Load(d, pending.edge[b]));
+    squares.add(0, hn::Mul(left, left));
+  }
+  shape.keep(), squares.keep();
+}
+
+HWY_INLINE void add_pending(Pending& pending, int lane, LaneSums& lanes) {
+  add_plane(pending, pending.left, 0, lane, lanes);
+  add_plane(pending, pending.t, kLightColumns / 2, lane, lanes);
+  add_shape(pending, lane, lanes);
+  add_field(pending, pending.tx, kBaseColumns, lane, lanes);
+  add_field(pending, pending.ty, kBaseColumns + kFieldColumns, lane, lanes);
+  pending.blocks = 0;
 }
 
 HWY_INLINE void add_normal(V inside, const Level& l, V u, V v, int lane, LaneSums& sums) {
@@ -104,7 +181,7 @@ HWY_INLINE void add_blocks(V left, Mask in, V u, V v, int lane, LaneSums& sums) 
 // the lanes from the middle pixel, px. `there`: lanes inside the box.
 template <Sum kSum, typename Mask>
 HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask there, int lane, LaneSums& lanes,
-                         Registers<kSum>& sums) {
+                         Registers<kSum>& sums, Pending& pending) {
   const Float d;
   const V z = hn::Div(patch.one, plus(row.z, patch.row_z, dx));
   const V u = hn::Mul(plus(row.x, patch.row_x, dx), z), v = hn::Mul(plus(row.y, patch.row_y, dx), z);
@@ -123,7 +200,7 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
   } else if constexpr (kSum == Sum::kShift) {
     add_shift(left, inside, l, sums);
   } else {
-    add_right(left, l, u, v, sums);
+    pending.put(left, l, u, v);
     if constexpr (kSum == Sum::kNormal) add_normal(inside, l, u, v, lane, lanes);
   }
   return static_cast<int>(hn::CountTrue(d, in));
@@ -148,6 +225,8 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
   const Float d;
   const V step = hn::Set(d, float{kBlockWidth});
   Grey edge[kBlockWidth];
+  Pending pending;
+  if constexpr (is_pending(kSum)) std::fill_n(&lanes.right[0][0], (kColumns + 1) * kBlockWidth, 0.0F);
   int pixels = 0;
   for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
     Registers<kSum> sums;
@@ -160,11 +239,17 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
       V left = hn::Sub(hn::Set(d, static_cast<float>(job.box.x1 - job.x)), dx);
       for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth) {
         const V grey = greys(pixels_from(picture, x, y, edge) + lane);
-        pixels += add_block<kSum>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, lanes, sums);
+        pixels += add_block<kSum>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, lanes, sums, pending);
         dx = hn::Add(dx, step), left = hn::Sub(left, step);
+        if constexpr (is_pending(kSum)) {
+          if (pending.blocks == Pending::kMost) add_pending(pending, lane, lanes);
+        }
       }
     }
-    for (int k = 0; k < registers_of(kSum); ++k) hn::Store(sums[k], d, lanes.right[k] + lane);
+    if constexpr (is_pending(kSum))
+      add_pending(pending, lane, lanes);
+    else
+      for (int k = 0; k < registers_of(kSum); ++k) hn::Store(sums[k], d, lanes.right[k] + lane);
   }
   return pixels;
 }
@@ -181,7 +266,7 @@ void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out)
   for (int y = job.box.y0; y <= job.box.y1; y += band) {
     if constexpr (kSum == Sum::kNormal) std::fill_n(&lanes.normal[0][0], kProducts * kBlockWidth, 0.0F);
     out.pixels += add_band<kSum>(job, patch, picture, y, std::min(y + band - 1, job.box.y1), lanes);
-    for (int k = 0; k < registers_of(kSum); ++k) out.sums[static_cast<std::size_t>(k)] += folded(lanes.right[k]);
+    for (int k = 0; k < sums_of(kSum); ++k) out.sums[static_cast<std::size_t>(k)] += folded(lanes.right[k]);
     if constexpr (kSum == Sum::kNormal) {
       for (int i = 0, k = 0; i < kColumns; ++i) {
         for (int j = 0; j <= i; ++j, ++k) (*out.normal)(i, j) += folded(lanes.normal[k]);

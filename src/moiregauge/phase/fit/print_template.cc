@@ -81,7 +81,7 @@ PrintNodes nodes_of(const std::vector<Complex>& series, int order) {
   PrintNodes nodes;
   nodes.side = std::max(kMinSide, kNodesPerPeriod * order);
   const int side = nodes.side, wide = nodes.wide();
-  nodes.words.assign(static_cast<std::size_t>(wide * wide * PrintNodes::kWords), 0);
+  nodes.words.assign(static_cast<std::size_t>(wide * wide * PrintNodes::kStride), 0);
   for (std::size_t k = 0; k < kNodePowers.size(); ++k) {
     const auto table = tabulated(derived(series, order, side, kNodePowers[k]), order, side);
     double most = 1e-30;
@@ -92,7 +92,7 @@ PrintNodes nodes_of(const std::vector<Complex>& series, int order) {
         const int from = ((j - 1 + side) % side) * side + (i - 1 + side) % side;
         const auto whole =
             static_cast<std::int32_t>(std::lround(table[static_cast<std::size_t>(from)] / most * kFullScale));
-        auto& word = nodes.words[static_cast<std::size_t>((j * wide + i) * PrintNodes::kWords) + k / 2];
+        auto& word = nodes.words[static_cast<std::size_t>((j * wide + i) * PrintNodes::kStride) + k / 2];
         word |= static_cast<std::int32_t>(static_cast<std::uint32_t>(whole & 0xffff) << (k % 2 == 0 ? 0 : 16));
       }
     }
@@ -136,7 +136,7 @@ PrintLevel PrintTemplate::at(PrintPoint p) const {
   const auto node = static_cast<std::size_t>((static_cast<int>(j) + 1) * nodes_.wide() + static_cast<int>(i) + 1);
   std::array<double, kNodePowers.size()> a{};
   for (std::size_t k = 0; k < a.size(); ++k) {
-    const std::int32_t word = nodes_.words[node * PrintNodes::kWords + k / 2];
+    const std::int32_t word = nodes_.words[node * PrintNodes::kStride + k / 2];
     a[k] = static_cast<double>(static_cast<std::int16_t>(k % 2 == 0 ? word & 0xffff : word >> 16)) *
            static_cast<double>(nodes_.scale[k]);
   }

@@ -37,6 +37,8 @@ struct PrintLevel {
 // units of the node distance.
 struct PrintNodes {
   static constexpr int kWords = 3;
+  // Words from node to node. A node is loaded as one vector of 16 bytes.
+  static constexpr int kStride = 4;
   int side = 0;  // nodes per pitch; the table has one more on every side
   std::vector<std::int32_t> words;
   std::array<float, 2 * kWords> scale{};

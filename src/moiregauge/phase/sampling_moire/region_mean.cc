@@ -149,13 +149,18 @@ double phase_bound(double noise_sigma, double modulation, double pixels) {
 double region_mean_uncertainty(double noise_sigma, double modulation, double sampling_pitch_px, double pitch_px,
                                int region_px) {
   const SamplingWindow window(sampling_pitch_px);
+  // If T = P, the carrier within the window cancels.
+  const bool is_matched = pitch_px == sampling_pitch_px && window.is_integer();
   // Sums of the first taps. Each is rotated to the phase of the window's own pixel.
   const int taps = 2 * window.margin + 1;
   std::vector<std::complex<double>> first_along{{}};
   std::vector<double> first_across{0.0};
   for (int u = -window.margin; u <= window.margin; ++u) {
-    first_along.push_back(first_along.back() + window.along(u) * std::polar(1.0, kTwoPi * u / pitch_px));
     first_across.push_back(first_across.back() + window.triangle(u));
+    if (is_matched)
+      first_along.emplace_back(first_across.back());
+    else
+      first_along.push_back(first_along.back() + window.along(u) * std::polar(1.0, kTwoPi * u / pitch_px));
   }
   // Weight of a pixel: the taps of all windows of the region that contain it.
   double along = 0.0, across = 0.0;
@@ -165,7 +170,8 @@ double region_mean_uncertainty(double noise_sigma, double modulation, double sam
     along += std::norm(first_along[to] - first_along[from]);
     across += std::pow(first_across[to] - first_across[from], 2);
   }
-  const double sum = static_cast<double>(region_px) * region_px * window_response(sampling_pitch_px, 1.0 / pitch_px);
+  const double response = is_matched ? 1.0 : window_response(sampling_pitch_px, 1.0 / pitch_px);
+  const double sum = static_cast<double>(region_px) * region_px * response;
   return noise_sigma / modulation * std::sqrt(2.0 * along * across) / sum;
 }
 

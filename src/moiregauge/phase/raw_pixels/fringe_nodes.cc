@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/phase/sampling_moire/fringe_nodes.h"
+#include "moiregauge/phase/raw_pixels/fringe_nodes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #define HWY_COMPILE_ALL_ATTAINABLE  // includes the scalar target, which tests compare with the others
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "moiregauge/phase/sampling_moire/fringe_nodes.cc"
+#define HWY_TARGET_INCLUDE "moiregauge/phase/raw_pixels/fringe_nodes.cc"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -20,12 +20,8 @@ namespace moiregauge::internal {
 namespace {
 
 constexpr int kStripWidth = 16;
-// Real and imaginary part of the fringe along X, then of that along Y.
+// Real part and minus the imaginary part of the fringe along X, then of that along Y.
 constexpr int kParts = 4;
-constexpr int kMostRows = 8;  // of a group
-// Groups of rows per period. Chosen.
-constexpr double kGroupsPerPeriod = 14.0;
-
 // Map in single precision. Pixels count from the box's middle one, so that the numbers suit it.
 struct FringeJob {
   std::array<float, 9> from_px{};  // homography, row by row, with last element 1
@@ -34,14 +30,16 @@ struct FringeJob {
   bool is_bent = false;
   std::array<std::array<float, 9>, 2> bend{};
   PixelBox box;
-  int rows = 1;  // of a group
   int nodes = 1;
   float cell = 1.0F, low = 0.0F, window = 1.0F;  // periods: side of a cell, first edge of the region, half the window
+  // A quarter of a pixel, in periods along X and Y. A window is the mean of its values this far to both sides. This removes the part of
+  // its spectrum that pixels would fold onto the carrier.
+  std::array<float, 2> quarter_px{};
 };
 
 // Sixteen lanes of every sum.
 struct FringeLanes {
-  alignas(64) float sums[kMaxNodes * kMaxNodes][kParts][kStripWidth] = {};
+  alignas(64) float sums[kMaxNodes * kMaxNodes][kParts][kStripWidth];
 };
 
 }  // namespace
@@ -81,7 +79,7 @@ HWY_INLINE V polynomial(const float (&c)[kCount], V y) {
 // Cosine and sine of 2 pi X.
 struct Carrier {
   V cosine, sine;
-  // Taylor series of sin(pi x) / x and cos(pi x) in x^2, |x| <= 1/2. The first terms left out are 6e-8 and 7e-9.
+  // Taylor series of sin(pi x) / x and cos(pi x) in x^2, |x| <= 1/2. The first neglected terms are 6e-8 and 7e-9.
   HWY_INLINE explicit Carrier(V periods) {
     const V x = hn::Sub(periods, hn::Round(periods)), y = hn::Mul(x, x);
     const V s = hn::Mul(
@@ -124,23 +122,37 @@ struct Position {
   }
 };
 
-// Weights of positions along one axis in the windows of the cells `first` to `last`. A window is the integral of the
-// triangle of Eq. (2) over the cell.
+// Cells whose windows contain a position, along one axis. None if last < first.
+struct Cells {
+  int first = kMaxNodes, last = -1;
+
+  void include(const Cells& other) { first = std::min(first, other.first), last = std::max(last, other.last); }
+};
+
+// `in`: lanes inside the window, at least one. No other lane counts.
+template <typename Mask>
+HWY_INLINE Cells cells_at(const FringeJob& job, float quarter_px, V at, Mask in) {
+  const Float d;
+  const float low = hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(in, at, all(job.window))));
+  const float high = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(in, at, all(-job.window))));
+  const float reach = 1.0F + quarter_px;
+  return {std::max(0, static_cast<int>((low - reach - job.low) / job.cell)),
+          std::min(job.nodes - 1, static_cast<int>((high + reach - job.low) / job.cell))};
+}
+
+// Weights of a position in the windows of cells. A window is the integral of the triangle of Eq. (2) over its cell.
 struct CellWeights {
-  int first = 0, last = -1;
   V weight[kMaxNodes];
 
-  // `in`: lanes inside the window, at least one. No other lane counts.
-  template <typename Mask>
-  HWY_INLINE CellWeights(const FringeJob& job, V at, Mask in) {
-    const Float d;
-    const float low = hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(in, at, all(job.window))));
-    const float high = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElse(in, at, all(-job.window))));
-    first = std::max(0, static_cast<int>((low - 1.0F - job.low) / job.cell));
-    last = std::min(job.nodes - 1, static_cast<int>((high + 1.0F - job.low) / job.cell));
-    V before = step(hn::Sub(at, all(job.low + static_cast<float>(first) * job.cell)));
-    for (int k = first; k <= last; ++k) {
-      const V after = step(hn::Sub(at, all(job.low + static_cast<float>(k + 1) * job.cell)));
+  HWY_INLINE CellWeights(const FringeJob& job, float quarter_px, V at, const Cells& cells) {
+    const V below = hn::Sub(at, all(quarter_px)), above = hn::Add(at, all(quarter_px));
+    const auto steps = [&](int k) {
+      const V edge = all(job.low + static_cast<float>(k) * job.cell);
+      return hn::Add(step(hn::Sub(below, edge)), step(hn::Sub(above, edge)));
+    };
+    V before = steps(cells.first);
+    for (int k = cells.first; k <= cells.last; ++k) {
+      const V after = steps(k + 1);
       weight[k] = hn::Sub(before, after);
       before = after;
     }
@@ -152,52 +164,76 @@ struct CellWeights {
   }
 };
 
-// Adds `count` rows of the strip from (x, y) on.
-template <typename Grey, bool kIsBent>
-HWY_INLINE void add_strip(const FringeJob& job, const ImageView<Grey>& picture, int x, int y, int count, int lane,
-                          FringeLanes& lanes) {
-  const Float d;
-  const V dx = hn::Iota(d, static_cast<float>(x - job.x + lane));
-  const Strip strip(job, dx);
-  const float middle = static_cast<float>(y - job.y) + 0.5F * static_cast<float>(count - 1);
-  const Position at = Position::of<kIsBent>(job, strip, middle);
-  const V most = all(job.window);
-  const auto in = hn::And(hn::Lt(hn::Max(hn::Abs(at.x), hn::Abs(at.y)), most),
-                          hn::Le(dx, all(static_cast<float>(job.box.x1 - job.x))));
-  if (hn::AllFalse(d, in)) return;
-  V parts[kParts] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  Grey edge[kStripWidth];
-  for (int k = 0; k < count; ++k) {
-    const Position p = Position::of<kIsBent>(job, strip, static_cast<float>(y + k - job.y));
-    const V grey = hn::Sub(greys(pixels_from(picture, x, y + k, edge) + lane), all(job.background));
-    const V part = hn::Mul(grey, p.area);
-    const Carrier cx(p.x), cy(p.y);
-    parts[0] = plus(parts[0], part, cx.cosine), parts[1] = hn::Sub(parts[1], hn::Mul(part, cx.sine));
-    parts[2] = plus(parts[2], part, cy.cosine), parts[3] = hn::Sub(parts[3], hn::Mul(part, cy.sine));
+// Pixels of one row of a strip: their positions and demodulated grey levels, zero outside the window.
+struct FringeRow {
+  V x, y, parts[kParts];
+  Cells along, across;
+
+  HWY_INLINE FringeRow() : x(hn::Zero(Float())), y(x), parts{x, x, x, x} {}
+
+  template <bool kIsBent, typename Grey>
+  HWY_INLINE void read(const FringeJob& job, const Strip& strip, V dx, const Grey* from, float dy) {
+    const Float d;
+    const Position at = Position::of<kIsBent>(job, strip, dy);
+    const auto in = hn::And(hn::Lt(hn::Max(hn::Abs(at.x), hn::Abs(at.y)), all(job.window)),
+                            hn::Le(dx, all(static_cast<float>(job.box.x1 - job.x))));
+    if (hn::AllFalse(d, in)) return;
+    along = cells_at(job, job.quarter_px[0], at.x, in), across = cells_at(job, job.quarter_px[1], at.y, in);
+    x = hn::IfThenElseZero(in, at.x), y = hn::IfThenElseZero(in, at.y);
+    const V grey = hn::Sub(greys(from), all(job.background));
+    const V part = hn::IfThenElseZero(in, hn::Mul(grey, at.area));
+    const Carrier of_x(x), of_y(y);
+    parts[0] = hn::Mul(part, of_x.cosine), parts[1] = hn::Mul(part, of_x.sine);
+    parts[2] = hn::Mul(part, of_y.cosine), parts[3] = hn::Mul(part, of_y.sine);
   }
-  for (V& part : parts) part = hn::IfThenElseZero(in, part);
-  const CellWeights across(job, at.y, in), along(job, at.x, in);
+};
+
+// Adds two rows at once, because a sum costs more to load and store than to compute.
+HWY_INLINE void add_rows(const FringeJob& job, const FringeRow& upper, const FringeRow& lower, int lane,
+                         FringeLanes& lanes) {
+  const Float d;
+  Cells across = upper.across, along = upper.along;
+  across.include(lower.across), along.include(lower.along);
+  if (across.last < across.first) return;
+  const CellWeights upper_y(job, job.quarter_px[1], upper.y, across), lower_y(job, job.quarter_px[1], lower.y, across);
+  const CellWeights upper_x(job, job.quarter_px[0], upper.x, along), lower_x(job, job.quarter_px[0], lower.x, along);
   for (int l = across.first; l <= across.last; ++l) {
     for (int k = along.first; k <= along.last; ++k) {
-      const V weight = hn::Mul(across.weight[l], along.weight[k]);
+      const V u = hn::Mul(upper_y.weight[l], upper_x.weight[k]), v = hn::Mul(lower_y.weight[l], lower_x.weight[k]);
       auto& to = lanes.sums[l * job.nodes + k];
-      for (int s = 0; s < kParts; ++s) hn::Store(plus(hn::Load(d, to[s] + lane), weight, parts[s]), d, to[s] + lane);
+      for (int s = 0; s < kParts; ++s) {
+        const V sum = plus(plus(hn::Load(d, to[s] + lane), u, upper.parts[s]), v, lower.parts[s]);
+        hn::Store(sum, d, to[s] + lane);
+      }
     }
   }
+}
+
+// Adds rows y and y + 1 of the strip from x on.
+template <typename Grey, bool kIsBent>
+HWY_INLINE void add_strip(const FringeJob& job, const ImageView<Grey>& picture, int x, int y, int lane,
+                          FringeLanes& lanes) {
+  const V dx = hn::Iota(Float(), static_cast<float>(x - job.x + lane));
+  const Strip strip(job, dx);
+  Grey edge[kStripWidth];
+  const float dy = static_cast<float>(y - job.y);
+  FringeRow upper, lower;
+  upper.read<kIsBent>(job, strip, dx, pixels_from(picture, x, y, edge) + lane, dy);
+  if (y < job.box.y1) lower.read<kIsBent>(job, strip, dx, pixels_from(picture, x, y + 1, edge) + lane, dy + 1.0F);
+  add_rows(job, upper, lower, lane, lanes);
 }
 
 // Rows by which memory is fetched ahead. Chosen.
 constexpr int kFringeAhead = 8;
 
 template <typename Grey, bool kIsBent>
-void add_rows(const FringeJob& job, const ImageView<Grey>& picture, FringeLanes& lanes) {
-  for (int y = job.box.y0; y <= job.box.y1; y += job.rows) {
-    for (int k = y + kFringeAhead; k < y + kFringeAhead + job.rows && k <= job.box.y1; ++k)
+void add_strips(const FringeJob& job, const ImageView<Grey>& picture, FringeLanes& lanes) {
+  for (int y = job.box.y0; y <= job.box.y1; y += 2) {
+    for (int k = y + kFringeAhead; k < y + kFringeAhead + 2 && k <= job.box.y1; ++k)
       fetch_row(picture, k, job.box.x0, job.box.x1);
-    const int count = std::min(job.rows, job.box.y1 - y + 1);
     for (int x = job.box.x0; x <= job.box.x1; x += kStripWidth) {
       for (int lane = 0; lane < kStripWidth; lane += kStripLanes)
-        add_strip<Grey, kIsBent>(job, picture, x, y, count, lane, lanes);
+        add_strip<Grey, kIsBent>(job, picture, x, y, lane, lanes);
     }
   }
 }
@@ -205,9 +241,9 @@ void add_rows(const FringeJob& job, const ImageView<Grey>& picture, FringeLanes&
 template <typename Grey>
 void add_window(const FringeJob& job, const ImageView<Grey>& picture, FringeLanes& lanes) {
   if (job.is_bent)
-    add_rows<Grey, true>(job, picture, lanes);
+    add_strips<Grey, true>(job, picture, lanes);
   else
-    add_rows<Grey, false>(job, picture, lanes);
+    add_strips<Grey, false>(job, picture, lanes);
 }
 
 void Window8(const FringeJob& job, const ImageView<std::uint8_t>& p, FringeLanes& lanes) { add_window(job, p, lanes); }
@@ -226,14 +262,6 @@ HWY_EXPORT(Window16);
 
 namespace {
 
-// Returns the number of rows of a group, for the shorter of the two periods at the middle pixel.
-int rows_of_group(const Homography<frame::Fringe, frame::Image>& from_middle) {
-  const Matrix2 j = from_middle.jacobian({});
-  const double sum = 0.5 * j.squaredNorm(), det = j.determinant();  // half the sum of the squared singular values
-  const double period_px = 1.0 / std::sqrt(sum + std::sqrt(std::max(0.0, sum * sum - det * det)));
-  return std::clamp(static_cast<int>(period_px / kGroupsPerPeriod), 1, kMostRows);
-}
-
 FringeJob job_of(const FringeMap& map, const FringeRegion& region, const PixelBox& box, double background) {
   FringeJob job;
   job.x = (box.x0 + box.x1) / 2, job.y = (box.y0 + box.y1) / 2;
@@ -248,10 +276,14 @@ FringeJob job_of(const FringeMap& map, const FringeRegion& region, const PixelBo
     for (std::size_t k = 0; k < 9; ++k) job.bend[a][k] = static_cast<float>(map.bend[a][k]);
   }
   job.box = box;
-  job.rows = rows_of_group(Homography<frame::Fringe, frame::Image>(h));
+  const Matrix2 per_px = Homography<frame::Fringe, frame::Image>(h).jacobian({});
+  for (std::size_t a = 0; a < 2; ++a) {
+    const auto row = per_px.row(static_cast<Eigen::Index>(a));
+    job.quarter_px[a] = static_cast<float>(0.25 * row.norm());
+  }
   job.nodes = region.nodes;
   job.cell = static_cast<float>(region.side / region.nodes), job.low = static_cast<float>(-0.5 * region.side);
-  job.window = static_cast<float>(region.window());
+  job.window = static_cast<float>(region.window()) + std::max(job.quarter_px[0], job.quarter_px[1]);
   return job;
 }
 
@@ -275,19 +307,20 @@ std::array<FringeField, 2> fringe_nodes(const LumaView& luma, const FringeMap& m
                                         const PixelBox& box, double background) {
   const FringeJob job = job_of(map, region, box, background);
   FringeLanes lanes;
+  std::fill_n(&lanes.sums[0][0][0], region.nodes * region.nodes * kParts * kStripWidth, 0.0F);
   if (const auto* view = std::get_if<ImageView<std::uint8_t>>(&luma))
     HWY_DYNAMIC_DISPATCH(Window8)(job, *view, lanes);
   else
     HWY_DYNAMIC_DISPATCH(Window16)(job, *std::get_if<ImageView<std::uint16_t>>(&luma), lanes);
   const int n = region.nodes;
-  const double cell = region.side / n, factor = middle_area(job) / (cell * cell);
+  const double cell = region.side / n, factor = 0.25 * middle_area(job) / (cell * cell);
   std::array<FringeField, 2> fields;
   for (FringeField& field : fields) field = {Image<std::complex<double>>(n, n), 0, 1.0 / cell};
   for (int l = 0; l < n; ++l) {
     for (int k = 0; k < n; ++k) {
       const auto& z = lanes.sums[l * n + k];
-      fields[0].fringe.at(k, l) = factor * std::complex<double>(sum_of_lanes(z[0]), sum_of_lanes(z[1]));
-      fields[1].fringe.at(k, l) = factor * std::complex<double>(sum_of_lanes(z[2]), sum_of_lanes(z[3]));
+      fields[0].fringe.at(k, l) = factor * std::complex<double>(sum_of_lanes(z[0]), -sum_of_lanes(z[1]));
+      fields[1].fringe.at(k, l) = factor * std::complex<double>(sum_of_lanes(z[2]), -sum_of_lanes(z[3]));
     }
   }
   return fields;
