@@ -146,8 +146,8 @@ PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const R
 // neither axis is known. A grating is mounted to 0.3 deg. Chosen.
 constexpr double kUpright = 0.99966;
 
-// Returns u of a plane's slope through the means of `cells` cells along a side of n points, whose mean has the uncertainty
-// u: u sqrt(12 / (1 - 1 / cells^2)) / n.
+// Returns u of the slope of a plane fitted to the means of `cells` cells along a side of n points.
+// Model: u sqrt(12 / (1 - 1 / cells^2)) / n, for a mean over all cells with uncertainty u.
 double slope_uncertainty(double u_mean, double side, int cells) {
   return side > 1.0 && cells > 1 ? u_mean * std::sqrt(12.0 / (1.0 - 1.0 / (cells * cells))) / side : kNaN;
 }
