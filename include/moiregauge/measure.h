@@ -11,11 +11,18 @@
 
 namespace moiregauge {
 
-// Frames first, first + step, ... below end.
+// Times first <= t < end of a recording.
+struct TimeRange {
+  Seconds first;
+  Seconds end;
+};
+
+// Frames first, first + step, ... below end. With `time` the frames' times select them, not first and end.
 struct FrameRange {
   long first = 0;
   long end = -1;  // -1: to the end
   long step = 1;
+  std::optional<TimeRange> time = std::nullopt;
 };
 
 // The scale is mandatory: `pitch`, `site` or `site_file`. All else has a default that works.
@@ -25,8 +32,9 @@ struct MeasureOptions {
   std::string site_file;
   std::optional<Camera> camera;  // calibrated; empty: solved from the footage
   std::string camera_file;
-  std::string method = "precise";  // or "two-stage", "conventional"
-  std::optional<double> fps;       // frames per second of a folder of images
+  std::string method = "precise";     // or "two-stage", "conventional"
+  std::optional<double> fps;          // frames per second of a folder of images
+  std::optional<double> slow_motion;  // recorded by stored frame rate: 8 for 240 frames/s stored as 30
   FrameRange frames;
   std::optional<long> reference_frame;  // empty: the first measurable frame
   std::optional<FrameRange> rest;       // frames in which no target moves

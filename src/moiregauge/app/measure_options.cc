@@ -5,10 +5,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <vector>
 
 #include <fmt/format.h>
 
+#include "moiregauge/app/frame_range_text.h"
 #include "moiregauge/base/duration_text.h"
 #include "moiregauge/base/length_text.h"
 #include "moiregauge/base/plain_file.h"
@@ -17,11 +17,6 @@
 
 namespace moiregauge::internal {
 namespace {
-
-bool parse_long(const std::string& text, long& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
-}
 
 std::string method_names() {
   std::string names;
@@ -78,14 +73,6 @@ tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptio
   return {};
 }
 
-tl::expected<FrameRange, UsageError> rest_frames(const std::string& text) {
-  const auto range = frame_range(text);
-  const auto colons = std::count(text.begin(), text.end(), ':');
-  if (!range || colons != 1)
-    return usage(fmt::format("the frames at rest cannot be read: --rest {}: write A:B, half open, e.g. 0:20", text));
-  return range;
-}
-
 tl::expected<double, UsageError> readout_time(const std::string& text) {
   const auto seconds = duration_s(text);
   if (!seconds) return usage(fmt::format("the readout time cannot be read: --readout {}: {}", text, seconds.error()));
@@ -134,26 +121,18 @@ tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintSc
   return scale;
 }
 
-tl::expected<FrameRange, UsageError> frame_range(const std::string& text) {
-  FrameRange range;
-  if (text.empty()) return range;
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == ':')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
-  const auto wrong = [&] {
+tl::expected<void, UsageError> check_times(std::optional<double> fps, std::optional<double> slow_motion) {
+  // One image in eleven days to a million per second: beyond these, times are lost in rounding.
+  if (fps && !(*fps >= 1e-6 && *fps <= 1e6))
     return usage(fmt::format(
-        "the frame selection cannot be read: --frames {}: write A:B or A:B:STEP, half open, e.g. 0:100:2", text));
-  };
-  if (parts.size() < 2 || parts.size() > 3) return wrong();
-  if (!parts[0].empty() && !parse_long(parts[0], range.first)) return wrong();
-  if (!parts[1].empty() && !parse_long(parts[1], range.end)) return wrong();
-  if (parts.size() == 3 && !parts[2].empty() && !parse_long(parts[2], range.step)) return wrong();
-  if (range.first < 0 || range.step < 1 || (!parts[1].empty() && range.end <= range.first)) return wrong();
-  return range;
+        "the frame rate is out of range: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *fps));
+  // A factor below 1 is a time lapse.
+  if (slow_motion && !(*slow_motion >= 1e-6 && *slow_motion <= 1e6))
+    return usage(fmt::format(
+        "the factor is out of range: --slow-motion {}: give the recorded by the stored frame rate, e.g. 8 for 240 "
+        "frames/s stored as 30",
+        *slow_motion));
+  return {};
 }
 
 std::string mistakes_in(const std::string& kind, const std::string& path, const std::string& lines) {
@@ -238,15 +217,14 @@ Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
 }
 
 Parsed parse_frames(const MeasureArgs& args, MeasureOptions& options) {
-  // One image in eleven days to a million per second: beyond these, times are lost in rounding.
-  if (args.fps && !(*args.fps >= 1e-6 && *args.fps <= 1e6))
-    return usage(fmt::format(
-        "the frame rate is out of range: --fps {}: give a number above 0, up to 1000000, e.g. --fps 25", *args.fps));
-  const auto range = frame_range(args.frames);
-  if (!range) return tl::unexpected(range.error());
-  options.frames = *range;
+  if (const auto checked = check_times(args.fps, args.slow_motion); !checked) return checked;
+  if (!args.frames.empty()) {
+    const auto range = frame_range_in(args.frames, kFramesOption);
+    if (!range) return tl::unexpected(range.error());
+    options.frames = *range;
+  }
   if (!args.rest.empty()) {
-    const auto rest = rest_frames(args.rest);
+    const auto rest = frame_range_in(args.rest, kRestOption);
     if (!rest) return tl::unexpected(rest.error());
     options.solve.rest = *rest;
   }

@@ -25,6 +25,7 @@ struct MeasureArgs {
   std::string method{kDefaultMethod};
   std::string camera;
   std::optional<double> fps;
+  std::optional<double> slow_motion;
   std::int64_t max_pixels = InputOptions{}.max_pixels;
   std::optional<long> reference_frame;
   std::string frames;
@@ -54,15 +55,15 @@ struct UsageError {
 }
 
 [[nodiscard]] tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs& args);
-[[nodiscard]] tl::expected<FrameRange, UsageError> frame_range(const std::string& text);
 
 // Each parses one argument that `measure` and `solve` share. Fails: the text is not valid for the option.
 [[nodiscard]] tl::expected<const Method*, UsageError> method_of(const std::string& word);
 [[nodiscard]] tl::expected<Site, UsageError> site_of_file(const std::string& path);
 // Reads a camera file into the options, with its uncertainties.
 [[nodiscard]] tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options);
-[[nodiscard]] tl::expected<FrameRange, UsageError> rest_frames(const std::string& text);  // A:B
-[[nodiscard]] tl::expected<double, UsageError> readout_time(const std::string& text);     // s, from "18ms"
+[[nodiscard]] tl::expected<double, UsageError> readout_time(const std::string& text);  // s, from "18ms"
+// Checks the options that change the frames' times, where they are given.
+[[nodiscard]] tl::expected<void, UsageError> check_times(std::optional<double> fps, std::optional<double> slow_motion);
 
 // Returns nothing if no scale is given.
 [[nodiscard]] tl::expected<std::optional<PrintScale>, UsageError> print_scale_of(const PrintScaleArgs& args);

@@ -11,6 +11,7 @@
 namespace moiregauge::internal {
 
 // Opens any INPUT: a folder of images, a printf pattern (options.sequence), a TIFF stack, else a video file.
+// The times of a slow-motion file are those of the scene.
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
                                                                                 const InputOptions& options);
 

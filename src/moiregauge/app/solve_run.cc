@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/app/frame_range_text.h"
 #include "moiregauge/app/run_figures.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/journal/run_file.h"
@@ -91,9 +92,34 @@ Done choose_rest(const SolveArgs& args, MeasureOptions& options) {
     options.solve.rest.reset();
     return {};
   }
-  const auto rest = rest_frames(args.rest);
+  const auto rest = frame_range_in(args.rest, kRestOption);
   if (!rest) return tl::unexpected(rest.error());
   options.solve.rest = *rest;
+  return {};
+}
+
+// Gives every frame another time. Without --fps the stored times are kept, and only the factor is replaced.
+Done retime(const SolveArgs& args, StoredRun& run) {
+  if (const auto checked = check_times(args.fps, args.slow_motion); !checked) return checked;
+  ObservationLog& seen = run.seen;
+  if (args.fps || args.slow_motion) {
+    const double factor = args.slow_motion.value_or(seen.input.slow_motion);
+    const double stretch = seen.input.slow_motion / factor;
+    const auto time_of = [&](const Observation& frame) {
+      return args.fps ? static_cast<double>(frame.frame) / *args.fps / factor : frame.time_s * stretch;
+    };
+    for (std::size_t n = 0; n < seen.observations.size(); ++n) {
+      Observation frame = seen.observations[n];
+      frame.time_s = time_of(frame);
+      seen.observations.replace(n, frame);
+    }
+    if (seen.reference) seen.reference->seen.time_s = time_of(seen.reference->seen);
+    seen.input.fps = args.fps ? *args.fps * factor : seen.input.fps / stretch;
+    seen.input.slow_motion = factor;
+    if (args.fps) seen.input.time_source = "fps-option";
+    if (args.fps) std::erase(seen.notes, kNoTimesNote);
+  }
+  if (const auto problem = time_problem(run.options, seen.input)) return usage(*problem);
   return {};
 }
 
@@ -140,7 +166,7 @@ tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const R
   if (!stored) return failed(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
   for (const Done& done : {choose_method(args, stored->options), choose_rest(args, stored->options),
-                           choose_readout(args, stored->options), restate(args, *stored)}) {
+                           choose_readout(args, stored->options), retime(args, *stored), restate(args, *stored)}) {
     if (!done) return failed(Exit::kUsage, done.error().message);
   }
   const std::string output = args.output.empty() ? args.run : args.output;

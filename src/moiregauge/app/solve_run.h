@@ -18,7 +18,9 @@ struct SolveArgs {
   std::string site;
   std::string camera;
   std::string method;
-  std::string rest;  // A:B, or "none"
+  std::string rest;  // A:B in frames or seconds, or "none"
+  std::optional<double> fps;
+  std::optional<double> slow_motion;
   std::string readout;
   PrintScaleArgs print_scale;
   std::string output;  // empty: the run's own folder, whose results are replaced

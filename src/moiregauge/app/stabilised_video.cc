@@ -128,12 +128,13 @@ double stamp_of(const Frame& shot, long count, const InputInfo& info, double las
 tl::expected<bool, std::string> write_film(FrameSource& source, const Film& film, const FrameRange& frames,
                                            VideoWriter& writer, const RunCallbacks& callbacks) {
   const InputInfo info = source.info();
+  FrameSelector selector(frames);
   long count = 0;
   double last = -1e9;
   while (true) {
     const auto shot = source.next();
     if (!shot || !*shot) break;  // `measure` has reported an input that ends early
-    if (!frames.holds((*shot)->number)) continue;
+    if (!selector.holds((*shot)->number, (*shot)->time_s)) continue;
     last = stamp_of(**shot, count, info, last);
     const auto page = film.frame(**shot, info.bits);
     if (auto added = writer.add(page.view(), last); !added) return tl::unexpected(added.error());

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/base/utc_text.h"
 #include "moiregauge/decoder/child/child_process.h"
 #include "moiregauge/decoder/stored/stored_source.h"
 
@@ -72,6 +73,7 @@ class VideoSource final : public FrameSource {
     info_.tone = {{static_cast<ToneCurve::Kind>(record->tone_kind), record->tone_gamma, record->is_full_range != 0},
                   is_tagged ? ToneSource::kTag : ToneSource::kAssumed};
     info_.codec = wire::get(record->what);
+    info_.start_utc = utc_text(wire::get(record->advice));
     info_.fps = fps_.value_or(record->fps);
     info_.time_source = fps_ ? "fps-option" : "stream";
     slots_ = record->slots;

@@ -62,7 +62,11 @@ Marker internal_marker(const moiregauge::Marker& marker) {
   return out;
 }
 
-FrameRange internal_range(const moiregauge::FrameRange& range) { return {range.first, range.end, range.step}; }
+FrameRange internal_range(const moiregauge::FrameRange& range) {
+  FrameRange out{range.first, range.end, range.step};
+  if (range.time) out.seconds = TimeRange{range.time->first.value(), range.time->end.value()};
+  return out;
+}
 
 moiregauge::Expected<void> set_scale(const moiregauge::MeasureOptions& options, MeasureOptions& out) {
   const int stated = (options.pitch ? 1 : 0) + (options.site ? 1 : 0) + (options.site_file.empty() ? 0 : 1);
@@ -160,6 +164,8 @@ moiregauge::Expected<MeasureOptions> to_internal(const moiregauge::MeasureOption
   for (const auto set : {set_scale, set_camera}) {
     if (const auto done = set(options, out); !done) return tl::unexpected(done.error());
   }
+  if (const auto checked = check_times(options.fps, options.slow_motion); !checked)
+    return public_error(Exit::kUsage, checked.error().message);
   out.frames = internal_range(options.frames);
   out.reference_frame = options.reference_frame;
   if (options.rest) out.solve.rest = internal_range(*options.rest);

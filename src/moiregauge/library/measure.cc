@@ -76,6 +76,7 @@ Expected<Result> measure(const std::string& input, const MeasureOptions& options
   internal::RunRequest request;
   request.input = input;
   request.input_options.fps = options.fps;
+  request.input_options.slow_motion = options.slow_motion;
   request.input_options.threads = options.threads;
   request.options = *std::move(wanted);
   request.output = options.output;

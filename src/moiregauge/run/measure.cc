@@ -105,6 +105,10 @@ void note_damage(Measurement& out, const InputError& error) {
 }
 
 std::string as_typed(const FrameRange& range) {
+  if (range.seconds)
+    return fmt::format("{}s:{}{}", range.seconds->first_s,
+                       std::isinf(range.seconds->end_s) ? std::string{} : fmt::format("{}s", range.seconds->end_s),
+                       range.step != 1 ? fmt::format(":{}", range.step) : std::string{});
   return fmt::format("{}:{}{}", range.first, range.end >= 0 ? std::to_string(range.end) : std::string{},
                      range.step != 1 ? fmt::format(":{}", range.step) : std::string{});
 }
@@ -150,8 +154,9 @@ InputError not_the_same(const std::string& path) {
       fmt::format("the unfinished run cannot be resumed: {} has other frames now: start again with --restart", path)};
 }
 
+// Returns the number of frames that will be measured. -1: unknown.
 long selected(const FrameRange& range, long frames) {
-  if (frames < 0 && range.end < 0) return -1;
+  if (range.seconds || (frames < 0 && range.end < 0)) return -1;
   const long end = frames < 0 ? range.end : range.end < 0 ? frames : std::min(range.end, frames);
   return std::max(0L, (end - range.first + range.step - 1) / range.step);
 }
@@ -159,6 +164,7 @@ long selected(const FrameRange& range, long frames) {
 tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, Run& run,
                                            Measurement& out, const OnProgress& on_progress) {
   const long expected = selected(options.frames, source.info().frames);
+  FrameSelector selector(options.frames);
   long frames = 0;  // read so far
   while (true) {
     auto frame = source.next();
@@ -170,8 +176,8 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     if (!*frame) break;
     const Frame& now = **frame;
     frames = now.number + 1;
-    if (options.frames.end >= 0 && now.number >= options.frames.end) break;
-    if (!options.frames.holds(now.number)) continue;
+    if (selector.is_past(now.number, now.time_s)) break;
+    if (!selector.holds(now.number, now.time_s)) continue;
     if (!run.is_kept())
       run.measure_frame(now, source);
     else if (!run.pass_over(now))
@@ -185,10 +191,7 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
   if (run.is_kept()) return tl::unexpected(not_the_same(source.info().path));
   if (frames == 0) return tl::unexpected(no_pictures(source.info().path));
   if (out.observations.empty() && !out.interrupted)
-    out.contradiction =
-        no_such_frame(fmt::format("--frames {}:{}", options.frames.first,
-                                  options.frames.end >= 0 ? fmt::format("{}", options.frames.end) : std::string{}),
-                      source.info(), frames);
+    out.contradiction = no_such_frame("--frames " + as_typed(options.frames), source.info(), frames);
   return {};
 }
 
@@ -245,7 +248,35 @@ std::string rest_contradiction(const Measurement& measured, const MeasureOptions
       as_typed(*options.solve.rest));
 }
 
+// Returns the rest frames by number. Fails with a contradiction: none of them was measured.
+tl::expected<std::optional<FrameRange>, std::string> rest_in_frames(const MeasureOptions& options,
+                                                                    const Measurement& measured) {
+  if (!options.solve.rest) return std::nullopt;
+  auto rest = in_frames(*options.solve.rest, measured.observations);
+  // The reference frame may be outside the selection.
+  const auto& reference = measured.reference->seen;
+  if (options.solve.rest->seconds && FrameSelector(*options.solve.rest).holds(reference.frame, reference.time_s)) {
+    if (!rest) rest = FrameRange{reference.frame, reference.frame + 1};
+    rest->first = std::min(rest->first, reference.frame);
+    if (rest->end >= 0) rest->end = std::max(rest->end, reference.frame + 1);
+  }
+  if (!rest)
+    return tl::unexpected(
+        fmt::format("none of the measured frames is in the range: --rest {}", as_typed(*options.solve.rest)));
+  return rest;
+}
+
 }  // namespace
+
+std::optional<std::string> time_problem(const MeasureOptions& options, const InputInfo& input) {
+  if (!std::isnan(input.fps)) return std::nullopt;
+  std::string needs_times;
+  if (options.frames.seconds) needs_times = "--frames " + as_typed(options.frames);
+  if (options.solve.rest && options.solve.rest->seconds) needs_times = "--rest " + as_typed(*options.solve.rest);
+  if (input.slow_motion != 1.0) needs_times = fmt::format("--slow-motion {}", input.slow_motion);
+  if (needs_times.empty()) return std::nullopt;
+  return fmt::format("the frames of the input have no times: {}: give --fps", needs_times);
+}
 
 void evaluate(const MeasureOptions& options, Measurement& out) {
   out.warnings = out.notes;
@@ -264,6 +295,11 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   if (auto note = note_on_first_frames(out, options)) out.warnings.push_back(*std::move(note));
   SolveOptions how = options.solve;
   how.rotation_deg = out.input.rotation_deg;
+  auto rest = rest_in_frames(options, out);
+  if (rest)
+    how.rest = *rest;
+  else
+    how.rest.reset();
   Solution solution = options.method->solve(*out.reference, out.observations, how);
   out.samples = std::move(solution.samples);
   out.chi2_dof = std::move(solution.chi2_dof);
@@ -272,6 +308,7 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved)
     out.warnings.push_back("the method two-stage was used instead of precise: " + out.scene->problem);
+  if (!rest) out.contradiction = std::move(rest.error());
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
   if (auto fault = distrust_processed(out.processing, is_lossy(out.observations), out.samples)) {
     if (!fault->warning.empty()) out.warnings.push_back(std::move(fault->warning));
@@ -300,12 +337,16 @@ tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const M
                                                   const OnProgress& on_progress, RunHooks doors) {
   Measurement out;
   Run run(options, out, std::move(doors));
+  auto source = open();
+  if (!source) return tl::unexpected(source.error());
+  if (auto problem = time_problem(options, (*source)->info())) {
+    out.contradiction = *std::move(problem);
+    return out;
+  }
   if (options.reference_frame) {
     if (auto done = refer_to_frame(open, *options.reference_frame, run, out); !done)
       return tl::unexpected(done.error());
   }
-  auto source = open();
-  if (!source) return tl::unexpected(source.error());
   out.input = (*source)->info();
   if (out.reference || !options.reference_frame) {
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
@@ -315,9 +356,7 @@ tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const M
   out.processing = run.processing();
   if (auto note = run.note_on_repeats()) out.notes.push_back(*std::move(note));
   out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
-  if (std::isnan(out.input.fps))
-    out.notes.emplace_back(
-        "note: time_s is NaN and there are no spectra, because the images have no times. Give --fps");
+  if (std::isnan(out.input.fps)) out.notes.emplace_back(kNoTimesNote);
   return out;
 }
 

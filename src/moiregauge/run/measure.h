@@ -96,6 +96,13 @@ struct RunHooks {
 [[nodiscard]] tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
                                                                 const OnProgress& on_progress, RunHooks doors = {});
 
+// Returns the contradiction of options that need times with an input without them, as "what happened: where".
+[[nodiscard]] std::optional<std::string> time_problem(const MeasureOptions& options, const InputInfo& input);
+
+// Note on a run without times.
+inline constexpr char kNoTimesNote[] =
+    "note: time_s is NaN and there are no spectra, because the images have no times. Give --fps";
+
 // Completes frames before the reference frame, when the number of markers was unknown: all their markers become not
 // seen.
 void complete_markers(ObservationLog& seen);

@@ -12,6 +12,13 @@ void add_print_scale(CLI::App& command, PrintScaleArgs& args) {
       ->type_name("U");
 }
 
+void add_slow_motion(CLI::App& command, std::optional<double>& factor) {
+  command
+      .add_option("--slow-motion", factor,
+                  "recorded by stored frame rate, e.g. 8 for 240 frames/s stored as 30; divides all times")
+      ->type_name("FACTOR");
+}
+
 void add_figures(CLI::App& command, std::string& formats) {
   command.add_option("--figures", formats, "also draw figures for a paper into DIR/figures; several formats: pdf,svg")
       ->type_name("pdf|svg|png");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,9 @@ namespace moiregauge::internal::cli {
 
 // Adds --print-scale and --u-print-scale.
 void add_print_scale(CLI::App& command, PrintScaleArgs& args);
+
+// Adds --slow-motion.
+void add_slow_motion(CLI::App& command, std::optional<double>& factor);
 
 // Adds --figures.
 void add_figures(CLI::App& command, std::string& formats);

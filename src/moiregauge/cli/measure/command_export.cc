@@ -2,14 +2,13 @@
 #include "moiregauge/cli/measure/command_export.h"
 
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "moiregauge/app/measure_options.h"
+#include "moiregauge/app/frame_range_text.h"
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/cli/common/exit_line.h"
@@ -24,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportWords {
-  std::string run, format = "wide", output, time, gaps = "refuse";
+  std::string run, format = "wide", output, time, frames, gaps = "refuse";
   std::vector<std::string> markers;
   bool only_ok = false, replace = false, quiet = false;
 };
@@ -34,7 +33,7 @@ using Text = tl::expected<std::string, std::string>;
 Text hdf5_of(const RunTable& table, Gaps) {
   std::string bytes = displacement_h5(table);
   if (bytes.empty())
-    return tl::unexpected(std::string("there is not enough memory: --format hdf5: choose fewer rows with --time"));
+    return tl::unexpected(std::string("there is not enough memory: --format hdf5: choose fewer rows with --frames"));
   return bytes;
 }
 
@@ -57,21 +56,13 @@ const Format* format_named(const std::string& name) {
   return nullptr;
 }
 
-// Reads "2:8.5"; either end may be missing.
-std::optional<std::pair<std::optional<double>, std::optional<double>>> time_range(const std::string& text) {
-  const auto colon = text.find(':');
-  if (colon == std::string::npos) return std::nullopt;
-  std::array<std::optional<double>, 2> ends;
-  const std::array<std::string, 2> parts{text.substr(0, colon), text.substr(colon + 1)};
-  for (std::size_t k = 0; k < 2; ++k) {
-    if (parts[k].empty()) continue;
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(parts[k].data(), parts[k].data() + parts[k].size(), value);
-    if (error != std::errc{} || end != parts[k].data() + parts[k].size()) return std::nullopt;
-    ends[k] = value;
-  }
-  if (ends[0] && ends[1] && !(*ends[1] > *ends[0])) return std::nullopt;
-  return std::pair{ends[0], ends[1]};
+// Reads --frames, or the seconds of --time.
+tl::expected<FrameRange, UsageError> range_of(const ExportWords& words) {
+  if (!words.time.empty() && !words.frames.empty())
+    return usage("--time and --frames exclude each other: export: give one of them");
+  if (!words.frames.empty()) return frame_range_in(words.frames, kFramesOption);
+  if (!words.time.empty()) return seconds_in_range(words.time, kTimeOption);
+  return FrameRange{};
 }
 
 constexpr const char* kStandardOutput = "-";
@@ -101,15 +92,8 @@ int run(const ExportWords& words) {
   if (words.gaps != "refuse" && words.format != "uff58")
     return fail(Exit::kUsage, fmt::format("the format {} keeps gaps: --gaps {}: remove it, or give --format uff58",
                                           words.format, words.gaps));
-  Selection selection{words.markers, {}, {}, words.only_ok};
-  if (!words.time.empty()) {
-    const auto range = time_range(words.time);
-    if (!range)
-      return fail(Exit::kUsage,
-                  fmt::format("the time range cannot be read: --time {}: write seconds A:B, half open, e.g. 2:8.5",
-                              words.time));
-    selection.from_s = range->first, selection.until_s = range->second;
-  }
+  const auto range = range_of(words);
+  if (!range) return fail(Exit::kUsage, range.error().message);
   const std::string output = words.output.empty() ? default_output(words.run, format->ending) : words.output;
   const bool to_stdout = output == kStandardOutput;
   if (!to_stdout) {
@@ -120,7 +104,7 @@ int run(const ExportWords& words) {
   if (!table->complete && !words.quiet)
     print_note(fmt::format(
         "warning: the exported samples are incomplete: {} was interrupted, or its input is damaged\n", words.run));
-  const auto chosen = selected(*std::move(table), selection);
+  const auto chosen = selected(*std::move(table), {words.markers, *range, words.only_ok});
   if (!chosen) return fail(Exit::kUsage, chosen.error());
   const auto bytes = format->write(*chosen, words.gaps == "split" ? Gaps::kSplit : Gaps::kRefuse);
   if (!bytes) return fail(Exit::kUsage, bytes.error());
@@ -147,6 +131,8 @@ void add_export(CLI::App& app, int& exit_code) {
   command->add_option("--format", words->format, "wide, long (CSV), hdf5 or uff58 [wide]")
       ->type_name("wide|long|hdf5|uff58");
   command->add_option("--markers", words->markers, "only these targets: A,B [all]")->type_name("NAMES")->delimiter(',');
+  command->add_option("--frames", words->frames, "only these frames, half open: A:B, or seconds, e.g. 1.5s:3s [all]")
+      ->type_name("A:B:STEP");
   command->add_option("--time", words->time, "only these seconds, half open: A:B [all]")->type_name("A:B");
   command->add_flag("--only-ok", words->only_ok, "write NaN for rows that are not `ok`");
   command

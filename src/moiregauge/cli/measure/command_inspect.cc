@@ -140,7 +140,7 @@ int run(const InspectWords& args) {
   if (!is_free(output, "inspect.json"))
     return fail(Exit::kUsage, fmt::format("the output folder holds other files: {}: choose another with -o", output));
   const auto source =
-      open_input(input, {args.measure.fps, args.measure.sequence, args.measure.threads, args.measure.max_pixels});
+      open_input(input, {args.measure.fps, {}, args.measure.sequence, args.measure.threads, args.measure.max_pixels});
   if (!source) return fail(Exit::kInputUnreadable, source.error().message);
   if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
   const auto frame = frame_of(**source, args.frame, args.measure.quiet);

@@ -27,7 +27,7 @@ tl::expected<RunRequest, UsageError> request_of(const MeasureArgs& args) {
   if (!figures) return tl::unexpected(figures.error());
   request.figures = *std::move(figures);
   request.input = args.input;
-  request.input_options = {args.fps, args.sequence, args.threads, args.max_pixels};
+  request.input_options = {args.fps, args.slow_motion, args.sequence, args.threads, args.max_pixels};
   request.output = args.output.empty() ? default_output(args.input) : args.output;
   request.earlier = args.resume ? Earlier::kResume : args.restart ? Earlier::kRestart : Earlier::kAsk;
   request.stabilised = args.stabilised;
@@ -85,10 +85,15 @@ void add_camera(CLI::App& command, MeasureArgs& args) {
 
 void add_frames(CLI::App& command, MeasureArgs& args) {
   command.add_option("--fps", args.fps, "frames per second of a folder of images")->type_name("N");
+  add_slow_motion(command, args.slow_motion);
   command.add_option("--reference-frame", args.reference_frame, "frame of zero displacement [first measurable frame]")
       ->type_name("N");
-  command.add_option("--frames", args.frames, "only these frames, half open: A:B or A:B:STEP")->type_name("A:B:STEP");
-  command.add_option("--rest", args.rest, "frames in which no target moves, half open: A:B")->type_name("A:B");
+  command
+      .add_option("--frames", args.frames,
+                  "only these frames, half open: A:B or A:B:STEP, also in seconds, e.g. 1.5s:3s")
+      ->type_name("A:B:STEP");
+  command.add_option("--rest", args.rest, "frames in which no target moves, half open: A:B, or seconds, e.g. 0s:2s")
+      ->type_name("A:B");
   command.add_flag("--sequence", args.sequence, "INPUT is a printf pattern such as shot%04d.png");
 }
 

@@ -35,8 +35,11 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--camera", args->camera, "calibrated camera, our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command
       ->add_option("--rest", args->rest,
-                   "frames in which no target moves, half open: A:B; none: ignore those of the run")
+                   "frames in which no target moves, half open: A:B, or seconds, e.g. 0s:2s; none: ignore those of the "
+                   "run")
       ->type_name("A:B|none");
+  command->add_option("--fps", args->fps, "frames per second, for a run without times")->type_name("N");
+  add_slow_motion(*command, args->slow_motion);
   command->add_option("--readout", args->readout, "rolling shutter: readout time from first to last row, e.g. 18ms")
       ->type_name("TIME");
   add_print_scale(*command, args->print_scale);

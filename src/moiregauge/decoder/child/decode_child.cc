@@ -121,6 +121,7 @@ bool Child::make_slots(const VideoStream& stream) {
   opened.frames = stream.frames();
   opened.fps = stream.fps();
   wire::put(opened.what, stream.codec());
+  wire::put(opened.advice, stream.stated_start());
   slot_bytes_ = wire::slot_bytes(opened.width, opened.height, opened.bits);
   opened.slots = wire::slots_for(slot_bytes_);
   const std::size_t bytes = slot_bytes_ * static_cast<std::size_t>(opened.slots);

@@ -66,7 +66,7 @@ struct Record {
   std::int32_t is_full_range = 1;
   double tone_gamma = 1.0;
   Text what{};    // kOpened: codec; kWarning, kFailed: problem
-  Text advice{};  // kFailed: remedy
+  Text advice{};  // kFailed: remedy; kOpened: start time as stated in the file
 };
 static_assert(std::is_trivially_copyable_v<Record>);
 

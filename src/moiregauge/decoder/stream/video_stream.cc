@@ -305,6 +305,14 @@ double VideoStream::fps() const {
   return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string VideoStream::stated_start() const {
+  for (const AVDictionary* of : {container_->metadata, stream_->metadata}) {
+    const AVDictionaryEntry* entry = av_dict_get(of, "creation_time", nullptr, 0);
+    if (entry != nullptr && entry->value != nullptr) return entry->value;
+  }
+  return {};
+}
+
 std::string VideoStream::codec() const { return avcodec_get_name(stream_->codecpar->codec_id); }
 
 tl::expected<int, VideoProblem> VideoStream::rotation_deg() const {

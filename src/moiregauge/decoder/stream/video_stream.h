@@ -59,6 +59,8 @@ class VideoStream {
   [[nodiscard]] long frames() const;  // -1: not stated
   [[nodiscard]] double fps() const;   // NaN: unknown
   [[nodiscard]] std::string codec() const;
+  // Returns the creation time of the file as stated in it; empty: not stated.
+  [[nodiscard]] std::string stated_start() const;
   // Returns the clockwise rotation (a multiple of 90) that shows the image upright. Fails if it is mirrored or oblique.
   [[nodiscard]] tl::expected<int, VideoProblem> rotation_deg() const;
 

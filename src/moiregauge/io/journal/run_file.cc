@@ -26,7 +26,7 @@ struct RunEnd {
 template <>
 inline constexpr std::size_t kFields<RunEnd> = 7;
 template <>
-inline constexpr AddedFields kAdded<RunEnd>{3, 1, 4};
+inline constexpr std::array kAdded<RunEnd>{AddedFields{3, 1, 4}, AddedFields{}};
 template <>
 inline constexpr std::size_t kFields<RunStart> = 5;
 

@@ -284,7 +284,8 @@ TEST_P(RunFileOfVersion, IsReadAndSolved) {
 
 INSTANTIATE_TEST_SUITE_P(Earlier, RunFileOfVersion,
                          testing::Values(EarlierRun{2, {-0.001842, -0.004957}, {0.998911, 1.997619}},
-                                         EarlierRun{3, {-0.001842, -0.004957}, {0.998911, 1.997619}}),
+                                         EarlierRun{3, {-0.001842, -0.004957}, {0.998911, 1.997619}},
+                                         EarlierRun{4, {-0.002260, -0.003939}, {0.982917, 1.967867}}),
                          [](const auto& earlier) { return fmt::format("Version{}", earlier.param.version); });
 
 TEST(RunFile, AnEarlierVersionCannotBeContinued) {

@@ -37,6 +37,7 @@ std::optional<std::string> difference(const StoredRun& kept, const RunStart& sta
   if (!same(then.observe.template_use, options.observe.template_use)) return "--template differs";
   if (!same(then.tone, options.tone)) return "--tone differs";
   if (!same(kept.start.fps, start.fps)) return "--fps differs";
+  if (!same(kept.start.input.slow_motion, start.input.slow_motion)) return "--slow-motion differs";
   if (kept.start.sequence != start.sequence) return "--sequence differs";
   MeasureOptions as_then = options;
   as_then.solve.rest = then.solve.rest;  // --rest does not change the observations

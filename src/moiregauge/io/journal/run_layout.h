@@ -48,11 +48,12 @@ template <> inline constexpr std::size_t kFields<CircleSearch> = 2;
 template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 
 // Run.
-template <> inline constexpr std::size_t kFields<InputInfo> = 12;
+template <> inline constexpr std::size_t kFields<InputInfo> = 14;
 template <> inline constexpr std::size_t kFields<CameraProcessing> = 4;
 template <> inline constexpr std::size_t kFields<GrainSums> = 3;
 template <> inline constexpr std::size_t kFields<SlopeSteps> = 2;
-template <> inline constexpr std::size_t kFields<FrameRange> = 3;
+template <> inline constexpr std::size_t kFields<FrameRange> = 4;
+template <> inline constexpr std::size_t kFields<TimeRange> = 2;
 template <> inline constexpr std::size_t kFields<MeasureOptions> = 11;
 template <> inline constexpr std::size_t kFields<PrintScale> = 3;
 template <> inline constexpr std::size_t kFields<SolveOptions> = 4;
@@ -62,18 +63,22 @@ template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
 
 // clang-format on
 
-// Version 3: tone curve and line width.
+// Version 3: tone curve and line width. Version 5: slow motion and start time.
 template <>
-inline constexpr AddedFields kAdded<Reference>{12, 2, 3};
+inline constexpr std::array kAdded<Reference>{AddedFields{12, 2, 3}, AddedFields{}};
 template <>
-inline constexpr AddedFields kAdded<PrintModel>{7, 1, 3};
+inline constexpr std::array kAdded<PrintModel>{AddedFields{7, 1, 3}, AddedFields{}};
 template <>
-inline constexpr AddedFields kAdded<PatchFitOptions>{4, 1, 3};
+inline constexpr std::array kAdded<PatchFitOptions>{AddedFields{4, 1, 3}, AddedFields{}};
 template <>
-inline constexpr AddedFields kAdded<InputInfo>{10, 1, 3};
+inline constexpr std::array kAdded<InputInfo>{AddedFields{10, 1, 3}, AddedFields{12, 2, 5}};
 template <>
-inline constexpr AddedFields kAdded<MeasureOptions>{10, 1, 3};
+inline constexpr std::array kAdded<MeasureOptions>{AddedFields{10, 1, 3}, AddedFields{}};
 inline constexpr int kSinceWidth = 3;
+
+// Version 5: ranges in seconds, slow motion and start time.
+template <>
+inline constexpr std::array kAdded<FrameRange>{AddedFields{3, 1, 5}, AddedFields{}};
 
 // Return true for valid values. The switches make the compiler report a missing value.
 [[nodiscard]] constexpr bool is_known(ToneCurve::Kind kind) {

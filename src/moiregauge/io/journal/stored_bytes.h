@@ -3,6 +3,7 @@
 // description of every type (stored_values.h): a writer, a reader, and a speller of the layout.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -42,7 +43,7 @@ struct AddedFields {
   int since = 0;
 };
 template <typename Struct>
-inline constexpr AddedFields kAdded{};
+inline constexpr std::array<AddedFields, 2> kAdded{};
 
 // Returns the layout version of an archive. An archive without one has the newest.
 template <typename Archive>

@@ -22,9 +22,11 @@ void store(Archive& archive, Value& value);
 // Stores a field by its index. A field that the archive's version does not have stays unchanged.
 template <typename Struct, typename Archive, typename Value>
 void store_since(Archive& archive, Value& value, std::size_t place) {
-  constexpr AddedFields kNew = kAdded<Struct>;
-  const bool is_new = place >= kNew.first && place < kNew.first + kNew.count;
-  if (!is_new || version_of(archive) >= kNew.since) store(archive, value);
+  for (const AddedFields& added : kAdded<Struct>) {
+    const bool is_new = place >= added.first && place < added.first + added.count;
+    if (is_new && version_of(archive) < added.since) return;
+  }
+  store(archive, value);
 }
 
 // Rule for a class that is not stored field by field. Specialised below and in run_layout.h.

@@ -102,6 +102,14 @@ int orientation_of(const JpegFile& in) {
   return 1;
 }
 
+std::string start_of(const JpegFile& in) {
+  for (const auto* marker = in.jpeg.marker_list; marker != nullptr; marker = marker->next) {
+    std::string start = exif_start_utc({marker->data, marker->data_length});
+    if (!start.empty()) return start;
+  }
+  return {};
+}
+
 }  // namespace
 
 PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
@@ -133,6 +141,7 @@ PictureOrError read_jpeg(const std::string& path, std::int64_t max_pixels) {
   }
   Picture picture{std::move(in.image), 8, 0, "jpeg", in.quantiser};
   picture.tone.curve.kind = ToneCurve::Kind::kSrgb;  // usual for JPEG files (ISO/IEC 10918-5)
+  picture.start_utc = start_of(in);
   turn(picture, *rotation);
   return picture;
 }

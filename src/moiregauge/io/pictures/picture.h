@@ -20,11 +20,12 @@ namespace moiregauge::internal {
 
 struct Picture {
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> grey;  // empty if `in_place` is set
-  int bits = 8;           // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
-  int rotation_deg = 0;   // clockwise, already applied
-  std::string codec;      // "png", "jpeg", "tiff"
-  Quantiser quantiser{};  // for a lossy format
-  Tone tone{};            // as tagged in the file, or usual for its format
+  int bits = 8;             // 8 in 8-bit words, 9 to 16 in the low bits of 16-bit words
+  int rotation_deg = 0;     // clockwise, already applied
+  std::string codec;        // "png", "jpeg", "tiff"
+  Quantiser quantiser{};    // for a lossy format
+  Tone tone{};              // as tagged in the file, or usual for its format
+  std::string start_utc{};  // as stated in the file; empty: not stated
   // View into the mapped file for uncompressed images, which are not copied. `file` owns the pages.
   std::optional<LumaView> in_place = std::nullopt;
   std::shared_ptr<const MappedFile> file = nullptr;

@@ -212,6 +212,7 @@ InputInfo info_of(const std::string& path, const PictureSet& set, const Picture&
   info.tone = first.tone;
   info.rotation_deg = first.rotation_deg;
   info.time_source = options.fps ? "fps-option" : "none";
+  info.start_utc = first.start_utc;
   return info;
 }
 

@@ -29,18 +29,29 @@ Json input_json(const InputInfo& input, long seen) {
           {"codec", input.codec},
           {"rotation_deg", input.rotation_deg},
           {"time_source", input.time_source},
+          {"slow_motion", input.slow_motion},
+          {"start_utc", input.start_utc.empty() ? Json(nullptr) : Json(input.start_utc)},
           {"tone", name_of(input.tone.curve)},
           {"tone_source", std::string(name_of(input.tone.source))}};
 }
 
-Json range_json(const FrameRange& range) {
-  return {{"first", range.first}, {"end", range.end >= 0 ? Json(range.end) : Json(nullptr)}, {"step", range.step}};
+// States the frames. A range in seconds is also stated as typed; its frames are unknown if nothing was measured in it.
+Json range_json(const FrameRange& range, const Observations& observations) {
+  const auto frames = range.seconds ? in_frames(range, observations) : range;
+  Json json{{"first", frames ? Json(frames->first) : Json(nullptr)},
+            {"end", frames && frames->end >= 0 ? Json(frames->end) : Json(nullptr)},
+            {"step", range.step}};
+  if (!range.seconds) return json;
+  json["first_s"] = range.seconds->first_s;
+  json["end_s"] = number(range.seconds->end_s);
+  return json;
 }
 
 Json config_json(const Measurement& measurement, const MeasureOptions& options) {
   const KnownTo& known_to = site_of(measurement, options).known_to;
-  Json config{{"frames", range_json(options.frames)},
-              {"rest", options.solve.rest ? range_json(*options.solve.rest) : Json(nullptr)},
+  const auto range = [&](const FrameRange& typed) { return range_json(typed, measurement.observations); };
+  Json config{{"frames", range(options.frames)},
+              {"rest", options.solve.rest ? range(*options.solve.rest) : Json(nullptr)},
               {"readout_s", options.solve.readout_s ? number(*options.solve.readout_s) : Json(nullptr)},
               {"reference_frame", nullptr},
               {"region_px", options.observe.raster.region_px},

@@ -216,21 +216,21 @@ tl::expected<RunTable, std::string> selected(RunTable table, const Selection& se
   if (selection.markers.empty()) {
     for (std::size_t i = 0; i < table.markers.size(); ++i) kept.push_back(i);
   }
-  const bool has_range = selection.from_s || selection.until_s;
   std::vector<Sample> samples;
+  FrameSelector selector(selection.frames);
   for (Sample sample : table.samples) {
     const auto place = std::find(kept.begin(), kept.end(), sample.marker);
     if (place == kept.end()) continue;
-    if (has_range && std::isnan(sample.time_s))
-      return tl::unexpected(std::string("the run has no times: --time: measure the input again with --fps"));
-    if (selection.from_s && sample.time_s < *selection.from_s) continue;
-    if (selection.until_s && sample.time_s >= *selection.until_s) continue;
+    if (selection.frames.seconds && std::isnan(sample.time_s))
+      return tl::unexpected(
+          std::string("the run has no times: --frames in seconds: give it times with moiregauge solve --fps"));
+    if (!selector.holds(sample.frame, sample.time_s)) continue;
     sample.marker = static_cast<std::size_t>(place - kept.begin());
     if (selection.only_ok && sample.status != Status::kOk) sample.displacement = sample.u = {kNone, kNone};
     samples.push_back(sample);
   }
   if (samples.empty())
-    return tl::unexpected(std::string("the selection contains no row: --markers, --time: choose a wider range"));
+    return tl::unexpected(std::string("the selection contains no row: --markers, --frames: choose a wider range"));
   std::vector<TableMarker> markers;
   for (const std::size_t i : kept) markers.push_back(table.markers[i]);
   table.markers = std::move(markers);

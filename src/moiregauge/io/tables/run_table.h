@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/displacement/sample.h"
+#include "moiregauge/units/frame_range.h"
 #include "moiregauge/units/point.h"
 
 namespace moiregauge::internal {
@@ -40,9 +41,9 @@ struct RunTable {
 
 // Part of a run to export.
 struct Selection {
-  std::vector<std::string> markers;       // empty: all
-  std::optional<double> from_s, until_s;  // s; the end is excluded
-  bool only_ok = false;                   // values of samples that are not `ok` become NaN
+  std::vector<std::string> markers;  // empty: all
+  FrameRange frames;                 // frames or seconds
+  bool only_ok = false;              // values of samples that are not `ok` become NaN
 };
 // Selects samples. Fails with "what happened: where: what to do": unknown marker, a time range without times, an empty
 // selection.

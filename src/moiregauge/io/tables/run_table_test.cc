@@ -61,15 +61,17 @@ TEST(RunTable, AMistakeNamesItsLine) {
   EXPECT_NE(mistake_in(head + "0,0,\"a,0,0,0,0,ok\n").find("line 2"), std::string::npos);
 }
 
+FrameRange from_second(double first_s) { return {0, -1, 1, TimeRange{first_s}}; }
+
 TEST(RunTable, SelectionsKeepTheOrderAndReplaceValuesThatAreNotOk) {
-  const auto part = selected(table_of(kTwo), {{"b", "a"}, 0.1, {}, true});
+  const auto part = selected(table_of(kTwo), {{"b", "a"}, from_second(0.1), true});
   ASSERT_TRUE(part) << part.error();
   EXPECT_EQ(wide_csv(*part),
             "frame,time_s,b_dx_mm,b_dy_mm,b_u_dx_mm,b_u_dy_mm,b_ok,a_dx_mm,a_dy_mm,a_u_dx_mm,a_u_dy_mm,a_ok\n"
             "1,0.100000,NaN,NaN,NaN,NaN,0,1.000000,2.000000,0.001000,0.002000,1\n"
             "2,0.200000,5.000000,6.000000,0.001000,0.002000,1,NaN,NaN,NaN,NaN,0\n");
-  EXPECT_FALSE(selected(table_of(kTwo), {{"c"}, {}, {}, false}));
-  EXPECT_FALSE(selected(table_of(kTwo), {{}, 0.3, {}, false}));
+  EXPECT_FALSE(selected(table_of(kTwo), {{"c"}, {}, false}));
+  EXPECT_FALSE(selected(table_of(kTwo), {{}, from_second(0.3), false}));
 }
 
 TEST(Uff58, AGapIsRefusedOrSplitNeverFilled) {
