@@ -119,6 +119,14 @@ TABLE = {
         ("solve empty --figures pdf,", 2, "pdf, svg, png"),
         ("solve empty again", 2, "again"),
     ],
+    "derive": [
+        ("derive", 2, "DIR"),
+        ("derive nowhere --channel c=mid.dy", 3, "nowhere"),
+        ("derive text.mp4 --channel c=mid.dy", 3, "text.mp4"),
+        ("derive empty --channel c=mid.dy", 3, "run.mgj"),
+        ("derive empty --chanel c=mid.dy", 2, "did you mean --channel"),
+        ("derive empty again", 2, "again"),
+    ],
     "export": [
         ("export", 2, "DIR"),
         ("export nowhere", 3, "nowhere"),

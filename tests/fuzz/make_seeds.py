@@ -69,6 +69,11 @@ def texts(moiregauge, work):
     put("camera_file", "ros.yaml", 'image_width: 640\nimage_height: 480\ncamera_name: c\ncamera_matrix:\n  rows: 3\n  cols: 3\n'
         '  data: [530.1, 0, 320.5, 0, 530.2, 240.5, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n'
         '  rows: 1\n  cols: 5\n  data:\n  - -0.28\n  - 0.04\n  - 0.001\n  - 0\n  - 0\n')
+    put("channel", "sag", "sag = mid.dy - (left.dy + 'span 2'.dy) / 2")
+    put("channel", "strain", "e = strain(mid, left) * 1e-3 + 2")
+    put("channel", "unit", "slope [rad] = -mean(mid.dx, tilt) / 120.5")
+    put("channel", "product", "c = mid.dy * left.dy")
+    put("channel", "open", "c = ((((-+-mid.rotation")
     put("scenario_file", "every-kind", 'base = "small-1xyz"\nframes = 50\n[lens]\nk1 = -0.1\n[rotation.z]\n'
         'knots = [[0, 0], [5, 0.8]]\n[[marker]]\nname = "beam"\nrole = "target"\ngrating_mm = [0, 0]\n'
         'grating_size_mm = [40, 40]\npitch_mm = 10\n[marker.dy]\nknots = [[0, 0], [2, 1]]\n[marker.cover]\nframes = [[2, 4]]\n'

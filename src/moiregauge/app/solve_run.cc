@@ -10,7 +10,6 @@
 #include "moiregauge/app/frame_range_text.h"
 #include "moiregauge/app/run_figures.h"
 #include "moiregauge/base/plain_file.h"
-#include "moiregauge/io/journal/run_file.h"
 #include "moiregauge/io/run_dir/run_directory.h"
 #include "moiregauge/observation/views/reprojection.h"
 #include "moiregauge/report/report_page.h"
@@ -159,9 +158,7 @@ tl::unexpected<RunFailure> failed(Exit exit, std::string message) {
 
 }  // namespace
 
-tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const RunCallbacks& callbacks) {
-  auto figures = figure_formats(args.figures);
-  if (!figures) return failed(Exit::kUsage, figures.error().message);
+tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args) {
   auto stored = run_in(args.run);
   if (!stored) return failed(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
@@ -169,6 +166,14 @@ tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const R
                            choose_readout(args, stored->options), retime(args, *stored), restate(args, *stored)}) {
     if (!done) return failed(Exit::kUsage, done.error().message);
   }
+  return *std::move(stored);
+}
+
+tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const RunCallbacks& callbacks) {
+  auto figures = figure_formats(args.figures);
+  if (!figures) return failed(Exit::kUsage, figures.error().message);
+  auto stored = run_to_solve(args);
+  if (!stored) return tl::unexpected(stored.error());
   const std::string output = args.output.empty() ? args.run : args.output;
   RunDirectory directory = RunDirectory::solved_from(place_of_run(output), args.run, report_page);
   directory.also(put_figures(*std::move(figures), callbacks));

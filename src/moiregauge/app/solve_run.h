@@ -9,6 +9,7 @@
 
 #include "moiregauge/app/measure_options.h"
 #include "moiregauge/app/measurement_run.h"
+#include "moiregauge/io/journal/run_file.h"
 
 namespace moiregauge::internal {
 
@@ -34,6 +35,9 @@ struct SolvedResults {
   MeasureOptions options;
   std::string folder;
 };
+
+// Reads a run's observations and applies the options to them, without solving.
+[[nodiscard]] tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args);
 
 // Solves a run again and writes the results. Fails without writing where the run cannot be read, or where the frames
 // contradict a statement.

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "moiregauge/calibration/scene/scene.h"
+#include "moiregauge/displacement/joint_errors.h"
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/frame/observe.h"
 #include "moiregauge/observation/reference/observations.h"
@@ -49,6 +51,9 @@ struct Solution {
   std::vector<std::string> findings;  // results about camera and gratings, withheld from a refused run
   // If set, it contradicts the stated rest, and the samples do not use that statement.
   std::optional<MovedAtRest> moved_at_rest;
+  // Computes the joint errors of the samples, at the cost of another fit of every frame. It refers to the reference and
+  // the observations of the solution. Empty: the method does not know the covariance of different targets.
+  std::function<JointErrors()> joint_errors;
 };
 
 // Measures by section 2.1 of the seed paper, with phase unwrapping beyond half a pitch. If the camera moved,

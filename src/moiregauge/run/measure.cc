@@ -241,6 +241,15 @@ std::optional<std::string> note_on_first_frames(const Measurement& measured, con
       first->frame, last, reference, first->frame, first->reference_problem);
 }
 
+JointErrors joint_errors_of(const Solution& solution, const Method& method) {
+  if (solution.joint_errors) return solution.joint_errors();
+  JointErrors unknown;
+  unknown.problem = method.name == kDefaultMethod
+                        ? "the scene could not be solved, so the errors that targets share are unknown"
+                        : fmt::format("the method {} does not know the errors that targets share", method.name);
+  return unknown;
+}
+
 std::string rest_contradiction(const Measurement& measured, const MeasureOptions& options, const MovedAtRest& moved) {
   return fmt::format(
       "target '{}' is not at rest: it moves by {:.4f} mm (u {:.4f} mm) between frames {} and {} of --rest {}",
@@ -278,7 +287,7 @@ std::optional<std::string> time_problem(const MeasureOptions& options, const Inp
   return fmt::format("the frames of the input have no times: {}: give --fps", needs_times);
 }
 
-void evaluate(const MeasureOptions& options, Measurement& out) {
+void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* joint) {
   out.warnings = out.notes;
   for (std::string& note : notes_on_frames(out.observations)) out.warnings.push_back(std::move(note));
   for (const Observation& seen : out.observations) out.input_damaged |= seen.decode_error;
@@ -301,6 +310,7 @@ void evaluate(const MeasureOptions& options, Measurement& out) {
   else
     how.rest.reset();
   Solution solution = options.method->solve(*out.reference, out.observations, how);
+  if (joint != nullptr) *joint = joint_errors_of(solution, *options.method);
   out.samples = std::move(solution.samples);
   out.chi2_dof = std::move(solution.chi2_dof);
   out.scene = std::move(solution.scene);

@@ -109,7 +109,8 @@ void complete_markers(ObservationLog& seen);
 
 // Computes samples, summaries and the exit code from the observations. Image and reference frame stay unchanged.
 // `solve` uses it again.
-void evaluate(const MeasureOptions& options, Measurement& out);
+// `joint`: if not null, receives the joint errors of the samples. Its `problem` is set if the method does not know them.
+void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* joint = nullptr);
 
 // Calls observe_all and evaluate.
 [[nodiscard]] tl::expected<Measurement, InputError> measure(const OpenInput& open, const MeasureOptions& options,

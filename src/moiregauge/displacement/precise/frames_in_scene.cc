@@ -93,6 +93,39 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   }
 }
 
+// The fit of the reference frame is that of the budget, so its rotation uses the same noise.
+FittedFrame FramesInScene::reference_fit() const {
+  const PrintError share{.noise_share = solved_.print_error.noise_share};
+  const BundleFrame frame =
+      with_print_error(site_, std::span(&solved_.calibration.bundle.frames.front(), 1), share).front();
+  FittedFrame out{budget_.then(), {}, fit_rotations(site_, scene_, frame, budget_.then()), {}};
+  if (solved_.shutter) out.u_motion = solved_.shutter->u_target.front();
+  return out;
+}
+
+FittedFrame FramesInScene::fit_of(std::size_t place) const {
+  FittedFrame out;
+  const BundleFrame frame = placed(solved_.frames[place]);
+  out.fit = fit_frame(site_, scene_, frame);
+  out.rotations = fit_rotations(site_, scene_, frame, out.fit);
+  if (by_noise_) out.by_noise = fit_by_noise(place, frame);
+  if (solved_.shutter) out.u_motion = solved_.shutter->u_target[place];
+  return out;
+}
+
+JointErrors FramesInScene::joint_errors(const Observations& observations, const std::vector<std::size_t>& place) const {
+  const JointInScene joint(site_, scene_.full_covariance, reference_fit(),
+                           solved_.shutter ? solved_.shutter->u_readout_s : 0.0);
+  JointErrors out = joint.start();
+  for (std::size_t n = 0; n < observations.size(); ++n) {
+    if (observations[n].frame == reference_.seen.frame)
+      out.frames.push_back(joint.zero());
+    else
+      out.frames.push_back(place[n] > 0 ? joint.errors_of(fit_of(place[n])) : joint.lost());
+  }
+  return out;
+}
+
 Samples FramesInScene::measure_one(const Observation& seen, const std::optional<BundleFrame>& read,
                                    const std::vector<bool>& is_far) const {
   const FrameFit now = read ? fit_frame(site_, scene_, placed(*read)) : FrameFit{};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "moiregauge/displacement/precise/joint_in_scene.h"
 #include "moiregauge/displacement/precise/precise_budget.h"
 #include "moiregauge/displacement/precise/precise_scene.h"
 
@@ -25,6 +26,9 @@ class FramesInScene {
   // 0: it is not among them.
   void measure(const Observations& observations, const std::vector<std::size_t>& place, Solution& solution) const;
 
+  // Returns the joint errors of these samples: the frames are fitted again, with the rotations of the targets.
+  [[nodiscard]] JointErrors joint_errors(const Observations& observations, const std::vector<std::size_t>& place) const;
+
   // Returns the samples of one frame, targets in the site's order. The frame need not be among the scene's frames.
   // `read`: the frame with pose and shifts to start from; empty: too few references were read.
   // `is_far`: targets whose fringe order continuity does not give, one per site marker.
@@ -35,6 +39,8 @@ class FramesInScene {
   [[nodiscard]] BundleFrame weighed(const BundleFrame& frame) const;
   [[nodiscard]] BundleFrame placed(const BundleFrame& seen) const;
   [[nodiscard]] FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const;
+  [[nodiscard]] FittedFrame reference_fit() const;
+  [[nodiscard]] FittedFrame fit_of(std::size_t place) const;
   [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const FrameFit& now,
                                  const FitsByNoise& by_noise, bool is_far) const;
   [[nodiscard]] Sample judged(Sample sample) const;

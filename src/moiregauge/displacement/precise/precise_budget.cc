@@ -31,11 +31,6 @@ Eigen::RowVectorXd turn_of_places(const Site& site, Eigen::Index parameters) {
   return sum > 0.0 ? Eigen::RowVectorXd(row / sum) : row;
 }
 
-// Returns the factor by which the frame's variance exceeds the stated noise, at least 1.
-double inflation(const FrameFit& fit) {
-  return fit.dof > 0 ? std::max(1.0, fit.chi2_sum / static_cast<double>(fit.dof)) : 1.0;
-}
-
 // Returns the variance that motion during readout adds to a shift, mm^2. 0 for a global shutter.
 double of_motion(const FrameFit& fit, int row) {
   return row < fit.of_motion.size() ? inflation(fit) * fit.of_motion(row) : 0.0;
@@ -44,6 +39,10 @@ double of_motion(const FrameFit& fit, int row) {
 double of_readout(const FrameFit& fit, int row) { return row < fit.by_readout.size() ? fit.by_readout(row) : 0.0; }
 
 }  // namespace
+
+double inflation(const FrameFit& fit) {
+  return fit.dof > 0 ? std::max(1.0, fit.chi2_sum / static_cast<double>(fit.dof)) : 1.0;
+}
 
 // Variances, mm^2.
 struct PreciseBudget::Share {

@@ -32,6 +32,9 @@ class PreciseBudget {
   double u_axis_rad_ = 0.0;  // direction of the board's axes, rad
 };
 
+// Returns the factor by which the frame's variance exceeds the stated noise, at least 1.
+[[nodiscard]] double inflation(const FrameFit& fit);
+
 // Returns the root of the sum of squares of all parts, mm.
 [[nodiscard]] Extent<frame::Board> total(const Budget& budget);
 

@@ -95,7 +95,9 @@ SolvedRun solved_run(const Reference& reference, const Observations& observation
 }
 
 Solution measured_in_scene(const Reference& reference, const Observations& observations, const SolveOptions& options,
-                           SolvedRun run) {
+                           SolvedRun solved) {
+  const auto kept = std::make_shared<const SolvedRun>(std::move(solved));
+  const SolvedRun& run = *kept;
   const PreciseScene& scene = run.scene;
   if (!scene.problem.empty()) {
     Solution instead = fallback(reference, observations, options, scene.problem);
@@ -112,8 +114,13 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   add_to(solution.findings, stretched_prints_note(reference.site, scene.calibration));
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration))
     solution.findings.push_back(std::move(line));
-  FramesInScene(reference, scene, run.lossy ? std::optional(run.seen.frames) : std::nullopt)
-      .measure(observations, run.seen.place, solution);
+  const auto in_scene = [&reference](const SolvedRun& by) {
+    return FramesInScene(reference, by.scene, by.lossy ? std::optional(by.seen.frames) : std::nullopt);
+  };
+  in_scene(run).measure(observations, run.seen.place, solution);
+  solution.joint_errors = [kept, in_scene, &observations] {
+    return in_scene(*kept).joint_errors(observations, kept->seen.place);
+  };
   if (scene.shutter) report_shutter(solution, reference, *scene.shutter, run.read, options.readout_s.has_value());
   return solution;
 }

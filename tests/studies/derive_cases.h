@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Simulated short runs with derived channels: errors against the truth, and the stated u.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/simulated_run.h"
+#include "moiregauge/results/derived/channel_values.h"
+
+namespace moiregauge::internal::study {
+
+// Errors of one channel in the frames of one run, in the channel's unit.
+struct ChannelErrors {
+  std::vector<double> error, u;
+  std::vector<double> u_by_hand;  // root of the sum of the targets' variances, as without the covariance
+};
+
+struct DerivedRun {
+  std::string problem;                            // reason why the run has no values
+  std::map<std::string, ChannelErrors> channels;  // by name
+};
+
+// Returns the channels of the study as for --channel. The targets are `left`, `mid` and `right`.
+[[nodiscard]] const std::vector<std::string>& study_channels();
+
+// Returns the small rig with three targets that move differently, before a camera that turns by 1 deg about three axes.
+// The markers differ from the site by its known_to.
+[[nodiscard]] simulator::Scenario derived_scenario(std::uint64_t seed);
+
+// Measures the scenario with `precise` in 14 frames and derives the study's channels.
+[[nodiscard]] DerivedRun derived_run(std::uint64_t seed);
+
+// Solves a measured run again with its joint errors. The samples are those of all targets.
+struct JointSolution {
+  Solution solution;
+  JointErrors joint;
+};
+[[nodiscard]] JointSolution solve_jointly(const test::MeasuredRun& run, const SolveOptions& options = {});
+
+}  // namespace moiregauge::internal::study
