@@ -63,6 +63,8 @@ void add_derive(CLI::App& app, int& exit_code) {
   command->add_option("--camera", args->solve.camera, "the camera that `solve` was given")->type_name("FILE");
   command->add_option("--rest", args->solve.rest, "the rest frames that `solve` was given")->type_name("A:B|none");
   command->add_option("--readout", args->solve.readout, "the readout time that `solve` was given")->type_name("TIME");
+  command->add_option("--fps", args->solve.fps, "the frame rate that `solve` was given")->type_name("N");
+  add_slow_motion(*command, args->solve.slow_motion);
   add_print_scale(*command, args->solve.print_scale);
   command->add_option("-o,--out", args->output, "CSV file to write [DIR/derived.csv]")->type_name("FILE");
   command->add_flag("--quiet", args->solve.quiet, "print nothing but errors");
