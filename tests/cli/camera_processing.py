@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks temporal processing in the camera, which causes errors without noise: wrong rows must not be `ok`.
+"""Checks processing in the camera that causes errors without noise: wrong rows must not be `ok`.
 
 A target in front of a fixed camera moves up and down by 1 mm and creeps by 0.12 mm to the right. Errors are relative to
 truth.csv.
@@ -51,6 +51,7 @@ for name, settings, video_filter, word in (
         ("recursion", MOVING + ["processing.recursion=0.3"], None, "averages over time"),
         ("mean-of-three", MOVING, "tmix=frames=3", "averages over time"),
         ("denoised", MOVING, "hqdn3d=4:3:20:15", "averages over time"),
+        ("equalised", MOVING, "histeq", "tone curve has a step"),
         ("doubled", MOVING, "scale=2048:1024:flags=neighbor", "repeating pixels"),
         ("enlarged", MOVING, "scale=1408:704:flags=neighbor", "repeating pixels")):
     ok, untrusted, lies, said = measured(name, settings, video_filter, expected=4)

@@ -24,10 +24,10 @@ constexpr double kDiscTiles = 0.6;  // side of the square of tiles inside a circ
 // Independent grain gives 1 with u = sqrt(2 / values). A share of 0.05 of the previous frame lowers the ratio by 0.05.
 constexpr double kIndependent = 0.96;
 // The same limit for a moving camera. Faint texture lowers the ratio by 0.02, if it has a third of the grain's variance
-// and passes by at half a pixel per frame.
+// and passes by at half a pixel per frame. A share of 0.1 leaves 0.95 where the filter works on whole grey levels.
 // A lossy codec removes fine grain and adds its own pattern, which changes with the image content: hence the lower
 // limit.
-constexpr double kIndependentMoving = 0.95;
+constexpr double kIndependentMoving = 0.96;
 constexpr double kIndependentMovingLossy = 0.85;
 constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1 that proves averaging, in u
 constexpr double kMinValues = 2000.0;
@@ -40,6 +40,11 @@ constexpr double kNoGrain = 0.003;
 constexpr double kRepeated = 0.12;
 constexpr long kMinSteps = 200;
 constexpr double kMinJump = 0.08;  // smallest step counted, as a share of the grating's contrast (chosen)
+
+// Share of edge pixels in the emptiest range below which the tone curve has a step. A Gaussian edge has 0.28 or more, also
+// behind gamma and S-curves, and 0.02 after histogram equalisation. Chosen between both.
+constexpr double kGapShare = 0.08;
+constexpr long kMinEdgePixels = 200;  // 0.28 of them scatter by 0.032
 
 // Longest lag of an average over time, in samples (chosen), and the movement within it that is significant, in u.
 constexpr std::size_t kLagRows = 8;
@@ -153,6 +158,31 @@ long distrust_moving(Samples& samples, IsWrong is_wrong) {
   return count;
 }
 
+std::optional<ProcessingFault> enlarged_fault(const SlopeSteps& steps, Samples& samples) {
+  if (steps.all < kMinSteps || static_cast<double>(steps.repeated) <= kRepeated * static_cast<double>(steps.all))
+    return {};
+  for (Sample& sample : samples) (void)distrust(sample);
+  const std::string remedy = "record at the sensor's own size, or enlarge with interpolation";
+  return ProcessingFault{
+      fmt::format("no row is trusted: the image was enlarged by repeating pixels ({:.0f} % of its edge steps are "
+                  "repeated). Remedy: {}",
+                  100.0 * static_cast<double>(steps.repeated) / static_cast<double>(steps.all), remedy),
+      remedy};
+}
+
+std::optional<ProcessingFault> stepped_tone_fault(const EdgeGap& gap, Samples& samples) {
+  if (gap.all < kMinEdgePixels || static_cast<double>(gap.in_gap) >= kGapShare * static_cast<double>(gap.all))
+    return {};
+  for (Sample& sample : samples) (void)distrust(sample);
+  const std::string remedy = "record without histogram equalisation or local contrast enhancement";
+  return ProcessingFault{
+      fmt::format(
+          "no row is trusted: the tone curve has a step, which rounds edges to whole pixels (a third of the grey "
+          "levels is missing at the edges of the circles: {} of {} pixels). Remedy: {}",
+          gap.in_gap, gap.all, remedy),
+      remedy};
+}
+
 }  // namespace
 
 void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
@@ -161,6 +191,12 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
   is_referred_ = true;
   last_.clear();
   steps_ = {};
+  EdgeLevels levels;
+  for (const CirclePoint& point : reference.circles) {
+    const ImagePoint at = reference.view(point.board);
+    levels.add_disc(luma, at.x, at.y, reference.diameter_px(point, reference.view));
+  }
+  gap_ = {levels.all(), levels.in_emptiest_range()};
   for (const Marker& marker : reference.site.markers) {
     if (!marker.grating) continue;
     const PixelRectangle at = rectangle_round(marker, {}, reference.view);
@@ -201,16 +237,8 @@ void ProcessingWatch::interrupt() {
 }
 
 std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy, Samples& samples) {
-  const SlopeSteps& steps = processing.steps;
-  if (steps.all >= kMinSteps && static_cast<double>(steps.repeated) > kRepeated * static_cast<double>(steps.all)) {
-    for (Sample& sample : samples) (void)distrust(sample);
-    const std::string remedy = "record at the sensor's own size, or enlarge with interpolation";
-    return ProcessingFault{
-        fmt::format("no row is trusted: the image was enlarged by repeating pixels ({:.0f} % of its edge steps are "
-                    "repeated). Remedy: {}",
-                    100.0 * static_cast<double>(steps.repeated) / static_cast<double>(steps.all), remedy),
-        remedy};
-  }
+  if (auto fault = enlarged_fault(processing.steps, samples)) return fault;
+  if (auto fault = stepped_tone_fault(processing.gap, samples)) return fault;
   std::optional<ProcessingFault> fault;
   const auto is_repeated = [&](long frame) {
     return std::binary_search(processing.repeated.begin(), processing.repeated.end(), frame);

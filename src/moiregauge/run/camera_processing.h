@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detects processing inside the camera that falsifies displacements without adding noise: averaging over time, and
-// repeated pixels.
+// Detects processing inside the camera that falsifies displacements without adding noise: averaging over time, repeated
+// pixels, and a tone curve with a step.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "moiregauge/displacement/method.h"
+#include "moiregauge/image/edge_levels.h"
 #include "moiregauge/image/grain.h"
 #include "moiregauge/image/repeated_pixels.h"
 #include "moiregauge/observation/reference/reference.h"
@@ -14,17 +15,25 @@
 
 namespace moiregauge::internal {
 
+// Grey levels at the edges of the reference circles, in the reference frame.
+struct EdgeGap {
+  long all = 0;     // edge pixels
+  long in_gap = 0;  // those in the emptiest range of 0.3 of the contrast
+};
+
 // Evidence from the pixels of one run.
 struct CameraProcessing {
   GrainSums still, moving;     // grain of reference gratings and circles, camera still or moving
   SlopeSteps steps;            // steps at the edges of all gratings in the reference frame
   std::vector<long> repeated;  // numbers of frames that repeat the previous frame
+  EdgeGap gap;
 };
 
 // Collects the evidence while frames are read.
 class ProcessingWatch {
  public:
-  // Starts with the reference frame: counts the steps at the edges of its gratings. Resets all but the repeated frames.
+  // Starts with the reference frame: counts the steps at the edges of its gratings, and the levels at those of its
+  // circles. Resets all but the repeated frames.
   void refer(const Reference& reference, const LumaView& luma);
   [[nodiscard]] bool is_referred() const { return is_referred_; }
   // Adds a measured frame. Call it in frame order.
@@ -33,11 +42,14 @@ class ProcessingWatch {
   void repeat(long frame);
   // Breaks the sequence of frames, because a frame is damaged or not measured.
   void interrupt();
-  [[nodiscard]] CameraProcessing result() const { return {sampler_.still(), sampler_.moving(), steps_, repeated_}; }
+  [[nodiscard]] CameraProcessing result() const {
+    return {sampler_.still(), sampler_.moving(), steps_, repeated_, gap_};
+  }
 
  private:
   GrainSampler sampler_;
   SlopeSteps steps_;
+  EdgeGap gap_;
   std::vector<long> repeated_;
   bool is_referred_ = false;
   std::vector<std::vector<ImagePoint>> last_;  // px, centres of the references in up to three frames, newest first
@@ -51,7 +63,7 @@ struct ProcessingFault {
 };
 
 // Marks samples as `untrusted` that the processing may have falsified.
-// Repeated pixels concern all samples, averages over time those of moving targets. Repeated frames concern the
+// Repeated pixels and a tone curve with a step concern all samples, averages over time those of moving targets. Repeated frames concern the
 // samples of moving targets in these frames.
 // `is_lossy`: a codec may have removed the grain. Returns nothing if no sample is concerned.
 [[nodiscard]] std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,

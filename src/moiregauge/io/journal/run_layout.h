@@ -49,9 +49,10 @@ template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 
 // Run.
 template <> inline constexpr std::size_t kFields<InputInfo> = 14;
-template <> inline constexpr std::size_t kFields<CameraProcessing> = 4;
+template <> inline constexpr std::size_t kFields<CameraProcessing> = 5;
 template <> inline constexpr std::size_t kFields<GrainSums> = 3;
 template <> inline constexpr std::size_t kFields<SlopeSteps> = 2;
+template <> inline constexpr std::size_t kFields<EdgeGap> = 2;
 template <> inline constexpr std::size_t kFields<FrameRange> = 4;
 template <> inline constexpr std::size_t kFields<TimeRange> = 2;
 template <> inline constexpr std::size_t kFields<MeasureOptions> = 11;
@@ -76,7 +77,9 @@ template <>
 inline constexpr std::array kAdded<MeasureOptions>{AddedFields{10, 1, 3}, AddedFields{}};
 inline constexpr int kSinceWidth = 3;
 
-// Version 5: ranges in seconds, slow motion and start time.
+// Version 5: ranges in seconds, slow motion and start time, grey levels at edges.
+template <>
+inline constexpr std::array kAdded<CameraProcessing>{AddedFields{4, 1, 5}, AddedFields{}};
 template <>
 inline constexpr std::array kAdded<FrameRange>{AddedFields{3, 1, 5}, AddedFields{}};
 
