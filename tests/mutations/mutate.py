@@ -3,13 +3,14 @@
 """Tests the tests: changes one constant at a time, and finds a test that detects the change.
 
     mutate.py --root CHECKOUT --work FOLDER [--only WORD,...] [--missing] [--labels unit,physics,...] [--most SECONDS]
+              [--targets TARGET,...] [--tests REGEX]
 
 Copies the sources to FOLDER and builds one program with all mutations, which an environment variable selects. Runs each
 test once without a mutation, to learn which constants it reads. Then runs, for one mutation at a time, the tests that
 read its constant, quick ones first and none that takes over --most seconds (20), until one fails. Each result is stored at once in
 CHECKOUT/tests/mutations/results.csv, so an interrupted run keeps what it has. Prints the table of all results.
 --missing: only mutations that no test has caught, and for which not all tests ran. --labels: only tests with these
-labels.
+labels. --targets: builds only these programs. --tests: only tests whose names match.
 """
 import argparse
 import csv
@@ -120,15 +121,15 @@ def ctest(work, tests, *more, **variables):
                           capture_output=True, text=True, check=False).stdout
 
 
-def readers(work, labels):
+def readers(work, labels, names):
     """Runs each test without a mutation. Returns, by mutation as text, the (seconds, place) of the tests that read its
     constant and pass. Stores this in the work folder, and reads it from there if the programs are older."""
-    stored = work / f"readers-{'-'.join(labels)}.json"
+    stored = work / f"readers-{'-'.join(labels)}-{re.sub('[^A-Za-z0-9]+', '-', names)}.json"
     newest = max(file.stat().st_mtime for file in (work / "build/check/bin").iterdir())
     if stored.exists() and stored.stat().st_mtime > newest:
         return json.loads(stored.read_text())
     label = "^(" + "|".join(labels) + ")$"
-    every, chosen = (re.findall(r"Test +#(\d+):", ctest(work, [], "--show-only", *more)) for more in ([], ["-L", label]))
+    every, chosen = (re.findall(r"Test +#(\d+):", ctest(work, [], "--show-only", *more)) for more in ([], ["-L", label, "-R", names]))
     places = [n for n, number in enumerate(every, 1) if number in set(chosen)]
     found = {}
     with tempfile.TemporaryDirectory() as folder, multiprocessing.pool.ThreadPool(2) as pool:
@@ -181,10 +182,11 @@ def print_table(mutations, reasons, results):
     for row, reason in known:
         verdict = row["caught_by"] or f"none of {row['tried']}" + (f": {reason}" if reason else "")
         print(f"| {row['file']} | {row['constant']} | {row['value']} | {row['instead']} | {verdict} | {row['commit']} |")
-    caught = sum(bool(row["caught_by"]) for row, _ in known)
-    whole = sum(not row["caught_by"] and row["tried"].endswith(ALL_TESTS) for row, _ in known)
-    print(f"\n{caught} of {len(mutations)} mutations are caught. Of the others, all tests ran for {whole}, some for "
-          f"{len(known) - caught - whole}, and none for {len(mutations) - len(known)}.")
+    left = [(row, reason) for row, reason in known if not row["caught_by"]]
+    print(f"\n{len(known) - len(left)} of {len(mutations)} mutations are caught. Of the others, "
+          f"{sum(bool(reason) for _, reason in left)} state why none can be, "
+          f"{sum(not reason for _, reason in left)} give no reason, "
+          f"and {len(mutations) - len(known)} were not measured.")
 
 
 def main():
@@ -195,6 +197,8 @@ def main():
     parser.add_argument("--missing", action="store_true")
     parser.add_argument("--labels", default=LABELS)
     parser.add_argument("--most", default=20.0, type=float)
+    parser.add_argument("--targets", default="")
+    parser.add_argument("--tests", default="")
     options = parser.parse_args()
     work = options.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
@@ -204,11 +208,12 @@ def main():
     copied(root, work, mutated)
     launchers = [f"-DCMAKE_{language}_COMPILER_LAUNCHER=ccache" for language in ("C", "CXX")] if "CCACHE_DIR" in os.environ or \
         subprocess.run(["which", "ccache"], capture_output=True, check=False).returncode == 0 else []
-    for command in (["cmake", "--preset", "check", *launchers], ["cmake", "--build", "--preset", "check"]):
+    chosen = ["--target", *options.targets.split(",")] if options.targets else []
+    for command in (["cmake", "--preset", "check", *launchers], ["cmake", "--build", "--preset", "check", *chosen]):
         done = subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit(f"mutate: {' '.join(command)}:\n{done.stdout[-4000:]}{done.stderr[-2000:]}")
-    tests = readers(work, options.labels.split(","))
+    tests = readers(work, options.labels.split(","), options.tests)
     stored = options.root / "tests/mutations/results.csv"
     results = read_results(stored)
     commit = subprocess.run(["git", "-C", options.root, "rev-parse", "--short", "HEAD"], check=True, capture_output=True,
@@ -222,7 +227,7 @@ def main():
         chosen = sorted(test for test in tests.get(str(number), []) if test[0] < options.most)
         test = first_failure(work, number, chosen)
         kind = ALL_TESTS
-        if options.labels != LABELS or options.most < 20.0:
+        if options.labels != LABELS or options.most < 20.0 or options.tests:
             kind = f"{options.labels.replace(',', '/')} under {options.most:g} s"
         row = (file, name, was, value, test or "", f"{len(chosen)} tests, {kind}", commit)
         results[file, name, value] = dict(zip(COLUMNS, row))

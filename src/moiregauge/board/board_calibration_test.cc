@@ -8,7 +8,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "moiregauge/board/board_bundle.h"
 #include "moiregauge/board/board_places.h"
+#include "moiregauge/geometry/pose.h"
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/units/units.h"
 
@@ -156,6 +158,29 @@ TEST(CalibrateBoard, MisreadPointsAreLeftOut) {
   ASSERT_TRUE(solved) << solved.error();
   expect_the_camera(*solved);
   EXPECT_NEAR(solved->chi2_dof, 1.0, 4.0 * std::sqrt(2.0 / 513.0)) << "seed " << kBoardSeed;
+}
+
+// Ten points of one view are 10 px too far right: 200 times their noise. Each counts by its distance, as one at 28 u
+// would in a sum of squares. Squared, they would move the camera by ten u and more.
+TEST(SolveBoard, MisreadPointsHardlyMoveTheCamera) {
+  std::mt19937_64 rng(kBoardSeed);
+  BoardData data;
+  BoardState start;
+  const BoardPrior prior = board_prior(kCamera.width, kCamera.height, kCamera.fx);
+  start.camera = prior.mean;
+  for (const Look& look : kLooks) {
+    data.views.push_back(view_of(look, {}, 0, rng).points);
+    data.u_px.emplace_back(data.views.back().size(), kNoise_px);
+    data.place.emplace_back(data.views.back().size(), kNoPlace);
+    start.poses.push_back(pose_of(seen_by(look), kCamera));
+  }
+  for (std::size_t n = 0; n < 10; ++n) data.views[2][4 * n].at.x += 10.0;
+  const BoardModel model{.radial = true, .tangential = true};
+  const BoardState solved = solve_board(data, prior, model, start);
+  ASSERT_TRUE(solved.solved);
+  const CameraBlock u = uncertainty_of(data, prior, model, solved, 0.0);
+  const double off[]{solved.camera[0] - kCamera.fx, solved.camera[1] - kCamera.cx, solved.camera[2] - kCamera.cy};
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(std::abs(off[k]), 4.0 * u[k]) << k << ", seed " << kBoardSeed;
 }
 
 // The board is wavy in one view, by a millimetre: 6 px where the camera sees it from the side.

@@ -5,44 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/phase/sampling_moire/sampling_moire.h"
+#include "moiregauge/displacement/five_markers_for_tests.h"
 #include "moiregauge/planning/codec_error.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kA = 380.0, kB = 28.0;  // mm, the rig's circles
-constexpr double kPitch_mm = 10.0, kPhase_rad = 0.002, kMmPerPx = 0.5;
-
-Marker marker_with(Role role, BoardPoint at, Pattern pattern) {
-  Marker m;
-  m.role = role;
-  if (role == Role::kReference) m.circle = Circle{at, 20.0};
-  m.grating = Grating{at, 40.0, 40.0, kPitch_mm, 0.0, pattern};
-  return m;
-}
-
-// Four references at (+-a, +-b) and a target in their middle. All gratings are read with the same phase noise.
-Reference five_markers(Pattern of_target) {
-  Reference reference;
-  for (const BoardPoint at : {BoardPoint{-kA, kB}, {kA, kB}, {-kA, -kB}, {kA, -kB}})
-    reference.site.markers.push_back(marker_with(Role::kReference, at, Pattern::kGrid));
-  reference.site.markers.push_back(marker_with(Role::kTarget, {0.0, 0.0}, of_target));
-  reference.view.ideal_from_board = IdealFromBoard(Eigen::Vector3d(1.0 / kMmPerPx, -1.0 / kMmPerPx, 1.0).asDiagonal());
-  for (std::size_t i = 0; i < 5; ++i) {
-    const Marker& m = reference.site.markers[i];
-    if (m.circle) reference.circles.push_back({i, m.circle->centre, {}, 0.01});
-    reference.plans.push_back(*plan_raster(*m.grating, kMmPerPx, {}));
-    MarkerObservation seen;
-    seen.patch.valid = true;
-    seen.patch.u_phase_rad = {kPhase_rad, kPhase_rad};
-    seen.patch.modulation = {60.0, 60.0};
-    seen.patch.noise_sigma = 1.5;
-    reference.seen.markers.push_back(seen);
-  }
-  return reference;
-}
+using test::five_markers, test::kA, test::kB, test::kMmPerPx, test::kPhase_rad, test::kPitch_mm;
 
 TEST(ExpectedUncertainty, FourReferencesFollowTheClosedForm) {
   const auto expected = expected_uncertainties(five_markers(Pattern::kGrid), {});

@@ -105,6 +105,21 @@ TEST(PrintError, FollowsFromTheExcessOverNoise) {
     EXPECT_NEAR(estimate(t, views(t, error_mm, error_mm)) / error_mm, 1.0, 0.11) << "seed " << kPrintSeed;
 }
 
+// Gratings are printed to a few hundredths of a pitch at most. A grating read on the wrong lattice line has residuals
+// of half a pitch or more. It is no print error: allowed for as one, its frames would look as if they fitted the scene.
+TEST(PrintError, IsAtMostATwentiethOfAPitch) {
+  const Truth t = truth();
+  const auto frames = views(t, 0.5 * kPitch, 0.0);
+  const double error_mm = estimate(t, frames);
+  EXPECT_LE(error_mm, 0.05 * kPitch);
+  double chi2 = 0.0, dof = 0.0;
+  for (const FrameFit& fit : fits_of(t, with_print_error(t.site, frames, {.points_mm = error_mm}))) {
+    chi2 += fit.chi2_sum;
+    dof += static_cast<double>(fit.dof);
+  }
+  EXPECT_GT(chi2 / dof, 25.0) << "the limit of `untrusted`";
+}
+
 TEST(PrintError, BringsChi2ToItsDegreesOfFreedom) {
   const Truth t = truth();
   const auto frames = views(t, 0.01, 0.01);

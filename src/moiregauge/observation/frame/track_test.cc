@@ -7,35 +7,16 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/observation/frame/disc_centre.h"
-#include "moiregauge/simulator/simulator.h"
+#include "moiregauge/observation/frame/small_rig_for_tests.h"
 
 namespace moiregauge::internal {
 namespace {
 
-struct Rig {
-  simulator::Scenario scenario = *simulator::built_in("small-1xyz");
-  Reference reference;
-  Rig() {
-    const auto first = picture(0);
-    reference = *make_reference({first.view(), 8}, simulator::site_of(scenario), Camera{}, {});
-    learn_prints({first.view(), 8}, reference);
-  }
-  [[nodiscard]] Image<std::uint8_t> picture(long frame) const {
-    return render8(scenario, frame, {0, simulator::Area::kMarkersOnly});
-  }
-};
+using test::as_at_rest, test::marker_of, test::SmallRig;
 
-const Rig& rig() {
-  static const Rig one;
+const SmallRig& rig() {
+  static const SmallRig one(*simulator::built_in("small-1xyz"));
   return one;
-}
-
-Prediction as_at_rest(const Reference& reference) {
-  Prediction p;
-  p.view = p.expected = reference.seen.stage1;
-  p.travel.resize(reference.site.markers.size());
-  p.travel_expected = p.travel;
-  return p;
 }
 
 // Frame 2: 0.02 deg and 0.1 mm after the reference frame. Tracking and detection read the same gratings. Detection
@@ -83,8 +64,22 @@ TEST(Track, AnOccludedReferenceGoesThroughDetection) {
   simulator::Scenario covered = rig().scenario;
   covered.markers.front().cover.frames = {{2, 3}};
   covered.markers.front().cover.share = 0.5;
-  const auto now = render8(covered, 2, {0, simulator::Area::kMarkersOnly});
+  const auto now = SmallRig::rendered(covered, 2);
   EXPECT_FALSE(track_references({now.view(), 8}, rig().reference, as_at_rest(rig().reference)));
+}
+
+// Half a pitch from the position that the circles imply, two lattice lines are equally near. Tracking reads one of them
+// without its outline. A reference on the wrong line would displace every target, so a third of a pitch is too far.
+TEST(Track, AReferenceAThirdOfAPitchFromItsCircleGoesThroughDetection) {
+  const auto is_tracked = [](double pitches) {
+    simulator::Scenario apart = rig().scenario;
+    Grating& grating = *marker_of(apart, "NE").print.grating;
+    grating.centre.y += pitches * grating.pitch_mm;
+    const auto now = SmallRig::rendered(apart, 2);
+    return track_references({now.view(), 8}, rig().reference, as_at_rest(rig().reference)).has_value();
+  };
+  EXPECT_TRUE(is_tracked(0.2));
+  EXPECT_FALSE(is_tracked(0.33));
 }
 
 // Returns a disc of 40 px, lit from one side.

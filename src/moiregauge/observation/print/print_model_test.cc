@@ -2,56 +2,16 @@
 #include "moiregauge/observation/print/print_model.h"
 
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "moiregauge/units/units.h"
+#include "moiregauge/observation/print/picture_for_tests.h"
 
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kSide = 130;  // px
-constexpr double kPitchPx = 20.37;
-constexpr double kPitches = 5.0;  // size of the grating
-constexpr double kNoise = 1.5;    // grey levels
-constexpr double kBlurPx = 0.76;  // sigma of lens and pixel
-
-// Returns a view in which a millimetre is a pixel. y is up.
-View upright() {
-  Matrix3 h;
-  h << 1, 0, 0.5 * kSide, 0, -1, 0.5 * kSide, 0, 0, 1;
-  return {IdealFromBoard(h), {}};
-}
-
-Grating print() {
-  return {
-      .centre = {0.0, 0.0}, .width_mm = kPitches * kPitchPx, .height_mm = kPitches * kPitchPx, .pitch_mm = kPitchPx};
-}
-
-double step(double px) { return 0.5 * std::erfc(-px / (std::sqrt(2.0) * kBlurPx)); }
-// Returns the level of lines half a pitch wide about 0, 1, ... pitches: 0 in a line, 1 between.
-double lines(double px) { return step(std::abs(std::remainder(px, kPitchPx)) - 0.25 * kPitchPx); }
-double crossed_lines(double x, double y) { return 40.0 + 170.0 * lines(x) * lines(y); }
-double cosines(double x, double y) {
-  return 125.0 + 42.5 * (std::cos(kTwoPi * x / kPitchPx) + std::cos(kTwoPi * y / kPitchPx));
-}
-
-template <typename Grey>
-Image<std::uint8_t> seen(Grey grey, std::uint64_t seed) {
-  std::mt19937_64 rng(seed);
-  std::normal_distribution<double> noise(0.0, kNoise);
-  Image<std::uint8_t> picture(kSide, kSide);
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const double px = x - 0.5 * kSide, py = 0.5 * kSide - y, half = 0.5 * kPitches * kPitchPx;
-      const bool paper = std::abs(px) > half || std::abs(py) > half;
-      picture.at(x, y) = static_cast<std::uint8_t>(std::lround((paper ? 210.0 : grey(px, py)) + noise(rng)));
-    }
-  }
-  return picture;
-}
+using test::cosines, test::crossed_lines, test::kNoise, test::print, test::seen, test::tinted_lines, test::upright;
 
 PrintModel learned(const Image<std::uint8_t>& picture, TemplateUse use) {
   auto model = learn_print(picture.view(), upright(), print(), use);
@@ -126,6 +86,23 @@ TEST(PrintModel, HarmonicsAreUsedWhereTheyExist) {
   EXPECT_EQ(learned(binary, TemplateUse::kOff).print.order(), 1);
   EXPECT_EQ(learned(cosine, TemplateUse::kAuto).print.order(), 1);
   EXPECT_GT(learned(cosine, TemplateUse::kOn).print.order(), 1);
+}
+
+// A grating in grey ink has a quarter of black's contrast here. Without harmonics its edges still leave residuals of
+// several times the noise, so the template is used.
+TEST(PrintModel, HarmonicsOfAFaintGratingAreUsedToo) {
+  const auto faint = seen([](double x, double y) { return tinted_lines(x, y, 0.25); }, 1);
+  EXPECT_GT(learned(faint, TemplateUse::kAuto).print.order(), 1);
+}
+
+// Grey ink has a tenth of black's contrast here. A strip of paper differs from the template by 17 grey levels where
+// lines would be, which is more than six times the noise rms. The window must end there: paper has no lines to fit.
+TEST(PrintModel, TheWindowEndsAtTheEdgeOfAFaintGrating) {
+  const PatchWindow window =
+      learned(seen([](double x, double y) { return tinted_lines(x, y, 0.1); }, 1), TemplateUse::kOn).window;
+  // The window ends at whole strips of 0.05 pitch and half a pixel from the edge.
+  EXPECT_NEAR(window.half_x, 0.5 * test::kPitches, 0.15);
+  EXPECT_NEAR(window.half_y, 0.5 * test::kPitches, 0.15);
 }
 
 // Over whole pitches harmonics are orthogonal to the fundamentals. A cosine has none, so its window keeps its size.
