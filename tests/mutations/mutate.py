@@ -14,6 +14,7 @@ labels. --targets: builds only these programs. --tests: only tests whose names m
 """
 import argparse
 import csv
+import hashlib
 import json
 import multiprocessing.pool
 import os
@@ -124,7 +125,7 @@ def ctest(work, tests, *more, **variables):
 def readers(work, labels, names):
     """Runs each test without a mutation. Returns, by mutation as text, the (seconds, place) of the tests that read its
     constant and pass. Stores this in the work folder, and reads it from there if the programs are older."""
-    stored = work / f"readers-{'-'.join(labels)}-{re.sub('[^A-Za-z0-9]+', '-', names)}.json"
+    stored = work / f"readers-{'-'.join(labels)}-{hashlib.sha256(names.encode()).hexdigest()[:12]}.json"
     newest = max(file.stat().st_mtime for file in (work / "build/check/bin").iterdir())
     if stored.exists() and stored.stat().st_mtime > newest:
         return json.loads(stored.read_text())
@@ -183,10 +184,12 @@ def print_table(mutations, reasons, results):
         verdict = row["caught_by"] or f"none of {row['tried']}" + (f": {reason}" if reason else "")
         print(f"| {row['file']} | {row['constant']} | {row['value']} | {row['instead']} | {verdict} | {row['commit']} |")
     left = [(row, reason) for row, reason in known if not row["caught_by"]]
-    print(f"\n{len(known) - len(left)} of {len(mutations)} mutations are caught. Of the others, "
-          f"{sum(bool(reason) for _, reason in left)} state why none can be, "
-          f"{sum(not reason for _, reason in left)} give no reason, "
-          f"and {len(mutations) - len(known)} were not measured.")
+    print(f"\n{len(known) - len(left)} of {len(mutations)} mutations are caught.", end="")
+    if len(known) - len(left) < len(mutations):
+        print(f" Of the others, {sum(bool(reason) for _, reason in left)} state why none can be, "
+              f"{sum(not reason for _, reason in left)} give no reason, "
+              f"and {len(mutations) - len(known)} were not measured.", end="")
+    print()
 
 
 def main():

@@ -44,7 +44,7 @@ bool is_the_same(const PrintError& a, const PrintError& b) {
 }
 
 // Least fraction of the excess of chi2 over dof that the rotation must explain. Six of some eighty degrees of freedom
-// explain a twelfth of any excess by chance.
+// explain a twelfth of any excess by chance. Three times that is chosen.
 constexpr double kWorthAsking = 0.25;
 
 // Tests for a rolling shutter before the print error is allowed for, because that would absorb the effect. If noise

@@ -21,8 +21,8 @@ constexpr std::size_t kMaxKeyFrames = 120;  // chosen
 // sharpening the error is 0.0001 to 0.005 px. With sharpening by 0.6 to 1.2 the overshoot is 0.06 to 0.15, and the
 // error up to 0.011 and 0.016 px.
 constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
-constexpr double kEdgePerOvershoot = 0.07;
-constexpr double kRollingShare = 0.6;  // least share of chi2 that free rotation during readout removes; chosen
+constexpr double kEdgePerOvershoot = 0.07;  // px per unit of overshoot
+constexpr double kRollingShare = 0.6;       // least share of chi2 that free rotation during readout removes; chosen
 
 // Returns the indices of the key frames, the reference frame first.
 std::vector<std::size_t> key_of(const FrameSeries& frames) {

@@ -12,7 +12,7 @@ namespace {
 // it by a fifth in all blocks. Chosen.
 constexpr double kMissesChanged = 1.15;
 // Smallest excess residual of a block, relative to the template's contrast. If all of it pulled one way, the grating
-// would move by 0.0005 px.
+// would move by 0.0005 px. Chosen.
 constexpr double kMinMiss = 0.01;
 // Largest sigma^2 of the free part relative to the reference frame's. Blur and light cause a part of it. Chosen.
 constexpr double kStillCovered = 2.0;

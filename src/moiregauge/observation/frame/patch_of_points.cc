@@ -12,7 +12,9 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr double kWholeContrast = 0.1;  // rms, of the template's contrast; chosen
+// Largest residual beyond noise of a whole grating, rms relative to the template's contrast. A hidden hundredth of the
+// grating leaves as much. Chosen.
+constexpr double kWholeContrast = 0.1;
 // Smallest squared residual of a strip that is no grating, in units of the template's contrast squared. Paper deviates
 // by at least the contrast, of which planes of light and contrast can absorb up to six tenths.
 constexpr double kStripMisses = 0.1;

@@ -11,7 +11,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kMaxOddPower = 0.01;  // relative to the template's power; chosen
+// Largest share of a template's power that is odd about a symmetry point. Chosen.
+constexpr double kMaxOddPower = 0.01;
 
 double to_nearest_half(double pitches) { return pitches - 0.5 * std::round(2.0 * pitches); }
 double to_nearest_whole(double pitches) { return pitches - std::round(pitches); }

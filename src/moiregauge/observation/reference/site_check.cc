@@ -35,7 +35,7 @@ ScaleUncertainty scale_uncertainty(const Reference& reference) {
           0.5 * std::hypot(u / std::sqrt(xx), u / std::sqrt(yy))};
 }
 
-// Coverage factor k from which on the site is wrong, and not only uncertain.
+// Coverage factor k from which on the site is wrong, and not only uncertain. Chosen.
 constexpr double kSure = 3.0;
 
 // Returns the relative stretch of a pitch in the image against the site, by the scale of the circle spacing. It is the
