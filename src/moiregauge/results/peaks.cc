@@ -10,6 +10,7 @@
 
 #include "moiregauge/results/peak_fit.h"
 #include "moiregauge/results/random_fit.h"
+#include "moiregauge/results/short_record.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -18,7 +19,6 @@ namespace {
 constexpr double kOneOfMany = 5.2;
 constexpr double kQuartile = -0.6745;     // lower quartile as a normal deviate
 constexpr double kMinRatio = 3.0;         // least height of a peak over its level; chosen
-constexpr double kMinCycles = 3.0;        // least number of cycles in the record; slower motion is drift
 constexpr std::size_t kLevelAround = 25;  // ordinates to each side that give the level; chosen
 // Least half-power width of a resolved peak, in units of 1 / duration. A narrower one has the width of the window.
 constexpr double kResolvedWidth = 4.0;
@@ -141,22 +141,22 @@ const char* word_for(PeakKind kind) {
   return kind == PeakKind::kSteady ? "steady" : kind == PeakKind::kDecay ? "decay" : "random";
 }
 
-std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const Spectrum& spectrum) {
-  const Stretch& longest = times.longest();
-  const double duration = static_cast<double>(longest.count) * times.interval_s;
-  const double lowest = std::max(kMinCycles / duration, 1.5 * spectrum.resolution_hz);
+namespace {
+
+// Finds peaks in the averaged spectrum, from `lowest_hz` up, and subtracts those that a fit explains from `series`.
+std::vector<Peak> averaged_peaks(Series& series, const EvenTimes& times, const Spectrum& spectrum, double lowest_hz) {
   PeakFits fits(series, times);
   std::vector<Taken> taken;
   std::vector<Peak> found;
   Spectrum left = spectrum;
   while (found.size() < kMaxPeaks) {
-    const auto near = next_peak(left, taken, lowest);
+    const auto near = next_peak(left, taken, lowest_hz);
     if (!near) break;
     if (fits.take(*near, left.resolution_hz)) {
       found.push_back(fits.last());
       left = *welch(fits.left(), times);  // cannot fail: the stretches are the same
     } else {
-      found.push_back(random_peak(fits.left(), times, *near, own_band(*near, lowest, taken, left)));
+      found.push_back(random_peak(fits.left(), times, *near, own_band(*near, lowest_hz, taken, left)));
     }
     taken.push_back(about(found.back(), spectrum));
     // Prevents finding the same peak twice.
@@ -164,6 +164,30 @@ std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const S
   }
   fits.refine(found);
   leave_out_crumbs(found);
+  series = fits.left();
+  return found;
+}
+
+void subtract(Series& series, const SineFit& sine) {
+  for (std::size_t i = 0; i < series.value.size(); ++i) series.value[i] -= sine.oscillation(series.time_s[i]);
+}
+
+}  // namespace
+
+std::vector<Peak> peaks_of(const Series& series, const EvenTimes& times, const Spectrum& spectrum) {
+  const double duration = static_cast<double>(times.longest().count) * times.interval_s;
+  const double slowest = kMinCycles / duration, averaged_from = std::max(slowest, 1.5 * spectrum.resolution_hz);
+  Series left = series;
+  // Below the averaged spectrum first, because its leakage would look like further peaks.
+  const auto slow = find_short_vibration(left, times, slowest, averaged_from);
+  if (slow) subtract(left, slow->sine);
+  std::vector<Peak> found = averaged_peaks(left, times, slow ? *welch(left, times) : spectrum, averaged_from);
+  if (slow) found.push_back(slow->peak);
+  const double few_hz = std::min(kFewCycles / duration, 0.4 / times.interval_s);
+  const bool has_slow = std::any_of(found.begin(), found.end(), [&](const Peak& p) { return p.frequency_hz < few_hz; });
+  if (!has_slow) {
+    if (const auto missed = find_short_vibration(left, times, slowest, few_hz)) found.push_back(missed->peak);
+  }
   std::sort(found.begin(), found.end(), [](const Peak& a, const Peak& b) { return a.frequency_hz < b.frequency_hz; });
   return found;
 }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "moiregauge/results/random_fit.h"
+#include "moiregauge/results/short_record.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -217,6 +218,56 @@ TEST(Spectrum, TwoVibrationsDoNotDisturbEachOther) {
   ASSERT_EQ(found.peaks.size(), 2U);
   EXPECT_NEAR(found.peaks[0].frequency_hz, 1.7, 4.0 * found.peaks[0].u_frequency_hz);
   EXPECT_NEAR(found.peaks[1].frequency_hz, 2.3, 4.0 * found.peaks[1].u_frequency_hz);
+}
+
+// A record of 3.2 to 8 cycles names the frequency. The pulls scatter by 1 as for longer records: the noise has 155 degrees
+// of freedom, or the slow ordinates if these are larger by chance, which inflates u by up to a third.
+TEST(Spectrum, AFewCyclesGiveTheFrequencyWithAnUncertaintyThatHolds) {
+  std::mt19937_64 rng(21);
+  for (const double cycles : {3.2, 4.5, 6.0, 7.9}) {
+    int inside = 0, named = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      std::uniform_real_distribution<double> phase(0.0, kTwoPi);
+      const double f = cycles / 16.0, start = phase(rng);
+      Series series = sampled(nothing, 160, 10.0, 0.01, rng);
+      for (std::size_t i = 0; i < series.value.size(); ++i)
+        series.value[i] += 0.1 * std::sin(kTwoPi * f * series.time_s[i] + start) + 0.002 * series.time_s[i];
+      const AxisSpectrum found = spectrum_of(series);
+      if (found.peaks.size() != 1) continue;
+      ++named;
+      inside += std::abs(found.peaks.front().frequency_hz - f) < 2.0 * found.peaks.front().u_frequency_hz;
+    }
+    EXPECT_EQ(named, kDraws) << cycles;
+    // 95 % of 200 draws, less four standard errors of 1.5 % each.
+    EXPECT_GE(inside, 0.89 * kDraws) << cycles;
+    std::printf("%.1f cycles: %d of %d inside U\n", cycles, inside, named);
+  }
+}
+
+// A quarter of an averaged spectrum's segments is slower than its resolution. Noise, random walks, single bumps and
+// steps must not be named there.
+TEST(Spectrum, DriftOfAShortRecordIsNoVibration) {
+  std::mt19937_64 rng(22);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  int named = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Series walk = sampled(nothing, 160, 10.0, 0.01, rng), bump = walk, step = walk, noise = walk;
+    const double middle = 16.0 * any(rng), width = 0.5 + 2.0 * any(rng);
+    double level = 0.0;
+    for (std::size_t i = 0; i < walk.value.size(); ++i) {
+      const double t = walk.time_s[i];
+      level += 0.02 * normal(rng);
+      walk.value[i] += level;
+      bump.value[i] += std::exp(-0.5 * (t - middle) * (t - middle) / (width * width));
+      step.value[i] += t > middle ? 1.0 : 0.0;
+    }
+    for (const Series* one : {&walk, &bump, &step, &noise}) {
+      const AxisSpectrum found = spectrum_of(*one);
+      for (const Peak& peak : found.peaks) named += peak.frequency_hz < kFewCycles / 16.0;
+    }
+  }
+  EXPECT_EQ(named, 0);
 }
 
 TEST(Spectrum, GapsAreExcludedAndNeverFilled) {
