@@ -19,7 +19,7 @@ constexpr double kSlowReach = 2.0;          // slow motion extends to this multi
 constexpr std::size_t kSineParameters = 5;  // a, b, c, d, omega
 
 struct Residuals {
-  std::vector<double> line, sine;  // of a straight line alone, and with the vibration
+  std::vector<double> line, sine;  // with a straight line alone, and with the vibration
 };
 
 double square_sum(const std::vector<double>& values) {

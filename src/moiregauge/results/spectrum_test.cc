@@ -220,8 +220,7 @@ TEST(Spectrum, TwoVibrationsDoNotDisturbEachOther) {
   EXPECT_NEAR(found.peaks[1].frequency_hz, 2.3, 4.0 * found.peaks[1].u_frequency_hz);
 }
 
-// A record of 3.2 to 8 cycles names the frequency. The pulls scatter by 1 as for longer records: the noise has 155 degrees
-// of freedom, or the slow ordinates if these are larger by chance, which inflates u by up to a third.
+// The noise has 155 degrees of freedom, so that u is right within 6 %.
 TEST(Spectrum, AFewCyclesGiveTheFrequencyWithAnUncertaintyThatHolds) {
   std::mt19937_64 rng(21);
   for (const double cycles : {3.2, 4.5, 6.0, 7.9}) {
