@@ -6,7 +6,11 @@ file(GLOB library_sources CONFIGURE_DEPENDS ${library_dir}/*.cc)
 list(FILTER library_sources EXCLUDE REGEX "_test\\.cc$")
 add_library(moiregauge_library SHARED ${library_sources})
 set_target_properties(moiregauge_library PROPERTIES OUTPUT_NAME moiregauge EXPORT_NAME moiregauge VERSION ${PROJECT_VERSION}
-                      SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} UNITY_BUILD OFF)
+                      SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+# A class of its anonymous namespace is a member of Tracker::State, which GCC reports in a batch.
+set_source_files_properties(${library_dir}/tracker.cc PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+target_compile_options(moiregauge_library PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
+moiregauge_precompiled(moiregauge_library moiregauge_quick_headers $<$<CONFIG:RelWithDebInfo>:-O1>)
 target_include_directories(moiregauge_library
   PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include;${PROJECT_BINARY_DIR}/generated>"
   PRIVATE ${PROJECT_SOURCE_DIR}/src)

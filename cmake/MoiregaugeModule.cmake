@@ -1,22 +1,22 @@
-# moiregauge_precompiled(target name [TEXT] options...) gives the target the headers that most files include, compiled once
-# as library `name` with the target's own options. TEXT: with those of fmt, for targets that link to it. It saves a sixth of
-# the processor time. Not for a compiler cache, which would not find such files again, and only where files are compiled
-# several at once: the other builds show an include that is missing in a file.
+# moiregauge_precompiled(target name options...) gives the target the headers that most files include, compiled once as
+# library `name` with the target's own options. It saves a sixth of the processor time. Not for a compiler cache, which
+# would not find such files again, and only where files are compiled several at once: the other builds show an include
+# that is missing in a file.
 function(moiregauge_precompiled target name)
-  cmake_parse_arguments(ARG "TEXT" "" "" ${ARGN})
   if(NOT MOIREGAUGE_UNITY OR CMAKE_CXX_COMPILER_LAUNCHER)
     return()
   endif()
   if(NOT TARGET ${name})
     file(WRITE ${PROJECT_BINARY_DIR}/generated/${name}.cc "")
     add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/generated/${name}.cc)
-    target_link_libraries(${name} PRIVATE Eigen3::Eigen tl::expected $<$<BOOL:${ARG_TEXT}>:fmt::fmt> moiregauge_warnings)
-    target_compile_options(${name} PRIVATE ${ARG_UNPARSED_ARGUMENTS})
+    target_link_libraries(${name} PRIVATE Eigen3::Eigen tl::expected fmt::fmt moiregauge_warnings)
+    target_compile_options(${name} PRIVATE ${ARGN})
     target_precompile_headers(${name} PRIVATE <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <optional>
-                              <span> <string> <string_view> <utility> <vector> <Eigen/Core> <tl/expected.hpp>
-                              $<$<BOOL:${ARG_TEXT}>:<fmt/format.h$<ANGLE-R>>)
+                              <span> <string> <string_view> <utility> <vector> <Eigen/Cholesky> <Eigen/Core> <Eigen/LU> <tl/expected.hpp>
+                              <fmt/format.h>)
   endif()
-  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:Eigen3::Eigen> $<BUILD_INTERFACE:tl::expected>)
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:Eigen3::Eigen> $<BUILD_INTERFACE:tl::expected>
+                        $<BUILD_INTERFACE:fmt::fmt>)
   target_precompile_headers(${target} REUSE_FROM ${name})
 endfunction()
 
@@ -38,9 +38,7 @@ function(moiregauge_module)
     target_link_libraries(${lib} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:moiregauge_warnings>)
     if(ARG_QUICK_COMPILE)
       target_compile_options(${lib} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
-      moiregauge_precompiled(${lib} moiregauge_quick_headers TEXT $<$<CONFIG:RelWithDebInfo>:-O1>)
-    elseif("fmt::fmt" IN_LIST ARG_LINK)
-      moiregauge_precompiled(${lib} moiregauge_text_headers TEXT)
+      moiregauge_precompiled(${lib} moiregauge_quick_headers $<$<CONFIG:RelWithDebInfo>:-O1>)
     else()
       moiregauge_precompiled(${lib} moiregauge_headers)
     endif()

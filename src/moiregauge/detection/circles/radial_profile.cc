@@ -5,7 +5,8 @@
 #include <cstring>
 #include <limits>
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // includes the scalar target, to which the tests compare the others
+#include "moiregauge/image/simd_options.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moiregauge/detection/circles/radial_profile.cc"
 #include <hwy/foreach_target.h>

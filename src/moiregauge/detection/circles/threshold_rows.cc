@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // includes the scalar target, to which the tests compare the others
+#include "moiregauge/image/simd_options.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moiregauge/detection/circles/threshold_rows.cc"
 #include <hwy/foreach_target.h>

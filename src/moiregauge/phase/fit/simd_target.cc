@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cctype>
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // the same targets as in patch_pass.cc
+#include "moiregauge/image/simd_options.h"
+
 #include <hwy/targets.h>
 
 namespace moiregauge::internal {

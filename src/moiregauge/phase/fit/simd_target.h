@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal {
 
-// Returns the targets that this program contains and this machine supports: "scalar", "ssse3", "sse4", "avx2", "avx3"
+// Returns the targets that this program contains and this machine supports: "scalar", "sse4", "avx2", "avx3"
 // (AVX-512), ...
 [[nodiscard]] std::vector<std::string> simd_targets();
 
