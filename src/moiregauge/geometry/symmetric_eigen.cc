@@ -5,7 +5,7 @@
 
 namespace moiregauge::internal {
 
-// A solver for the fixed size has the same bits, but takes another six seconds to compile.
+// A solver for the fixed size has the same bits, but takes longer to compile.
 SymmetricEigen2 eigen_of(const Eigen::Matrix2d& symmetric) {
   const SymmetricEigenX eigen = eigen_of(Eigen::MatrixXd(symmetric));
   return {eigen.values, eigen.vectors};

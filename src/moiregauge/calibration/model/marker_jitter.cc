@@ -16,7 +16,7 @@ constexpr int kPose = 6;
 using Shift18 = Eigen::Matrix<double, PatchResidual::kSize, 2>;
 
 // Returns an orthonormal basis of two columns by Householder reflections. Eigen's HouseholderQR, which has the same bits,
-// takes four seconds to compile.
+// takes longer to compile.
 Shift18 basis_of(Shift18 columns) {
   constexpr Eigen::Index kSize = PatchResidual::kSize;
   Eigen::Vector2d factor, workspace;
