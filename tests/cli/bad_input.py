@@ -126,6 +126,7 @@ TABLE = {
         ("derive empty --channel c=mid.dy", 3, "run.mgj"),
         ("derive empty --chanel c=mid.dy", 2, "did you mean --channel"),
         ("derive empty again", 2, "again"),
+        ("derive empty --channel c=mid.dy --velocty 5Hz", 2, "did you mean --velocity"),
     ],
     "export": [
         ("export", 2, "DIR"),

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """Checks `derive`: values and u of single targets are those of displacement.csv, and mistakes are named with their column."""
 import csv
+import json
 import subprocess
 
 from runs import insist, simulate, start
 
 program, work, _ = start()
-simulate(program, work / "run", "small-1xyz", 10)
+simulate(program, work / "run", "small-1xyz", 24)
 
 
 def run(*words):
@@ -29,7 +30,7 @@ def derived(*words):
 rows = derived("--channel", "x = mid.dx", "--channel", "y = mid.dy", "--channel", "twice = 2 * y", "--channel", "r=mid.rotation")
 with open(work / "out/displacement.csv", encoding="utf-8") as file:
     samples = list(csv.DictReader(file))
-insist(len(rows) == len(samples) == 10, f"{len(rows)} rows")
+insist(len(rows) == len(samples) == 24, f"{len(rows)} rows")
 for row, sample in zip(rows, samples):
     insist(row["frame"] == sample["frame"] and row["time_s"] == sample["time_s"], f"another frame: {row}")
     for column, expected in [("x_mm", "dx_mm"), ("y_mm", "dy_mm"), ("u_x_mm", "u_dx_mm"), ("u_y_mm", "u_dy_mm")]:
@@ -54,7 +55,60 @@ for words, exit_code, text in [
     insist(done.returncode == exit_code, f"exit {done.returncode}, not {exit_code}: {words} {done.stderr}")
     insist(text in done.stderr and done.stderr.count("error: ") == 1, f"{words}: {done.stderr}")
 
+# Layers: a zero over frames or seconds, a line, a median, a filter; what was done is in derived.json.
+def column(words, name):
+    return [float(row[name]) for row in derived("--channel", "y = mid.dy", *words)]
+
+
+zeroed = column(["--zero", "0:6"], "y_mm")
+insist(abs(sum(zeroed[:6])) < 1e-8, f"the mean over the zero is not zero: {zeroed}")
+insist(zeroed == column(["--zero", "0s:0.6s"], "y_mm"), "another zero in seconds")
+u_alone, u_zeroed = column([], "u_y_mm"), column(["--zero", "0:6"], "u_y_mm")
+insist(max(u_zeroed[6:]) < 0.9 * max(u_alone[6:]), f"u does not fall: {u_alone} {u_zeroed}")
+column(["--median", "3", "--detrend", "--velocity", "4.5Hz"], "y_mm_per_s")
+about = json.loads((work / "out/derived.json").read_text())
+insist(about["layers"] == ["median 3", "detrend", "velocity 4.5Hz"], f"{about['layers']}")
+insist(about["u_is_bound"] is True and about["channels"][0]["unit"] == "mm/s", f"{about}")
+insist(about["channels"][0]["peak_to_peak"]["u"] > 0, f"{about}")
+for words, text in [
+    (("--filter", "lowpass:1"), "write lowpass:5Hz"),
+    (("--filter", "lowpass:7Hz"), "half the frame rate"),
+    (("--filter", "lowpass:0.5Hz"), "give a higher frequency"),
+    (("--median", "4"), "odd number"),
+    (("--zero", "50:60"), "choose other frames"),
+    (("--zero", "6"), "write frames A:B"),
+    (("--resample", "fast"), "e.g. 5Hz"),
+]:
+    done = run("derive", work / "out", "--channel", "y = mid.dy", *words)
+    insist(done.returncode == 2 and text in done.stderr, f"{words}: exit {done.returncode} {done.stderr}")
+
+# The same zero for the run itself: the samples are those of the channel.
+done = run("measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", 10, "-o", work / "zero", "--quiet",
+           "--zero", "0:6")
+insist(done.returncode == 0, done.stderr)
+insist(json.loads((work / "zero/run.json").read_text())["config"]["zero"]["end"] == 6, "run.json does not state the zero")
+with open(work / "zero/displacement.csv", encoding="utf-8") as file:
+    samples = list(csv.DictReader(file))
+for n, sample in enumerate(samples):
+    insist(abs(float(sample["dy_mm"]) - zeroed[n]) < 0.51e-6, f"another zero: {sample} {zeroed[n]}")
+    insist(abs(float(sample["u_dy_mm"]) - u_zeroed[n]) < 0.51e-6, f"another u of the zero: {sample} {u_zeroed[n]}")
+done = run("derive", work / "zero", "--channel", "y = mid.dy")
+insist(done.returncode == 0, done.stderr)
+with open(work / "zero/derived.csv", encoding="utf-8") as file:
+    insist([float(row["y_mm"]) for row in csv.DictReader(file)] == zeroed, "derive forgets the run's zero")
+for name, words in [("again", ()), ("none", ("--zero", "none"))]:
+    done = run("solve", work / "zero", "-o", work / name, "--quiet", *words)
+    insist(done.returncode == 0, done.stderr)
+    same = work / ("zero" if name == "again" else "out")
+    insist((work / name / "displacement.csv").read_bytes() == (same / "displacement.csv").read_bytes(), f"solve: {name}")
+done = run("solve", work / "out", "-o", work / "wrong", "--zero", "90:95")
+insist(done.returncode == 2 and "--zero 90:95" in done.stderr, f"exit {done.returncode}: {done.stderr}")
+insist(not (work / "wrong").exists(), "results of a wrong zero")
+
 # A method that does not know the errors that targets share.
 done = run("solve", work / "out", "--method", "two-stage", "-o", work / "two-stage", "--quiet")
-done = run("derive", work / "two-stage", "--channel", "y = mid.dy")
-insist(done.returncode == 2, f"exit {done.returncode}: {done.stderr}")
+insist(done.returncode == 0, done.stderr)
+for words, exit_code in [(("--channel", "y = mid.dy", "--zero", "0:6"), 0), (("--channel", "d = mid.dy - mid.dx"), 2)]:
+    done = run("derive", work / "two-stage", "--method", "two-stage", *words)
+    insist(done.returncode == exit_code, f"exit {done.returncode}: {done.stderr}")
+insist("measure with --method precise" in done.stderr, done.stderr)

@@ -49,5 +49,17 @@ TEST(DerivedChannels, TheirErrorsScatterByTheirUncertainty) {
   for (const auto& [name, pull] : pulls) EXPECT_NEAR(test::rms(pull), 1.0, 0.61) << name;
 }
 
+// A zero over 30 frames has the noise of its mean: sqrt(1 + 1/30) of a frame's instead of sqrt(2). What the scene adds
+// grows with the movement, so the run is short and u may exceed this by 10 %.
+TEST(DerivedChannels, AZeroOverThirtyFramesLowersUAsTheorySays) {
+  const auto run = study::zeroed_run(3);
+  ASSERT_TRUE(run.problem.empty()) << run.problem;
+  const auto& alone = run.channels.at("reference frame");
+  const auto& zero = run.channels.at("zero");
+  ASSERT_EQ(zero.u.size(), 4U);
+  EXPECT_NEAR(test::rms(zero.u) / test::rms(alone.u), std::sqrt((1.0 + 1.0 / 30.0) / 2.0), 0.072);
+  for (std::size_t k = 0; k < zero.u.size(); ++k) EXPECT_LT(std::abs(zero.error[k]), 4.0 * zero.u[k]);
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "moiregauge/results/derived/channel_parser.h"
+#include "moiregauge/results/derived/layers.h"
 
 namespace moiregauge::internal::study {
 namespace {
@@ -106,6 +107,34 @@ DerivedRun derived_run(std::uint64_t seed) {
       errors.u.push_back(measured.u(n));
       const auto first = static_cast<std::size_t>(n) * names.size();
       errors.u_by_hand.push_back(u_by_hand(channel, solved.solution.samples.data() + first));
+    }
+  }
+  return out;
+}
+
+DerivedRun zeroed_run(std::uint64_t seed) {
+  const auto scenario = derived_scenario(seed);
+  test::RunPlan plan{.method = "precise", .frames = kZeroFrames + 4, .all_targets = true, .render_threads = 1};
+  const test::MeasuredRun run = test::measured(scenario, plan);
+  DerivedRun out{run.problem, {}};
+  if (!out.problem.empty()) return out;
+  const JointSolution solved = solve_jointly(run);
+  if (solved.joint.targets.empty()) {
+    out.problem = "no scene";
+    return out;
+  }
+  const TrueRun truth = true_run(scenario, run.reference.site, solved);
+  const Channel channel{"y", "mm", {{TermKind::kDy, {0}, 1.0}}, 0.0, {}};  // mid is the first target
+  for (const bool is_zeroed : {false, true}) {
+    std::vector<Layer> layers;
+    if (is_zeroed) layers.push_back({ZeroLayer{{0, kZeroFrames}}, "zero"});
+    const auto measured = *layered(*channel_values(channel, solved.solution.samples, solved.joint), "mm", layers);
+    const auto expected = *layered(*channel_values(channel, truth.samples, truth.joint), "mm", layers);
+    ChannelErrors& errors = out.channels[is_zeroed ? "zero" : "reference frame"];
+    for (Eigen::Index n = kZeroFrames; n < measured.value.size(); ++n) {
+      if (measured.status[static_cast<std::size_t>(n)] != Status::kOk) continue;
+      errors.error.push_back(measured.value(n) - expected.value(n));
+      errors.u.push_back(measured.u(n));
     }
   }
   return out;

@@ -33,6 +33,12 @@ struct DerivedRun {
 // Measures the scenario with `precise` in 14 frames and derives the study's channels.
 [[nodiscard]] DerivedRun derived_run(std::uint64_t seed);
 
+inline constexpr long kZeroFrames = 30;
+
+// Measures kZeroFrames + 4 frames of the scenario. Returns the errors of mid.dy in the last four, relative to the
+// reference frame ("reference frame") and to the mean over the first kZeroFrames ("zero").
+[[nodiscard]] DerivedRun zeroed_run(std::uint64_t seed);
+
 // Solves a measured run again with its joint errors. The samples are those of all targets.
 struct JointSolution {
   Solution solution;

@@ -4,16 +4,21 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "moiregauge/app/frame_range_text.h"
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/tables/derived_csv.h"
+#include "moiregauge/io/tables/derived_json.h"
 #include "moiregauge/io/tables/displacement_csv.h"
 #include "moiregauge/results/derived/channel_parser.h"
 #include "moiregauge/results/derived/channel_values.h"
+#include "moiregauge/results/derived/layers.h"
+#include "moiregauge/results/derived/zeroed_samples.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -26,12 +31,21 @@ tl::unexpected<RunFailure> cannot_derive(Exit exit, std::string message) {
   return tl::unexpected(RunFailure{exit, std::move(message)});
 }
 
-// A run solved again, with its joint errors.
+// A run solved again without its zero, with its joint errors.
 struct JointRun {
   Measurement measurement;
   MeasureOptions options;
   JointErrors joint;
+  std::optional<FrameRange> zero;  // that of the run
 };
+
+// Returns the samples with the run's zero.
+Samples samples_of_results(const JointRun& run) {
+  Samples samples = run.measurement.samples;
+  const auto zero = run.zero ? in_frames(*run.zero, run.measurement.observations) : std::nullopt;
+  if (zero) (void)subtract_zero(run.joint, *zero, samples);  // a wrong zero gives other samples than the results
+  return samples;
+}
 
 // displacement.csv must hold the samples that the channels are computed from.
 tl::expected<void, RunFailure> check_results(const std::string& folder, const JointRun& run) {
@@ -44,7 +58,7 @@ tl::expected<void, RunFailure> check_results(const std::string& folder, const Jo
                                      path));
   std::ifstream file(path, std::ios::binary);
   const std::string written{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (written == displacement_csv(site_of(run.measurement, run.options), run.measurement.samples)) return {};
+  if (written == displacement_csv(site_of(run.measurement, run.options), samples_of_results(run))) return {};
   return cannot_derive(Exit::kUsage,
                        fmt::format("the results have other values than the observations give: {}: repeat here the "
                                    "options of `solve`, or run `moiregauge solve` again",
@@ -54,7 +68,8 @@ tl::expected<void, RunFailure> check_results(const std::string& folder, const Jo
 tl::expected<JointRun, RunFailure> joint_run(const SolveArgs& args, const RunCallbacks& callbacks) {
   auto stored = run_to_solve(args);
   if (!stored) return tl::unexpected(stored.error());
-  JointRun run{{}, std::move(stored->options), {}};
+  JointRun run{{}, std::move(stored->options), {}, {}};
+  run.zero = std::exchange(run.options.zero, std::nullopt);
   static_cast<ObservationLog&>(run.measurement) = std::move(stored->seen);
   const long frames = static_cast<long>(run.measurement.observations.size());
   (void)callbacks.may_continue({Stage::kSolving, frames, frames, std::nullopt});
@@ -65,10 +80,7 @@ tl::expected<JointRun, RunFailure> joint_run(const SolveArgs& args, const RunCal
     return cannot_derive(Exit::kRefused, fmt::format("the run has no reliable values: {} ({}): measure it again",
                                                      args.run, run.measurement.refusal));
   if (auto checked = check_results(args.run, run); !checked) return tl::unexpected(checked.error());
-  if (run.joint.problem.empty()) return run;
-  return cannot_derive(Exit::kUsage,
-                       fmt::format("no uncertainty can be derived: {} ({}): measure with --method precise", args.run,
-                                   run.joint.problem));
+  return run;
 }
 
 std::vector<std::string> target_names(const JointRun& run) {
@@ -98,13 +110,52 @@ tl::expected<std::vector<Channel>, RunFailure> channels_of(const DeriveArgs& arg
   return channels;
 }
 
-DerivedColumn column_of(const Channel& channel, const ChannelSeries& series) {
-  DerivedColumn column{channel.name, channel.unit, channel.text, {}, {}, series.status};
-  for (Eigen::Index n = 0; n < series.size(); ++n) {
-    column.value.push_back(series.value(n));
-    column.u.push_back(std::isnan(series.value(n)) ? kNotMeasured : series.u(n));
+// The run's own zero is the first layer.
+tl::expected<std::vector<Layer>, RunFailure> layers_of(const DeriveArgs& args, const JointRun& run) {
+  std::vector<Layer> layers;
+  if (run.zero) layers.push_back({ZeroLayer{*run.zero}, "zero of the run"});
+  for (const auto& [option, value] : args.layers) {
+    if (option == "detrend") {
+      layers.push_back({DetrendLayer{}, option});
+    } else if (option == "zero") {
+      const auto zero = frame_range_in(value, kZeroOption);
+      if (!zero) return cannot_derive(Exit::kUsage, zero.error().message);
+      layers.push_back({ZeroLayer{*zero}, option + " " + value});
+    } else {
+      auto layer = parse_layer(option, value);
+      if (!layer)
+        return cannot_derive(Exit::kUsage,
+                             fmt::format("the layer cannot be read: --{} {}: {}", option, value, layer.error()));
+      layers.push_back(*std::move(layer));
+    }
   }
+  return layers;
+}
+
+DerivedColumn column_of(const Channel& channel, const LayeredSeries& series) {
+  DerivedColumn column{channel.name, series.unit, channel.text, {}, {}, series.status};
+  column.value.assign(series.value.begin(), series.value.end());
+  column.u.assign(series.u.begin(), series.u.end());
   return column;
+}
+
+// Adds a channel to the results.
+tl::expected<void, RunFailure> add_channel(const Channel& channel, const JointRun& run,
+                                           const std::vector<Layer>& layers, DerivedResults& out) {
+  auto series = channel_values(channel, run.measurement.samples, run.joint);
+  if (!series)
+    return cannot_derive(Exit::kUsage, fmt::format("the channel {} has no value: {}: {}", channel.name, series.error(),
+                                                   run.joint.knows_common_errors
+                                                       ? "name other targets"
+                                                       : "name one displacement, or measure with --method precise"));
+  const auto whole = layered(*std::move(series), channel.unit, layers);
+  if (!whole)
+    return cannot_derive(Exit::kUsage, fmt::format("the channel {} has no series: {}", channel.name, whole.error()));
+  out.table.frame = whole->frame;
+  out.table.time_s = whole->time_s;
+  out.table.columns.push_back(column_of(channel, *whole));
+  out.statistics.push_back(statistics_of(*whole));
+  return {};
 }
 
 Exit exit_of_table(const DerivedTable& table, Exit run) {
@@ -123,19 +174,20 @@ tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args, cons
   if (!run) return tl::unexpected(run.error());
   const auto channels = channels_of(args, *run);
   if (!channels) return tl::unexpected(channels.error());
+  const auto layers = layers_of(args, *run);
+  if (!layers) return tl::unexpected(layers.error());
   DerivedResults out;
   for (const Channel& channel : *channels) {
-    const auto series = channel_values(channel, run->measurement.samples, run->joint);
-    if (!series)
-      return cannot_derive(Exit::kUsage, fmt::format("the channel {} has no value: {}: name other targets",
-                                                     channel.name, series.error()));
-    out.table.frame = series->frame;
-    out.table.time_s = series->time_s;
-    out.table.columns.push_back(column_of(channel, *series));
+    if (auto added = add_channel(channel, *run, *layers, out); !added) return tl::unexpected(added.error());
   }
   out.exit = exit_of_table(out.table, run->measurement.exit);
   out.file = args.output.empty() ? (fs::path(args.solve.run) / "derived.csv").string() : args.output;
   if (const auto written = write_file_atomically(out.file, derived_csv(out.table)); !written)
+    return cannot_derive(
+        Exit::kOutputUnwritable,
+        fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
+  const std::string json = fs::path(out.file).replace_extension(".json").string();
+  if (const auto written = write_file_atomically(json, derived_json(out.table, out.statistics, *layers)); !written)
     return cannot_derive(
         Exit::kOutputUnwritable,
         fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));

@@ -3,25 +3,30 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tl/expected.hpp>
 
 #include "moiregauge/app/solve_run.h"
 #include "moiregauge/results/derived/derived_table.h"
+#include "moiregauge/results/derived/statistics.h"
 
 namespace moiregauge::internal {
 
 struct DeriveArgs {
   SolveArgs solve;  // the run, and the options with which it was solved
   std::vector<std::string> channels;
+  // Layers in their order: option without dashes and value, such as "filter" and "lowpass:5Hz".
+  std::vector<std::pair<std::string, std::string>> layers;
   std::string output;  // CSV file; empty: derived.csv in the run
 };
 
 struct DerivedResults {
   DerivedTable table;
-  std::string file;                   // the CSV file
-  std::vector<std::string> warnings;  // for the user
+  std::vector<ChannelStatistics> statistics;  // in the order of the columns
+  std::string file;                           // the CSV file
+  std::vector<std::string> warnings;          // for the user
   Exit exit = Exit::kMeasured;
 };
 

@@ -19,6 +19,7 @@ struct RangeOption {
 };
 inline constexpr RangeOption kFramesOption{"--frames", "0:100:2", true};
 inline constexpr RangeOption kRestOption{"--rest", "0:20"};
+inline constexpr RangeOption kZeroOption{"--zero", "0:30"};
 inline constexpr RangeOption kTimeOption{"--time", "2:8.5"};  // seconds
 
 // Returns the range in `text`. An end may be missing. Seconds have a unit (s, ms, us), at both ends; 0 needs none.

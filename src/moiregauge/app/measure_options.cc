@@ -228,6 +228,11 @@ Parsed parse_frames(const MeasureArgs& args, MeasureOptions& options) {
     if (!rest) return tl::unexpected(rest.error());
     options.solve.rest = *rest;
   }
+  if (!args.zero.empty()) {
+    const auto zero = frame_range_in(args.zero, kZeroOption);
+    if (!zero) return tl::unexpected(zero.error());
+    options.zero = *zero;
+  }
   if (args.reference_frame && *args.reference_frame < 0)
     return usage(
         fmt::format("the frame number is negative: --reference-frame {}: give a frame of the input, the first is 0",

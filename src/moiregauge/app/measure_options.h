@@ -30,6 +30,7 @@ struct MeasureArgs {
   std::optional<long> reference_frame;
   std::string frames;
   std::string rest;
+  std::string zero;
   std::string readout;
   PrintScaleArgs print_scale;
   std::string template_use;

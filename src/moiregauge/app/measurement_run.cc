@@ -95,6 +95,7 @@ RunFailure kept_without_results(const Measurement& measured, MeasureOptions opti
                                 const RunPlace& place) {
   if (measured.observations.empty()) return {Exit::kUsage, measured.contradiction};
   options.solve.rest.reset();
+  options.zero.reset();
   if (const auto ended = journal.end(measured, options); !ended) return failure_of(ended.error());
   return {Exit::kUsage,
           fmt::format("{}: give other frames or remove the option (all {} frames are kept: `moiregauge solve "

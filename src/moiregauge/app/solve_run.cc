@@ -97,6 +97,18 @@ Done choose_rest(const SolveArgs& args, MeasureOptions& options) {
   return {};
 }
 
+Done choose_zero(const SolveArgs& args, MeasureOptions& options) {
+  if (args.zero.empty()) return {};
+  if (args.zero == "none") {
+    options.zero.reset();
+    return {};
+  }
+  const auto zero = frame_range_in(args.zero, kZeroOption);
+  if (!zero) return tl::unexpected(zero.error());
+  options.zero = *zero;
+  return {};
+}
+
 // Gives every frame another time. Without --fps the stored times are kept, and only the factor is replaced.
 Done retime(const SolveArgs& args, StoredRun& run) {
   if (const auto checked = check_times(args.fps, args.slow_motion); !checked) return checked;
@@ -162,8 +174,9 @@ tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args) {
   auto stored = run_in(args.run);
   if (!stored) return failed(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
-  for (const Done& done : {choose_method(args, stored->options), choose_rest(args, stored->options),
-                           choose_readout(args, stored->options), retime(args, *stored), restate(args, *stored)}) {
+  for (const Done& done :
+       {choose_method(args, stored->options), choose_rest(args, stored->options), choose_zero(args, stored->options),
+        choose_readout(args, stored->options), retime(args, *stored), restate(args, *stored)}) {
     if (!done) return failed(Exit::kUsage, done.error().message);
   }
   return *std::move(stored);
@@ -186,7 +199,7 @@ tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const R
   evaluate(solved.options, solved.measurement);
   if (!solved.measurement.contradiction.empty())
     return failed(Exit::kUsage,
-                  solved.measurement.contradiction + ": give other frames, or --rest none (nothing was written)");
+                  solved.measurement.contradiction + ": give other frames, or none (nothing was written)");
   if (const auto written = directory.write(solved.measurement, solved.options); !written)
     return tl::unexpected(failure_of(written.error()));
   return solved;

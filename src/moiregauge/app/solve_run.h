@@ -20,6 +20,7 @@ struct SolveArgs {
   std::string camera;
   std::string method;
   std::string rest;  // A:B in frames or seconds, or "none"
+  std::string zero;  // the same
   std::optional<double> fps;
   std::optional<double> slow_motion;
   std::string readout;

@@ -12,7 +12,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,8 +31,9 @@ inline constexpr int kQuantities = 3;
 struct FrameErrors {
   Eigen::VectorXd rotation_rad;  // one per target, since the reference frame; NaN if not measured
   Eigen::MatrixXd noise;         // covariance by quantity_row, mm or rad
-  Eigen::MatrixXd codec;         // part of `noise` from a lossy codec; empty: none
-  Eigen::MatrixXd varying;       // loadings of factors that act on every frame differently, mm or rad
+  // Part of `noise` that may also be the same in all frames: a lossy codec, an error of the model. Empty: none.
+  Eigen::MatrixXd bounded;
+  Eigen::MatrixXd varying;  // loadings of factors that act on every frame differently, mm or rad
   // Loadings of the factors in JointErrors::constant are those, times this: 1, or 0 in the reference frame.
   double constant_share = 1.0;
 };
@@ -44,7 +44,8 @@ struct JointErrors {
   double u_position_mm = 0.0;         // the same for each coordinate; they are independent
   Eigen::MatrixXd constant;           // loadings of the reference frame's errors
   std::vector<FrameErrors> frames;    // one per observation
-  std::string problem;                // reason why the covariance is unknown; then all else is empty
+  // False: each value's errors are known alone, but not what different values share. Then only the diagonals are valid.
+  bool knows_common_errors = true;
 };
 
 }  // namespace moiregauge::internal

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "moiregauge/detection/identity/layout_symmetry.h"
+#include "moiregauge/displacement/budget_errors.h"
+#include "moiregauge/results/derived/zeroed_samples.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
 #include "moiregauge/run/frame_observer.h"
@@ -241,15 +243,6 @@ std::optional<std::string> note_on_first_frames(const Measurement& measured, con
       first->frame, last, reference, first->frame, first->reference_problem);
 }
 
-JointErrors joint_errors_of(const Solution& solution, const Method& method) {
-  if (solution.joint_errors) return solution.joint_errors();
-  JointErrors unknown;
-  unknown.problem = method.name == kDefaultMethod
-                        ? "the scene could not be solved, so the errors that targets share are unknown"
-                        : fmt::format("the method {} does not know the errors that targets share", method.name);
-  return unknown;
-}
-
 std::string rest_contradiction(const Measurement& measured, const MeasureOptions& options, const MovedAtRest& moved) {
   return fmt::format(
       "target '{}' is not at rest: it moves by {:.4f} mm (u {:.4f} mm) between frames {} and {} of --rest {}",
@@ -275,6 +268,25 @@ tl::expected<std::optional<FrameRange>, std::string> rest_in_frames(const Measur
   return rest;
 }
 
+// Subtracts the zero. A target without an ok row in it contradicts the option.
+void take_zero(const JointErrors& joint, const FrameRange& stated, Measurement& out) {
+  const auto zero = in_frames(stated, out.observations);
+  const auto lost = zero ? subtract_zero(joint, *zero, out.samples) : std::nullopt;
+  if (!zero)
+    out.contradiction = fmt::format("none of the measured frames is in the range: --zero {}", as_typed(stated));
+  else if (lost)
+    out.contradiction = fmt::format("target '{}' has no ok row in the frames of the zero: --zero {}",
+                                    out.reference->site.markers[*lost].name, as_typed(stated));
+}
+
+// Computes the joint errors, for `joint` (may be null) and for the zero.
+void take_joint_errors(const Solution& solution, const MeasureOptions& options, JointErrors* joint, Measurement& out) {
+  JointErrors errors =
+      solution.joint_errors ? solution.joint_errors() : budget_errors(out.reference->site, out.samples);
+  if (options.zero) take_zero(errors, *options.zero, out);
+  if (joint != nullptr) *joint = std::move(errors);
+}
+
 }  // namespace
 
 std::optional<std::string> time_problem(const MeasureOptions& options, const InputInfo& input) {
@@ -282,6 +294,7 @@ std::optional<std::string> time_problem(const MeasureOptions& options, const Inp
   std::string needs_times;
   if (options.frames.seconds) needs_times = "--frames " + as_typed(options.frames);
   if (options.solve.rest && options.solve.rest->seconds) needs_times = "--rest " + as_typed(*options.solve.rest);
+  if (options.zero && options.zero->seconds) needs_times = "--zero " + as_typed(*options.zero);
   if (input.slow_motion != 1.0) needs_times = fmt::format("--slow-motion {}", input.slow_motion);
   if (needs_times.empty()) return std::nullopt;
   return fmt::format("the frames of the input have no times: {}: give --fps", needs_times);
@@ -310,7 +323,6 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
   else
     how.rest.reset();
   Solution solution = options.method->solve(*out.reference, out.observations, how);
-  if (joint != nullptr) *joint = joint_errors_of(solution, *options.method);
   out.samples = std::move(solution.samples);
   out.chi2_dof = std::move(solution.chi2_dof);
   out.scene = std::move(solution.scene);
@@ -324,6 +336,7 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
     if (!fault->warning.empty()) out.warnings.push_back(std::move(fault->warning));
     out.remedy = std::move(fault->remedy);
   }
+  if (joint != nullptr || options.zero) take_joint_errors(solution, options, joint, out);
   out.targets = summarise(*out.reference, out.samples);
   out.spectra = spectra_of(out.samples, out.targets);
   if (auto note = codec_note(out)) out.warnings.push_back(*std::move(note));

@@ -34,6 +34,8 @@ struct MeasureOptions {
   SolveOptions solve;
   std::optional<long> reference_frame;  // none: the first selected frame that can be measured
   ObserveOptions observe;
+  std::optional<FrameRange>
+      zero;                       // displacements are relative to the mean over these frames; none: the reference frame
   std::optional<ToneCurve> tone;  // none: the input's curve, or the one that its gratings show
 };
 
@@ -109,7 +111,7 @@ void complete_markers(ObservationLog& seen);
 
 // Computes samples, summaries and the exit code from the observations. Image and reference frame stay unchanged.
 // `solve` uses it again.
-// `joint`: if not null, receives the joint errors of the samples. Its `problem` is set if the method does not know them.
+// `joint`: if not null, receives the joint errors of the samples, as they are without options.zero.
 void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* joint = nullptr);
 
 // Calls observe_all and evaluate.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/measure/command_derive.h"
 
-#include <cmath>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@
 #include "moiregauge/cli/common/shared_options.h"
 #include "moiregauge/cli/common/stage_display.h"
 #include "moiregauge/cli/common/terminal_text.h"
+#include "moiregauge/report/report_text.h"
 
 namespace moiregauge::internal::cli {
 namespace {
@@ -21,30 +24,63 @@ tl::expected<DerivedResults, RunFailure> derive_shown(const DeriveArgs& args) {
   return run_derive(args, display.callbacks());
 }
 
-// Returns one line per channel: its largest and smallest value, its u and its rows.
-std::string channel_text(const DerivedColumn& column) {
-  double low = kNotMeasured, high = kNotMeasured, variance = 0.0;
-  std::size_t ok = 0;
-  for (std::size_t n = 0; n < column.value.size(); ++n) {
-    if (column.status[n] != Status::kOk || std::isnan(column.value[n])) continue;
-    low = std::fmin(low, column.value[n]);
-    high = std::fmax(high, column.value[n]);
-    variance += column.u[n] * column.u[n];
-    ++ok;
-  }
-  if (ok == 0) return fmt::format("{}: no ok row\n", column.name);
-  return fmt::format("{} = {}: {:.6g} to {:.6g} {}, u {:.2g} {} (rms), {} of {} rows ok\n", column.name,
-                     column.expression, low, high, column.unit, std::sqrt(variance / static_cast<double>(ok)),
-                     column.unit, ok, column.value.size());
+// Returns one line per channel: peak to peak, mean and rms with U, and its rows.
+std::string channel_text(const DerivedColumn& column, const ChannelStatistics& of) {
+  if (of.ok == 0) return fmt::format("{} = {}: no ok row has a value\n", column.name, column.expression);
+  const auto with_u = [&](const ValueWithU& value) {
+    return fmt::format("{:.6g} (U {:.2g})", value.value, kCoverageFactor * value.u);
+  };
+  return fmt::format("{} = {}, in {}: peak to peak {}, mean {}, rms {}; rows: U {:.2g}, {} of {} ok\n", column.name,
+                     column.expression, column.unit, with_u(of.peak_to_peak), with_u(of.mean), with_u(of.rms),
+                     kCoverageFactor * of.u_rms, of.ok, of.rows);
 }
 
 int run_derive_command(const DeriveArgs& args) {
   const auto derived = derive_shown(args);
   if (!derived) return fail(derived.error().exit, derived.error().message);
   if (args.solve.quiet) return static_cast<int>(derived->exit);
-  for (const DerivedColumn& column : derived->table.columns) print_out(channel_text(column));
+  for (std::size_t k = 0; k < derived->statistics.size(); ++k)
+    print_out(channel_text(derived->table.columns[k], derived->statistics[k]));
   print_out(fmt::format("written: {}\n", derived->file));
   return static_cast<int>(derived->exit);
+}
+
+// Options that give a layer. They apply in the order in which they are typed.
+struct LayerOption {
+  const char* name;
+  const char* type;
+  const char* help;
+};
+constexpr LayerOption kLayerOptions[] = {
+    {"zero", "A:B", "subtract the mean over these frames or seconds, half open"},
+    {"filter", "TEXT", "zero-phase filter: lowpass:5Hz, highpass:0.2Hz or bandpass:1Hz-5Hz"},
+    {"velocity", "FREQUENCY", "derivative of the series below this frequency, e.g. 5Hz"},
+    {"resample", "FREQUENCY", "even times by linear interpolation, e.g. 50Hz"},
+    {"median", "N", "moving median of an odd number of rows"},
+};
+
+// Collects the layers in the order of the command line.
+std::vector<std::pair<std::string, std::string>> layers_as_typed(const CLI::App& command) {
+  std::vector<std::pair<std::string, std::string>> layers;
+  std::map<const CLI::Option*, std::size_t> used;
+  for (const CLI::Option* option : command.parse_order()) {
+    const std::string name = option->get_single_name();
+    if (name == "detrend") layers.emplace_back(name, "");
+    for (const LayerOption& layer : kLayerOptions) {
+      if (name == layer.name) layers.emplace_back(name, option->results()[used[option]++]);
+    }
+  }
+  return layers;
+}
+
+void add_layers(CLI::App& command) {
+  for (const LayerOption& layer : kLayerOptions) {
+    command.add_option(fmt::format("--{}", layer.name), layer.help)
+        ->type_name(layer.type)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+  command.add_flag("--detrend")->description("subtract the least squares line");
 }
 
 }  // namespace
@@ -59,6 +95,9 @@ void add_derive(CLI::App& app, int& exit_code) {
       ->type_name("TEXT")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_layers(*command);
+  command->add_option("--method", args->solve.method, "the method that `solve` was given")
+      ->type_name("two-stage|precise|conventional");
   command->add_option("--site", args->solve.site, "the site that `solve` was given")->type_name("FILE");
   command->add_option("--camera", args->solve.camera, "the camera that `solve` was given")->type_name("FILE");
   command->add_option("--rest", args->solve.rest, "the rest frames that `solve` was given")->type_name("A:B|none");
@@ -68,7 +107,10 @@ void add_derive(CLI::App& app, int& exit_code) {
   add_print_scale(*command, args->solve.print_scale);
   command->add_option("-o,--out", args->output, "CSV file to write [DIR/derived.csv]")->type_name("FILE");
   command->add_flag("--quiet", args->solve.quiet, "print nothing but errors");
-  command->callback([args, &exit_code] { exit_code = run_derive_command(*args); });
+  command->callback([args, command, &exit_code] {
+    args->layers = layers_as_typed(*command);
+    exit_code = run_derive_command(*args);
+  });
 }
 
 }  // namespace moiregauge::internal::cli

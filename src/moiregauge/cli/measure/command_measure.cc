@@ -92,6 +92,10 @@ void add_frames(CLI::App& command, MeasureArgs& args) {
       .add_option("--frames", args.frames,
                   "only these frames, half open: A:B or A:B:STEP, also in seconds, e.g. 1.5s:3s")
       ->type_name("A:B:STEP");
+  command
+      .add_option("--zero", args.zero,
+                  "zero is the mean over these ok frames, half open: A:B [the reference frame alone]")
+      ->type_name("A:B");
   command.add_option("--rest", args.rest, "frames in which no target moves, half open: A:B, or seconds, e.g. 0s:2s")
       ->type_name("A:B");
   command.add_flag("--sequence", args.sequence, "INPUT is a printf pattern such as shot%04d.png");

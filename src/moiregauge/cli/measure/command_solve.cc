@@ -40,6 +40,10 @@ void add_solve(CLI::App& app, int& exit_code) {
       ->type_name("A:B|none");
   command->add_option("--fps", args->fps, "frames per second, for a run without times")->type_name("N");
   add_slow_motion(*command, args->slow_motion);
+  command
+      ->add_option("--zero", args->zero,
+                   "zero is the mean over these ok frames, half open: A:B; none: the reference frame alone")
+      ->type_name("A:B|none");
   command->add_option("--readout", args->readout, "rolling shutter: readout time from first to last row, e.g. 18ms")
       ->type_name("TIME");
   add_print_scale(*command, args->print_scale);

@@ -14,8 +14,8 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxFrames = 40;  // frames of this test; chosen
-constexpr double kMatters = 1.0;        // least change of a displacement that matters, in its u
+constexpr std::size_t kMaxTestFrames = 40;  // frames of this test; chosen
+constexpr double kMatters = 1.0;            // least change of a displacement that matters, in its u
 // Factor on the chi-squared quantile. Template errors at edges are the same in all frames, so chi2 falls beyond chance
 // for right cameras, too. It fell by up to 34 in 16 runs of a still camera (quantile 26). For wrong cameras that change
 // displacements by more than u it fell by 8500 and more.
@@ -66,7 +66,7 @@ double most_error_u(const Site& site, const Side& stated, const Side& open) {
 std::optional<CameraContradiction> camera_contradiction(const Site& site, std::span<const BundleFrame> all,
                                                         const ScenePrior& given, const Calibration& solved) {
   std::vector<BundleFrame> frames;
-  for (const std::size_t k : key_frames(all, kMaxFrames)) frames.push_back(all[k]);
+  for (const std::size_t k : key_frames(all, kMaxTestFrames)) frames.push_back(all[k]);
   const ScenePrior unknown = with_unknown_lens(given);
   const Calibration free = calibrate(site, frames, unknown);
   if (!free.bundle.scene.solved) return std::nullopt;

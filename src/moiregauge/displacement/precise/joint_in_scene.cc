@@ -134,7 +134,7 @@ FrameErrors JointInScene::errors_of(const FittedFrame& now) const {
   }
   out.noise = Eigen::MatrixXd::Zero(rows(), rows());
   add_noise(at, targets_, now, out.noise);
-  if (now.by_noise.ok) out.codec = codec_of(at, targets_, now);
+  if (now.by_noise.ok) out.bounded = codec_of(at, targets_, now);
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(rows(), scene_root_.rows() + 1);
   add_sensitivity(at, now, 1.0, k);
   add_sensitivity(before, then_, -1.0, k);

@@ -226,7 +226,7 @@ class RunReader {
 
  private:
   bool count_place() { return ++places_ > 0; }
-  // Reads options, which are repeated with a statement of rest. Invalid ones leave the first ones unchanged.
+  // Reads options, which are repeated with a statement of rest or zero. Invalid ones leave the first ones unchanged.
   bool take_options(const std::string& payload) {
     MeasureOptions options;
     if (!read_whole(payload, version_, options) || options.method == nullptr || !is_sound(options.site)) return false;
@@ -298,6 +298,7 @@ tl::expected<std::ifstream, std::string> opened_run(const std::string& path) {
 
 std::string head_bytes(const RunStart& start, MeasureOptions options) {
   options.solve.rest.reset();
+  options.zero.reset();
   return header() + record(kStartTag, start) + record(kOptionsTag, options);
 }
 
@@ -308,7 +309,7 @@ std::string reference_bytes(const Reference& reference, const std::vector<std::s
 std::string frame_bytes(const std::string& packed) { return record_of(kObservationTag, deflated(packed)); }
 
 std::string end_bytes(const ObservationLog& seen, const MeasureOptions& options) {
-  return (options.solve.rest ? record(kOptionsTag, options) : std::string{}) +
+  return (options.solve.rest || options.zero ? record(kOptionsTag, options) : std::string{}) +
          record(kEndTag, RunEnd{seen.input, seen.notes, seen.refusal, seen.processing, seen.input_damaged,
                                 seen.interrupted, seen.observations.size()});
 }

@@ -40,7 +40,8 @@ std::optional<std::string> difference(const StoredRun& kept, const RunStart& sta
   if (!same(kept.start.input.slow_motion, start.input.slow_motion)) return "--slow-motion differs";
   if (kept.start.sequence != start.sequence) return "--sequence differs";
   MeasureOptions as_then = options;
-  as_then.solve.rest = then.solve.rest;  // --rest does not change the observations
+  as_then.solve.rest = then.solve.rest;  // --rest and --zero do not change the observations
+  as_then.zero = then.zero;
   if (!same(then, as_then)) return "other options differ";
   return std::nullopt;
 }

@@ -52,6 +52,7 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
   const auto range = [&](const FrameRange& typed) { return range_json(typed, measurement.observations); };
   Json config{{"frames", range(options.frames)},
               {"rest", options.solve.rest ? range(*options.solve.rest) : Json(nullptr)},
+              {"zero", options.zero ? range(*options.zero) : Json(nullptr)},
               {"readout_s", options.solve.readout_s ? number(*options.solve.readout_s) : Json(nullptr)},
               {"reference_frame", nullptr},
               {"region_px", options.observe.raster.region_px},

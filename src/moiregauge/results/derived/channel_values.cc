@@ -123,6 +123,10 @@ bool is_function(TermKind kind) {
   return kind != TermKind::kDx && kind != TermKind::kDy && kind != TermKind::kRotation;
 }
 
+bool is_of_one_value(const Channel& channel) {
+  return channel.terms.size() == 1 && !is_function(channel.terms.front().kind);
+}
+
 // A function needs a line of some length, from its first target to its last one.
 bool has_line(const ChannelTerm& term, const JointErrors& joint) {
   if (!is_function(term.kind)) return true;
@@ -168,9 +172,9 @@ class ChannelEvaluator {
 void put_errors(const Gradient& g, const FrameErrors& errors, const JointErrors& joint, Index n, ChannelSeries& out) {
   const VectorXd& w = g.by_quantity;
   const double all = std::max(0.0, w.dot(errors.noise * w));
-  const double codec = errors.codec.size() > 0 ? std::clamp(w.dot(errors.codec * w), 0.0, all) : 0.0;
-  out.noise(n) = all - codec;
-  out.bounded(n) = std::sqrt(codec);
+  const double bounded = errors.bounded.size() > 0 ? std::clamp(w.dot(errors.bounded * w), 0.0, all) : 0.0;
+  out.noise(n) = all - bounded;
+  out.bounded(n) = std::sqrt(bounded);
   const Index constant = joint.constant.cols(), varying = errors.varying.cols();
   out.loadings.row(n).head(constant) = errors.constant_share * (joint.constant.transpose() * w).transpose();
   out.loadings.row(n).segment(constant, varying) = (errors.varying.transpose() * w).transpose();
@@ -189,6 +193,8 @@ double ChannelSeries::u(Index n) const {
 
 tl::expected<ChannelSeries, std::string> channel_values(const Channel& channel, const Samples& samples,
                                                         const JointErrors& joint) {
+  if (!joint.knows_common_errors && !is_of_one_value(channel))
+    return tl::unexpected(std::string("the method does not know the errors that several values share"));
   for (const ChannelTerm& term : channel.terms) {
     if (!has_line(term, joint)) return tl::unexpected(std::string("two targets of a function have the same position"));
   }

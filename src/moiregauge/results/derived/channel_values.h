@@ -23,7 +23,7 @@ struct ChannelSeries {
   std::vector<Status> status;  // the first that is not `ok` among the channel's targets
   Eigen::VectorXd value;       // in the channel's unit; NaN if not measured
   Eigen::VectorXd noise;       // variance
-  Eigen::VectorXd bounded;     // u of the codec's error: equal in all frames, independent, or anything between
+  Eigen::VectorXd bounded;     // u of a part that is equal in all frames, independent, or anything between
   Loadings loadings;           // one row per observation, one column per shared factor
   [[nodiscard]] Eigen::Index size() const { return value.size(); }
   // Returns true if the row has a value and is `ok`.
@@ -34,7 +34,8 @@ struct ChannelSeries {
 
 // Returns the values of a channel. `samples`: by observation, then by target, as the joint errors.
 // Functions of several targets are evaluated exactly. Their u is linear about the value, with the u of the positions.
-// Fails (reason): targets of a function have the same position.
+// Fails (reason): targets of a function have the same position, or the channel has several values and the method does
+// not know what they share.
 [[nodiscard]] tl::expected<ChannelSeries, std::string> channel_values(const Channel& channel, const Samples& samples,
                                                                       const JointErrors& joint);
 
