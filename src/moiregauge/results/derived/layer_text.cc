@@ -15,7 +15,7 @@ namespace {
 constexpr int kMaxMedian = 999;  // rows; chosen
 
 // Reads "5Hz", "0.2 Hz" or "1kHz". Nothing: no unit, not finite, or not above zero.
-std::optional<double> frequency_hz(std::string_view text) {
+std::optional<double> frequency_in(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{}) return std::nullopt;
@@ -33,10 +33,10 @@ tl::expected<FilterLayer, std::string> filter_in(std::string_view value) {
   FilterLayer filter;
   if (kind == "bandpass") {
     const auto dash = at.find('-');
-    const auto low = frequency_hz(at.substr(0, dash));
-    const auto high = dash == std::string_view::npos ? std::nullopt : frequency_hz(at.substr(dash + 1));
+    const auto low = frequency_in(at.substr(0, dash));
+    const auto high = dash == std::string_view::npos ? std::nullopt : frequency_in(at.substr(dash + 1));
     if (low && high && *low < *high) return FilterLayer{*low, *high};
-  } else if (const auto f = frequency_hz(at); f && kind == "lowpass") {
+  } else if (const auto f = frequency_in(at); f && kind == "lowpass") {
     return FilterLayer{0.0, *f};
   } else if (f && kind == "highpass") {
     return FilterLayer{*f, 0.0};
@@ -67,7 +67,7 @@ tl::expected<Layer, std::string> parse_layer(std::string_view option, std::strin
     layer.what = MedianLayer{*rows};
     return layer;
   }
-  const auto hz = frequency_hz(value);
+  const auto hz = frequency_in(value);
   if (!hz) return tl::unexpected(std::string("write a frequency with its unit, e.g. 5Hz"));
   if (option == "velocity")
     layer.what = VelocityLayer{*hz};
