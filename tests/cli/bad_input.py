@@ -128,6 +128,25 @@ TABLE = {
         ("derive empty again", 2, "again"),
         ("derive empty --channel c=mid.dy --velocty 5Hz", 2, "did you mean --velocity"),
     ],
+    "compare": [
+        ("compare", 2, "DIR"),
+        ("compare empty", 2, "REFERENCE"),
+        ("compare empty lvdt.csv", 2, "--channel"),
+        ("compare empty nowhere.csv --channel mid.dy", 3, "nowhere.csv (no such file)"),
+        ("compare empty empty --channel mid.dy", 3, "CSV file"),
+        ("compare empty text.mp4 --channel mid.dy", 3, "--column"),
+        ("compare empty lvdt.csv --channel mid.dy --column 3", 2, "column \"3\""),
+        ("compare empty lvdt.csv --channel mid.dy --column load", 2, "one of t, mm"),
+        ("compare empty oops.csv --channel mid.dy", 3, "oops.csv:3"),
+        ("compare empty back.csv --channel mid.dy", 3, "back.csv:3"),
+        ("compare empty lvdt.csv --channel mid.dy --rate 0", 2, "--rate 100"),
+        ("compare empty lvdt.csv --channel mid.dy --rate 5 --time-column 1", 2, "give one of them"),
+        ("compare empty lvdt.csv --channel mid.dy --sign 2", 2, "--sign -1"),
+        ("compare empty lvdt.csv --channel mid.dy --scale 0", 2, "--scale"),
+        ("compare empty lvdt.csv --channel mid.dy", 3, "run.mgj"),
+        ("compare nowhere lvdt.csv --channel mid.dy", 3, "nowhere"),
+        ("compare empty lvdt.csv again --channel mid.dy", 2, "again"),
+    ],
     "export": [
         ("export", 2, "DIR"),
         ("export nowhere", 3, "nowhere"),
@@ -195,6 +214,9 @@ def prepare(work):
     (work / "taken").mkdir()
     (work / "taken" / "notes.txt").write_text("precious\n")
     (work / "text.mp4").write_text("not a video\n")
+    (work / "lvdt.csv").write_text("t,mm\n0,1\n1,2\n")
+    (work / "oops.csv").write_text("t,mm\n0,1\n1,oops\n")
+    (work / "back.csv").write_text("t,mm\n0,1\n0,2\n")
     (work / "clip.avi").write_text("not a video either\n")
     (work / "site.toml").write_text("[grating]\n")
     (work / "scene").mkdir()

@@ -89,17 +89,18 @@ std::vector<std::string> target_names(const JointRun& run) {
   return names;
 }
 
-tl::expected<std::vector<Channel>, RunFailure> channels_of(const DeriveArgs& args, const JointRun& run) {
-  if (args.channels.empty())
+tl::expected<std::vector<Channel>, RunFailure> channels_of(const std::vector<std::string>& texts,
+                                                           const std::string& folder, const JointRun& run) {
+  if (texts.empty())
     return cannot_derive(Exit::kUsage,
-                         fmt::format("no channel is given: {}: add --channel 'NAME = EXPRESSION'", args.solve.run));
-  if (args.channels.size() > kMaxChannels)
+                         fmt::format("no channel is given: {}: add --channel 'NAME = EXPRESSION'", folder));
+  if (texts.size() > kMaxChannels)
     return cannot_derive(Exit::kUsage, fmt::format("there are {} channels, more than {}: --channel: run the command "
                                                    "twice, with another -o",
-                                                   args.channels.size(), kMaxChannels));
+                                                   texts.size(), kMaxChannels));
   const auto names = target_names(run);
   std::vector<Channel> channels;
-  for (const std::string& text : args.channels) {
+  for (const std::string& text : texts) {
     auto channel = parse_channel(text, names, channels);
     if (!channel)
       return cannot_derive(Exit::kUsage,
@@ -139,15 +140,20 @@ DerivedColumn column_of(const Channel& channel, const LayeredSeries& series) {
   return column;
 }
 
+tl::expected<ChannelSeries, RunFailure> values_of(const Channel& channel, const JointRun& run) {
+  auto series = channel_values(channel, run.measurement.samples, run.joint);
+  if (series) return *std::move(series);
+  return cannot_derive(Exit::kUsage, fmt::format("the channel {} has no value: {}: {}", channel.name, series.error(),
+                                                 run.joint.knows_common_errors
+                                                     ? "name other targets"
+                                                     : "name one displacement, or measure with --method precise"));
+}
+
 // Adds a channel to the results.
 tl::expected<void, RunFailure> add_channel(const Channel& channel, const JointRun& run,
                                            const std::vector<Layer>& layers, DerivedResults& out) {
-  auto series = channel_values(channel, run.measurement.samples, run.joint);
-  if (!series)
-    return cannot_derive(Exit::kUsage, fmt::format("the channel {} has no value: {}: {}", channel.name, series.error(),
-                                                   run.joint.knows_common_errors
-                                                       ? "name other targets"
-                                                       : "name one displacement, or measure with --method precise"));
+  auto series = values_of(channel, run);
+  if (!series) return tl::unexpected(series.error());
   const auto whole = layered(*std::move(series), channel.unit, layers);
   if (!whole)
     return cannot_derive(Exit::kUsage, fmt::format("the channel {} has no series: {}", channel.name, whole.error()));
@@ -169,10 +175,25 @@ Exit exit_of_table(const DerivedTable& table, Exit run) {
 
 }  // namespace
 
+tl::expected<RunChannels, RunFailure> run_channels(const SolveArgs& args, const std::vector<std::string>& channels,
+                                                   const RunCallbacks& callbacks) {
+  const auto run = joint_run(args, callbacks);
+  if (!run) return tl::unexpected(run.error());
+  auto parsed = channels_of(channels, args.run, *run);
+  if (!parsed) return tl::unexpected(parsed.error());
+  RunChannels out{*std::move(parsed), {}, run->measurement.exit};
+  for (const Channel& channel : out.channels) {
+    auto series = values_of(channel, *run);
+    if (!series) return tl::unexpected(series.error());
+    out.series.push_back(*std::move(series));
+  }
+  return out;
+}
+
 tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args, const RunCallbacks& callbacks) {
   const auto run = joint_run(args.solve, callbacks);
   if (!run) return tl::unexpected(run.error());
-  const auto channels = channels_of(args, *run);
+  const auto channels = channels_of(args.channels, args.solve.run, *run);
   if (!channels) return tl::unexpected(channels.error());
   const auto layers = layers_of(args, *run);
   if (!layers) return tl::unexpected(layers.error());

@@ -9,6 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/app/solve_run.h"
+#include "moiregauge/results/derived/channel_values.h"
 #include "moiregauge/results/derived/derived_table.h"
 #include "moiregauge/results/derived/statistics.h"
 
@@ -29,6 +30,18 @@ struct DerivedResults {
   std::vector<std::string> warnings;          // for the user
   Exit exit = Exit::kMeasured;
 };
+
+struct RunChannels {
+  std::vector<Channel> channels;
+  std::vector<ChannelSeries> series;  // one per channel
+  Exit exit = Exit::kMeasured;        // the run's own
+};
+
+// Solves the run again in memory and computes the channels. Writes nothing.
+// Fails: the run cannot be read, its results have other values, or a channel is wrong.
+[[nodiscard]] tl::expected<RunChannels, RunFailure> run_channels(const SolveArgs& args,
+                                                                 const std::vector<std::string>& channels,
+                                                                 const RunCallbacks& callbacks);
 
 // Solves the run again in memory, computes the channels and writes them. Nothing in the run's own results changes.
 // Fails without writing: the run cannot be read, its results have other values, or a channel is wrong.

@@ -6,6 +6,7 @@
 #include "moiregauge/cli/help/command_completion.h"
 #include "moiregauge/cli/help/command_help.h"
 #include "moiregauge/cli/help/command_list.h"
+#include "moiregauge/cli/measure/command_compare.h"
 #include "moiregauge/cli/measure/command_derive.h"
 #include "moiregauge/cli/measure/command_export.h"
 #include "moiregauge/cli/measure/command_inspect.h"
@@ -45,6 +46,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   add_measure(app, exit_code);
   add_solve(app, exit_code);
   add_derive(app, exit_code);
+  add_compare(app, exit_code);
   add_export(app, exit_code);
   add_inspect(app, exit_code);
   add_calibrate(app, exit_code);
