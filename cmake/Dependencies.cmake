@@ -51,3 +51,9 @@ target_include_directories(moiregauge_images SYSTEM INTERFACE ${TOML11_INCLUDE})
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
 add_library(moiregauge_hdf5 INTERFACE)
 target_link_libraries(moiregauge_hdf5 INTERFACE PkgConfig::HDF5)
+
+# Tables of `export`.
+pkg_check_modules(XLSX REQUIRED IMPORTED_TARGET xlsxwriter)
+pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
+add_library(moiregauge_tables INTERFACE)
+target_link_libraries(moiregauge_tables INTERFACE PkgConfig::XLSX PkgConfig::MATIO)

@@ -7,8 +7,10 @@ import json
 import math
 import subprocess
 import sys
+import time
 
 import h5py
+import openpyxl
 import pandas
 
 import runs
@@ -76,6 +78,33 @@ with h5py.File(h5) as file, h5py.File(folder / "displacement.h5") as first:
         close = [x == y or (x != x and y != y) or abs(x - y) < 6e-7 for x, y in zip(a.tolist(), b.tolist())] if name != "status" else a == b
         runs.insist(all(close), f"{name}: {a} {b}")
 
+# Decimal comma, one axis.
+vertical, _ = export("vertical.csv", "--format", "csv", "--axis", "y", "--decimal-comma")
+table = pandas.read_csv(vertical, sep=";", decimal=",")
+runs.insist(list(table.columns) == ["frame", "time_s", *(f"{m}_{c}" for m in ("mid left", "right") for c in ("dy_mm", "u_dy_mm", "ok"))],
+            f"{table.columns}")
+runs.insist(all(same(a, b) for a, b in zip(table.right_dy_mm, right.dy_mm)) and table.time_s.iloc[1] == 0.1, f"{table.right_dy_mm}")
+tabbed, _ = export("tabs.csv", "--separator", "tab")
+runs.insist(pandas.read_csv(tabbed, sep="\t").equals(pandas.read_csv(wide_csv)), "--separator tab")
+
+# Workbook: cells without a value are #N/A, as a spreadsheet needs. The same run gives the same bytes.
+xlsx, _ = export("all.xlsx", "--format", "xlsx")
+book = openpyxl.load_workbook(xlsx)
+runs.insist(book.sheetnames == ["displacement", "run"], f"{book.sheetnames}")
+cells = list(book["displacement"].values)
+runs.insist(list(cells[0]) == list(pandas.read_csv(wide_csv).columns) and len(cells) == 15, f"{cells[0]}")
+column = cells[0].index("right_dy_mm")
+runs.insist([row[column] for row in cells[6:9]] == ["=NA()"] * 3, f"{cells[6:9]}")
+read = pandas.read_excel(xlsx, sheet_name="displacement")
+runs.insist(all(same(float(a), b) for a, b in zip(read.right_dy_mm, right.dy_mm)), f"{read.right_dy_mm}")
+facts = {row[0]: row[1] for row in book["run"].values}
+runs.insist(facts["method"] == "precise" and facts["input_sha256"] == info["input"]["sha256"], f"{facts}")
+time.sleep(2.1)  # a ZIP archive has times in steps of 2 s
+again, _ = export("again.xlsx", "--format", "xlsx")
+runs.insist(again.read_bytes() == xlsx.read_bytes(), "the same run, another workbook")
+mat, _ = export("all.mat", "--format", "mat")
+vertical_mat, _ = export("vertical.mat", "--format", "mat", "--axis", "y", "--markers", "right")
+
 # Selections.
 part, _ = export("part.csv", "--format", "long", "--markers", "right", "--time", "0.3:0.6", "--only-ok")
 rows = pandas.read_csv(part)
@@ -128,6 +157,14 @@ assert(isequal(find(isnan(right.dy_mm))', [6 7 8]));
 assert(isequal(left.frame', 0:13) && abs(left.time_s(end) - 1.3) < 1e-9);
 assert(islogical(right.ok) && all(left.ok) && strcmp(run.info.method, 'precise'));
 printf('%.6f %.6f\\n', [left.dx_mm left.dy_mm]');
+m = load('{mat}');
+assert(isequal(m.frame', 0:13) && abs(m.time_s(end) - 1.3) < 1e-9 && strcmp(m.method, 'precise'));
+assert(numel(m.targets) == 2 && strcmp(m.targets(1).name, 'mid left') && strcmp(m.targets(2).name, 'right'));
+assert(isequal(isnan(m.targets(2).dy_mm), isnan(right.dy_mm)) && max(abs(m.targets(2).dy_mm - right.dy_mm)) < 1e-12);
+assert(max(abs(m.targets(1).u_dx_mm - left.u_dx_mm)) < 1e-12);
+assert(isequal(find(m.targets(2).ok == 0)', find(! right.ok)'));
+v = load('{vertical_mat}');
+assert(numel(v.targets) == 1 && isfield(v.targets, 'dy_mm') && ! isfield(v.targets, 'dx_mm'));
 s = load('{h5}');
 assert(abs(s.right.dy_mm(end) - right.dy_mm(end)) < 1e-6);
 """

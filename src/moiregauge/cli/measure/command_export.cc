@@ -14,7 +14,8 @@
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/io/tables/displacement_h5.h"
-#include "moiregauge/io/tables/table_csv.h"
+#include "moiregauge/io/tables/table_mat.h"
+#include "moiregauge/io/tables/table_xlsx.h"
 #include "moiregauge/io/tables/uff58.h"
 
 namespace moiregauge::internal::cli {
@@ -23,30 +24,51 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportWords {
-  std::string run, format = "wide", output, time, frames, gaps = "refuse";
+  std::string run, format = "wide", output, time, frames, axis, separator, gaps = "refuse";
   std::vector<std::string> markers;
-  bool only_ok = false, replace = false, quiet = false;
+  bool only_ok = false, decimal_comma = false, replace = false, quiet = false;
 };
 
 using Text = tl::expected<std::string, std::string>;
 
-Text hdf5_of(const RunTable& table, Gaps) {
-  std::string bytes = displacement_h5(table);
+struct Layout {
+  TableStyle style;
+  Gaps gaps = Gaps::kRefuse;
+};
+
+// Returns the bytes of a file, or an error if a library gave none.
+Text bytes_or_error(std::string bytes, const char* format) {
   if (bytes.empty())
-    return tl::unexpected(std::string("there is not enough memory: --format hdf5: choose fewer rows with --frames"));
+    return tl::unexpected(fmt::format(
+        "there is not enough memory or space in the folder for temporary files: --format {}: choose fewer rows with "
+        "--frames",
+        format));
   return bytes;
 }
 
+// Options that a format understands.
 struct Format {
   const char* name;
   const char* ending;
-  Text (*write)(const RunTable&, Gaps);
+  bool has_axis;  // --axis
+  bool is_text;   // --separator, --decimal-comma
+  Text (*write)(const RunTable&, const Layout&);
 };
 constexpr std::array kExports{
-    Format{"wide", "-wide.csv", [](const RunTable& table, Gaps) -> Text { return wide_csv(table); }},
-    Format{"long", "-long.csv", [](const RunTable& table, Gaps) -> Text { return long_csv(table); }},
-    Format{"hdf5", ".h5", hdf5_of},
-    Format{"uff58", ".uff", uff58},
+    Format{"wide", "-wide.csv", true, true,
+           [](const RunTable& table, const Layout& to) -> Text { return wide_csv(table, to.style); }},
+    Format{"csv", "-wide.csv", true, true,
+           [](const RunTable& table, const Layout& to) -> Text { return wide_csv(table, to.style); }},
+    Format{"long", "-long.csv", false, true,
+           [](const RunTable& table, const Layout& to) -> Text { return long_csv(table, to.style); }},
+    Format{"xlsx", ".xlsx", true, false,
+           [](const RunTable& table, const Layout& to) { return bytes_or_error(table_xlsx(table, to.style), "xlsx"); }},
+    Format{"mat", ".mat", true, false,
+           [](const RunTable& table, const Layout& to) { return bytes_or_error(table_mat(table, to.style), "mat"); }},
+    Format{"hdf5", ".h5", false, false,
+           [](const RunTable& table, const Layout&) { return bytes_or_error(displacement_h5(table), "hdf5"); }},
+    Format{"uff58", ".uff", false, false,
+           [](const RunTable& table, const Layout& to) { return uff58(table, to.gaps); }},
 };
 
 const Format* format_named(const std::string& name) {
@@ -82,16 +104,49 @@ std::optional<std::string> output_problem(const ExportWords& words, const std::s
   return fmt::format("the output file exists: {}: choose another with -o, or give --replace", output);
 }
 
+// Reads the options of a text table.
+tl::expected<void, UsageError> take_marks(const ExportWords& words, TableStyle& style) {
+  if (words.decimal_comma) style.decimal = ',', style.separator = ';';
+  if (words.separator.empty()) return {};
+  const std::string mark = words.separator == "tab" ? "\t" : words.separator;
+  if (mark != "," && mark != ";" && mark != "\t")
+    return usage(fmt::format("the separator is unknown: --separator {}: choose one of ',', ';', tab", words.separator));
+  style.separator = mark.front();
+  if (style.separator != style.decimal) return {};
+  return usage("a comma cannot be separator and decimal mark: --decimal-comma: choose --separator ';' or tab");
+}
+
+// Reads the options on the form of the table, and refuses those that the format does not know.
+tl::expected<Layout, UsageError> layout_of(const ExportWords& words, const Format& format) {
+  Layout layout;
+  if (words.gaps != "refuse" && words.gaps != "split")
+    return usage(fmt::format("the word is unknown: --gaps {}: choose one of refuse, split", words.gaps));
+  if (words.gaps != "refuse" && words.format != "uff58")
+    return usage(fmt::format("the format {} keeps gaps: --gaps {}: remove it, or give --format uff58", words.format,
+                             words.gaps));
+  layout.gaps = words.gaps == "split" ? Gaps::kSplit : Gaps::kRefuse;
+  if (!words.axis.empty() && words.axis != "x" && words.axis != "y")
+    return usage(fmt::format("the axis is unknown: --axis {}: choose one of x, y", words.axis));
+  if (!words.axis.empty() && !format.has_axis)
+    return usage(fmt::format("the format {} has both axes: --axis {}: give --format csv, xlsx or mat", words.format,
+                             words.axis));
+  if ((words.decimal_comma || !words.separator.empty()) && !format.is_text)
+    return usage(
+        fmt::format("the format {} has no separators: --decimal-comma, --separator: give --format csv", words.format));
+  layout.style.has_x = words.axis != "y";
+  layout.style.has_y = words.axis != "x";
+  if (const auto taken = take_marks(words, layout.style); !taken) return tl::unexpected(taken.error());
+  return layout;
+}
+
 int run(const ExportWords& words) {
   const Format* format = format_named(words.format);
   if (format == nullptr)
-    return fail(Exit::kUsage,
-                fmt::format("the format is unknown: --format {}: choose one of wide, long, hdf5, uff58", words.format));
-  if (words.gaps != "refuse" && words.gaps != "split")
-    return fail(Exit::kUsage, fmt::format("the word is unknown: --gaps {}: choose one of refuse, split", words.gaps));
-  if (words.gaps != "refuse" && words.format != "uff58")
-    return fail(Exit::kUsage, fmt::format("the format {} keeps gaps: --gaps {}: remove it, or give --format uff58",
-                                          words.format, words.gaps));
+    return fail(Exit::kUsage, fmt::format("the format is unknown: --format {}: choose one of wide, csv, long, xlsx, "
+                                          "mat, hdf5, uff58",
+                                          words.format));
+  const auto layout = layout_of(words, *format);
+  if (!layout) return fail(Exit::kUsage, layout.error().message);
   const auto range = range_of(words);
   if (!range) return fail(Exit::kUsage, range.error().message);
   const std::string output = words.output.empty() ? default_output(words.run, format->ending) : words.output;
@@ -106,7 +161,7 @@ int run(const ExportWords& words) {
         "warning: the exported samples are incomplete: {} was interrupted, or its input is damaged\n", words.run));
   const auto chosen = selected(*std::move(table), {words.markers, *range, words.only_ok});
   if (!chosen) return fail(Exit::kUsage, chosen.error());
-  const auto bytes = format->write(*chosen, words.gaps == "split" ? Gaps::kSplit : Gaps::kRefuse);
+  const auto bytes = format->write(*chosen, *layout);
   if (!bytes) return fail(Exit::kUsage, bytes.error());
   if (to_stdout) {
     put_bytes(*bytes);
@@ -128,12 +183,15 @@ void add_export(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("export", "Write the samples of a finished run for other programs");
   auto words = std::make_shared<ExportWords>();
   command->add_option("DIR", words->run, "folder that `measure` wrote")->type_name("DIR")->required();
-  command->add_option("--format", words->format, "wide, long (CSV), hdf5 or uff58 [wide]")
-      ->type_name("wide|long|hdf5|uff58");
+  command->add_option("--format", words->format, "wide or csv (a row per frame), long, xlsx, mat, hdf5 or uff58 [wide]")
+      ->type_name("wide|csv|long|xlsx|mat|hdf5|uff58");
   command->add_option("--markers", words->markers, "only these targets: A,B [all]")->type_name("NAMES")->delimiter(',');
   command->add_option("--frames", words->frames, "only these frames, half open: A:B, or seconds, e.g. 1.5s:3s [all]")
       ->type_name("A:B:STEP");
   command->add_option("--time", words->time, "only these seconds, half open: A:B [all]")->type_name("A:B");
+  command->add_option("--axis", words->axis, "only this axis, for csv, xlsx and mat [both]")->type_name("x|y");
+  command->add_flag("--decimal-comma", words->decimal_comma, "write 1,5 for 1.5, separated by ;");
+  command->add_option("--separator", words->separator, "separator of a CSV: , ; or tab [,]")->type_name("CHAR");
   command->add_flag("--only-ok", words->only_ok, "write NaN for rows that are not `ok`");
   command
       ->add_option("--gaps", words->gaps,
