@@ -11,7 +11,7 @@ namespace {
 
 using simulator::Scenario;
 
-PictureSiteOptions upright() { return {10.0, BoardAxes::kImage, {}, true}; }
+PictureSiteOptions upright() { return {10.0, BoardAxes::kImage}; }
 
 tl::expected<PictureSite, ReferenceFailure> looked(const Scenario& scenario, long frame,
                                                    const PictureSiteOptions& options) {

@@ -194,6 +194,24 @@ Parsed check_references(const MeasureArgs& args, MeasureOptions& options) {
       options.method->name, args.site));
 }
 
+// Reads the choice of markers. Names of a site file can be checked now, those of a detected site when it is known.
+Parsed choose(const MarkerChoiceArgs& args, MeasureOptions& options) {
+  auto choice = marker_choice_of(args);
+  if (!choice) return tl::unexpected(choice.error());
+  auto area = search_area_of(args);
+  if (!area) return tl::unexpected(area.error());
+  options.choice = *std::move(choice);
+  options.observe.area = *std::move(area);
+  if (options.pitch_mm || options.choice.is_empty()) return {};
+  auto site = choose_markers(options.site, options.choice);
+  if (!site) return usage(site.error());
+  options.site = *std::move(site);
+  if (std::none_of(options.site.markers.begin(), options.site.markers.end(),
+                   [](const Marker& marker) { return marker.role == Role::kTarget; }))
+    return usage("no target is left: --targets, --ignore: choose at least one marker that moves");
+  return {};
+}
+
 // Reads the gratings, their positions and their scale.
 Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
   if (args.axes == "image") options.axes = BoardAxes::kImage;
@@ -207,6 +225,7 @@ Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
     if (!site) return tl::unexpected(site.error());
     options.site = std::move(*site);
   }
+  if (const auto chosen = choose(args.choice, options); !chosen) return chosen;
   const auto print_scale = print_scale_of(args.print_scale);
   if (!print_scale) return tl::unexpected(print_scale.error());
   if (!*print_scale) return {};

@@ -7,6 +7,8 @@
 
 #include <tl/expected.hpp>
 
+#include "moiregauge/app/marker_choice_args.h"
+#include "moiregauge/app/usage_error.h"
 #include "moiregauge/run/measure.h"
 
 namespace moiregauge::internal {
@@ -33,6 +35,7 @@ struct MeasureArgs {
   std::string zero;
   std::string readout;
   PrintScaleArgs print_scale;
+  MarkerChoiceArgs choice;
   std::string template_use;
   std::string tone;
   std::string output;
@@ -47,13 +50,6 @@ struct MeasureArgs {
   bool json = false;
   int threads = 0;
 };
-
-struct UsageError {
-  std::string message;  // several lines for a site file with several mistakes
-};
-[[nodiscard]] inline tl::unexpected<UsageError> usage(std::string message) {
-  return tl::unexpected(UsageError{std::move(message)});
-}
 
 [[nodiscard]] tl::expected<MeasureOptions, UsageError> parse_measure_options(const MeasureArgs& args);
 

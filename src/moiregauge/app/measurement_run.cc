@@ -93,7 +93,7 @@ std::optional<std::string> stabilised_problem(const RunRequest& request) {
 // A statement that the frames contradict gives no results. The frames are kept: `solve` and --resume use them.
 RunFailure kept_without_results(const Measurement& measured, MeasureOptions options, UnfinishedRun& journal,
                                 const RunPlace& place) {
-  if (measured.observations.empty()) return {Exit::kUsage, measured.contradiction};
+  if (measured.observations.empty() || !measured.reference) return {Exit::kUsage, measured.contradiction};
   options.solve.rest.reset();
   options.zero.reset();
   if (const auto ended = journal.end(measured, options); !ended) return failure_of(ended.error());

@@ -85,6 +85,37 @@ Done restate(const SolveArgs& args, StoredRun& run) {
   return {};
 }
 
+// Removes, renames and re-roles markers. Positions stay those of the run.
+Done choose_among_markers(const SolveArgs& args, StoredRun& run) {
+  const auto choice = marker_choice_of(args.choice);
+  if (!choice) return tl::unexpected(choice.error());
+  const auto area = search_area_of(args.choice);
+  if (!area) return tl::unexpected(area.error());
+  const bool has_area = !area->regions.empty() || !area->excluded.empty();
+  if (!run.seen.reference || (choice->is_empty() && !has_area)) return {};
+  const Reference& reference = *run.seen.reference;
+  auto chosen = choose_markers(reference.site, *choice);
+  if (!chosen) return usage(chosen.error());
+  std::vector<std::size_t> from = chosen_indices(reference.site, *choice);
+  for (std::size_t k = from.size(); k-- > 0;) {
+    const Marker& marker = reference.site.markers[from[k]];
+    if (area->holds(reference.view(marker.grating ? marker.grating->centre : marker.circle->centre))) continue;
+    from.erase(from.begin() + static_cast<std::ptrdiff_t>(k));
+    chosen->markers.erase(chosen->markers.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  if (std::ranges::none_of(chosen->markers, [](const Marker& marker) { return marker.role == Role::kTarget; }))
+    return usage("no target is left: --targets, --ignore, --region: choose at least one marker that moves");
+  auto selected = select_markers(reference, run.seen.observations, *chosen, from);
+  if (!selected)
+    return usage(fmt::format("{}: {}: choose other markers, or measure the input again", selected.error(), args.run));
+  run.options.site = selected->reference.site;
+  run.options.choice = *choice;
+  run.options.observe.area = *area;
+  run.seen.reference = std::move(selected->reference);
+  run.seen.observations = std::move(selected->observations);
+  return {};
+}
+
 Done choose_rest(const SolveArgs& args, MeasureOptions& options) {
   if (args.rest.empty()) return {};
   if (args.rest == "none") {
@@ -174,9 +205,9 @@ tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args) {
   auto stored = run_in(args.run);
   if (!stored) return failed(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
-  for (const Done& done :
-       {choose_method(args, stored->options), choose_rest(args, stored->options), choose_zero(args, stored->options),
-        choose_readout(args, stored->options), retime(args, *stored), restate(args, *stored)}) {
+  for (const Done& done : {choose_method(args, stored->options), choose_rest(args, stored->options),
+                           choose_zero(args, stored->options), choose_readout(args, stored->options),
+                           retime(args, *stored), restate(args, *stored), choose_among_markers(args, *stored)}) {
     if (!done) return failed(Exit::kUsage, done.error().message);
   }
   return *std::move(stored);

@@ -25,6 +25,7 @@ struct SolveArgs {
   std::optional<double> slow_motion;
   std::string readout;
   PrintScaleArgs print_scale;
+  MarkerChoiceArgs choice;
   std::string output;  // empty: the run's own folder, whose results are replaced
   std::string figures;
   bool quiet = false;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "moiregauge/calibration/scene/scene.h"
+#include "moiregauge/displacement/camera_pose.h"
 #include "moiregauge/displacement/joint_errors.h"
 #include "moiregauge/displacement/sample.h"
 #include "moiregauge/observation/frame/observe.h"
@@ -44,6 +45,7 @@ struct Solution {
   // chi2 per degree of freedom of each observation in the scene, NaN if not fitted. Empty: no scene was solved.
   std::vector<double> chi2_dof;
   std::optional<Scene> scene;        // only from methods that solve a scene
+  std::vector<CameraPose> poses;     // by observation; empty: no scene was solved
   bool references_verified = false;  // the layout can name a moving reference, and none is in doubt
   std::vector<std::string> notes;    // warnings and notes for the user
   // Instruction if no row is trusted; empty if no remedy is known.

@@ -31,7 +31,8 @@ tl::expected<Reference, ReferenceFailure> reference_of(const GreyPicture& pictur
     return make_reference_by_gratings(picture, options.site, lens, options.observe);
   if (!options.pitch_mm) return make_reference(picture, options.site, lens, options.observe);
   const bool needs_circles = options.method->needs_circles;
-  auto found = detect_site(picture, lens, {*options.pitch_mm, options.axes, options.observe.circles, needs_circles});
+  auto found =
+      detect_site(picture, lens, {*options.pitch_mm, options.axes, options.observe, options.choice, needs_circles});
   if (!found) return tl::unexpected(std::move(found.error()));
   found->site = with_prints_scaled(std::move(found->site), {1.0, options.print_scale.u, options.print_scale.spread});
   auto made = needs_circles ? make_reference(picture, found->site, lens, options.observe)
@@ -112,8 +113,9 @@ bool FrameObserver::refer_in_light(const Frame& frame) {
       out_.refusal = made.error().message;
       out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
     }
+    if (made.error().problem == ReferenceProblem::kNoSuchMarker) out_.contradiction = made.error().message;
     cannot_succeed_ = made.error().problem == ReferenceProblem::kSiteDisagrees ||
-                      made.error().problem == ReferenceProblem::kTooCoarse;
+                      made.error().problem == ReferenceProblem::kTooCoarse || !out_.contradiction.empty();
     return false;
   }
   out_.refusal.clear();

@@ -36,6 +36,7 @@ class Run {
   void measure_frame(const Frame& frame, const FrameSource& source) {
     const bool had_reference = out_.reference.has_value();
     Observation seen = observer_.observe(frame);
+    if (!out_.contradiction.empty()) return;
     if (!source.is_frame_whole()) {
       Frame torn = frame;
       torn.damaged = true;
@@ -144,7 +145,7 @@ tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number
       run.keep_picture(**frame);
     else if ((*frame)->damaged)
       out.refusal = fmt::format("reference frame {} is damaged", number);
-    else if (!run.refer_to(**frame))
+    else if (!run.refer_to(**frame) && out.contradiction.empty())
       out.refusal = fmt::format("reference frame {}: {}", number, out.refusal);
     return {};
   }
@@ -184,6 +185,7 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
       run.measure_frame(now, source);
     else if (!run.pass_over(now))
       return tl::unexpected(not_the_same(source.info().path));
+    if (!out.contradiction.empty()) return {};
     if (run.cannot_succeed() && !out.reference) break;
     if (!run.may_continue() || (on_progress && !on_progress(static_cast<long>(out.observations.size()), expected))) {
       run.stop();
@@ -326,6 +328,7 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
   out.samples = std::move(solution.samples);
   out.chi2_dof = std::move(solution.chi2_dof);
   out.scene = std::move(solution.scene);
+  out.poses = std::move(solution.poses);
   out.references_verified = solution.references_verified;
   out.warnings.insert(out.warnings.end(), solution.notes.begin(), solution.notes.end());
   if (out.scene && !out.scene->solved)

@@ -36,6 +36,7 @@ struct MeasureOptions {
   ObserveOptions observe;
   std::optional<FrameRange>
       zero;                       // displacements are relative to the mean over these frames; none: the reference frame
+  MarkerChoice choice;            // `site` already follows it; for a site that is detected
   std::optional<ToneCurve> tone;  // none: the input's curve, or the one that its gratings show
 };
 
@@ -59,8 +60,9 @@ struct ObservationLog {
 
 struct Measurement : ObservationLog {
   Samples samples;
-  std::vector<double> chi2_dof;  // chi-squared per degree of freedom by observation; NaN: not fitted; empty: no scene
-  std::optional<Scene> scene;    // none: the method solves no scene
+  std::vector<double> chi2_dof;   // chi-squared per degree of freedom by observation; NaN: not fitted; empty: no scene
+  std::optional<Scene> scene;     // none: the method solves no scene
+  std::vector<CameraPose> poses;  // by observation; empty: no scene was solved
   bool references_verified = false;
   std::vector<TargetSummary> targets;
   std::vector<TargetSpectra> spectra;  // in the order of `targets`

@@ -19,6 +19,22 @@ void add_slow_motion(CLI::App& command, std::optional<double>& factor) {
       ->type_name("FACTOR");
 }
 
+void add_marker_choice(CLI::App& command, MarkerChoiceArgs& args) {
+  command.add_option("--references", args.references, "exactly these markers are references, fixed: A,B,...")
+      ->type_name("NAMES")
+      ->delimiter(',');
+  command.add_option("--targets", args.targets, "exactly these markers are targets, may move: A,B,...")
+      ->type_name("NAMES")
+      ->delimiter(',');
+  command.add_option("--ignore", args.ignored, "do not use these markers: A,B,...")->type_name("NAMES")->delimiter(',');
+  const auto add_each = [&](const char* name, std::vector<std::string>& values, const char* text, const char* type) {
+    command.add_option(name, values, text)->type_name(type)->allow_extra_args(false);
+  };
+  add_each("--name", args.names, "new name of a marker, e.g. T1=midspan; repeatable", "OLD=NEW");
+  add_each("--region", args.regions, "look for markers only here in the reference frame, px; repeatable", "X,Y,W,H");
+  add_each("--exclude-region", args.excluded_regions, "do not look for markers here; repeatable", "X,Y,W,H");
+}
+
 void add_figures(CLI::App& command, std::string& formats) {
   command.add_option("--figures", formats, "also draw figures for a paper into DIR/figures; several formats: pdf,svg")
       ->type_name("pdf|svg|png");

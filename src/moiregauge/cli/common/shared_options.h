@@ -18,6 +18,9 @@ void add_print_scale(CLI::App& command, PrintScaleArgs& args);
 // Adds --slow-motion.
 void add_slow_motion(CLI::App& command, std::optional<double>& factor);
 
+// Adds the options that choose markers: --references, --targets, --ignore, --name, --region, --exclude-region.
+void add_marker_choice(CLI::App& command, MarkerChoiceArgs& args);
+
 // Adds --figures.
 void add_figures(CLI::App& command, std::string& formats);
 

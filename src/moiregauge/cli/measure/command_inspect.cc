@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "moiregauge/app/measure_options.h"
+#include "moiregauge/app/measurement_run.h"
 #include "moiregauge/app/open_input.h"
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/cli/common/exit_line.h"
@@ -23,6 +24,7 @@
 #include "moiregauge/cli/measure/inspect_text.h"
 #include "moiregauge/drawing/overlays/overlay_inspection.h"
 #include "moiregauge/image/upper_bits.h"
+#include "moiregauge/io/config/site_draft.h"
 #include "moiregauge/run/codec.h"
 
 namespace moiregauge::internal::cli {
@@ -33,6 +35,7 @@ namespace fs = std::filesystem;
 struct InspectWords {
   MeasureArgs measure;  // arguments that both commands share
   long frame = 0;
+  std::string site_file;  // --write-site
 };
 
 // Parses the arguments as `measure` does. Here site and pitch may both be missing.
@@ -51,6 +54,7 @@ tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& arg
   options.axes = parsed->axes;
   options.lens = parsed->camera.value_or(Camera{});
   options.observe = parsed->observe;
+  options.choice = parsed->choice;
   return options;
 }
 
@@ -126,6 +130,32 @@ std::vector<ExpectedUncertainty> expected_of(Reference& reference, const Frame& 
   return expected_uncertainties(reference, later);
 }
 
+// Writes the site file of --write-site.
+tl::expected<void, RunFailure> write_site_draft(const InspectWords& args, const InspectReport& report) {
+  const std::string& path = args.site_file;
+  const std::string text = site_draft(report.seen, fmt::format("{}, frame {}", report.input.path, report.frame));
+  if (path == "-") {
+    print_out(text);
+    return {};
+  }
+  if (const auto written = write_file_atomically(path, text); !written)
+    return tl::unexpected(RunFailure{
+        Exit::kOutputUnwritable,
+        fmt::format("the site file could not be written: {}: choose another with --write-site", written.error())});
+  return {};
+}
+
+// A site file needs a scale, and it never replaces another file: that may be a survey.
+std::optional<std::string> site_file_problem(const InspectWords& args, bool has_scale) {
+  const std::string& path = args.site_file;
+  if (path.empty()) return std::nullopt;
+  if (!has_scale)
+    return fmt::format("a site file needs the scale: --write-site {}: add --pitch, e.g. --pitch 10mm", path);
+  std::error_code error;
+  if (path == "-" || !fs::exists(fs::symlink_status(path, error))) return std::nullopt;
+  return fmt::format("the file exists: --write-site {}: choose another name, or remove it", path);
+}
+
 int report_refusal(const InspectReport& report, const std::string& output) {
   return fail(Exit::kRefused, fmt::format("{}: {}, frame {} ({}): see {}/overlay.png", report.seen.missing,
                                           report.input.path, report.frame, found_in_short(report.seen), output));
@@ -135,6 +165,7 @@ int run(const InspectWords& args) {
   const auto options = inspect_options(args);
   if (!options) return fail(Exit::kUsage, options.error().message);
   const bool has_scale = options->site || options->pitch_mm;
+  if (const auto problem = site_file_problem(args, has_scale)) return fail(Exit::kUsage, *problem);
   const std::string& input = args.measure.input;
   const std::string output = args.measure.output.empty() ? default_output(input, "-inspect") : args.measure.output;
   if (!is_free(output, "inspect.json"))
@@ -148,6 +179,7 @@ int run(const InspectWords& args) {
   const int bits = (*source)->info().bits;
   InspectReport report{
       (*source)->info(), frame->number, frame->time_s, inspect_picture({frame->luma, bits}, *options), {}, {}};
+  if (report.seen.is_choice_unknown) return fail(Exit::kUsage, report.seen.missing);
   const Image<std::uint8_t> grey = upper_bits(frame->luma, bits);
   if (report.seen.reference) report.expected = expected_of(*report.seen.reference, *frame, **source);
   report.exit = is_usable(report.seen, has_scale) ? Exit::kMeasured : Exit::kRefused;
@@ -155,6 +187,11 @@ int run(const InspectWords& args) {
     return fail(Exit::kOutputUnwritable,
                 fmt::format("the results could not be written: {}: free space or choose another folder with -o",
                             written.error()));
+  if (!args.site_file.empty() && report.seen.reference) {
+    if (const auto written = write_site_draft(args, report); !written)
+      return fail(written.error().exit, written.error().message);
+  }
+  if (args.site_file == "-") return report.exit == Exit::kRefused ? report_refusal(report, output) : 0;
   if (args.measure.json)
     print_out(json_text(report));
   else if (!args.measure.quiet)
@@ -180,6 +217,9 @@ void add_inspect(CLI::App& app, int& exit_code) {
   command->add_option("--camera", shared.camera, "calibrated camera, our TOML or OpenCV/ROS YAML")->type_name("FILE");
   command->add_option("--fps", shared.fps, "frames per second of a folder of images")->type_name("N");
   command->add_option("-o,--out", shared.output, "output folder [<input>-inspect]")->type_name("DIR");
+  command->add_option("--write-site", args->site_file, "write the markers found as a site file; - for stdout")
+      ->type_name("FILE");
+  add_marker_choice(*command, shared.choice);
   add_max_pixels(*command, shared.max_pixels);
   command->add_flag("--sequence", shared.sequence, "INPUT is a printf pattern such as shot%04d.png");
   command->add_flag("--quiet", shared.quiet, "print nothing but errors");

@@ -68,6 +68,7 @@ void add_prints(CLI::App& command, MeasureArgs& args) {
                   "direction of x without a site file: print (the references' gratings) or image [print]")
       ->type_name("print|image");
   add_print_scale(command, args.print_scale);
+  add_marker_choice(command, args.choice);
 }
 
 void add_camera(CLI::App& command, MeasureArgs& args) {

@@ -47,6 +47,7 @@ void add_solve(CLI::App& app, int& exit_code) {
   command->add_option("--readout", args->readout, "rolling shutter: readout time from first to last row, e.g. 18ms")
       ->type_name("TIME");
   add_print_scale(*command, args->print_scale);
+  add_marker_choice(*command, args->choice);
   command->add_option("--method", args->method, "two-stage, for a run measured by precise [the run's own]")
       ->type_name("two-stage|precise|conventional");
   command->add_option("-o,--out", args->output, "output folder [DIR: its results are replaced]")->type_name("DIR");

@@ -82,6 +82,7 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
       now = fit_frame(site_, scene_, frame);
       if (by_noise_) by_noise.now = fit_by_noise(place[n], frame);
     }
+    solution.poses.push_back(budget_.pose(seen.frame == reference_.seen.frame ? budget_.then() : now));
     solution.chi2_dof.push_back(now.ok && now.dof > 0 ? now.chi2_sum / static_cast<double>(now.dof) : kNotMeasured);
     for (std::size_t i = 0; i < site_.markers.size(); ++i) {
       if (!is_target(reference_, i)) continue;

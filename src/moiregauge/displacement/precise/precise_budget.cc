@@ -136,6 +136,18 @@ Budget PreciseBudget::budget(const FrameFit& now, const FrameFit& now_by_noise, 
   return b;
 }
 
+CameraPose PreciseBudget::pose(const FrameFit& now) const {
+  if (!now.ok) return {};
+  const Eigen::MatrixXd by_scene = now.sensitivity.topRows<6>();
+  Eigen::Matrix<double, 6, 6> covariance = inflation(now) * now.covariance.topLeftCorner<6, 6>();
+  covariance += by_scene * scene_ * by_scene.transpose();
+  if (now.by_readout.size() > 0) {
+    const Eigen::Matrix<double, 6, 1> by_readout = u_readout_s_ * now.by_readout.head<6>();
+    covariance += by_readout * by_readout.transpose();
+  }
+  return camera_pose(now.pose, covariance);
+}
+
 Extent<frame::Board> total(const Budget& budget) {
   double x = 0.0, y = 0.0;
   for (const BudgetPart& part : kBudgetParts) {

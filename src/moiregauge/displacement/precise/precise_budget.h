@@ -3,6 +3,7 @@
 #pragma once
 
 #include "moiregauge/calibration/scene/frame_fit.h"
+#include "moiregauge/displacement/camera_pose.h"
 #include "moiregauge/displacement/sample.h"
 
 namespace moiregauge::internal {
@@ -20,6 +21,8 @@ class PreciseBudget {
   // do not. The difference of both is the codec's part.
   [[nodiscard]] Budget budget(const FrameFit& now, const FrameFit& now_by_noise, const FrameFit& then_by_noise,
                               std::size_t marker, Extent<frame::Board> moved) const;
+  // Returns the camera pose of a frame. Its uncertainty includes the noise of the frame and that of the scene.
+  [[nodiscard]] CameraPose pose(const FrameFit& now) const;
   [[nodiscard]] const FrameFit& then() const { return then_; }
 
  private:

@@ -12,7 +12,7 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr std::size_t kMaxFrames = 24;  // key frames of the test; chosen
+constexpr std::size_t kMaxFaultFrames = 24;  // key frames of the test; chosen
 // Fall of chi2 that shows a step, in units of the variance of unit weight. A step has two unknowns, so noise alone
 // exceeds 40 once in 10^8 (exp(-20)) for each position of the step.
 constexpr double kSlips = 40.0;
@@ -93,7 +93,8 @@ ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, co
   }
   if (references.size() < 4) return verdict;
   verdict.verified = references.size() >= 6 || (references.size() == 5 && camera_known);
-  const BundleSolution all = solved_with_all(site, frames.at(key_frames(frames.starts(), kMaxFrames)), prior, start);
+  const BundleSolution all =
+      solved_with_all(site, frames.at(key_frames(frames.starts(), kMaxFaultFrames)), prior, start);
   std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
   for (const std::size_t r : references) {
     if (const auto slip = fit_reference_step(site, all.frames, prior, start.model, all.scene, r))

@@ -96,18 +96,9 @@ std::optional<Grating> read_grating(const TomlTable& table, const Print& general
   return grating;
 }
 
-// Names are used in CSV cells and file names, so they must be plain. A spreadsheet evaluates a cell that begins with =,
-// +, - or @ as a formula.
 std::string read_name(const TomlTable& table, const std::string& fallback) {
   const std::string name = table.text("name").value_or(fallback);
-  const bool plain = !name.empty() && name.size() <= 64 && name.find_first_of(",;\"'/\\") == std::string::npos;
-  if (!plain || name.front() == ' ' || has_control_character(name)) {
-    table.mistake("name",
-                  "name must be 1 to 64 characters without comma, semicolon, quote, slash or control character");
-  } else if (std::string_view("=+-@").find(name.front()) != std::string_view::npos) {
-    table.mistake("name",
-                  fmt::format("the name \"{}\" is a formula to spreadsheets, do not begin it with =, +, - or @", name));
-  }
+  if (const auto problem = name_problem(name)) table.mistake("name", *problem);
   return name;
 }
 
@@ -225,6 +216,16 @@ Site read_top(const toml::value& file, TomlMistakes& mistakes) {
 }
 
 }  // namespace
+
+// Names are used in CSV cells and file names, so they must be plain. A spreadsheet evaluates a cell that begins with =,
+// +, - or @ as a formula.
+std::optional<std::string> name_problem(const std::string& name) {
+  const bool plain = !name.empty() && name.size() <= 64 && name.find_first_of(",;\"'/\\") == std::string::npos;
+  if (!plain || name.front() == ' ' || has_control_character(name))
+    return "name must be 1 to 64 characters without comma, semicolon, quote, slash or control character";
+  if (std::string_view("=+-@").find(name.front()) == std::string_view::npos) return std::nullopt;
+  return fmt::format("the name \"{}\" is a formula to spreadsheets, do not begin it with =, +, - or @", name);
+}
 
 tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::string& path) {
   const auto file = parse_toml(text, path);

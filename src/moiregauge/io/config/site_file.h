@@ -2,6 +2,7 @@
 // Reads and writes site.toml, the text file with the markers of a site (docs/file-formats.md).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,9 @@ using SiteErrors = std::vector<std::string>;
 
 // Reads a site from text. `path` is used in messages only.
 [[nodiscard]] tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::string& path);
+
+// Returns what is wrong with the name of a marker, or nothing.
+[[nodiscard]] std::optional<std::string> name_problem(const std::string& name);
 
 // Returns a file that read_site reads back to the last bit of every length. Angles may lose their last bit, because not
 // every number of radians has an exact number of degrees.

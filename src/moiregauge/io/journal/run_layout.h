@@ -55,10 +55,14 @@ template <> inline constexpr std::size_t kFields<SlopeSteps> = 2;
 template <> inline constexpr std::size_t kFields<EdgeGap> = 2;
 template <> inline constexpr std::size_t kFields<FrameRange> = 4;
 template <> inline constexpr std::size_t kFields<TimeRange> = 2;
-template <> inline constexpr std::size_t kFields<MeasureOptions> = 12;
+template <> inline constexpr std::size_t kFields<MeasureOptions> = 13;
+template <> inline constexpr std::size_t kFields<MarkerChoice> = 4;
+template <> inline constexpr std::size_t kFields<NewName> = 2;
+template <> inline constexpr std::size_t kFields<SearchArea> = 2;
+template <> inline constexpr std::size_t kFields<PixelRegion> = 4;
 template <> inline constexpr std::size_t kFields<PrintScale> = 3;
 template <> inline constexpr std::size_t kFields<SolveOptions> = 4;
-template <> inline constexpr std::size_t kFields<ObserveOptions> = 3;
+template <> inline constexpr std::size_t kFields<ObserveOptions> = 4;
 template <> inline constexpr std::size_t kFields<RasterOptions> = 3;
 template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
 
@@ -74,12 +78,14 @@ inline constexpr std::array kAdded<PatchFitOptions>{AddedFields{4, 1, 3}, AddedF
 template <>
 inline constexpr std::array kAdded<InputInfo>{AddedFields{10, 1, 3}, AddedFields{12, 2, 5}};
 template <>
-inline constexpr std::array kAdded<MeasureOptions>{AddedFields{11, 1, 3}, AddedFields{10, 1, 5}};
+inline constexpr std::array kAdded<MeasureOptions>{AddedFields{12, 1, 3}, AddedFields{10, 2, 5}};
 inline constexpr int kSinceWidth = 3;
 
-// Version 5: ranges in seconds, slow motion and start time, zero, grey levels at edges.
+// Version 5: ranges in seconds, slow motion and start time, zero, grey levels at edges, choice of markers.
 template <>
 inline constexpr std::array kAdded<CameraProcessing>{AddedFields{4, 1, 5}, AddedFields{}};
+template <>
+inline constexpr std::array kAdded<ObserveOptions>{AddedFields{3, 1, 5}, AddedFields{}};
 template <>
 inline constexpr std::array kAdded<FrameRange>{AddedFields{3, 1, 5}, AddedFields{}};
 

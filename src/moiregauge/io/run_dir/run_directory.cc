@@ -16,6 +16,7 @@
 #include "moiregauge/io/run_dir/run_json.h"
 #include "moiregauge/io/run_dir/run_json_reader.h"
 #include "moiregauge/io/run_dir/solved_scene.h"
+#include "moiregauge/io/tables/camera_csv.h"
 #include "moiregauge/io/tables/displacement_csv.h"
 #include "moiregauge/io/tables/displacement_h5.h"
 
@@ -58,6 +59,9 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
     const std::string csv = displacement_csv(site_of(measurement, options), measurement.samples);
     if (auto done = put_file(dir / "displacement.csv", csv); !done) return done;
     if (auto done = put_file(dir / "displacement.h5", displacement_h5(measurement, options)); !done) return done;
+  }
+  if (const auto camera = camera_rows(measurement); !camera.empty()) {
+    if (auto done = put_file(dir / "camera.csv", camera_csv(camera)); !done) return done;
   }
   const std::optional<Scene>& scene = stated_scene(measurement);
   if (measurement.reference && scene) {

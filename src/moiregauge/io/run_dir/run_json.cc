@@ -47,6 +47,22 @@ Json range_json(const FrameRange& range, const Observations& observations) {
   return json;
 }
 
+Json choice_json(const MarkerChoice& choice) {
+  Json names = Json::object();
+  for (const NewName& name : choice.names) names[name.from] = name.to;
+  return {
+      {"references", choice.references}, {"targets", choice.targets}, {"ignored", choice.ignored}, {"names", names}};
+}
+
+Json area_json(const SearchArea& area) {
+  const auto list = [](const std::vector<PixelRegion>& regions) {
+    Json out = Json::array();
+    for (const PixelRegion& r : regions) out.push_back({r.x, r.y, r.width, r.height});
+    return out;
+  };
+  return {{"regions_px", list(area.regions)}, {"excluded_px", list(area.excluded)}};
+}
+
 Json config_json(const Measurement& measurement, const MeasureOptions& options) {
   const KnownTo& known_to = site_of(measurement, options).known_to;
   const auto range = [&](const FrameRange& typed) { return range_json(typed, measurement.observations); };
@@ -68,6 +84,8 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
                            {"u", options.print_scale.u > 0.0 ? Json(options.print_scale.u) : Json(nullptr)}};
   config["axes"] = options.axes == BoardAxes::kPrint ? "print" : "image";
   config["tone"] = options.tone ? name_of(*options.tone) : "auto";
+  config["choice"] = choice_json(options.choice);
+  config["area"] = area_json(options.observe.area);
   config["template"] = std::string(word_for(options.observe.template_use));
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
   if (options.observe.raster.sampling_pitch_px > 0)

@@ -108,6 +108,22 @@ void put_target(hid_t file, const std::string& group_name, const std::string& ma
   put_column(group, {"status", "", type, type, words.data(), rows.size()});
 }
 
+// Writes the group `camera`. Unlike a target's group it has no attribute `marker`.
+void put_camera(hid_t file, const std::vector<CameraRow>& rows) {
+  const Handle group(H5Gcreate2(file, "camera", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  std::vector<long> frames;
+  std::vector<double> numbers;
+  for (const CameraRow& row : rows) frames.push_back(row.frame);
+  for (const CameraRow& row : rows) numbers.push_back(row.time_s);
+  put_column(group, {"frame", "1", H5T_STD_I64LE, H5T_NATIVE_LONG, frames.data(), frames.size()});
+  put_column(group, {"time_s", "s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, numbers.data(), numbers.size()});
+  for (const CameraColumn& column : kCameraColumns) {
+    numbers.clear();
+    for (const CameraRow& row : rows) numbers.push_back(column.value(row.pose));
+    put_column(group, {column.name, column.unit, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, numbers.data(), numbers.size()});
+  }
+}
+
 // Returns a unique group name. A slash would separate groups, and "." is the current group.
 std::string group_name(const std::string& marker, const std::vector<std::string>& taken) {
   std::string name = marker;
@@ -139,6 +155,10 @@ std::string displacement_h5(const RunTable& table) {
   say(file, "reference_frame", table.reference_frame);
   say(file, "complete", static_cast<long>(table.complete));
   std::vector<std::string> taken;
+  if (!table.camera.empty()) {
+    put_camera(file, table.camera);
+    taken.emplace_back("camera");
+  }
   for (std::size_t i = 0; i < table.markers.size(); ++i) {
     std::vector<const Sample*> rows;
     for (const Sample& sample : table.samples) {
@@ -163,6 +183,7 @@ std::string displacement_h5(const Measurement& measurement, const MeasureOptions
     place[target.marker] = table.markers.size();
     table.markers.push_back({site_of(measurement, options).markers[target.marker].name, {}, 0.0});
   }
+  table.camera = camera_rows(measurement);
   table.samples = measurement.samples;
   for (Sample& sample : table.samples) sample.marker = place[sample.marker];
   return displacement_h5(table);

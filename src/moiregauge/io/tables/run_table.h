@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/displacement/sample.h"
+#include "moiregauge/io/tables/camera_csv.h"
 #include "moiregauge/units/frame_range.h"
 #include "moiregauge/units/point.h"
 
@@ -29,6 +30,7 @@ struct RunTable {
   long reference_frame = 0;
   bool complete = true;              // false: interrupted run or damaged input
   std::vector<TableMarker> markers;  // targets
+  std::vector<CameraRow> camera;     // by frame; empty: not stated, or read from files
   std::vector<Sample> samples;       // in file order; `marker` is an index into `markers`, budgets are empty
 };
 

@@ -197,7 +197,12 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
     const View view{seen.stage2, reference.lens};
     for (std::size_t i = 0; i < seen.markers.size(); ++i) {
       const Marker& marker = reference.site.markers[i];
-      if (marker.role != Role::kTarget || !marker.grating) continue;
+      if (!marker.grating) continue;
+      if (marker.role == Role::kReference) {
+        // Those with a circle are tracked already.
+        if (!marker.circle) read(picture, reference, view, i, seen.markers[i]);
+        continue;
+      }
       if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
         look_for(picture, reference, view, i, prediction, true, seen.markers[i]);
     }

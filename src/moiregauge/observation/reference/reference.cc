@@ -159,6 +159,13 @@ std::optional<ReferenceFailure> problem_of(const Reference& reference) {
 
 }  // namespace
 
+CircleSearch search_circles(const LumaView& image, const ObserveOptions& options) {
+  CircleSearch search = find_circles(image, options.circles);
+  std::erase_if(search.circles, [&](const DetectedCircle& circle) { return !options.area.holds(circle.centre); });
+  std::erase_if(search.rejected, [&](const RejectedOutline& outline) { return !options.area.holds(outline.centre); });
+  return search;
+}
+
 std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, const CircleSearch& search,
                                        const Identified& who) {
   std::vector<CirclePoint> points;
@@ -214,7 +221,7 @@ tl::expected<Reference, ReferenceFailure> make_reference(const GreyPicture& pict
   reference.width = width_of(picture.luma);
   reference.height = height_of(picture.luma);
   reference.options = options;
-  reference.search = find_circles(picture.luma, options.circles);
+  reference.search = search_circles(picture.luma, options);
   if (auto line = references_on_a_line(site))
     return tl::unexpected(ReferenceFailure{ReferenceProblem::kSiteDisagrees, *std::move(line), reference.search});
   const auto sized = identify_first(site, reference.search);

@@ -9,6 +9,7 @@
 
 #include "moiregauge/image/tone.h"
 #include "moiregauge/observation/reference/observation.h"
+#include "moiregauge/site/marker_choice.h"
 
 namespace moiregauge::internal {
 
@@ -16,6 +17,7 @@ struct ObserveOptions {
   RasterOptions raster;
   CircleOptions circles;
   TemplateUse template_use = TemplateUse::kAuto;  // for `precise`
+  SearchArea area;                                // in the reference frame
 };
 
 struct GreyPicture {
@@ -65,7 +67,8 @@ struct Reference {
   [[nodiscard]] bool knows_camera() const { return !lens.is_distortion_free() || lens.fx != 1.0; }
 };
 
-enum class ReferenceProblem { kNotFound, kTooCoarse, kNoGrating, kSiteDisagrees };
+// kNoSuchMarker: the user chose a marker that was not found.
+enum class ReferenceProblem { kNotFound, kTooCoarse, kNoGrating, kSiteDisagrees, kNoSuchMarker };
 
 struct ReferenceFailure {
   ReferenceProblem problem = ReferenceProblem::kNotFound;
@@ -85,6 +88,9 @@ struct ReferenceFailure {
                                                                                const Site& site, const View& view,
                                                                                CircleSearch search,
                                                                                const ObserveOptions& options);
+
+// Finds the circles in the search area.
+[[nodiscard]] CircleSearch search_circles(const LumaView& image, const ObserveOptions& options);
 
 // Returns the points of the identified reference circles. `who` contains an approximate view of the board.
 [[nodiscard]] std::vector<CirclePoint> circle_points(const Site& site, const Camera& lens, const CircleSearch& search,

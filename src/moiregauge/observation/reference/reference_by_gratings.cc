@@ -97,7 +97,7 @@ tl::expected<Reference, ReferenceFailure> make_reference_by_gratings(const GreyP
   if (target == site.markers.end())
     return tl::unexpected(
         ReferenceFailure{ReferenceProblem::kNoGrating, "the site has no target with a grating", CircleSearch{}});
-  auto found = detect_site(picture, lens, {target->grating->pitch_mm, BoardAxes::kPrint, options.circles, false});
+  auto found = detect_site(picture, lens, {target->grating->pitch_mm, BoardAxes::kPrint, options, {}, false});
   if (!found) return tl::unexpected(std::move(found.error()));
   const auto assignment = best_assignment(gratings_of(site), gratings_of(found->site));
   if (!assignment)

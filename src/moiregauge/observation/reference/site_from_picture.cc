@@ -241,10 +241,11 @@ Site site_of(const Parts& parts, const BoardFromIdeal& board, const Camera& lens
 
 tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
                                                         const PictureSiteOptions& options) {
-  CircleSearch search = find_circles(picture.luma, options.circles);
+  CircleSearch search = search_circles(picture.luma, options.observe);
   GratingSearchOptions gratings;
   gratings.bits = picture.bits;
-  const std::vector<DetectedPatch> patches = find_grating_patches(picture.luma, gratings);
+  std::vector<DetectedPatch> patches = find_grating_patches(picture.luma, gratings);
+  std::erase_if(patches, [&](const DetectedPatch& patch) { return !options.observe.area.holds(patch.centre); });
   auto [circles, doubtful] = outermost_circles(search.circles, patches);
   const std::size_t seen = circles.size();
   const auto fail = [&](ReferenceProblem problem, std::string text) {
@@ -287,8 +288,9 @@ tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& pictu
                     ? ""
                     : (", or " + parts.notes.back().substr(std::string_view("note: ").size())).c_str()));
   const BoardFromIdeal board = placed(rough, parts, lens, options.axes);
-  return PictureSite{site_of(parts, board, lens, options.pitch_mm), board.inverse(), std::move(search),
-                     std::move(parts.notes)};
+  auto site = choose_markers(site_of(parts, board, lens, options.pitch_mm), options.choice);
+  if (!site) return fail(ReferenceProblem::kNoSuchMarker, std::move(site.error()));
+  return PictureSite{*std::move(site), board.inverse(), std::move(search), std::move(parts.notes)};
 }
 
 tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& picture, const Camera& lens,

@@ -18,7 +18,8 @@ enum class BoardAxes { kPrint, kImage };  // x along the references' gratings, o
 struct PictureSiteOptions {
   double pitch_mm = 0.0;
   BoardAxes axes = BoardAxes::kPrint;
-  CircleOptions circles;
+  ObserveOptions observe{};  // circles and search area
+  MarkerChoice choice{};     // among the markers found
   // False for a method that assumes a fixed camera, for which gratings suffice. Among fewer than four circles, those
   // with a grating are still references.
   bool needs_references = true;

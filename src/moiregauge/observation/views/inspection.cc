@@ -96,7 +96,8 @@ tl::expected<Reference, ReferenceFailure> who_is_who(const GreyPicture& picture,
   PictureSiteOptions looked_for;
   looked_for.pitch_mm = options.pitch_mm.value_or(kPitchForOrder_mm);
   looked_for.axes = options.axes;
-  looked_for.circles = options.observe.circles;
+  looked_for.observe = options.observe;
+  looked_for.choice = options.choice;
   auto found = detect_site(picture, options.lens, looked_for);
   if (!found) return tl::unexpected(std::move(found.error()));
   notes = std::move(found->notes);
@@ -146,7 +147,9 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   CircleSearch search = find_circles(picture.luma, circles);
   out.lattices = lattices_of(picture, search);
   out.rejected = std::move(search.rejected);
+  std::erase_if(out.rejected, [&](const RejectedOutline& seen) { return !options.observe.area.holds(seen.centre); });
   for (const DetectedCircle& circle : search.circles) {
+    if (!options.observe.area.holds(circle.centre)) continue;
     const int lattice = lattice_of(circle, out.lattices);
     if (lattice < 0 && circle.diameter_px < options.observe.circles.min_diameter_px)
       out.rejected.push_back(too_small(circle, options.observe.circles));
@@ -156,6 +159,8 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   std::stable_sort(out.rejected.begin(), out.rejected.end(),
                    [](const RejectedOutline& a, const RejectedOutline& b) { return a.circularity > b.circularity; });
   out.patches = patches_of(picture);
+  std::erase_if(out.patches,
+                [&](const InspectedPatch& patch) { return !options.observe.area.holds(patch.seen.centre); });
   name_dots(out);
   if (!options.site && !options.pitch_mm) {
     out.unit = BoardUnit::kPitch;
@@ -164,6 +169,7 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   auto reference = who_is_who(picture, options, out.notes);
   if (!reference) {
     out.missing = std::move(reference.error().message);
+    out.is_choice_unknown = reference.error().problem == ReferenceProblem::kNoSuchMarker;
     return out;
   }
   out.reference = std::move(*reference);

@@ -21,6 +21,8 @@ struct InspectOptions {
   BoardAxes axes = BoardAxes::kPrint;
   Camera lens = {};
   ObserveOptions observe = {};
+  // Among the markers found; `site` already follows it.
+  MarkerChoice choice = {};
 };
 
 inline constexpr int kUnidentified = -1;  // detected, but identified as no marker
@@ -53,6 +55,7 @@ struct Inspection {
   std::vector<IndexedLattice> lattices;   // dots, then checkers, each largest first
   std::optional<Reference> reference;     // empty: no measurement can start with this image
   std::string missing;                    // reason, if `reference` is empty
+  bool is_choice_unknown = false;         // the reason is a chosen marker that was not found
   std::vector<std::string> notes;         // identifications that the user should check
   BoardUnit unit = BoardUnit::kMillimetre;
   // Length on the board of one `unit`.

@@ -130,6 +130,11 @@ class Restating {
     if (!then.references_seen) return now;
     const auto points = points_of(now_.site, now_.lens, then);
     const auto first = fit_circles(points);
+    if (!first && !points.empty() && !now_.knows_camera()) {
+      now.references_seen = false;
+      now.reference_problem = "fewer than four of the chosen reference circles are visible";
+      return now;
+    }
     // A method that assumes a fixed camera detects no circles.
     now.stage1 = now.stage2 = first ? *first : now_.seen.stage1;
     carry_role(Role::kReference, then, now);
@@ -166,12 +171,11 @@ class Restating {
   }
 
   void carry_role(Role role, const Observation& then, Observation& now) const {
-    const bool reference = role == Role::kReference;
-    const View before{reference ? then.stage1 : then.stage2, then_.lens};
-    const View after{reference ? now.stage1 : now.stage2, now_.lens};
+    const View after{role == Role::kReference ? now.stage1 : now.stage2, now_.lens};
     for (std::size_t i = 0; i < now.markers.size(); ++i) {
-      if (now_.site.markers[i].grating && now_.site.markers[i].role == role)
-        carry_marker(i, before, after, now.markers[i]);
+      if (!now_.site.markers[i].grating || now_.site.markers[i].role != role) continue;
+      const bool was_reference = then_.site.markers[i].role == Role::kReference;
+      carry_marker(i, {was_reference ? then.stage1 : then.stage2, then_.lens}, after, now.markers[i]);
     }
   }
 
@@ -192,6 +196,67 @@ class Restating {
 };
 
 }  // namespace
+
+namespace {
+
+template <typename Value>
+std::vector<Value> part_of(const std::vector<Value>& all, const std::vector<std::size_t>& from) {
+  std::vector<Value> part;
+  for (const std::size_t i : from) part.push_back(all[i]);
+  return part;
+}
+
+// Returns the reference frame with these markers only, in their old roles.
+Reference reduced(const Reference& reference, const std::vector<std::size_t>& from) {
+  Reference out = reference;
+  out.site.markers = part_of(reference.site.markers, from);
+  out.plans = part_of(reference.plans, from);
+  out.plan_loss = part_of(reference.plan_loss, from);
+  out.seen.markers = part_of(reference.seen.markers, from);
+  if (!reference.prints.empty()) out.prints = part_of(reference.prints, from);
+  if (!reference.light_per_grey.empty()) out.light_per_grey = part_of(reference.light_per_grey, from);
+  out.circles.clear();
+  for (const CirclePoint& point : reference.circles) {
+    const auto found = std::find(from.begin(), from.end(), point.marker);
+    if (found == from.end()) continue;
+    out.circles.push_back(point);
+    out.circles.back().marker = static_cast<std::size_t>(found - from.begin());
+  }
+  return out;
+}
+
+// A reference is read through its circle, or by `precise` through its template.
+std::optional<std::string> missing_readings(const Reference& then, const Site& chosen, const Observations& frames) {
+  for (std::size_t i = 0; i < chosen.markers.size(); ++i) {
+    if (chosen.markers[i].role != Role::kReference || then.site.markers[i].role == Role::kReference) continue;
+    if (then.seen.markers[i].points) continue;
+    const bool has_circles = std::all_of(frames.begin(), frames.end(), [i](const Observation& seen) {
+      return !seen.references_seen || seen.markers[i].circle.has_value();
+    });
+    if (!has_circles)
+      return text_about("target '%s' cannot become a reference, because its circle was not read in every frame",
+                        then.site.markers[i].name);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+tl::expected<Reprojected, std::string> select_markers(const Reference& reference, const Observations& observations,
+                                                      const Site& chosen, const std::vector<std::size_t>& from) {
+  const Reference then = reduced(reference, from);
+  Observations reduced_frames(then);
+  for (Observation seen : observations) {
+    seen.markers = part_of(seen.markers, from);
+    reduced_frames.push_back(seen);
+  }
+  if (auto problem = missing_readings(then, chosen, reduced_frames)) return tl::unexpected(*std::move(problem));
+  Restating restating(then, chosen, reference.lens);
+  if (auto problem = restating.reference_frame()) return tl::unexpected(*std::move(problem));
+  Reprojected out{restating.reference(), Observations(restating.reference())};
+  for (const Observation& seen : reduced_frames) out.observations.push_back(restating.frame(seen));
+  return out;
+}
 
 tl::expected<Reprojected, std::string> reproject_observations(const Reference& reference,
                                                               const Observations& observations, const Site& site,

@@ -31,4 +31,12 @@ inline constexpr double kRestatedPlace = 0.5;
                                                                             const Observations& observations,
                                                                             const Site& site, const Camera& lens);
 
+// Returns the run as if measured with a part of its markers, other names or other roles. `chosen`: the new markers.
+// `from`: their indices in the run's site.
+// Fails: the references do not determine the view, or a target becomes a reference and its readings do not suffice.
+[[nodiscard]] tl::expected<Reprojected, std::string> select_markers(const Reference& reference,
+                                                                    const Observations& observations,
+                                                                    const Site& chosen,
+                                                                    const std::vector<std::size_t>& from);
+
 }  // namespace moiregauge::internal
