@@ -24,7 +24,7 @@ std::size_t first_target(const Site& site) {
 
 FrameFit fit_turned(const Site& site, const Scene& scene, BundleFrame frame) {
   frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
-  return fit_frame(site, scene, frame);
+  return fit_frame(site, scene, frame, FrameDetail::kSamples);
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ ProductChain::Reading ProductChain::solve_in_scene(const Observations& one) cons
   const FrameFit now = fit_turned(reference_.site, *scene_, frames[place.front()]);
   if (!now.ok) return {};
   const auto displacement = now.shift[target_] - budget_->then().shift[target_];
-  return {displacement, total(budget_->budget(now, target_, displacement))};
+  return {displacement, total(budget_->of_frame(now).budget(target_, displacement))};
 }
 
 }  // namespace moiregauge::internal::bench

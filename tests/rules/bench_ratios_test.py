@@ -17,6 +17,7 @@ GOOD = {
     "tracking/ring": (100, 0.001, "mm"),
     "tracking/cold": (200, 0.001, "mm"),
     "precise/ring": (100, 0.001, "mm"),
+    "two-stage/ring": (100, 0.001, "mm"),
 }
 FILES = {
     "files": {"raw": {"measure": {"wall_s": 2.5}, "decode": {"wall_s": 2.0}, "bytes": {"wall_s": 1.0}},
@@ -60,7 +61,7 @@ class Ratios(unittest.TestCase):
     def test_a_run_that_reaches_every_aim_passes(self):
         code, output, _ = ratios(GOOD, FILES)
         self.assertEqual(code, 0)
-        self.assertIn("| >= 40x | >= 400x | 1e+03x | 1 / 5, 2 / 10 um | aim |", line(output, "whole chain", "4104x1012"))
+        self.assertIn("| >= 120x | >= 400x | 1e+03x | 1 / 5, 2 / 10 um | aim |", line(output, "`precise`", "4104x1012"))
         self.assertIn("| 500x; 0.2 of a pass |", line(output, "cold, 4096x2168"))
         self.assertIn("| 2.5 | ", line(output, "raw"))
         self.assertIn("| 1.02 | ", line(output, "ffv1"))
@@ -74,18 +75,18 @@ class Ratios(unittest.TestCase):
             narrow.write_text(json.dumps(chain_of(GOOD | {"precise/ring": (2600, 0.001, "mm")}, simd="avx2")), encoding="utf-8")
             done = subprocess.run([RATIOS, wide, narrow], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("**fails** |", line(done.stdout, "whole chain", "4104x1012, AVX2"))
-        self.assertIn("| aim |", line(done.stdout, "whole chain", "4104x1012, AVX-512"))
+        self.assertIn("**fails** |", line(done.stdout, "`precise`", "4104x1012, AVX2"))
+        self.assertIn("| aim |", line(done.stdout, "`precise`", "4104x1012, AVX-512"))
 
     def test_between_gate_and_aim_it_still_passes(self):
-        code, output, _ = ratios(GOOD | {"precise/ring": (500, 0.001, "mm")})
+        code, output, _ = ratios(GOOD | {"precise/ring": (350, 0.001, "mm")})
         self.assertEqual(code, 0)
-        self.assertIn("| gate |", line(output, "whole chain", "4096x2168"))
+        self.assertIn("| gate |", line(output, "`precise`", "4096x2168"))
 
     def test_a_gate_that_is_missed_fails(self):
         code, output, _ = ratios(GOOD | {"precise/ring": (2600, 0.001, "mm")})
         self.assertEqual(code, 1)
-        self.assertIn("**fails** |", line(output, "whole chain", "4104x1012"))
+        self.assertIn("**fails** |", line(output, "`precise`", "4104x1012"))
         self.assertEqual(output.count("fails"), 2)
 
     def test_a_faster_result_with_a_worse_error_fails(self):

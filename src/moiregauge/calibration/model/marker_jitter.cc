@@ -49,13 +49,9 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
     if (frame.points[i] && site.markers[i].grating && site.markers[i].role == Role::kReference) seen.push_back(i);
   }
   const auto rows = static_cast<Eigen::Index>(2 * seen.size());
-  std::vector<Eigen::Index> solved;
-  for (Eigen::Index k = 0; k < kPose; ++k) solved.push_back(k);
-  for (Eigen::Index k = 0; frame.rows && k < kMotionParameters; ++k)
-    solved.push_back(fit.covariance.rows() - kMotionParameters + k);
-  Common c{Eigen::VectorXd::Zero(rows), Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(solved.size())),
+  Common c{Eigen::VectorXd::Zero(rows), Eigen::MatrixXd::Zero(rows, fit.pose_covariance.rows()),
            Eigen::MatrixXd::Zero(rows, scene_parameters(site.markers.size())), Eigen::MatrixXd::Zero(rows, rows),
-           fit.covariance(solved, solved)};
+           fit.pose_covariance};
   const CommonNumbers camera = numbers_of(scene);
   const TurnedPose pose(fit.pose);
   for (std::size_t k = 0; k < seen.size(); ++k) {
@@ -77,7 +73,7 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
     c.by_scene.block<2, kShapeParameters>(row, shape_row(i, 0)) =
         along.middleCols<kShapeParameters>(PatchColumn::kShape);
   }
-  c.by_scene += c.by_frame * fit.sensitivity(solved, Eigen::all);
+  c.by_scene += c.by_frame * fit.pose_sensitivity;
   return c;
 }
 
@@ -102,10 +98,10 @@ double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const Bu
     const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(c.residual.size(), c.residual.size()) -
                                  c.by_frame * c.covariance * c.by_frame.transpose() - by_scene * c.by_scene.transpose();
     const Eigen::MatrixXd own = c.by_scene.transpose() * c.by_shift;
-    const Eigen::MatrixXd of_others = information - own * own.transpose();
     chi2 += c.residual.squaredNorm();
     dof += left.trace();
-    per_wander += (left * c.by_shift).squaredNorm() + (by_scene * of_others * by_scene.transpose()).trace();
+    per_wander += (left * c.by_shift).squaredNorm() + (by_scene * information).cwiseProduct(by_scene).sum() -
+                  (by_scene * own).squaredNorm();  // by the other frames
   }
   if (!(dof > 0.0 && per_wander > 0.0)) return already;
   if (already == 0.0 && chi2 <= chi2_upper_quantile(dof)) return 0.0;

@@ -63,9 +63,9 @@ double determined(const Site& site, std::span<const FrameFit> fits, const SceneP
   const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, model);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
   for (const FrameFit& fit : fits) {
-    if (fit.ok) information += fit.scene_information;
+    if (fit.ok) add_scene_information(fit, information);
   }
-  return (information * covariance).trace();
+  return information.cwiseProduct(covariance).sum();  // the trace of their product: both are symmetric
 }
 
 }  // namespace

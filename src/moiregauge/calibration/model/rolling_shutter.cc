@@ -69,15 +69,15 @@ FitSummary summary_of(const FrameFit& fit, bool has_motion) {
   out.variance.resize(fit.shift_row.size());
   out.chi2_sum = fit.chi2_sum, out.dof = fit.dof;
   if (!fit.ok) return out;
-  out.path_variance = path_variance(fit.pose, fit.covariance);
+  out.path_variance = path_variance(fit.pose, fit.pose_covariance);
   for (std::size_t i = 0; i < fit.shift_row.size(); ++i) {
     const int row = fit.shift_row[i];
     if (row < 0) continue;
     out.shift[i] = fit.shift[i];
-    out.variance[i] = {fit.covariance(row, row), fit.covariance(row + 1, row + 1)};
+    out.variance[i] = {fit.variance(row), fit.variance(row + 1)};
   }
   out.motion = fit.motion;
-  if (has_motion) out.motion_variance = fit.covariance.diagonal().tail<kMotionParameters>();
+  if (has_motion) out.motion_variance = fit.variance.tail<kMotionParameters>();
   return out;
 }
 

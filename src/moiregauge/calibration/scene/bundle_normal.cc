@@ -88,7 +88,12 @@ struct BundleNormal::Eliminated {
 
 BundleNormal::BundleNormal(std::span<const BundlePatch> patches, std::span<const SceneParameter> free,
                            const BundleState& at)
-    : patches_(patches), free_(free), at_(at), normal_(patches.size()) {
+    : patches_(patches),
+      free_(free),
+      places_(static_cast<std::size_t>(shape_row(at.markers.size(), 0)), -1),
+      at_(at),
+      normal_(patches.size()) {
+  for (std::size_t a = 0; a < free.size(); ++a) places_[static_cast<std::size_t>(free[a].index)] = static_cast<int>(a);
   std::optional<TurnedPose> pose;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const BundlePatch& patch = patches[p];
@@ -126,13 +131,18 @@ std::size_t BundleNormal::end_of_frame(std::size_t first) const {
   return end;
 }
 
-// Eliminates one frame's pose, shifts and motion. Adds the remainder to `scene`, whose last row and column are the
-// right-hand side.
+// Returns the place of a patch's column k among the free parameters. Fixed parameters (-1) take no part.
+int BundleNormal::place_of(std::size_t marker, int k) const {
+  return places_[static_cast<std::size_t>(column(marker, k))];
+}
+
+// Eliminates one frame's pose, shifts and motion. Adds the remainder to the lower triangle of `scene`, unless it is null.
+// Its rows are the free parameters, and the last is the right-hand side.
 template <int kMotion>
 BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::size_t end, double damping,
-                                                      Eigen::MatrixXd& scene) const {
+                                                      Eigen::MatrixXd* scene) const {
   constexpr int kOwn = 6 + kMotion;
-  const Eigen::Index size = scene.cols();
+  const Eigen::Index size = this->size();
   Frame<kMotion> out;
   Eigen::Matrix<double, kOwn, kOwn> own = Eigen::Matrix<double, kOwn, kOwn>::Zero();
   Eigen::Matrix<double, kOwn, 1> diagonal = Eigen::Matrix<double, kOwn, 1>::Zero();
@@ -146,7 +156,7 @@ BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::si
       const Eigen::Matrix<double, kAtOnce + kMotion, 2> by_shift = n.template middleCols<2>(kPlace);
       n.noalias() -= by_shift.lazyProduct(out.shifts.back());
     }
-    const auto place = [&](int k) { return k == kSceneColumns ? size - 1 : column(patches_[p].marker, k); };
+    const auto place = [&](int k) { return k == kSceneColumns ? size - 1 : place_of(patches_[p].marker, k); };
     const auto from = [](int k) { return k == kSceneColumns ? PatchColumn::kResidual : k; };
     own.template topLeftCorner<6, 6>() += n.template block<6, 6>(PatchColumn::kPose, PatchColumn::kPose);
     if constexpr (kMotion > 0) {
@@ -157,10 +167,13 @@ BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::si
       own.template bottomRightCorner<kMotion, kMotion>() += n.template bottomRightCorner<kMotion, kMotion>();
     }
     for (int a = 0; a <= kSceneColumns; ++a) {
+      if (place(a) < 0) continue;
       across.col(place(a)).template head<6>() += n.template block<6, 1>(PatchColumn::kPose, from(a));
       if constexpr (kMotion > 0)
         across.col(place(a)).template tail<kMotion>() += n.template bottomRows<kMotion>().col(from(a));
-      for (int b = 0; b <= kSceneColumns; ++b) scene(place(b), place(a)) += n(from(b), from(a));
+      for (int b = 0; scene != nullptr && b <= kSceneColumns; ++b) {
+        if (place(b) >= place(a)) (*scene)(place(b), place(a)) += n(from(b), from(a));
+      }
     }
   }
   if constexpr (kMotion > 0) {
@@ -172,7 +185,8 @@ BundleNormal::Frame<kMotion> BundleNormal::eliminated(std::size_t first, std::si
   const Eigen::LLT<Eigen::Matrix<double, kOwn, kOwn>> llt(own);
   out.ok = llt.info() == Eigen::Success;
   out.rows = llt.solve(across);
-  scene.noalias() -= across.transpose() * out.rows;
+  if (scene != nullptr)
+    scene->selfadjointView<Eigen::Lower>().rankUpdate(llt.matrixL().solve(across).transpose(), -1.0);
   return out;
 }
 
@@ -182,7 +196,7 @@ template <int kMotion>
 double BundleNormal::substituted(std::size_t first, std::size_t end, const Frame<kMotion>& frame,
                                  const Eigen::VectorXd& moved, BundleState& to) const {
   const Eigen::Matrix<double, 6 + kMotion, 1> step = -frame.rows * moved;
-  const double log_f = moved(0) / at_.common[0];
+  const double log_f = places_[0] < 0 ? 0.0 : moved(places_[0]) / at_.common[0];
   const std::size_t number = patches_[first].frame;
   Pose& pose = to.poses[number];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -198,7 +212,10 @@ double BundleNormal::substituted(std::size_t first, std::size_t end, const Frame
   std::size_t shift = 0;
   for (std::size_t p = first; p < end; ++p) {
     Eigen::Matrix<double, kAtOnce + kMotion, 1> d;
-    for (int k = 0; k < kSceneColumns; ++k) d(k) = moved(column(patches_[p].marker, k));
+    for (int k = 0; k < kSceneColumns; ++k) {
+      const int place = place_of(patches_[p].marker, k);
+      d(k) = place < 0 ? 0.0 : moved(place);
+    }
     d.template segment<6>(PatchColumn::kPose) = step.template head<6>();
     d(PatchColumn::kResidual) = 1.0;
     if constexpr (kMotion > 0) d.template tail<kMotion>() = step.template tail<kMotion>();
@@ -216,7 +233,7 @@ double BundleNormal::substituted(std::size_t first, std::size_t end, const Frame
 }
 
 BundleNormal::Eliminated BundleNormal::frame_eliminated(std::size_t first, double damping,
-                                                        Eigen::MatrixXd& scene) const {
+                                                        Eigen::MatrixXd* scene) const {
   const std::size_t end = end_of_frame(first);
   if (patches_[first].rows) return {std::nullopt, eliminated<kMotionParameters>(first, end, damping, scene)};
   return {eliminated<0>(first, end, damping, scene), std::nullopt};
@@ -229,16 +246,13 @@ double BundleNormal::frame_substituted(std::size_t first, const Eliminated& fram
                      : substituted<kMotionParameters>(first, end, *frame.rolling, moved, to);
 }
 
-Eigen::Index BundleNormal::size() const {
-  return kCommonParameters + kShapeParameters * static_cast<Eigen::Index>(at_.markers.size()) + 1;
-}
+Eigen::Index BundleNormal::size() const { return static_cast<Eigen::Index>(free_.size()) + 1; }
 
 std::optional<BundleState> BundleNormal::step_of_frames() const {
   BundleState to = at_;
   const Eigen::VectorXd held = Eigen::VectorXd::Unit(size(), size() - 1);
-  Eigen::MatrixXd unused = Eigen::MatrixXd::Zero(size(), size());
   for (std::size_t first = 0; first < patches_.size(); first = end_of_frame(first)) {
-    const Eliminated frame = frame_eliminated(first, 0.0, unused);
+    const Eliminated frame = frame_eliminated(first, 0.0, nullptr);
     if (!frame.ok()) return std::nullopt;
     (void)frame_substituted(first, frame, held, to);
   }
@@ -250,38 +264,37 @@ std::optional<BundleNormal::Step> BundleNormal::step(double damping) const {
   Eigen::MatrixXd scene = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(size);
   for (std::size_t p = 0; p < patches_.size(); ++p) {
-    for (int k = 0; k < kSceneColumns; ++k) diagonal(column(patches_[p].marker, k)) += normal_[p](k, k);
+    for (int k = 0; k < kSceneColumns; ++k) {
+      const int place = place_of(patches_[p].marker, k);
+      if (place >= 0) diagonal(place) += normal_[p](k, k);
+    }
   }
   std::vector<Eliminated> frames;
   for (std::size_t first = 0; first < patches_.size(); first = end_of_frame(first)) {
-    frames.push_back(frame_eliminated(first, damping, scene));
+    frames.push_back(frame_eliminated(first, damping, &scene));
     if (!frames.back().ok()) return std::nullopt;
   }
   Step out{at_, 0.0};
   const auto n = static_cast<Eigen::Index>(free_.size());
-  Eigen::MatrixXd small(n, n);
+  Eigen::MatrixXd small = scene.topLeftCorner(n, n);  // its lower triangle
   Eigen::VectorXd right(n), prior(n);
   for (Eigen::Index a = 0; a < n; ++a) {
     const SceneParameter& free = free_[static_cast<std::size_t>(a)];
     const double information = 1.0 / (free.u * free.u);
-    for (Eigen::Index b = 0; b < n; ++b) small(a, b) = scene(free.index, free_[static_cast<std::size_t>(b)].index);
-    small(a, a) += information + damping * (diagonal(free.index) + information);
+    small(a, a) += information + damping * (diagonal(a) + information);
     prior(a) = (parameter(out.to, free.index) - free.mean) * information;
-    right(a) = scene(free.index, size - 1) + prior(a);
+    right(a) = scene(n, a) + prior(a);
   }
   const Eigen::LLT<Eigen::MatrixXd> llt(small);
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Eigen::VectorXd step = -llt.solve(right);
-  Eigen::VectorXd moved = Eigen::VectorXd::Zero(size);
-  moved(size - 1) = 1.0;
+  Eigen::VectorXd moved(size);
+  moved << step, 1.0;
+  const double log_f = places_[0] < 0 ? 0.0 : moved(places_[0]) / at_.common[0];
   for (Eigen::Index a = 0; a < n; ++a) {
     const int index = free_[static_cast<std::size_t>(a)].index;
-    moved(index) = step(a);
-  }
-  const double log_f = moved(0) / at_.common[0];
-  for (const SceneParameter& free : free_) {
-    double& value = parameter(out.to, free.index);
-    value = scaled_step(value, moved(free.index), log_f, power_of_f(free.index));
+    double& value = parameter(out.to, index);
+    value = scaled_step(value, step(a), log_f, power_of_f(index));
   }
   double along = prior.dot(step);
   std::size_t k = 0;

@@ -76,18 +76,20 @@ class BundleNormal {
   [[nodiscard]] PatchNormal<kMotion> normal_of(std::size_t patch) const;
   template <int kMotion>
   [[nodiscard]] Frame<kMotion> eliminated(std::size_t first, std::size_t end, double damping,
-                                          Eigen::MatrixXd& scene) const;
+                                          Eigen::MatrixXd* scene) const;
   template <int kMotion>
   [[nodiscard]] double substituted(std::size_t first, std::size_t end, const Frame<kMotion>& frame,
                                    const Eigen::VectorXd& moved, BundleState& to) const;
-  [[nodiscard]] Eliminated frame_eliminated(std::size_t first, double damping, Eigen::MatrixXd& scene) const;
+  [[nodiscard]] Eliminated frame_eliminated(std::size_t first, double damping, Eigen::MatrixXd* scene) const;
   [[nodiscard]] double frame_substituted(std::size_t first, const Eliminated& frame, const Eigen::VectorXd& moved,
                                          BundleState& to) const;
-  [[nodiscard]] Eigen::Index size() const;  // number of scene parameters, plus one for the right-hand side
+  [[nodiscard]] Eigen::Index size() const;  // number of free parameters, plus one for the right-hand side
+  [[nodiscard]] int place_of(std::size_t marker, int k) const;
   [[nodiscard]] std::size_t end_of_frame(std::size_t first) const;
 
   std::span<const BundlePatch> patches_;
   std::span<const SceneParameter> free_;
+  std::vector<int> places_;  // among the free parameters, for each scene parameter; -1: fixed
   BundleState at_;
   std::vector<PatchNormal<0>> normal_;  // one per patch, weighted
   // For patches with a rolling shutter: products of the motion's columns with all others and with themselves.

@@ -75,10 +75,10 @@ FrameRotations fit_rotations(const Site& site, const Scene& scene, const BundleF
   const auto size = static_cast<Eigen::Index>(targets.size());
   const Eigen::Index scene_size = scene_parameters(site.markers.size());
   RotationNormal n{Eigen::VectorXd::Zero(size), Eigen::VectorXd::Zero(size), Eigen::VectorXd::Zero(size),
-                   Eigen::MatrixXd::Zero(size, fit.covariance.rows()), Eigen::MatrixXd::Zero(size, scene_size)};
+                   Eigen::MatrixXd::Zero(size, fit.variance.size()), Eigen::MatrixXd::Zero(size, scene_size)};
   for (Eigen::Index r = 0; r < size; ++r)
     add_target(n, r, targets[static_cast<std::size_t>(r)], fit, frame.rows.has_value());
-  const Eigen::MatrixXd information = Eigen::MatrixXd(n.rr.asDiagonal()) - n.rf * fit.covariance * n.rf.transpose();
+  const Eigen::MatrixXd information = Eigen::MatrixXd(n.rr.asDiagonal()) - n.rf * full_covariance(fit) * n.rf.transpose();
   const Eigen::LLT<Eigen::MatrixXd> root(information);
   if (size == 0 || root.info() != Eigen::Success) return out;
   for (Eigen::Index r = 0; r < size; ++r) out.row[targets[static_cast<std::size_t>(r)].marker] = static_cast<int>(r);
@@ -87,7 +87,7 @@ FrameRotations fit_rotations(const Site& site, const Scene& scene, const BundleF
   const double dof = static_cast<double>(fit.dof - size);
   const double inflation = dof > 0.0 ? std::max(1.0, chi2 / dof) : 1.0;
   out.covariance = inflation * root.solve(Eigen::MatrixXd::Identity(size, size));
-  out.sensitivity = -root.solve(n.rg + n.rf * fit.sensitivity);
+  out.sensitivity = -root.solve(n.rg + n.rf * full_sensitivity(fit));
   if (frame.rows) out.by_readout = -root.solve(n.rb + n.rf * fit.by_readout);
   return out;
 }

@@ -114,8 +114,8 @@ PatchResidual::PatchResidual(const PatchFit& fit, const Grating& grating)
   root_.noalias() = upper * order;
 }
 
-PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const MarkerShape& shape,
-                                            const TurnedPose& pose, Extent<frame::Board> shift) const {
+PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
+                                         Extent<frame::Board> shift) const {
   const double angle = angle_rad_ + shape.value[MarkerShape::kRotation], scale = 1.0 + shape.value[MarkerShape::kScale];
   const double half = 0.5 * common[kStretchParameter];
   const double c = pitch_mm_ * std::cos(angle), s = pitch_mm_ * std::sin(angle);
@@ -146,9 +146,21 @@ PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const M
     off.row(static_cast<Eigen::Index>(n)) = rows.row(0);
     off.row(static_cast<Eigen::Index>(n) + kPatchPoints) = rows.row(1);
   }
-  Design whitened;
-  whitened.noalias() = root_ * off;
-  return whitened;
+  return off;
+}
+
+PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const MarkerShape& shape,
+                                            const TurnedPose& pose, Extent<frame::Board> shift) const {
+  return root_.lazyProduct(off(common, shape, pose, shift));
+}
+
+PatchResidual::FrameDesign PatchResidual::frame_design(const CommonNumbers& common, const MarkerShape& shape,
+                                                       const TurnedPose& pose, Extent<frame::Board> shift) const {
+  const Design all = off(common, shape, pose, shift);
+  FrameDesign used;
+  used << all.middleCols<6>(PatchColumn::kPose), all.middleCols<2>(PatchColumn::kShape + MarkerShape::kX),
+      all.col(PatchColumn::kResidual);
+  return root_.lazyProduct(used);  // matrices this small are faster without blocks
 }
 
 PatchResidual::Vector PatchResidual::residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,

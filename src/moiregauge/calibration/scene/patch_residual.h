@@ -99,6 +99,13 @@ class PatchResidual {
     return (*this)(common, shape, pose, still, residual);
   }
 
+  // Columns that a frame's fit to a fixed scene needs: pose, shift and residual.
+  struct FrameColumn {
+    static constexpr int kPose = 0, kShift = 6, kResidual = 8, kColumns = 9;
+  };
+  using FrameDesign = Eigen::Matrix<double, kSize, FrameColumn::kColumns>;
+  [[nodiscard]] FrameDesign frame_design(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
+                                         Extent<frame::Board> shift) const;
   [[nodiscard]] Design design(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
                               Extent<frame::Board> shift) const;
   [[nodiscard]] double chi2(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,
@@ -116,6 +123,10 @@ class PatchResidual {
   [[nodiscard]] const Eigen::Matrix<double, kSize, kSize>& root() const { return root_; }
 
  private:
+  // Returns the design matrix before it is whitened.
+  [[nodiscard]] Design off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
+                           Extent<frame::Board> shift) const;
+
   std::array<ImagePoint, kPatchPoints> image_;
   std::array<PrintPoint, kPatchPoints> print_;
   double x_mm_, y_mm_, angle_rad_, pitch_mm_;

@@ -48,12 +48,14 @@ double most_error_u(const Site& site, const Side& stated, const Side& open) {
   const PreciseBudget budget(site, stated.covariance, stated.fits.front());
   double most = 0.0;
   for (std::size_t k = 1; k < stated.fits.size(); ++k) {
+    const FrameFit &a = stated.fits[k], &b = open.fits[k];
+    if (!a.ok || !b.ok) continue;
+    const FrameBudget budgets = budget.of_frame(a);
     for (std::size_t i = 0; i < site.markers.size(); ++i) {
-      const FrameFit &a = stated.fits[k], &b = open.fits[k];
-      if (!a.ok || !b.ok || a.shift_row[i] < 0 || stated.fits.front().shift_row[i] < 0) continue;
+      if (a.shift_row[i] < 0 || stated.fits.front().shift_row[i] < 0) continue;
       const auto moved = a.shift[i] - stated.fits.front().shift[i];
       const auto other = b.shift[i] - open.fits.front().shift[i];
-      const auto u = total(budget.budget(a, i, moved));
+      const auto u = total(budgets.budget(i, moved));
       // An axis that the grating does not show has a very large u, so it never counts here.
       most = std::max({most, std::abs(moved.x - other.x) / u.x, std::abs(moved.y - other.y) / u.y});
     }

@@ -15,17 +15,16 @@ namespace {
 // Largest noise of an axis that the grating shows; beyond it the axis is NaN. Chosen.
 constexpr double kShownWithin = 0.25;  // pitches
 
-void fill(Sample& sample, const Grating& grating, const PreciseBudget& budget, const FrameFit& now,
-          const FitsByNoise& by_noise) {
+void fill(Sample& sample, const Grating& grating, const FramesInScene::SolvedFrame& frame, const FrameFit& then) {
   const std::size_t i = sample.marker;
-  const FrameFit& then = budget.then();
-  if (!then.ok || std::isnan(then.shift[i].x)) {
+  if (!frame.budget || std::isnan(then.shift[i].x)) {
     sample.status = Status::kLost;
     return;
   }
-  sample.displacement = now.shift[i] - then.shift[i];
-  sample.budget = by_noise.now.ok ? budget.budget(now, by_noise.now, by_noise.then, i, sample.displacement)
-                                  : budget.budget(now, i, sample.displacement);
+  sample.displacement = frame.now.shift[i] - then.shift[i];
+  sample.budget = frame.by_noise.now.ok
+                      ? frame.budget->budget(frame.by_noise.now, frame.by_noise.then, i, sample.displacement)
+                      : frame.budget->budget(i, sample.displacement);
   sample.u = total(sample.budget);
   // Only noise decides this: far from the reference frame u is mostly that of scale and axis.
   const auto& b = sample.budget;
@@ -58,35 +57,38 @@ FramesInScene::FramesInScene(const Reference& reference, const PreciseScene& sce
       budget_(site_, scene_.full_covariance, scene.calibration.fits.front(),
               scene.shutter ? scene.shutter->u_readout_s : 0.0) {}
 
-Sample FramesInScene::sample_of(const Observation& seen, std::size_t marker, const FrameFit& now,
-                                const FitsByNoise& by_noise, bool is_far) const {
+Sample FramesInScene::sample_of(const Observation& seen, std::size_t marker, const SolvedFrame& frame,
+                                bool is_far) const {
   Sample sample = initial_sample(reference_, seen, marker);
   if (seen.frame == reference_.seen.frame) return sample;
-  sample.status = precise_status(reference_, seen, marker, now, solved_.shutter ? kRollingChi2 : kUntrustedChi2);
+  sample.status = precise_status(reference_, seen, marker, frame.now, solved_.shutter ? kRollingChi2 : kUntrustedChi2);
   const bool unproven = is_far && seen.markers[marker].order == Order::kUnproven;
   if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
-  if (has_numbers(sample.status)) fill(sample, *site_.markers[marker].grating, budget_, now, by_noise);
+  if (has_numbers(sample.status)) fill(sample, *site_.markers[marker].grating, frame, budget_.then());
   return sample;
 }
 
 void FramesInScene::measure(const Observations& observations, const std::vector<std::size_t>& place,
                             Solution& solution) const {
-  FitsByNoise by_noise;
-  if (by_noise_) by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
+  SolvedFrame solved;
+  if (by_noise_) solved.by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
   const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames.starts());
   for (std::size_t n = 0; n < observations.size(); ++n) {
     const Observation& seen = observations[n];
-    FrameFit now;
+    const FrameFit& now = solved.now;
+    solved.budget.reset();
+    solved.now = {};
     if (place[n] > 0) {
       const BundleFrame frame = placed(solved_.frames[place[n]]);
-      now = fit_frame(site_, scene_, frame);
-      if (by_noise_) by_noise.now = fit_by_noise(place[n], frame);
+      solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
+      if (by_noise_) solved.by_noise.now = fit_by_noise(place[n], frame);
     }
     solution.poses.push_back(budget_.pose(seen.frame == reference_.seen.frame ? budget_.then() : now));
+    if (now.ok && budget_.then().ok) solved.budget.emplace(budget_.of_frame(now));
     solution.chi2_dof.push_back(now.ok && now.dof > 0 ? now.chi2_sum / static_cast<double>(now.dof) : kNotMeasured);
     for (std::size_t i = 0; i < site_.markers.size(); ++i) {
       if (!is_target(reference_, i)) continue;
-      Sample sample = sample_of(seen, i, now, by_noise, outruns[i]);
+      Sample sample = sample_of(seen, i, solved, outruns[i]);
       if (seen.frame != reference_.seen.frame && solved_.shutter && has_numbers(sample.status))
         widen_by_target(sample, *solved_.shutter, place[n]);
       solution.samples.push_back(judged(std::move(sample)));
@@ -129,10 +131,12 @@ JointErrors FramesInScene::joint_errors(const Observations& observations, const 
 
 Samples FramesInScene::measure_one(const Observation& seen, const std::optional<BundleFrame>& read,
                                    const std::vector<bool>& is_far) const {
-  const FrameFit now = read ? fit_frame(site_, scene_, placed(*read)) : FrameFit{};
+  SolvedFrame solved;
+  if (read) solved.now = fit_frame(site_, scene_, placed(*read), FrameDetail::kSamples);
+  if (solved.now.ok && budget_.then().ok) solved.budget.emplace(budget_.of_frame(solved.now));
   Samples samples;
   for (std::size_t i = 0; i < site_.markers.size(); ++i) {
-    if (is_target(reference_, i)) samples.push_back(judged(sample_of(seen, i, now, {}, is_far[i])));
+    if (is_target(reference_, i)) samples.push_back(judged(sample_of(seen, i, solved, is_far[i])));
   }
   return samples;
 }
@@ -170,7 +174,7 @@ FrameFit FramesInScene::fit_by_noise(std::size_t place, const BundleFrame& from)
   frame.rows = from.rows;
   frame.motion = from.motion;
   frame.at_rest = from.at_rest;
-  return fit_frame(site_, scene_, frame);
+  return fit_frame(site_, scene_, frame, FrameDetail::kSamples);
 }
 
 }  // namespace moiregauge::internal

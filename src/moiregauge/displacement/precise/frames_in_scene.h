@@ -18,6 +18,13 @@ struct FitsByNoise {
 
 class FramesInScene {
  public:
+  // A frame's fit with the budgets of its targets. No budget: the fit or that of the reference frame is not ok.
+  struct SolvedFrame {
+    FrameFit now;
+    FitsByNoise by_noise;
+    std::optional<FrameBudget> budget;
+  };
+
   // `reference` and `scene` must outlive this object. `by_noise`: for compressed footage, its frames without the codec's
   // error.
   FramesInScene(const Reference& reference, const PreciseScene& scene, std::optional<FrameSeries> by_noise);
@@ -41,8 +48,8 @@ class FramesInScene {
   [[nodiscard]] FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const;
   [[nodiscard]] FittedFrame reference_fit() const;
   [[nodiscard]] FittedFrame fit_of(std::size_t place) const;
-  [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const FrameFit& now,
-                                 const FitsByNoise& by_noise, bool is_far) const;
+  [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const SolvedFrame& frame,
+                                 bool is_far) const;
   [[nodiscard]] Sample judged(Sample sample) const;
 
   const Reference& reference_;

@@ -66,7 +66,7 @@ void add_block(Eigen::MatrixXd& to, const Rows& rows, double factor, const Eigen
 // Adds a fit's noise to `noise`.
 void add_noise(const RowPairs& rows, const std::vector<std::size_t>& targets, const FittedFrame& frame,
                Eigen::MatrixXd& noise) {
-  add_block(noise, rows.shifts, inflation(frame.fit), frame.fit.covariance);
+  add_block(noise, rows.shifts, inflation(frame.fit), full_covariance(frame.fit));
   add_block(noise, rows.rotations, 1.0, frame.rotations.covariance);
   if (frame.u_motion.empty()) return;
   for (std::size_t t = 0; t < targets.size(); ++t) {
@@ -84,16 +84,17 @@ Eigen::MatrixXd codec_of(const RowPairs& rows, const std::vector<std::size_t>& t
   FittedFrame alone;
   alone.fit = frame.by_noise;
   alone.rotations.row.assign(frame.rotations.row.size(), -1);
-  add_block(both, rows.shifts, inflation(frame.fit), frame.fit.covariance);
-  add_block(noise, rows_of(targets, alone).shifts, inflation(frame.fit), frame.by_noise.covariance);
+  add_block(both, rows.shifts, inflation(frame.fit), full_covariance(frame.fit));
+  add_block(noise, rows_of(targets, alone).shifts, inflation(frame.fit), full_covariance(frame.by_noise));
   return both - noise;
 }
 
 // Adds `sign` times a frame's derivatives by the scene and by the readout time (last column).
 void add_sensitivity(const RowPairs& rows, const FittedFrame& frame, double sign, Eigen::MatrixXd& k) {
   const Eigen::Index scene = k.cols() - 1;
+  const Eigen::MatrixXd sensitivity = full_sensitivity(frame.fit);
   for (const auto& [from, to] : rows.shifts) {
-    k.row(to).head(scene) += sign * frame.fit.sensitivity.row(from);
+    k.row(to).head(scene) += sign * sensitivity.row(from);
     if (from < frame.fit.by_readout.size()) k(to, scene) += sign * frame.fit.by_readout(from);
   }
   for (const auto& [from, to] : rows.rotations) {

@@ -119,14 +119,11 @@ Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, s
   site.markers[marker].role = Role::kTarget;
   std::optional<FrameFit> first;
   Movement most;
-  const auto covariance = [marker](const FrameFit& fit) -> Eigen::Matrix2d {
-    return fit.covariance.block<2, 2>(fit.shift_row[marker], fit.shift_row[marker]);
-  };
   for (std::size_t k = 0; k < frames.size(); ++k) {
     BundleFrame frame = frames[k];
     // The pose from the prior's camera is too far from the solved camera's for the few steps of the fit.
     frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
-    FrameFit fit = fit_frame(site, scene, frame);
+    FrameFit fit = fit_frame(site, scene, frame, FrameDetail::kSamples);
     if (!fit.ok || fit.shift_row[marker] < 0) continue;
     if (!first) {
       first = std::move(fit);
@@ -136,7 +133,7 @@ Movement movement_of(Site site, const Scene& scene, const FrameSeries& frames, s
     const double mm = length(went);
     if (!(mm > most.mm)) continue;
     const Eigen::Vector2d along = Eigen::Vector2d(went.x, went.y) / mm;
-    most = {mm, std::sqrt(along.dot((covariance(fit) + covariance(*first)) * along))};
+    most = {mm, std::sqrt(along.dot((shift_covariance(fit, marker) + shift_covariance(*first, marker)) * along))};
   }
   return most;
 }

@@ -31,11 +31,10 @@ Way way_of(const Site& site, const std::vector<FrameFit>& fits, std::span<const 
   Eigen::MatrixXd sensitivity(rows, scene_parameters(site.markers.size()));
   Eigen::Index row = 0;
   for (const std::size_t k : seen) {
-    const int at = fits[k].shift_row[marker];
     way.frame.push_back(frames[k].frame);
     way.place.segment<2>(row) << fits[k].shift[marker].x, fits[k].shift[marker].y;
-    way.covariance.block<2, 2>(row, row) = fits[k].covariance.block<2, 2>(at, at);
-    sensitivity.middleRows<2>(row) = fits[k].sensitivity.middleRows<2>(at);
+    way.covariance.block<2, 2>(row, row) = shift_covariance(fits[k], marker);
+    sensitivity.middleRows<2>(row) = shift_sensitivity(fits[k], marker);
     row += 2;
   }
   way.covariance += sensitivity * scene * sensitivity.transpose();

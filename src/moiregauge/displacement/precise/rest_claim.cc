@@ -60,8 +60,8 @@ RestPlaces places_of(const Site& site, const Scene& scene, std::span<const Bundl
     const int at = fit.shift_row[target];
     const auto row = 2 * static_cast<Eigen::Index>(k);
     out.place.segment<2>(row) << fit.shift[target].x, fit.shift[target].y;
-    out.noise.emplace_back(fit.covariance.block<2, 2>(at, at));
-    out.sensitivity.block(row, 0, 2, parameters) = fit.sensitivity.middleRows<2>(at);
+    out.noise.emplace_back(shift_covariance(fit, target));
+    out.sensitivity.block(row, 0, 2, parameters) = shift_sensitivity(fit, target);
     if (fit.by_readout.size() > at + 1) out.sensitivity.block<2, 1>(row, parameters) = fit.by_readout.segment<2>(at);
     for (const int axis : {0, 1}) out.rows += out.noise.back()(axis, axis) < shown_mm * shown_mm;
     out.chi2 += fit.chi2_sum;
@@ -183,7 +183,7 @@ std::vector<BundleFrame> tested_frames(const Reference& reference, const Observa
     BundleFrame frame = weighed(place[n]);
     const Scene& scene = solved.calibration.bundle.scene;
     frame.pose = pose_of(site, scene, frame).value_or(frame.pose);
-    const FrameFit fit = fit_frame(site, scene, frame);
+    const FrameFit fit = fit_frame(site, scene, frame, FrameDetail::kSamples);
     for (std::size_t i = 0; i < site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
       const Status status =

@@ -41,7 +41,7 @@ double max_correction_mm(const Reference& reference, const Scene& scene, const F
                          const Shutter& shutter) {
   const auto shifts = [&](BundleFrame frame) {
     frame.pose = pose_of(reference.site, scene, frame).value_or(frame.pose);
-    return fit_frame(reference.site, scene, frame).shift;
+    return fit_frame(reference.site, scene, frame, FrameDetail::kSamples).shift;
   };
   double most = 0.0;
   std::vector<BoardExtent> first, first_rolling;

@@ -42,14 +42,12 @@ double median_of(const PrintMisses& m) {
 PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
                                const PrintTemplate& print, int row_step) {
   PrintMisses out;
-  const auto map = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(fit.image),
-                                                              std::span<const PrintPoint>(fit.print));
-  if (!map) return out;
-  PixelBox box = box_round(map->inverse(), window);
+  const PrintFromImage map = map_of(fit, window);
+  PixelBox box = box_round(map.inverse(), window);
   box = {std::max(0, box.x0), std::max(0, box.y0), std::min(width_of(luma) - 1, box.x1),
          std::min(height_of(luma) - 1, box.y1)};
   BlockSums sums;
-  sum_blocks(luma, model_of(fit, *map, window), print.nodes(), box, row_step, sums);
+  sum_blocks(luma, model_of(fit, map, window), print.nodes(), box, row_step, sums);
   out.pixels = sums.pixels;
   for (std::size_t b = 0; b < kAllMissBlocks; ++b) {
     if (out.pixels[b] > 0) out.mean_square[b] = sums.squares[b] / out.pixels[b];

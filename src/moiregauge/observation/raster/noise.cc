@@ -6,29 +6,15 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <span>
 #include <vector>
+
+#include "moiregauge/observation/raster/pixel_sums.h"
 
 namespace moiregauge::internal {
 namespace {
 
 // Noise of the rounding to whole grey levels, 1 / sqrt(12). No estimate may be lower.
 constexpr double kRounding = 0.28867513459481287;
-
-// Counts in pieces whose count fits a byte, so that the compiler's vectors are full.
-template <typename Grey>
-long clipped_in(std::span<const Grey> row, int most) {
-  constexpr std::size_t kPiece = 128;
-  const auto white = static_cast<Grey>(most);
-  long clipped = 0;
-  for (std::size_t x = 0; x < row.size(); x += kPiece) {
-    const auto piece = row.subspan(x, std::min(kPiece, row.size() - x));
-    Grey in_piece = 0;
-    for (const Grey grey : piece) in_piece = static_cast<Grey>(in_piece + (grey == 0 || grey >= white ? 1 : 0));
-    clipped += in_piece;
-  }
-  return clipped;
-}
 
 // Numbers of responses by magnitude. Larger ones are counted together.
 constexpr std::size_t kMagnitudes = 4096;
@@ -75,9 +61,7 @@ template <typename Grey>
 PixelNoise noise_in(const ImageView<Grey>& p, int bits) {
   std::vector<int> responses = responses_in(p);
   if (responses.empty()) return {kRounding, 0.0};
-  long clipped = 0;
-  for (int y = 1; y + 1 < p.height; ++y)
-    clipped += clipped_in(p.row(y).subspan(1, static_cast<std::size_t>(p.width - 2)), (1 << bits) - 1);
+  const long clipped = count_clipped(p.part(1, 1, p.width - 2, p.height - 2), (1 << bits) - 1);
   return {std::max(kRounding, 1.4826 * median_of(responses) / 6.0),
           double(clipped) / (double(p.width - 2) * double(p.height - 2))};
 }
@@ -105,9 +89,7 @@ double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, 
       [&](const auto& picture) {
         const auto part = clipped_to(picture, x0, y0, width, height);
         if (part.width == 0 || part.height == 0) return 0.0;
-        const int most = (1 << bits) - 1;
-        long clipped = 0;
-        for (int y = 0; y < part.height; ++y) clipped += clipped_in(part.row(y), most);
+        const long clipped = count_clipped(part, (1 << bits) - 1);
         return static_cast<double>(clipped) / (static_cast<double>(part.width) * part.height);
       },
       luma);

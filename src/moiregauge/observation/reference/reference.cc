@@ -27,13 +27,20 @@ constexpr double kMaxOffset = 0.35;
 // Radius of a circle's mask, in radii. Next to a soft grating its circle would count as more grating. Chosen.
 constexpr double kCircleAndRim = 1.1;
 
-bool is_circle(const Reference& reference, ImagePoint p) {
-  return std::ranges::any_of(reference.seen.markers, [&](const MarkerObservation& m) {
-    if (!m.circle) return false;
+// Mask of a circle, on the board.
+struct CircleMask {
+  BoardPoint centre;
+  double radius_mm = 0.0;
+};
+
+std::vector<CircleMask> circle_masks(const Reference& reference) {
+  std::vector<CircleMask> masks;
+  for (const MarkerObservation& m : reference.seen.markers) {
+    if (!m.circle) continue;
     const BoardPoint centre = reference.view.board(m.circle->centre);
-    const double radius_mm = 0.5 * m.circle->diameter_px * reference.view.mm_per_px(centre);
-    return length(reference.view.board(p) - centre) < kCircleAndRim * radius_mm;
-  });
+    masks.push_back({centre, kCircleAndRim * (0.5 * m.circle->diameter_px * reference.view.mm_per_px(centre))});
+  }
+  return masks;
 }
 
 // Returns the standard uncertainty of a grating's position in the view through the circles, mm. Its own position and
@@ -71,6 +78,11 @@ double half_way_mm(const Site& site, std::size_t own) {
 void centre_windows(Reference& reference, const LumaView& luma) {
   if (!(reference.site.known_to.position_mm > 0.0)) return;
   const Site as_stated = reference.site;
+  const std::vector<CircleMask> masks = circle_masks(reference);
+  const auto is_circle = [&](ImagePoint p) {
+    const BoardPoint at = reference.view.board(p);
+    return std::ranges::any_of(masks, [at](const CircleMask& m) { return length(at - m.centre) < m.radius_mm; });
+  };
   for (std::size_t i = 0; i < as_stated.markers.size(); ++i) {
     Marker& marker = reference.site.markers[i];
     if (!marker.grating) continue;
@@ -78,8 +90,7 @@ void centre_windows(Reference& reference, const LumaView& luma) {
     if (may_be_off <= kMaxOffset) continue;
     const double room = half_way_mm(as_stated, i) / marker.grating->pitch_mm;
     const int pitches = static_cast<int>(std::ceil(std::min({may_be_off, room, double{kMaxPitchesOff}})));
-    const auto found = find_print(luma, reference.view, *marker.grating, pitches,
-                                  [&](ImagePoint p) { return is_circle(reference, p); });
+    const auto found = find_print(luma, reference.view, *marker.grating, pitches, is_circle);
     if (found && length(*found) > kMaxOffset * marker.grating->pitch_mm)
       marker.grating->centre = marker.grating->centre + *found;
   }

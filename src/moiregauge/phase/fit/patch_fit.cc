@@ -50,6 +50,23 @@ double first_light(const LumaView& luma, const PixelBox& box) {
   return std::visit([x, y](const auto& picture) { return static_cast<double>(picture.at(x, y)); }, luma);
 }
 
+// Returns the homography nearest to `map` plus the correction (dx, dy) at the nine points, pitches.
+PrintFromImage corrected_map(const PrintFromImage& map, const PatchWindow& window, const Field& dx, const Field& dy) {
+  static const Bend bend = made_bend();
+  Eigen::Matrix<double, 2 * kPatchPoints, 1> field;
+  field << dx / window.half_x, dy / window.half_y;
+  const Eigen::Matrix<double, 8, 1> c = bend * field;
+  Matrix3 change;
+  change << 1.0 + c(1), c(2), c(0), c(4), 1.0 + c(5), c(3), c(6), c(7), 1.0;
+  const auto to_window = window_from_print(window);
+  return PrintFromImage(to_window.inverse().matrix() * change * to_window.matrix() * map.matrix());
+}
+
+// Returns point n of a window's grid.
+PrintPoint grid_point(const PatchWindow& w, int n) {
+  return {w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x, w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
+}
+
 // State of one fit over its passes: the map and the model's other parameters.
 class Passes {
  public:
@@ -164,16 +181,7 @@ class Passes {
   }
 
   // Moves the map by the homography nearest to the field. The next pass and the points keep the remainder.
-  void move() {
-    static const Bend bend = made_bend();
-    Eigen::Matrix<double, 2 * kPatchPoints, 1> field;
-    field << dx_ / model_.window.half_x, dy_ / model_.window.half_y;
-    const Eigen::Matrix<double, 8, 1> c = bend * field;
-    Matrix3 change;
-    change << 1.0 + c(1), c(2), c(0), c(4), 1.0 + c(5), c(3), c(6), c(7), 1.0;
-    const auto to_window = window_from_print(model_.window);
-    model_.map = PrintFromImage(to_window.inverse().matrix() * change * to_window.matrix() * model_.map.matrix());
-  }
+  void move() { model_.map = corrected_map(model_.map, model_.window, dx_, dy_); }
 
   const LumaView& luma_;
   const PrintTemplate& print_;
@@ -197,8 +205,7 @@ PatchFit Passes::fit(const PatchSystem* known) const {
   const auto back = seen_through_.inverse();
   for (int n = 0; n < kPatchPoints; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    const PrintPoint p{w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x,
-                       w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
+    const PrintPoint p = grid_point(w, n);
     fit.image[i] = back(p);
     fit.print[i] = {p.x + dx_(n), p.y + dy_(n)};
   }
@@ -255,6 +262,15 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
   if (rows == Rows::kAll && !(passes.last_step() < kMaxFrozenStep)) return finish_with_own_equations(passes);
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   return passes.fit(&at_rest.system);
+}
+
+PrintFromImage map_of(const PatchFit& fit, const PatchWindow& window) {
+  Field dx, dy;
+  for (int n = 0; n < kPatchPoints; ++n) {
+    const PrintPoint at = grid_point(window, n), seen = fit.print[static_cast<std::size_t>(n)];
+    dx(n) = seen.x - at.x, dy(n) = seen.y - at.y;
+  }
+  return corrected_map(window_from_print(window).inverse() * fit.window_from_image, window, dx, dy);
 }
 
 PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w) {

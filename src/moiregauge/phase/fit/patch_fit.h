@@ -54,6 +54,10 @@ struct PatchFit {
   }
 };
 
+// Returns the map of a fit of this window: the homography nearest to its nine points. It is linear about the map of the
+// last pass, which differs from it by that pass's step.
+[[nodiscard]] PrintFromImage map_of(const PatchFit& fit, const PatchWindow& window);
+
 enum class PatchFitFailure {
   kOutsidePicture,  // a part of the window is outside the image
   // Fewer than four pixels per unknown.
