@@ -42,5 +42,6 @@ void add_cases(const std::string& name, std::initializer_list<Memory> memories, 
 void add_yardstick_cases();
 void add_chain_cases();
 void add_stage_cases();
+void add_peer_cases();
 
 }  // namespace moiregauge::internal::bench

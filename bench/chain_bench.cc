@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   moiregauge::internal::bench::add_yardstick_cases();
   moiregauge::internal::bench::add_chain_cases();
   moiregauge::internal::bench::add_stage_cases();
+  moiregauge::internal::bench::add_peer_cases();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::AddCustomContext("last_level_cache_bytes",

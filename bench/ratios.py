@@ -88,6 +88,10 @@ class Chain:
         except KeyError:
             raise SystemExit(f"error: no median of {name}/{size}/{memory}: run chain_bench with repetitions and all cases")
 
+    def has(self, case, size):
+        """Returns True if the run has the case (name, memory)."""
+        return f"{case[0]}/{size}/{case[1]}" in self.medians
+
     def seconds(self, name, size, memory):
         row = self.case(name, size, memory)
         return row["cpu_time"] * {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}[row["time_unit"]]
@@ -115,12 +119,15 @@ class Chain:
 
 def chain_rows(chain):
     textbook = ("textbook", "ring")
-    for size, gate, aim in ((SMALL, 40, 400), (LARGE, 100, 800)):
-        ours = ("precise", "ring")
-        yield Row(f"whole chain of `precise` with u, frames in memory, {size}, {chain.vectors}, against the textbook chain", at_least(gate),
+    narrow = chain.vectors == "AVX2"  # half the lanes
+    for case, size, gate, aim in (("precise", SMALL, 80 if narrow else 120, 400), ("precise", LARGE, 190 if narrow else 280, 800),
+                                  ("two-stage", SMALL, 40, 400), ("two-stage", LARGE, 100, 900)):
+        ours = (case, "ring")
+        yield Row(f"whole chain of `{case}` with u, frames in memory, {size}, {chain.vectors}, against the textbook chain", at_least(gate),
                   at_least(aim), 1 / chain.share(ours, textbook, size), math.nan, *chain.errors(ours, textbook, size, "mm"))
     for size in (SMALL, LARGE):
-        for memory, place, gate in (("ring", "in the last-level cache", 400), ("cold", "cold", 200)):
+        in_cache = (260 if narrow else 400) if size == SMALL else (600 if narrow else 900)
+        for memory, place, gate in (("ring", "in the last-level cache", in_cache), ("cold", "cold", 200)):
             ours = ("tracking", memory)
             yield Row(f"tracking chain, windows {place}, {size}, {chain.vectors}, against the textbook chain", at_least(gate),
                       at_most(0.25, " of a pass"), 1 / chain.share(ours, textbook, size),
@@ -129,6 +136,15 @@ def chain_rows(chain):
     yield Row(f"first detection in the full frame, {LARGE}, {chain.vectors}, share of the textbook chain", at_most(0.2), at_most(0.03),
               chain.share(ours, textbook, LARGE), math.nan,
               *chain.errors(ours, ("textbook detection", "ring"), LARGE, "px"))
+
+
+def peer_rows(chain):
+    """A whole frame of `precise` without u against OpenCV's tracker on the same gratings, where the run has that case."""
+    ours, peer = ("patches precise", "ring"), ("patches lucas-kanade", "ring")
+    for size in (SMALL, LARGE):
+        if chain.has(peer, size):
+            yield Row(f"whole frame of `precise`, {size}, {chain.vectors}, against OpenCV's Lucas-Kanade tracker on its five gratings alone", at_least(10),
+                      at_least(20), 1 / chain.share(ours, peer, size), math.nan, *chain.errors(ours, peer, size, "px"))
 
 
 def file_rows(measured):
@@ -147,12 +163,12 @@ def file_rows(measured):
 
 
 def table(rows):
-    head = "| work | gate | aim | reached | scatter along x, y, ours / textbook's | verdict |\n|---|---|---|---|---|---|\n"
+    head = "| work | gate | aim | reached | scatter along x, y, ours / the other's | verdict |\n|---|---|---|---|---|---|\n"
     return head + "".join(row.markdown() + "\n" for row in rows)
 
 
 def rows_of(chains, files_path):
-    rows = [row for chain in chains for row in chain_rows(chain)]
+    rows = [row for chain in chains for row in (*chain_rows(chain), *peer_rows(chain))]
     if files_path:
         with open(files_path, encoding="utf-8") as file:
             rows += file_rows(json.load(file))

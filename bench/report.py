@@ -2,6 +2,7 @@
 """Writes docs/performance.md to stdout, from the results of chain_bench and the other scripts of this folder.
 
   bench/report.py CHAIN_JSON [MORE_CHAIN_JSON ...] --files FILES_JSON --instructions INSTRUCTIONS_JSON --page PAGE_JSON --cpu MODEL --compiler NAME --command "tools/bench ..."
+    --commit COMMIT --kernels FINGERPRINT
 
 Ends 1 if a limit is not met (bench/ratios.py), but writes the page.
 """
@@ -16,7 +17,9 @@ import report_page
 CASES = (("floor", "one pass over the frame's bytes"), ("textbook", "textbook chain (OpenCV)"),
          ("textbook detection", "its search for the circles"), ("detection", "first detection, full frame"),
          ("tracking", "tracking: circles and five phases"), ("two-stage", "`two-stage`, with u"),
-         ("precise", "`precise`, with u"))
+         ("precise", "`precise`, with u"),
+         ("patches precise", "`precise`, without u, error in the image"),
+         ("patches lucas-kanade", "OpenCV's Lucas-Kanade tracker, 101x101 px, on the five gratings alone"))
 STAGES = (("templates", "five patches against their templates"), ("fit and u", "camera's pose, target's place, u"),
           ("circles", "only where not as expected: four circles, in their windows"),
           ("rasters", "the same: five patches on rasters (`two-stage`'s reading)"),
@@ -105,7 +108,7 @@ def chains_with(chain):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("chain", nargs="+")
-    for word in ("--files", "--instructions", "--page", "--cpu", "--compiler", "--command"):
+    for word in ("--files", "--instructions", "--page", "--cpu", "--compiler", "--command", "--commit", "--kernels"):
         parser.add_argument(word)
     words = parser.parse_args()
     chains = [ratios.Chain(path) for path in words.chain]
@@ -118,7 +121,7 @@ def main():
     cores, cache = chain.context["num_cpus"], int(chain.context["last_level_cache_bytes"]) / ratios.MIB
     print(f"""# Performance
 
-Made by `{words.command}`; do not edit. Every figure is a ratio within one run: medians of CPU time of cases that ran in turn, at
+Made by `{words.command}`; do not edit. Made at commit `{words.commit}`, kernels `{words.kernels}` (`bench/kernels.py`). Every figure is a ratio within one run: medians of CPU time of cases that ran in turn, at
 random, on one core. Milliseconds would be those of the machine: {words.cpu}, {cores} cores, {cache:.0f} MiB of last-level cache,
 {words.compiler}. The yardstick is `bench/textbook_chain.cc`, the paper's chain as one writes it with OpenCV on one thread; the floor is
 one plain pass over a frame's bytes. Frames are the simulator's (`rig-1xyz`, every 4th), so that every case states its error too: rms since
