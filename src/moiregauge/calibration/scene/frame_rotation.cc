@@ -78,7 +78,8 @@ FrameRotations fit_rotations(const Site& site, const Scene& scene, const BundleF
                    Eigen::MatrixXd::Zero(size, fit.variance.size()), Eigen::MatrixXd::Zero(size, scene_size)};
   for (Eigen::Index r = 0; r < size; ++r)
     add_target(n, r, targets[static_cast<std::size_t>(r)], fit, frame.rows.has_value());
-  const Eigen::MatrixXd information = Eigen::MatrixXd(n.rr.asDiagonal()) - n.rf * full_covariance(fit) * n.rf.transpose();
+  const Eigen::MatrixXd information =
+      Eigen::MatrixXd(n.rr.asDiagonal()) - n.rf * full_covariance(fit) * n.rf.transpose();
   const Eigen::LLT<Eigen::MatrixXd> root(information);
   if (size == 0 || root.info() != Eigen::Success) return out;
   for (Eigen::Index r = 0; r < size; ++r) out.row[targets[static_cast<std::size_t>(r)].marker] = static_cast<int>(r);
