@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "moiregauge/image/fetch_row.h"
+#include "moiregauge/image/simd_options.h"
 
-#define HWY_COMPILE_ALL_ATTAINABLE  // includes the scalar target, which tests compare with the others
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "moiregauge/observation/raster/pixel_sums.cc"
 #include <hwy/foreach_target.h>
