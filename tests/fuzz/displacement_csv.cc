@@ -11,7 +11,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::istringstream file(moiregauge::internal::fuzz::text_of({data, size}));
   moiregauge::internal::RunTable table;
   if (!moiregauge::internal::parse_displacement_csv(file, table)) return 0;
-  const auto part = moiregauge::internal::selected(table, {{}, {}, 2.0, true});
+  const auto part = moiregauge::internal::selected(table, {.markers = {}, .frames = {.seconds = moiregauge::internal::TimeRange{0.0, 2.0}}, .only_ok = true});
   if (!part) return 0;
   static_cast<void>(moiregauge::internal::long_csv(*part));
   static_cast<void>(moiregauge::internal::wide_csv(*part));
