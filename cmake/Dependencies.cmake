@@ -57,3 +57,12 @@ pkg_check_modules(XLSX REQUIRED IMPORTED_TARGET xlsxwriter)
 pkg_check_modules(MATIO REQUIRED IMPORTED_TARGET matio)
 add_library(moiregauge_tables INTERFACE)
 target_link_libraries(moiregauge_tables INTERFACE PkgConfig::XLSX PkgConfig::MATIO)
+
+# Live cameras and outlets. GLib's option -pthread defines a macro, with which the precompiled headers could not be used.
+pkg_check_modules(ARAVIS REQUIRED aravis-0.8)
+add_library(moiregauge_aravis INTERFACE)
+target_include_directories(moiregauge_aravis SYSTEM INTERFACE ${ARAVIS_INCLUDE_DIRS})
+target_link_libraries(moiregauge_aravis INTERFACE ${ARAVIS_LINK_LIBRARIES} Threads::Threads)
+pkg_check_modules(AVDEVICE REQUIRED IMPORTED_TARGET libavdevice)
+pkg_check_modules(MOSQUITTO REQUIRED IMPORTED_TARGET libmosquitto)
+pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/camera/open_camera.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "moiregauge/camera/genicam/genicam_source.h"
+#include "moiregauge/camera/pipe/y4m_source.h"
+
+namespace moiregauge::internal {
+namespace {
+
+constexpr std::string_view kCamera = "camera", kCameraWithId = "camera:", kPipe = "-";
+
+bool is_genicam(std::string_view source) { return source == kCamera || source.starts_with(kCameraWithId); }
+
+tl::unexpected<InputError> refusal(const CameraArgs& args, const std::string& what, const std::string& advice) {
+  return tl::unexpected(InputError{InputErrorKind::kUnsupported, fmt::format("{}: {}: {}", what, args.source, advice)});
+}
+
+// Reads "X,Y,WIDTH,HEIGHT".
+std::optional<SensorRegion> region_of(std::string_view text) {
+  std::array<int, 4> numbers{};
+  const char* at = text.data();
+  const char* end = text.data() + text.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const auto [next, error] = std::from_chars(at, end, numbers[i]);
+    const bool is_last = i + 1 == numbers.size();
+    if (error != std::errc{} || numbers[i] < 0 || (is_last ? next != end : next == end || *next != ','))
+      return std::nullopt;
+    at = next + 1;
+  }
+  if (numbers[2] < 1 || numbers[3] < 1) return std::nullopt;
+  return SensorRegion{numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+// Returns the first option that only GenICam cameras have, or an empty text.
+std::string genicam_option(const CameraArgs& args) {
+  if (args.exposure_us) return "--exposure";
+  if (args.gain_db) return "--gain";
+  if (!args.pixel_format.empty()) return "--pixel-format";
+  if (!args.region.empty()) return "--sensor-region";
+  if (!args.trigger.empty()) return "--trigger";
+  if (args.packet_bytes) return "--packet-size";
+  return args.mosaic.empty() ? "" : "--mosaic";
+}
+
+std::chrono::milliseconds patience_of(const CameraArgs& args) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * args.patience_s));
+}
+
+tl::expected<std::unique_ptr<LiveSource>, InputError> open_industrial(const CameraArgs& args) {
+  GenicamSettings settings;
+  settings.exposure_us = args.exposure_us;
+  settings.gain = args.gain_db;
+  settings.fps = args.fps;
+  settings.pixel_format = args.pixel_format;
+  settings.trigger = args.trigger;
+  settings.packet_bytes = args.packet_bytes;
+  settings.patience = patience_of(args);
+  if (!args.region.empty()) {
+    settings.region = region_of(args.region);
+    if (!settings.region)
+      return refusal(args, fmt::format("the region '{}' is not X,Y,WIDTH,HEIGHT", args.region),
+                     "give --sensor-region in px of the sensor, e.g. 0,512,2048,1024");
+  }
+  if (args.mosaic == "luma")
+    settings.mosaic = MosaicGrey::kLuma;
+  else if (!args.mosaic.empty() && args.mosaic != "green")
+    return refusal(args, fmt::format("the mosaic '{}' is unknown", args.mosaic), "give --mosaic green or luma");
+  const std::string id = args.source == kCamera ? "" : args.source.substr(kCameraWithId.size());
+  return open_genicam(id, settings);
+}
+
+}  // namespace
+
+bool is_camera_source(std::string_view source) { return is_genicam(source) || source == kPipe; }
+
+tl::expected<std::unique_ptr<LiveSource>, InputError> open_camera(const CameraArgs& args) {
+  if (is_genicam(args.source)) return open_industrial(args);
+  if (const std::string option = genicam_option(args); !option.empty())
+    return refusal(args, fmt::format("the source has no {}", option),
+                   fmt::format("omit {}, or give a GenICam camera", option));
+  if (args.source == kPipe) return open_y4m_pipe(STDIN_FILENO, {args.fps, args.max_pixels});
+  return refusal(args, "the source is no camera", "see `moiregauge live --list`");
+}
+
+std::vector<CameraEntry> list_cameras() {
+  std::vector<CameraEntry> all;
+  for (const FoundCamera& found : find_genicam_cameras())
+    all.push_back({"camera:" + found.id, found.what, found.where});
+  return all;
+}
+
+}  // namespace moiregauge::internal
