@@ -9,20 +9,29 @@
 
 #include "moiregauge/calibration/model/chi2.h"
 #include "moiregauge/calibration/scene/frame_pose.h"
+#include "moiregauge/calibration/scene/patch_residual.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kReadoutRounds = 6;        // chosen
+constexpr int kReadoutRounds = 10;       // chosen
 constexpr double kConvergedShare = 0.1;  // readout converged: change relative to its own u; chosen
-constexpr int kReadoutSteps = 3;         // Gauss-Newton steps per round; chosen
+// Largest factor between the readout times of two rounds. The scene of the first round assumes the prior's readout time
+// and can be far off, and so can the step from it. Chosen.
+constexpr double kMaxReadoutFactor = 3.0;
+// Largest chi2/dof of a scene whose slope counts. Above it Huber's loss shaped the scene, and its slope of chi2 is no
+// measure of the distance from the minimum. Chosen.
+constexpr double kScenesFit = 2.0;
+// Change of the readout time, in u, after which the process noise is estimated anew: the earlier estimate contains the
+// error of the earlier scene, and the wide prior would keep that error. Chosen.
+constexpr double kMovedReadout = 3.0;
 // Prior of an unknown readout time, that of a phone: s, and relative u. For motion faster than half the frame rate only
 // this prior determines it. Chosen.
 constexpr double kUsual = 0.018, kUsualWithin = 0.5;
 constexpr double kShortest = 0.01;  // least readout time: relative to the frame interval or 0.1 s, the smaller; chosen
-// Relative u from the fixed scene. In simulated runs the error that both share is a thousandth.
-constexpr double kReadoutOfScene = 0.002;
+// Relative u from the splines. In simulated runs the error is a thousandth.
+constexpr double kReadoutOfPath = 0.002;
 constexpr double kMaxWidening = 1e6;  // limit of the factor on the process noise; chosen
 
 // Frames corrected to frame time, one at a time.
@@ -129,6 +138,7 @@ class RollingShutterSolver {
       scene_ = out_.calibration.bundle.scene;
       fits_ = fits_of(out_.frames);
       take_poses();
+      if (std::abs(out_.readout_s - before) > kMovedReadout * out_.u_readout_s) wider_.fill(1.0);
       widen();
       if (is_last) break;
       is_last = round >= 2 && std::abs(out_.readout_s - before) < kConvergedShare * out_.u_readout_s;
@@ -252,26 +262,55 @@ class RollingShutterSolver {
     out_.frames = as_given_.with([set = std::move(set)](std::size_t k) { return set->frame(k); });
   }
 
-  // Solves the readout time by Gauss-Newton steps, with scene and paths fixed.
-  void solve_readout() {
-    const double prior = 1.0 / std::pow(known_to_ * expected_s_, 2);
-    for (int step = 0; step < kReadoutSteps; ++step) {
-      set_all_back();
-      double information = prior, slope = prior * (out_.readout_s - expected_s_);
-      for (std::size_t k = 0; k < out_.frames.size(); ++k) {
-        const FrameFit f = fit_of(out_.frames[k]);
-        if (!f.ok) continue;
-        // A frame with residuals beyond noise has less weight.
-        const double weight = f.dof > 0 ? 1.0 / std::max(1.0, f.chi2_sum / static_cast<double>(f.dof)) : 1.0;
-        information += weight * f.readout_information;
-        slope += weight * f.readout_slope;
-      }
-      const double next = side_ * (out_.readout_s - slope / information);
-      const double shortest = kShortest * std::min(out_.interval_s, 0.1);
-      out_.bounded = !(next > shortest && next < out_.interval_s);
-      out_.readout_s = side_ * std::clamp(next, shortest, out_.interval_s);
-      out_.u_readout_s = std::hypot(1.0 / std::sqrt(information), kReadoutOfScene * out_.readout_s);
+  // Returns half the derivative of the prior's chi2 by each scene parameter.
+  [[nodiscard]] Eigen::VectorXd slope_of_prior(const ScenePrior& prior) const {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(scene_parameters(site_.markers.size()));
+    const auto take = [&](int row, double value, double mean, double u) {
+      if (u > 0.0) out(row) = (value - mean) / (u * u);
+    };
+    const CommonNumbers now = numbers_of(scene_), mean = numbers_of(prior.camera, prior.stretch);
+    const auto u = uncertainties_of(prior);
+    for (std::size_t k = 0; k < now.size(); ++k) take(static_cast<int>(k), now[k], mean[k], u[k]);
+    for (std::size_t i = 0; i < site_.markers.size(); ++i) {
+      for (std::size_t k = 0; k < kShapeParameters; ++k)
+        take(shape_row(i, static_cast<int>(k)), scene_.markers[i].value[k], prior.markers[i].value[k],
+             prior.u_markers[i].value[k]);
     }
+    return out;
+  }
+
+  // Takes the readout time's part of a Gauss-Newton step of readout time and scene together. The paths are fixed.
+  void solve_readout() {
+    set_all_back();
+    std::vector<FrameFit> fits;
+    const double prior = 1.0 / std::pow(known_to_ * expected_s_, 2);
+    double information = prior, slope = prior * (out_.readout_s - expected_s_);
+    const ScenePrior& known = out_.calibration.prior;
+    Eigen::VectorXd scene_slope = slope_of_prior(known);
+    Eigen::VectorXd with_scene = Eigen::VectorXd::Zero(scene_slope.size());
+    for (const std::size_t k : key_) {
+      FrameFit f = fit_of(out_.frames[k]);
+      if (!f.ok) continue;
+      // A frame with residuals beyond noise has less weight.
+      const double weight = f.dof > 0 ? 1.0 / std::max(1.0, f.chi2_sum / static_cast<double>(f.dof)) : 1.0;
+      information += weight * f.readout_information;
+      slope += weight * f.readout_slope;
+      with_scene += weight * f.scene_by_readout;
+      scene_slope += weight * f.scene_slope;
+      f.by_scene *= weight;
+      for (OwnInformation& own : f.own_scene) own.information *= weight;
+      fits.push_back(std::move(f));
+    }
+    const Eigen::VectorXd follows = scene_covariance(site_, fits, known, scene_.model) * with_scene;
+    information = std::max(information - with_scene.dot(follows), prior);
+    if (out_.calibration.shutter.chi2_dof < kScenesFit) slope -= follows.dot(scene_slope);
+    const double now = std::abs(out_.readout_s);
+    const double next =
+        std::clamp(side_ * (out_.readout_s - slope / information), now / kMaxReadoutFactor, now * kMaxReadoutFactor);
+    const double shortest = kShortest * std::min(out_.interval_s, 0.1);
+    out_.bounded = !(next > shortest && next < out_.interval_s);
+    out_.readout_s = side_ * std::clamp(next, shortest, out_.interval_s);
+    out_.u_readout_s = std::hypot(1.0 / std::sqrt(information), kReadoutOfPath * out_.readout_s);
   }
 
   // Inflates the process noise by expectation maximisation, component by component.

@@ -26,7 +26,7 @@ struct Shutter {
   std::string problem;       // reason of a failure; all other fields are then invalid
 };
 
-// Solves path, readout time and scene in turn, at most six rounds and a last one to full convergence. A smoothing
+// Solves path, readout time and scene in turn, at most ten rounds and a last one to full convergence. A smoothing
 // spline through the poses (smooth_path) yields rates, which correct the points to frame time. The frames' own points
 // inflate the process noise per component: vibrations above half the frame rate look slow in the poses.
 // Fails (problem is not empty): too few frames for a motion, or no scene could be solved.

@@ -75,7 +75,9 @@ inline BundleFrame frame_of(const Recording& truth, double time_s, const std::ve
                     camera}(m.grating->centre + moved[k] + Extent<frame::Board>{x, y});
       };
       fit.image[i] = at(time_s);
-      if (truth.readout_s > 0.0)
+      // A point is read when the readout reaches the row in which it is then seen. Each step reduces the error by the
+      // ratio of image speed and readout speed, which is below 1/50.
+      for (int step = 0; truth.readout_s > 0.0 && step < 4; ++step)
         fit.image[i] = at(time_s + truth.readout_s * ((fit.image[i].y + 0.5) / camera.height - 0.5));
       fit.print[i] = {x / m.grating->pitch_mm + noise(rng), y / m.grating->pitch_mm + noise(rng)};
     }

@@ -44,6 +44,7 @@ struct Normal {
   std::vector<ShiftNormal> shifts;
   Eigen::MatrixXd by_scene;
   std::vector<OwnInformation> own_scene;
+  Eigen::VectorXd scene_by_readout, scene_slope;
   double bb = 0.0, rb = 0.0;  // the readout time with itself and with the residual
 };
 
@@ -118,6 +119,16 @@ void add_scene(Normal& n, const PatchDesign& patch, ShiftNormal* shift, Want wan
   }
   for (int k = 0; k < kOwnParameters; ++k) n.by_scene.col(scene_column(patch.marker, k)) += by_pose.col(k);
   if (want != Want::kScene) return;
+  if (patch.rows) {
+    Eigen::Matrix<double, kOwnParameters, 1> with = patch.scene.transpose() * patch.rows->readout;
+    if (shift != nullptr) with -= solved.transpose() * shift->by_readout;
+    const Eigen::Matrix<double, kOwnParameters, 1> slope =
+        patch.scene.transpose() * patch.frame.col(FrameColumn::kResidual);
+    for (int k = 0; k < kOwnParameters; ++k) {
+      n.scene_by_readout(scene_column(patch.marker, k)) += with(k);
+      n.scene_slope(scene_column(patch.marker, k)) += slope(k);
+    }
+  }
   OwnInformation& own = n.own_scene.emplace_back(OwnInformation{patch.marker, patch.scene.transpose() * patch.scene});
   if (shift != nullptr) own.information -= shift->by_scene.transpose() * solved;
 }
@@ -223,9 +234,15 @@ Normal equations_of(FrameFit& fit, const Unknowns& unknowns, const Scene& scene,
            PoseVector::Zero(unknowns.pose),
            {},
            {},
+           {},
+           {},
            {}};
   n.shifts.reserve(static_cast<std::size_t>(unknowns.shifts));
   if (want != Want::kStep) n.by_scene.setZero(unknowns.pose, scene_parameters(markers));
+  if (want == Want::kScene && frame.rows) {
+    n.scene_by_readout.setZero(scene_parameters(markers));
+    n.scene_slope.setZero(scene_parameters(markers));
+  }
   fit.chi2_sum = 0.0;
   fit.dof = -6 - 2 * unknowns.shifts;
   for (std::size_t i = 0; i < markers; ++i) {
@@ -287,6 +304,8 @@ void conclude_rows(FrameFit& fit, const Normal& n, const RowDesign& rows, const 
     fit.by_readout.segment<2>(6 + 2 * static_cast<Eigen::Index>(k)) = by;
     along += n.shifts[k].by_readout.dot(by), slope += n.shifts[k].right.dot(by);
   }
+  fit.scene_slope = n.scene_slope;
+  if (n.scene_by_readout.size() > 0) fit.scene_by_readout = n.scene_by_readout + n.by_scene.transpose() * pose;
   fit.readout_information = n.bb + along;
   fit.readout_slope = n.rb + slope;
   // Motion costs only the degrees of freedom that the gratings determine beyond its prior.

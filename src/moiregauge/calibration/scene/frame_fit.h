@@ -53,7 +53,9 @@ struct FrameFit {
   // `by_readout`: change of pose and shifts per second of readout time.
   // `readout_information`: in 1/s^2. `readout_slope`: half the derivative of chi2 by the readout time, 1/s.
   Motion motion = Motion::Zero();
-  Eigen::VectorXd of_motion, by_readout;
+  // `scene_by_readout`: information between each scene parameter and the readout time, with pose, motion and shifts
+  // eliminated. `scene_slope`: half the derivative of chi2 by each scene parameter. Both only with FrameDetail::kScene.
+  Eigen::VectorXd of_motion, by_readout, scene_by_readout, scene_slope;
   double readout_information = 0.0, readout_slope = 0.0;
 };
 
