@@ -13,7 +13,7 @@ namespace moiregauge::internal {
 // Appends to a file, which is opened for each block, so that a program like Telegraf or logrotate may move it away.
 [[nodiscard]] std::unique_ptr<BlockSender> influx_file_sender(std::string path);
 
-// Posts to the address (scheme http or https), such as `http://127.0.0.1:8086/api/v2/write?org=o&bucket=b`.
+// Posts to the address. Its path and query choose the database, as in `/api/v2/write?org=o&bucket=b`.
 // A status of 400 to 499, except 429, means that the server will never take the block.
 [[nodiscard]] std::unique_ptr<BlockSender> influx_http_sender(OutletUrl url, std::string token);
 
