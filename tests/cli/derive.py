@@ -16,7 +16,7 @@ def run(*words):
 
 done = run("measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", 10, "-o", work / "out", "--quiet")
 insist(done.returncode == 0, done.stderr)
-before = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
+before = {path.name: path.read_bytes() for path in (work / "out").iterdir() if path.name != "report.html"}
 
 
 def derived(*words):
@@ -38,9 +38,25 @@ for row, sample in zip(rows, samples):
     insist(row["y_status"] == sample["status"], f"another status: {row}")
     insist(abs(float(row["u_twice_mm"]) - 2 * float(row["u_y_mm"])) < 1e-9, f"u of a double: {row}")
     insist(abs(float(row["r_mrad"])) < 5 * float(row["u_r_mrad"]) + 1e-12, f"the print does not turn: {row}")
-# The run's own files are unchanged.
+# The run's own files are unchanged, except the report, which shows the channels (report/channels.py).
 for name, content in before.items():
     insist((work / "out" / name).read_bytes() == content, f"{name} has changed")
+
+# Only results in the run's folder are shown in its report. A folder without a report gets none.
+report = (work / "out/report.html").read_bytes()
+insist(b'id="derived"' in report, "the report does not show the channels")
+done = run("derive", work / "out", "--channel", "y = mid.dy", "-o", work / "elsewhere.csv")
+insist(done.returncode == 0 and "shown in" not in done.stdout, f"{done.stdout}{done.stderr}")
+insist((work / "out/report.html").read_bytes() == report, "the report shows results of another place")
+(work / "out/report.html").unlink()
+done = run("derive", work / "out", "--channel", "y = mid.dy")
+insist(done.returncode == 0 and "note: the report does not show" in done.stderr and "solve" in done.stderr, f"{done.stderr}")
+insist(not (work / "out/report.html").exists(), "a report out of nothing")
+(work / "out/report.html").write_text("<html></html>")
+done = run("derive", work / "out", "--channel", "y = mid.dy")
+insist(done.returncode == 0 and "is not a report of moiregauge" in done.stderr, f"{done.stderr}")
+insist((work / "out/report.html").read_text() == "<html></html>", "another file was replaced")
+(work / "out/report.html").write_bytes(report)
 
 for words, exit_code, text in [
     (("--channel", "s = mid.dz"), 2, "--channel 's = mid.dz', column 9: use dx, dy or rotation"),

@@ -79,6 +79,12 @@ class Browser:
             raise RuntimeError(f"{method}: {answer['error'].get('message')}")
         return answer["result"]
 
+    def downloads_to(self, folder):
+        """Files that pages save go to this folder, which is emptied."""
+        shutil.rmtree(folder, ignore_errors=True)
+        pathlib.Path(folder).mkdir(parents=True)
+        self.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+
     def listen(self, seconds, what):
         ready, _, _ = select.select([self.read_end], [], [], max(0.0, seconds))
         if not ready:

@@ -32,6 +32,70 @@ export interface Target {
   spectrum: { x: Spectrum; y: Spectrum };
 }
 
+export interface ValueWithU {
+  value: number | null;
+  u: number | null;
+}
+
+// One channel with some of the layers (derived.json).
+export interface ChannelState {
+  unit: string;
+  value: number; // column, as u and status
+  u: number;
+  status: number;
+  rows: number;
+  ok: number;
+  mean: ValueWithU;
+  rms: ValueWithU;
+  peak_to_peak: ValueWithU;
+  smallest: ValueWithU & { time_s: number | null };
+  largest: ValueWithU & { time_s: number | null };
+}
+
+// Channels of `derive`, for every choice of its layers that the program computed.
+export interface Derived {
+  layers: string[];
+  channels: { name: string; expression: string }[];
+  states: { on: boolean[]; u_is_bound: boolean; frame: number | null; time: number | null; channels: ChannelState[] }[];
+  columns: PackedColumn[];
+  samples: string;
+}
+
+interface EstimateWithU {
+  value: number | null;
+  u: number | null;
+}
+
+// The last comparison of `compare` (comparison.json).
+export interface Comparison {
+  channel: string;
+  unit: string;
+  reference: string;
+  compared_at: string;
+  offset_s: EstimateWithU;
+  offset_at_time_s: number;
+  clock_ppm: EstimateWithU;
+  is_clock_fitted: boolean;
+  slope: EstimateWithU;
+  bias: EstimateWithU;
+  correlation: number;
+  rms_difference: number;
+  limits_of_agreement: [number, number];
+  rms_u: number;
+  coverage_of_U: number;
+  share_explained_by_u: number;
+  rms_unexplained: number;
+  warnings: string[];
+  rows: { time: number; moiregauge: number; reference: number; u: number }; // columns
+  columns: PackedColumn[];
+  samples: string;
+}
+
+export interface PackedColumn {
+  quantum: number;
+  count: number;
+}
+
 export interface Report {
   version: string;
   input: string;
@@ -47,7 +111,7 @@ export interface Report {
   time: number | null;
   camera?: { right: number; down: number; pan: number | null; tilt: number | null; roll: number | null };
   quality?: { modulation: { name: string; role: string; then: number; relative: number }[]; chi2: number | null };
-  columns: { quantum: number; count: number }[];
+  columns: PackedColumn[];
 }
 
 // run.json, of which the page shows parts (docs/file-formats.md).
@@ -75,6 +139,14 @@ const textOf = (id: string): string => document.getElementById(id)?.textContent?
 export const report = (): Report => JSON.parse(textOf('report')) as Report;
 export const run = (): Run => JSON.parse(textOf('run')) as Run;
 
+// Empty until `derive` or `compare` has added it.
+const added = <Type>(id: string): Type | undefined => {
+  const text = textOf(id);
+  return text ? (JSON.parse(text) as Type) : undefined;
+};
+export const derived = (): Derived | undefined => added<Derived>('derived');
+export const comparison = (): Comparison | undefined => added<Comparison>('comparison');
+
 // The picture as a data URL, JPEG (ff d8 ff) or PNG; empty where there is none.
 export function overlay(): string {
   const base64 = textOf('overlay');
@@ -89,13 +161,15 @@ function bytesOf(base64: string): Uint8Array<ArrayBuffer> {
 }
 
 // packed_columns.h says how they are written. NaN is a gap.
-export async function columns(of: Report): Promise<Float64Array[]> {
-  const packed = bytesOf(textOf('samples'));
-  if (packed.length === 0) return of.columns.map(() => new Float64Array(0));
+export const columns = (of: Report): Promise<Float64Array[]> => unpacked(textOf('samples'), of.columns);
+
+export async function unpacked(samples: string, columns: PackedColumn[]): Promise<Float64Array[]> {
+  const packed = bytesOf(samples);
+  if (packed.length === 0) return columns.map(() => new Float64Array(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
   let at = 0;
-  return of.columns.map(({ quantum, count }) => {
+  return columns.map(({ quantum, count }) => {
     const values = new Float64Array(count);
     // Decades are divided by a whole number, so that 0.1 is 0.1 and not 0.1000...01.
     const perUnit = quantum < 1 ? Math.round(1 / quantum) : 0;

@@ -38,7 +38,8 @@ export function table(caption: string, head: string[], rows: (string | Cell)[][]
     return row;
   };
   const top = el('tr');
-  head.forEach((text) => top.append(el('th', { scope: 'col' }, text)));
+  const isNumber = (k: number): boolean => rows.some((row) => typeof row[k] === 'object' && row[k].isNumber === true);
+  head.forEach((text, k) => top.append(el('th', { scope: 'col', ...(isNumber(k) && { class: 'number' }) }, text)));
   return el('div', { class: 'wide', tabindex: '0', role: 'region', 'aria-label': caption },
     el('table', {}, el('caption', {}, caption), el('thead', {}, top), el('tbody', {}, ...rows.map(line))));
 }

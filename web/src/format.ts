@@ -40,3 +40,9 @@ export const duration = (seconds: number): string => {
   if (seconds < 7200) return `${(seconds / 60).toFixed(1)} min`;
   return `${(seconds / 3600).toFixed(1)} h`;
 };
+
+// A warning or note of the program as a sentence.
+export function sentence(text: string): string {
+  const bare = text.replace(/^note: /, '');
+  return bare.charAt(0).toUpperCase() + bare.slice(1) + (bare.endsWith('.') ? '' : '.');
+}

@@ -1,26 +1,23 @@
 // The page: words first, then plots, then tables.
 import 'uplot/dist/uPlot.min.css';
 import './page.css';
-import { columns as unpack, overlay, report as readReport, run as readRun, type Report, type Run, type Target } from './data';
+import { abscissaOf, type Abscissa } from './abscissa';
+import { comparisonSection } from './comparison';
+import { columns as unpack, comparison as readComparison, derived as readDerived, overlay, report as readReport, run as readRun, unpacked, type Report, type Run, type Target } from './data';
 import { Curve } from './decimate';
-import { el, section } from './element';
-import { brief, digitsFor, duration, expanded, plain, signed } from './format';
+import { derivedSection } from './derived';
+import { displacement, valuesOf } from './displacement';
+import { nameFilesAfter } from './download';
+import { el, section, table, type Cell } from './element';
+import { firstPage, type FirstPage } from './first_page';
+import { brief, digitsFor, duration, expanded, plain, sentence, signed } from './format';
 import { Plot, type Line } from './plot';
+import { plots, strips } from './registry';
 import { budget, counts, origin, picture } from './sections';
 import { spectraOf } from './spectra';
 import { Strip } from './strip';
 import { kColour, setPrinting } from './theme';
 import { Zoom } from './zoom';
-
-interface Abscissa {
-  x: Float64Array;
-  label: string;
-  zoom: Zoom;
-  at: (index: number) => string;
-}
-
-const plots: Plot[] = [];
-const strips: Strip[] = [];
 
 function badge(of: Report): HTMLElement {
   const kind = of.exit_code === 0 ? 'good' : of.exit_code === 4 ? 'bad' : 'fair';
@@ -34,30 +31,29 @@ function header(of: Report, run: Run, abscissa: Abscissa | undefined): HTMLEleme
     el('p', { class: 'facts' }, badge(of), ...facts.map((fact) => el('span', {}, fact))));
 }
 
-function words(of: Report): HTMLElement {
+function words(of: Report, onFirst: number): HTMLElement {
   const isRefused = of.exit_code === 4;
-  const summary = section('summary', isRefused ? 'Why there is no result' : 'Result', el('ul', { class: 'summary' }, ...of.summary.map((text) => el('li', {}, text.replaceAll('\u00b1 ', '\u00b1\u00a0')))));
+  const items = of.summary.map((text) => el('li', {}, text.replaceAll('\u00b1 ', '\u00b1\u00a0')));
+  const summary = section('summary', isRefused ? 'Why there is no result' : 'Result', el('ul', { class: 'summary' }, ...items), ...later(items, onFirst, 'sentence'));
   if (of.advice.length > 0) summary.append(el('h3', {}, 'What to do'), el('ul', { class: 'advice' }, ...of.advice.map((text) => el('li', {}, text))));
   return summary;
+}
+
+// Hides items that the first page has no room for on paper, and says so.
+function later(items: HTMLElement[], onFirst: number, what: string): HTMLElement[] {
+  const rest = items.slice(onFirst);
+  rest.forEach((item) => item.classList.add('not-on-paper'));
+  return rest.length > 0 ? [el('p', { class: 'only-on-paper small' }, `${rest.length} more ${what}${rest.length > 1 ? 's' : ''}: last page.`)] : [];
 }
 
 // A note is a property of the input. Only a warning affects numbers.
 const isNote = (warning: string): boolean => warning.startsWith('note: ');
 
-function remarks(id: string, title: string, texts: string[]): HTMLElement | undefined {
+function remarks(id: string, title: string, texts: string[], onFirst = Infinity): HTMLElement | undefined {
   if (texts.length === 0) return undefined;
-  const sentence = (text: string): string => {
-    const bare = text.replace(/^note: /, '');
-    return bare.charAt(0).toUpperCase() + bare.slice(1) + (bare.endsWith('.') ? '' : '.');
-  };
+  const items = texts.map((text) => el('li', {}, sentence(text)));
   return el('section', { id, class: id, 'aria-labelledby': `${id}-title` },
-    el('h2', { id: `${id}-title` }, texts.length === 1 ? title : `${title}s (${texts.length})`),
-    el('ul', {}, ...texts.map((text) => el('li', {}, sentence(text)))));
-}
-
-// The values of rows that are ok, or of the others; the rest are gaps.
-function valuesOf(values: Float64Array, status: Float64Array, ok: boolean): Float64Array {
-  return values.map((value, k) => ((status[k] === 0) === ok ? value : NaN));
+    el('h2', { id: `${id}-title` }, texts.length === 1 ? title : `${title}s (${texts.length})`), el('ul', {}, ...items), ...later(items, onFirst, 'warning'));
 }
 
 function rangeOf(target: Target, columns: Float64Array[], d: number): [number, number] {
@@ -73,78 +69,37 @@ function movementOf(target: Target, columns: Float64Array[]): number {
   }));
 }
 
-// The extremes of the ok rows, and U.
-function card(target: Target, columns: Float64Array[], run: Run): HTMLElement {
-  const summary = run.targets.find(({ name }) => name === target.name);
-  const line = (name: string, d: number, u: number | null | undefined): HTMLElement => {
-    const [low, high] = rangeOf(target, columns, d);
-    if (low > high || u == null) return el('p', {}, el('span', { class: 'axis' }, name), el('span', { class: 'size' }, 'not measured'));
-    const digits = digitsFor(expanded(u));
-    return el('p', {}, el('span', { class: 'axis' }, name),
-      el('span', { class: 'size' }, `${plain(high - low, digits)} mm peak to peak`),
-      el('span', { class: 'u' }, `U = ${plain(expanded(u), digits)} mm`),
-      el('span', { class: 'range' }, `from ${signed(low, digits)} to ${signed(high, digits)} mm`));
-  };
-  return el('div', { class: 'card' }, el('h3', {}, target.name),
-    line('dx, right', target.rows.dx, summary?.u_dx_mm), line('dy, up', target.rows.dy, summary?.u_dy_mm));
-}
-
-function toolbar(abscissa: Abscissa): HTMLElement {
-  const { zoom, label } = abscissa;
-  const shown = el('output', { class: 'shown', 'aria-live': 'polite' });
-  const say = (): void => {
-    shown.textContent = zoom.isWhole ? 'the whole record is shown' : `${brief(zoom.min)} to ${brief(zoom.max)} ${label.startsWith('Time') ? 's' : ''}`;
-  };
-  zoom.watch(say);
-  say();
-  const button = (text: string, name: string, act: () => void): HTMLElement => {
-    const b = el('button', { type: 'button', 'aria-label': name, title: name }, text);
-    b.addEventListener('click', act);
-    return b;
-  };
-  return el('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'Range of the plots' },
-    button('\u2190', 'Earlier', () => zoom.pan(-0.5)), button('\u2192', 'Later', () => zoom.pan(0.5)),
-    button('+', 'Zoom in', () => zoom.by(0.5)), button('\u2212', 'Zoom out', () => zoom.by(2)),
-    button('All', 'Show all', () => zoom.all()), shown,
-    el('span', { class: 'hint' }, 'Drag to zoom, Shift + drag to move, double-click to show all. After a click: wheel, keys + \u2212 \u2190 \u2192 0'));
-}
-
-function displacement(of: Report, columns: Float64Array[], abscissa: Abscissa): HTMLElement {
-  const parts = of.targets.map((target) => {
-    const status = columns[target.rows.status]!;
-    const axis = (name: string, d: number, u: number, colour: number): Plot => {
-      const value = columns[d]!;
-      const spread = columns[u]!;
-      const ok = valuesOf(value, status, true);
-      const low = new Float64Array(value.length);
-      const high = new Float64Array(value.length);
-      let lowest = Infinity;
-      let highest = -Infinity;
-      value.forEach((v, k) => {
-        low[k] = ok[k]! - expanded(spread[k]!);
-        high[k] = ok[k]! + expanded(spread[k]!);
-        if (v < lowest) lowest = v;
-        if (v > highest) highest = v;
-      });
-      return new Plot({
-        title: name, abscissa: abscissa.label, ordinate: 'mm', x: abscissa.x, zoom: abscissa.zoom,
-        lines: [{ label: 'displacement', colour, curve: new Curve(ok), band: { low: new Curve(low), high: new Curve(high) }, notOk: new Curve(valuesOf(value, status, false)) }],
-        readout: (k) => {
-          const found = of.statuses[status[k]!];
-          const word = !found ? '' : status[k] === 0 ? found.word : `${found.word} (${found.meaning})`;
-          if (Number.isNaN(value[k])) return `${abscissa.at(k)}: not measured, ${word}`;
-          const digits = digitsFor(expanded(spread[k]!));
-          return `${abscissa.at(k)}: ${signed(value[k]!, digits)} \u00b1 ${plain(expanded(spread[k]!), digits)} mm, ${word}`;
-        },
-        description: lowest > highest ? 'No row was measured.' : `From ${brief(lowest)} to ${brief(highest)} mm over ${value.length} frames. Every number is in displacement.csv.`,
-      });
+// The extremes of the ok rows, and U: two rows per target.
+function ranges(of: Report, columns: Float64Array[], run: Run, onFirst: number): HTMLElement {
+  const rows = of.targets.flatMap((target) => {
+    const summary = run.targets.find(({ name }) => name === target.name);
+    const row = (name: string, axis: string, d: number, u: number | null | undefined): (string | Cell)[] => {
+      const [low, high] = rangeOf(target, columns, d);
+      if (low > high || u == null) return [name, axis, 'not measured', '', '', ''];
+      const digits = digitsFor(expanded(u));
+      return [name, axis, { text: plain(high - low, digits), isNumber: true }, { text: signed(low, digits), isNumber: true },
+        { text: signed(high, digits), isNumber: true }, { text: plain(expanded(u), digits), isNumber: true }];
     };
-    const two = [axis('dx, right is positive', target.rows.dx, target.rows.ux, kColour.x), axis('dy, up is positive', target.rows.dy, target.rows.uy, kColour.y)];
-    plots.push(...two);
-    return el('div', { class: 'target' }, el('h3', {}, target.name), ...two.map(({ element }) => element));
+    return [row(target.name, 'dx', target.rows.dx, summary?.u_dx_mm), row(target.name, 'dy', target.rows.dy, summary?.u_dy_mm)];
   });
-  const refused = of.exit_code === 4 && el('p', { class: 'note' }, 'For information only, because no row of this run is reliable.');
-  return section('displacement', 'Displacement', refused, toolbar(abscissa), ...parts);
+  const block = table('Movement in mm since the reference frame; dx to the right, dy up; U with k = 2', ['Target', 'Axis', 'Peak to peak', 'From', 'To', 'U'], rows);
+  block.classList.add('ranges');
+  const lines = [...block.querySelectorAll<HTMLElement>('tbody tr')];
+  const rest = lines.slice(2 * onFirst);
+  rest.forEach((line) => line.classList.add('not-on-paper'));
+  return section('ranges', 'Range of each target', block,
+    rest.length > 0 && el('p', { class: 'only-on-paper small' }, `${rest.length / 2} more target${rest.length > 2 ? 's' : ''}: last page.`));
+}
+
+// On the last page: what the first had no room for.
+function leftover(of: Report, warnings: string[], share: FirstPage, shown: HTMLElement | undefined): HTMLElement | undefined {
+  const texts = [...warnings.slice(share.warnings).map(sentence), ...of.summary.slice(share.sentences)];
+  const rows = [...(shown?.querySelectorAll('tr.not-on-paper') ?? [])].map((row) => row.cloneNode(true) as HTMLElement);
+  if (texts.length === 0 && rows.length === 0) return undefined;
+  rows.forEach((row) => row.classList.remove('not-on-paper'));
+  const head = shown?.querySelector('thead')?.cloneNode(true);
+  return el('section', { class: 'only-on-paper', 'aria-hidden': 'true' }, el('h2', {}, 'From the first page'), el('ul', {}, ...texts.map((text) => el('li', {}, text))),
+    rows.length > 0 && el('table', {}, head, el('tbody', {}, ...rows)));
 }
 
 function spectra(of: Report, columns: Float64Array[]): HTMLElement {
@@ -162,7 +117,7 @@ function spectra(of: Report, columns: Float64Array[]): HTMLElement {
 
 function curves(title: string, ordinate: string, abscissa: Abscissa, lines: Line[], unit: string, digits: number): Plot {
   const plot = new Plot({
-    title, abscissa: abscissa.label, ordinate, x: abscissa.x, zoom: abscissa.zoom, lines, height: 180,
+    title, name: title.split(/[,(]/)[0]!.toLowerCase().trim(), abscissa: abscissa.label, ordinate, x: abscissa.x, zoom: abscissa.zoom, lines, height: 180, csvBefore: abscissa.csv,
     readout: (k) => `${abscissa.at(k)}: ${lines.map(({ label, curve }) => `${label} ${Number.isNaN(curve.values[k]!) ? '\u2013' : plain(curve.values[k]!, digits) + unit}`).join(', ')}`,
     description: lines.map(({ label, curve }) => {
       const [low, high] = curve.extremes(0, curve.values.length);
@@ -175,11 +130,12 @@ function curves(title: string, ordinate: string, abscissa: Abscissa, lines: Line
 
 function camera(of: Report, columns: Float64Array[], abscissa: Abscissa): HTMLElement {
   const c = of.camera!;
-  const line = (label: string, column: number, dash?: number[]): Line => ({ label, colour: kColour.camera, curve: new Curve(columns[column]!), dash });
-  const shift = curves('Image motion', 'px', abscissa, [line('right', c.right), line('down', c.down, [6, 3])], ' px', 2);
+  const line = (label: string, name: string, column: number, dash?: number[]): Line =>
+    ({ label, colour: kColour.camera, curve: new Curve(columns[column]!), dash, csv: [{ name, values: columns[column]! }] });
+  const shift = curves('Image motion', 'px', abscissa, [line('right', 'right_px', c.right), line('down', 'down_px', c.down, [6, 3])], ' px', 2);
   const turn = c.pan === null || c.tilt === null || c.roll === null ? undefined
     : curves('Camera rotation', 'degrees', abscissa,
-      [line('pan, to the right', c.pan), line('tilt, upwards', c.tilt, [6, 3]), line('roll, clockwise', c.roll, [2, 2])], '\u00b0', 4);
+      [line('pan, to the right', 'pan_deg', c.pan), line('tilt, upwards', 'tilt_deg', c.tilt, [6, 3]), line('roll, clockwise', 'roll_deg', c.roll, [2, 2])], '\u00b0', 4);
   const isStill = of.method.name === 'conventional';
   if (isStill) return section('camera', 'Camera motion', el('p', {}, 'This method assumes a fixed camera.'));
   return section('camera', 'Camera motion',
@@ -209,23 +165,8 @@ function quality(of: Report, run: Run, columns: Float64Array[], abscissa: Abscis
     if (lines.length > 0) parts.push(curves(`Contrast of the gratings relative to the reference frame, ${role}s`, 'ratio', abscissa, lines, '', 3).element);
   }
   if (q.chi2 !== null) parts.push(curves('Fit of each frame to the scene, \u03c7\u00b2 per degree of freedom (1: noise only)', '\u03c7\u00b2', abscissa,
-    [{ label: '\u03c7\u00b2', colour: kColour.other, curve: new Curve(columns[q.chi2]!) }], '', 3).element);
+    [{ label: '\u03c7\u00b2', colour: kColour.other, curve: new Curve(columns[q.chi2]!), csv: [{ name: 'chi2_dof', values: columns[q.chi2]! }] }], '', 3).element);
   return section('quality', 'Data quality', ...strips.map(({ element }) => element), key, counts(run, of), ...parts);
-}
-
-// Time where there is one and it goes forward, else the frame's number.
-function abscissaOf(of: Report, columns: Float64Array[]): Abscissa | undefined {
-  if (of.frame === null) return undefined;
-  const frame = columns[of.frame]!;
-  const time = of.time === null ? undefined : columns[of.time]!;
-  const x = time ?? frame;
-  if (x.length === 0) return undefined;
-  const first = x[0]!;
-  const last = x[x.length - 1]!;
-  const step = x.length > 1 ? (last - first) / (x.length - 1) : 1;
-  const zoom = x.length > 1 ? new Zoom(first, last, 4 * step) : new Zoom(first - 0.5, last + 0.5, 1);
-  const digits = Math.max(2, Math.min(4, Math.ceil(-Math.log10(step || 1)) + 1));
-  return { x, zoom, label: time ? 'Time (s)' : 'Frame', at: (k) => (time ? `${plain(time[k]!, digits)} s (frame ${frame[k]})` : `frame ${frame[k]}`) };
 }
 
 function print(on: boolean): void {
@@ -238,18 +179,28 @@ async function show(): Promise<void> {
   const of = readReport();
   const run = readRun();
   const columns = await unpack(of);
+  const channels = readDerived();
+  const compared = readComparison();
+  const ofChannels = channels && (await unpacked(channels.samples, channels.columns));
+  const ofComparison = compared && (await unpacked(compared.samples, compared.columns));
+  nameFilesAfter(of.input);
   const abscissa = abscissaOf(of, columns);
   const page = document.getElementById('page')!;
   const add = (...parts: (HTMLElement | undefined)[]): void => parts.forEach((part) => part && page.append(part));
   page.replaceChildren();
   of.targets.sort((a, b) => movementOf(b, columns) - movementOf(a, columns)); // the largest movement first, as in the words
-  add(header(of, run, abscissa), remarks('warnings', 'Warning', of.warnings.filter((text) => !isNote(text))), words(of));
+  const warnings = of.warnings.filter((text) => !isNote(text));
+  const isRefused = of.exit_code === 4;
+  const share = isRefused ? { warnings: Infinity, sentences: Infinity, targets: Infinity } : firstPage(warnings, of.summary, of.targets.length);
+  add(header(of, run, abscissa), remarks('warnings', 'Warning', warnings, share.warnings), words(of, share.sentences));
+  let shownRanges: HTMLElement | undefined;
   const shown = picture(of, run, overlay());
   if (abscissa && of.targets.length > 0) {
-    const isRefused = of.exit_code === 4;
-    if (!isRefused) add(el('div', { class: 'cards' }, ...of.targets.map((target) => card(target, columns, run))));
+    if (!isRefused) add((shownRanges = ranges(of, columns, run, share.targets)));
     if (isRefused) add(shown);
     add(displacement(of, columns, abscissa));
+    if (channels && ofChannels) add(derivedSection(channels, ofChannels, of, abscissa));
+    if (compared && ofComparison) add(comparisonSection(compared, ofComparison, abscissa));
     if (!isRefused) add(spectra(of, columns));
     add(camera(of, columns, abscissa), quality(of, run, columns, abscissa));
     if (run.targets.some(({ u_dx_mm, u_dy_mm }) => u_dx_mm !== null || u_dy_mm !== null)) add(budget(run));
@@ -258,6 +209,7 @@ async function show(): Promise<void> {
     add(shown);
   }
   add(remarks('notes', 'Note', of.warnings.filter(isNote)), origin(of, run));
+  add(leftover(of, warnings, share, shownRanges));
   page.append(el('footer', {}, `Made by moiregauge ${of.version}. This page is one file, which needs no network and can be stored, sent and printed.`));
   plots[0]?.update();
   performance.mark('first-plot');

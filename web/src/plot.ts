@@ -1,8 +1,9 @@
 // One plot of curves over the abscissa of its group: drawn when it comes into view, redrawn when zoom, theme or width change.
 import uPlot from 'uplot';
 import { Curve, drawn, firstAtLeast } from './decimate';
+import { csvText, fileName, save, type CsvColumn } from './download';
 import { el } from './element';
-import { isPrinting, kColour, theme } from './theme';
+import { isPrinting, kColour, kFirstLine, onPaper, theme } from './theme';
 import type { Zoom } from './zoom';
 
 export interface Line {
@@ -12,16 +13,23 @@ export interface Line {
   dash?: number[];
   band?: { low: Curve; high: Curve };
   notOk?: Curve; // values of rows that are not ok: hollow grey points
+  csv?: CsvColumn[]; // default: the label and the values of the curve
+  isShown?: () => boolean;
+  hasBand?: () => boolean; // with `band`: whether to draw it
+  points?: 'only' | 'none'; // default: a line, with points where samples are few
 }
 
 export interface PlotPlan {
   title: string;
+  fullTitle?: string; // with the target, for an image that leaves the page
+  name: string; // file name without ending
   abscissa: string; // label of x
   ordinate: string;
   x: Float64Array;
   lines: Line[];
   zoom: Zoom;
   height?: number;
+  printHeight?: number;
   // Describes the sample under the pointer in words.
   readout: (index: number) => string;
   // Draws marks on top of the curves, in canvas pixels.
@@ -29,13 +37,23 @@ export interface PlotPlan {
   // Formats ordinate values: a spectrum's are powers of ten.
   tick?: (value: number) => string;
   hasNoPoints?: boolean;
+  hasAllPoints?: boolean; // draws every point, not the extremes of each pixel
+  csvBefore: CsvColumn[]; // columns before and after those of the lines
+  csvAfter?: CsvColumn[];
   description: string; // for screen readers
 }
 
 const kPrintWidth = 680; // CSS pixels on paper
+const kPrintHeight = 170; // most on paper: five to a page
 const kPrintScale = 3; // and how much finer paper is than a screen
+const kImageWidth = 900; // CSS pixels of a saved image
+const kImageHeight = 320;
+const kImageScale = 2;
+const kFaint = '22'; // opacity of overlapping bands
+const kAllPoints = 30000; // most points of a plot that draws all
 const kWhole = [0, 1, 2, 3, 4, 5, 6, 7, 8].flatMap((decade) => [1, 2, 5].map((n) => n * 10 ** decade));
 let plots = 0;
+let images = Promise.resolve(); // one after the other: each changes the theme for a moment
 
 // The dashes of a line as a background, for its key.
 function dashes(dash: number[]): string {
@@ -43,6 +61,10 @@ function dashes(dash: number[]): string {
   const stops = dash.map((length, k) => `${k % 2 ? 'transparent' : 'var(--colour)'} ${at}px ${(at += length)}px`);
   return stops.length > 0 ? `repeating-linear-gradient(90deg, ${stops.join(', ')})` : 'none';
 }
+
+const tickText = (value: number): string => String(Number(value.toPrecision(9))).replace('-', '\u2212');
+
+const hasBand = (line: Line): boolean => line.band !== undefined && (line.hasBand?.() ?? true);
 
 // A tenth more to each side; a flat line lies in the middle.
 function room(low: number | null, high: number | null): [number, number] {
@@ -67,21 +89,17 @@ export class Plot {
   readonly element: HTMLElement;
   private readonly box = el('div', { class: 'canvas' });
   private readonly readout = el('output', { class: 'readout' });
+  private readonly keys = el('ul', { class: 'keys' });
+  private readonly onZoom = (): void => this.change();
+  private readonly watchers: { disconnect(): void }[] = [];
   private chart?: uPlot;
   private isVisible = false;
   private isStale = true;
 
   constructor(private readonly plan: PlotPlan) {
     const id = `plot-${++plots}`;
-    const keys = el('ul', { class: 'keys' });
-    for (const { label, colour, dash } of plan.lines) {
-      if (plan.lines.length > 1 || plan.lines[0]!.band)
-        keys.append(el('li', { class: dash ? 'dashed' : '', style: `--colour: var(--series-${colour + 1}); --line: ${dashes(dash ?? [])}` }, label));
-    }
-    if (plan.lines.some((line) => line.band)) keys.append(el('li', { class: 'band', style: `--colour: var(--series-${plan.lines[0]!.colour + 1})` }, 'U (k = 2)'));
-    if (plan.lines.some(({ notOk }) => notOk && notOk.values.some((v) => !Number.isNaN(v))))
-      keys.append(el('li', { class: 'hollow', style: `--colour: var(--series-${kColour.other + 1})` }, 'not ok'));
-    const caption = el('figcaption', {}, el('span', { class: 'title', id }, plan.title), keys, this.readout);
+    this.fillKeys();
+    const caption = el('figcaption', {}, el('span', { class: 'title', id }, plan.title), this.keys, this.readout, this.buttons());
     this.box.tabIndex = 0;
     this.box.setAttribute('role', 'img');
     this.box.setAttribute('aria-labelledby', id);
@@ -91,26 +109,148 @@ export class Plot {
     });
     this.element = el('figure', { class: 'plot' }, caption, this.box);
     this.box.style.minHeight = `${this.height()}px`;
-    plan.zoom.watch(() => this.change());
+    plan.zoom.watch(this.onZoom);
     this.watchSize();
   }
 
+  private shown(): Line[] {
+    return this.plan.lines.filter((line) => line.isShown?.() ?? true);
+  }
+
+  // The key of the lines that are shown. A single line without a band needs none.
+  private keyList(): { label: string; colour: number; kind: '' | 'dashed' | 'band' | 'hollow' | 'point'; dash?: number[] }[] {
+    const lines = this.shown();
+    const list: ReturnType<Plot['keyList']> = [];
+    const banded = lines.filter((line) => hasBand(line));
+    if (this.plan.lines.length > 1 || banded.length > 0)
+      for (const { label, colour, dash, points } of lines) list.push({ label, colour, dash, kind: points === 'only' ? 'point' : dash ? 'dashed' : '' });
+    if (banded.length > 0) list.push({ label: 'U (k = 2)', colour: banded.length > 1 && this.plan.lines[0]!.colour >= kFirstLine ? kColour.other : banded[0]!.colour, kind: 'band' });
+    if (lines.some(({ notOk }) => notOk && notOk.values.some((v) => !Number.isNaN(v)))) list.push({ label: 'not ok', colour: kColour.other, kind: 'hollow' });
+    return list;
+  }
+
+  private fillKeys(): void {
+    this.keys.replaceChildren(...this.keyList().map(({ label, colour, kind, dash }) =>
+      el('li', { class: kind, style: `--colour: var(--series-${colour + 1}); --line: ${dashes(dash ?? [])}` }, label)));
+  }
+
+  private buttons(): HTMLElement {
+    const what = this.plan.fullTitle ?? this.plan.title;
+    const button = (text: string, meaning: string, act: () => void): HTMLElement => {
+      const b = el('button', { type: 'button', 'aria-label': `Save ${what} as ${text}`, title: meaning }, text);
+      b.addEventListener('click', act);
+      return b;
+    };
+    return el('span', { class: 'actions' },
+      button('CSV', 'Save the numbers of the range and lines shown as CSV', () => this.saveCsv()),
+      button('PNG', 'Save this plot as a PNG image', () => {
+        images = images.then(() => this.savePng());
+      }));
+  }
+
+  private saveCsv(): void {
+    const { x, zoom, name, csvBefore, csvAfter } = this.plan;
+    const columns = this.shown().flatMap((line) => line.csv ?? [{ name: line.label, values: line.curve.values }]);
+    const to = firstAtLeast(x, zoom.max);
+    const text = csvText([...csvBefore, ...columns, ...(csvAfter ?? [])], firstAtLeast(x, zoom.min), x[to] === zoom.max ? to + 1 : to);
+    save(fileName(name, '.csv'), new Blob([text], { type: 'text/csv' }));
+  }
+
+  // The plot in the colours of paper, with its title and key above.
+  private async savePng(): Promise<void> {
+    const holder = el('div', { style: 'position: absolute; left: -99999px; top: 0' });
+    document.body.append(holder);
+    const image = el('canvas');
+    const leave = onPaper();
+    try {
+      const chart = this.chartIn(holder, kImageWidth * kImageScale, kImageScale, kImageHeight);
+      await Promise.resolve(); // uPlot draws in a microtask
+      const ratio = kImageScale * uPlot.pxRatio;
+      const from = chart.ctx.canvas;
+      const head = 46 * ratio;
+      image.width = from.width;
+      image.height = from.height + head;
+      const pen = image.getContext('2d')!;
+      const { paper } = theme();
+      pen.fillStyle = paper;
+      pen.fillRect(0, 0, image.width, image.height);
+      this.drawHead(pen, ratio);
+      pen.drawImage(from, 0, head);
+      chart.destroy();
+    } finally {
+      leave();
+      holder.remove();
+    }
+    const blob = await new Promise<Blob | null>((done) => image.toBlob(done, 'image/png'));
+    if (blob) save(fileName(this.plan.name, '.png'), blob);
+  }
+
+  private drawHead(pen: CanvasRenderingContext2D, ratio: number): void {
+    const { ink, series, strong } = theme();
+    const face = 'system-ui, "DejaVu Sans", sans-serif';
+    pen.textBaseline = 'middle';
+    pen.fillStyle = strong;
+    pen.font = `600 ${13 * ratio}px ${face}`;
+    pen.fillText(this.plan.fullTitle ?? this.plan.title, 12 * ratio, 15 * ratio, kImageWidth * ratio - 24 * ratio);
+    pen.font = `${11.5 * ratio}px ${face}`;
+    let at = 12 * ratio;
+    const y = 34 * ratio;
+    for (const { label, colour, kind, dash } of this.keyList()) {
+      const width = 26 * ratio;
+      const text = pen.measureText(label).width;
+      if (at + width + text > (kImageWidth - 12) * ratio) break;
+      pen.strokeStyle = series[colour]!;
+      pen.lineWidth = 2 * ratio;
+      pen.setLineDash((dash ?? []).map((length) => length * ratio));
+      pen.beginPath();
+      if (kind === 'band') {
+        pen.fillStyle = series[colour]! + '38';
+        pen.fillRect(at, y - 5 * ratio, 20 * ratio, 10 * ratio);
+      } else if (kind === 'hollow' || kind === 'point') {
+        pen.arc(at + 10 * ratio, y, 3.5 * ratio, 0, 7);
+        pen.fillStyle = series[colour]!;
+        if (kind === 'point') pen.fill();
+        else pen.stroke();
+      } else {
+        pen.moveTo(at, y);
+        pen.lineTo(at + 20 * ratio, y);
+        pen.stroke();
+      }
+      pen.fillStyle = ink;
+      pen.fillText(label, at + width, y);
+      at += width + text + 16 * ratio;
+    }
+    pen.setLineDash([]);
+  }
+
+  // Takes the plot off the page: another one replaces it.
+  remove(): void {
+    this.plan.zoom.unwatch(this.onZoom);
+    this.watchers.forEach((watcher) => watcher.disconnect());
+    this.chart?.destroy();
+    this.element.remove();
+  }
+
   private height(): number {
-    return isPrinting() ? 0.85 * (this.plan.height ?? 200) : (this.plan.height ?? 200); // on paper three to a page
+    const { height = 200, printHeight = Math.min(kPrintHeight, 0.85 * height) } = this.plan;
+    return isPrinting() ? printHeight : height;
   }
 
   private watchSize(): void {
-    new IntersectionObserver((entries) => {
+    const inView = new IntersectionObserver((entries) => {
       this.isVisible = entries.some((entry) => entry.isIntersecting);
       if (this.isVisible && this.isStale) this.update();
-    }, { rootMargin: '200px' }).observe(this.element);
+    }, { rootMargin: '200px' });
+    inView.observe(this.element);
     let width = 0;
-    new ResizeObserver(() => {
+    const resized = new ResizeObserver(() => {
       if (isPrinting() || !this.chart || this.box.clientWidth === width) return;
       width = this.box.clientWidth;
       this.chart.setSize({ width, height: this.height() });
       this.change();
-    }).observe(this.box);
+    });
+    resized.observe(this.box);
+    this.watchers.push(inView, resized);
   }
 
   private change(): void {
@@ -119,9 +259,9 @@ export class Plot {
   }
 
   private data(pixels: number): uPlot.AlignedData {
-    const { x, lines, zoom } = this.plan;
-    const curves = lines.flatMap(({ curve, band, notOk }) => [curve, ...(band ? [band.low, band.high] : []), ...(notOk ? [notOk] : [])]);
-    return drawn(x, curves, zoom.min, zoom.max, Math.max(100, Math.floor(pixels))) as uPlot.AlignedData;
+    const { x, zoom, hasAllPoints } = this.plan;
+    const curves = this.shown().flatMap((line) => [line.curve, ...(hasBand(line) ? [line.band!.low, line.band!.high] : []), ...(line.notOk ? [line.notOk] : [])]);
+    return drawn(x, curves, zoom.min, zoom.max, hasAllPoints ? kAllPoints : Math.max(100, Math.floor(pixels))) as uPlot.AlignedData;
   }
 
   // Brings it up to date; makes it when there is none yet.
@@ -139,8 +279,9 @@ export class Plot {
     });
   }
 
-  // Redraws in the colours of the current theme.
+  // Draws again: the lines that are shown or the theme have changed.
   remake(): void {
+    this.fillKeys();
     if (!this.chart && !isPrinting()) return;
     this.chart?.destroy();
     this.chart = undefined;
@@ -154,7 +295,13 @@ export class Plot {
   }
 
   private make(width: number, scale: number): void {
-    const { abscissa, ordinate, lines, zoom, onTop, tick, hasNoPoints } = this.plan;
+    this.chart = this.chartIn(this.box, width, scale);
+    this.box.style.setProperty('--height', `${this.height()}px`);
+    this.box.classList.toggle('fine', scale > 1);
+  }
+
+  private chartIn(box: HTMLElement, width: number, scale: number, height = this.height()): uPlot {
+    const { abscissa, ordinate, zoom, onTop, tick, hasNoPoints } = this.plan;
     const { ink, grid, paper, series: colours, band: fills } = theme();
     const font = `${12 * scale}px system-ui, "DejaVu Sans", sans-serif`;
     const axis = {
@@ -163,16 +310,19 @@ export class Plot {
     };
     const series: uPlot.Series[] = [{}];
     const bands: uPlot.Band[] = [];
-    for (const { label, colour, band, dash, notOk } of lines) {
+    const isMany = this.shown().filter(hasBand).length > 1; // bands over each other
+    for (const line of this.shown()) {
+      const { label, colour, dash, notOk, points } = line;
       series.push({
         label, stroke: colours[colour]!, width: 1.25 * scale, spanGaps: false,
         dash: dash?.map((length) => length * scale),
-        points: hasNoPoints ? { show: false } : { size: 4 * scale, fill: colours[colour]!, filter: lonely },
+        ...(points === 'only' && { paths: () => null }),
+        points: points === 'only' ? { show: true, size: 4 * scale, width: 0, fill: colours[colour]! } : points === 'none' || hasNoPoints ? { show: false } : { size: 4 * scale, fill: colours[colour]!, filter: lonely },
       });
-      if (band) {
+      if (hasBand(line)) {
         const edge: uPlot.Series = { stroke: 'transparent', width: 0, points: { show: false }, spanGaps: false };
         series.push(edge, { ...edge });
-        bands.push({ series: [series.length - 1, series.length - 2], fill: fills[colour]! });
+        bands.push({ series: [series.length - 1, series.length - 2], fill: isMany ? fills[colour]!.replace(/..$/, kFaint) : fills[colour]! });
       }
       if (notOk)
         series.push({
@@ -180,17 +330,17 @@ export class Plot {
           points: { show: true, size: 5 * scale, width: 1.25 * scale, stroke: colours[kColour.other]!, fill: paper },
         });
     }
-    this.chart = new uPlot({
-      width, height: this.height() * scale, legend: { show: false }, series, bands,
+    return new uPlot({
+      width, height: height * scale, legend: { show: false }, series, bands,
       padding: [8 * scale, 12 * scale, 0, 0],
       scales: {
         x: { time: false, range: () => [zoom.min, zoom.max] },
         y: { range: (_u, low, high) => room(low, high) },
       },
       axes: [
-        { ...axis, label: abscissa, size: 28 * scale, space: 70 * scale, ...(abscissa === 'Frame' && { incrs: kWhole }) },
+        { ...axis, label: abscissa, size: 28 * scale, space: 70 * scale, values: (_u, splits) => splits.map(tickText), ...(abscissa === 'Frame' && { incrs: kWhole }) },
         { ...axis, label: ordinate, size: 62 * scale, space: 24 * scale,
-          values: tick ? (_u, splits) => splits.map((v) => tick(v)) : (_u, splits) => splits.map((v) => String(Number(v.toPrecision(9))).replace('-', '\u2212')) },
+          values: (_u, splits) => splits.map(tick ?? tickText) },
       ],
       cursor: {
         drag: { x: true, y: false, setScale: false },
@@ -220,9 +370,7 @@ export class Plot {
           u.over.addEventListener('mousedown', () => this.box.focus({ preventScroll: true }));
         }],
       },
-    }, this.data(width / scale), this.box);
-    this.box.style.setProperty('--height', `${this.height()}px`);
-    this.box.classList.toggle('fine', scale > 1);
+    }, this.data(width / scale), box);
   }
 
   // With Ctrl, or in a plot that was clicked: elsewhere the page scrolls.

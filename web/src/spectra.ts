@@ -56,6 +56,7 @@ export function spectraOf(target: Target, columns: Float64Array[], zoom: Zoom | 
   // Both axes have the same frames; where gaps differ their frequencies do, and each has a plot of its own.
   const groups = there.length === 2 && there[0]!.spectrum.step_hz === there[1]!.spectrum.step_hz
     && columns[there[0]!.spectrum.log10_psd]!.length === columns[there[1]!.spectrum.log10_psd]!.length ? [there] : there.map((one) => [one]);
+  const groupName = (group: typeof there): string => (groups.length > 1 ? `-${short(group[0]!.name)}` : '');
   const plots = groups.map((group) => {
     const first = group[0]!.spectrum;
     const count = columns[first.log10_psd]!.length;
@@ -86,9 +87,12 @@ export function spectraOf(target: Target, columns: Float64Array[], zoom: Zoom | 
     };
     return new Plot({
       title: `Power spectral density, one-sided, ${group.map(({ name }) => short(name)).join(' and ')}`,
+      fullTitle: `${target.name}: power spectral density, one-sided`, name: `${target.name}-spectrum${groupName(group)}`,
+      csvBefore: [{ name: 'frequency_hz', values: x }],
       hasNoPoints: true, abscissa: 'Frequency (Hz)', ordinate: 'mm\u00b2/Hz', x, zoom, onTop: marks, tick: power,
       lines: group.map(({ name, spectrum }) => ({
         label: name, colour: colourOf(name), curve: new Curve(columns[spectrum.log10_psd]!),
+        csv: [{ name: `psd_${short(name)}_mm2_per_hz`, values: columns[spectrum.log10_psd]!.map((decade) => Number((10 ** decade).toPrecision(4))) }],
       })),
       readout: (k) => `${brief(x[k]!)} Hz: ${group.map(({ name, spectrum }) => `${short(name)} ${brief(10 ** columns[spectrum.log10_psd]![k]!)} mm\u00b2/Hz`).join(', ')}`,
       description: `Spectrum from 0 to ${brief(x[count - 1]!)} Hz. Its peaks are in the table below.`,

@@ -15,6 +15,10 @@ export class Zoom {
     this.listeners.add(listener);
   }
 
+  unwatch(listener: OnChange): void {
+    this.listeners.delete(listener);
+  }
+
   get isWhole(): boolean {
     return this.min <= this.lowest && this.max >= this.highest;
   }

@@ -17,6 +17,7 @@
 #include "moiregauge/io/tables/displacement_csv.h"
 #include "moiregauge/results/derived/channel_parser.h"
 #include "moiregauge/results/derived/channel_values.h"
+#include "moiregauge/results/derived/layer_choices.h"
 #include "moiregauge/results/derived/layers.h"
 #include "moiregauge/results/derived/zeroed_samples.h"
 
@@ -133,13 +134,6 @@ tl::expected<std::vector<Layer>, RunFailure> layers_of(const DeriveArgs& args, c
   return layers;
 }
 
-DerivedColumn column_of(const Channel& channel, const LayeredSeries& series) {
-  DerivedColumn column{channel.name, series.unit, channel.text, {}, {}, series.status};
-  column.value.assign(series.value.begin(), series.value.end());
-  column.u.assign(series.u.begin(), series.u.end());
-  return column;
-}
-
 tl::expected<ChannelSeries, RunFailure> values_of(const Channel& channel, const JointRun& run) {
   auto series = channel_values(channel, run.measurement.samples, run.joint);
   if (series) return *std::move(series);
@@ -149,18 +143,27 @@ tl::expected<ChannelSeries, RunFailure> values_of(const Channel& channel, const 
                                                      : "name one displacement, or measure with --method precise"));
 }
 
-// Adds a channel to the results.
-tl::expected<void, RunFailure> add_channel(const Channel& channel, const JointRun& run,
-                                           const std::vector<Layer>& layers, DerivedResults& out) {
-  auto series = values_of(channel, run);
-  if (!series) return tl::unexpected(series.error());
-  const auto whole = layered(*std::move(series), channel.unit, layers);
-  if (!whole)
-    return cannot_derive(Exit::kUsage, fmt::format("the channel {} has no series: {}", channel.name, whole.error()));
-  out.table.frame = whole->frame;
-  out.table.time_s = whole->time_s;
-  out.table.columns.push_back(column_of(channel, *whole));
-  out.statistics.push_back(statistics_of(*whole));
+tl::expected<std::vector<ChannelSeries>, RunFailure> all_values(const std::vector<Channel>& channels,
+                                                                const JointRun& run) {
+  std::vector<ChannelSeries> all;
+  for (const Channel& channel : channels) {
+    auto series = values_of(channel, run);
+    if (!series) return tl::unexpected(series.error());
+    all.push_back(*std::move(series));
+  }
+  return all;
+}
+
+// Writes derived.csv and derived.json.
+tl::expected<void, RunFailure> write_tables(const DerivedResults& out, const std::vector<Layer>& layers) {
+  const std::string json = fs::path(out.file).replace_extension(".json").string();
+  for (const auto& [path, text] :
+       {std::pair{out.file, derived_csv(out.table)}, {json, derived_json(out.table, out.statistics, layers)}}) {
+    if (const auto written = write_file_atomically(path, text); !written)
+      return cannot_derive(
+          Exit::kOutputUnwritable,
+          fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
+  }
   return {};
 }
 
@@ -181,13 +184,9 @@ tl::expected<RunChannels, RunFailure> run_channels(const SolveArgs& args, const 
   if (!run) return tl::unexpected(run.error());
   auto parsed = channels_of(channels, args.run, *run);
   if (!parsed) return tl::unexpected(parsed.error());
-  RunChannels out{*std::move(parsed), {}, run->measurement.exit};
-  for (const Channel& channel : out.channels) {
-    auto series = values_of(channel, *run);
-    if (!series) return tl::unexpected(series.error());
-    out.series.push_back(*std::move(series));
-  }
-  return out;
+  auto series = all_values(*parsed, *run);
+  if (!series) return tl::unexpected(series.error());
+  return RunChannels{*std::move(parsed), *std::move(series), run->measurement.exit};
 }
 
 tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args, const RunCallbacks& callbacks) {
@@ -197,22 +196,29 @@ tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args, cons
   if (!channels) return tl::unexpected(channels.error());
   const auto layers = layers_of(args, *run);
   if (!layers) return tl::unexpected(layers.error());
-  DerivedResults out;
-  for (const Channel& channel : *channels) {
-    if (auto added = add_channel(channel, *run, *layers, out); !added) return tl::unexpected(added.error());
-  }
+  const auto series = all_values(*channels, *run);
+  if (!series) return tl::unexpected(series.error());
+  auto whole = layered_channels(*channels, *series, *layers);
+  if (!whole) return cannot_derive(Exit::kUsage, whole.error());
+  DerivedResults out{std::move(whole->table), std::move(whole->statistics), {}, {}, {}, Exit::kMeasured};
   out.exit = exit_of_table(out.table, run->measurement.exit);
   out.file = args.output.empty() ? (fs::path(args.solve.run) / "derived.csv").string() : args.output;
-  if (const auto written = write_file_atomically(out.file, derived_csv(out.table)); !written)
-    return cannot_derive(
-        Exit::kOutputUnwritable,
-        fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
-  const std::string json = fs::path(out.file).replace_extension(".json").string();
-  if (const auto written = write_file_atomically(json, derived_json(out.table, out.statistics, *layers)); !written)
-    return cannot_derive(
-        Exit::kOutputUnwritable,
-        fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
+  if (const auto written = write_tables(out, *layers); !written) return tl::unexpected(written.error());
+  if (!args.output.empty()) return out;
+  const auto choices = layer_choices(*channels, *series, *layers, kMaxPageValues);
+  auto report = shown_in_report(args.solve.run, derived_script(*layers, choices), out.warnings);
+  if (!report) return tl::unexpected(report.error());
+  out.report = *std::move(report);
   return out;
+}
+
+tl::expected<std::string, RunFailure> shown_in_report(const std::string& run, const PageScript& script,
+                                                      std::vector<std::string>& warnings) {
+  auto updated = update_report(run, script);
+  if (updated) return *std::move(updated);
+  if (!updated.error().can_write) return cannot_derive(Exit::kOutputUnwritable, updated.error().message);
+  warnings.push_back("note: " + updated.error().message);
+  return std::string();
 }
 
 }  // namespace moiregauge::internal

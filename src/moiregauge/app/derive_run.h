@@ -9,6 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/app/solve_run.h"
+#include "moiregauge/report/report_additions.h"
 #include "moiregauge/results/derived/channel_values.h"
 #include "moiregauge/results/derived/derived_table.h"
 #include "moiregauge/results/derived/statistics.h"
@@ -27,6 +28,7 @@ struct DerivedResults {
   DerivedTable table;
   std::vector<ChannelStatistics> statistics;  // in the order of the columns
   std::string file;                           // the CSV file
+  std::string report;                         // the report that shows the channels; empty: none
   std::vector<std::string> warnings;          // for the user
   Exit exit = Exit::kMeasured;
 };
@@ -43,9 +45,15 @@ struct RunChannels {
                                                                  const std::vector<std::string>& channels,
                                                                  const RunCallbacks& callbacks);
 
-// Solves the run again in memory, computes the channels and writes them. Nothing in the run's own results changes.
+// Solves the run again in memory, computes the channels and writes them. Without an output of its own, the run's report
+// shows them too. Nothing else in the run's results changes.
 // Fails without writing: the run cannot be read, its results have other values, or a channel is wrong.
 [[nodiscard]] tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args,
                                                                   const RunCallbacks& callbacks);
+
+// Adds a script to the report of a run and returns its path. Without a report it adds a note to `warnings` and returns
+// an empty path. Fails: the report could not be written.
+[[nodiscard]] tl::expected<std::string, RunFailure> shown_in_report(const std::string& run, const PageScript& script,
+                                                                    std::vector<std::string>& warnings);
 
 }  // namespace moiregauge::internal

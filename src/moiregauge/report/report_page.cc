@@ -10,6 +10,7 @@
 
 #include "moiregauge/report/packed_columns.h"
 #include "moiregauge/report/page_picture.h"
+#include "moiregauge/report/page_scripts.h"
 #include "moiregauge/report/report_text.h"
 #include "moiregauge/version.h"
 
@@ -17,9 +18,6 @@ namespace moiregauge::internal {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Marks in the template that are replaced by data and title.
-constexpr std::string_view kDataMark = "<!--moiregauge:data-->", kTitleMark = "<!--moiregauge:title-->";
 
 // Quantum of plotted values in u: its rounding error is at most 1.4 % of u (rms).
 constexpr double kPartOfU = 0.05;
@@ -32,39 +30,6 @@ constexpr double kShareQuantum = 1e-4;   // for modulation ratio and chi-squared
 constexpr double kDecadeQuantum = 1e-3;  // for a spectrum, in decades
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-constexpr std::array kStatuses{Status::kOk,          Status::kUntrusted,     Status::kCameraMoved,
-                               Status::kBlurred,     Status::kSaturated,     Status::kPartlyCovered,
-                               Status::kLost,        Status::kReferenceLost, Status::kOrderUnproven,
-                               Status::kDecodeError, Status::kTooCoarse};
-
-// Escapes '<', so that no text of a run can close its script element or open a comment.
-std::string for_script(std::string json) {
-  std::string safe;
-  safe.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe += c;
-  }
-  return safe;
-}
-
-std::string for_html(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
-    else if (c == '&')
-      safe += "&amp;";
-    else
-      safe += c;
-  }
-  return safe;
-}
 
 Json spectrum_json(const AxisSpectrum& s, PackedColumns& columns) {
   if (!s.refusal.empty()) return {{"refusal", s.refusal}};
@@ -103,7 +68,7 @@ Json rows_json(const Measurement& m, const TargetSummary& target, PackedColumns&
     dy.push_back(s.displacement.y);
     ux.push_back(s.u.x);
     uy.push_back(s.u.y);
-    status.push_back(static_cast<double>(std::find(kStatuses.begin(), kStatuses.end(), s.status) - kStatuses.begin()));
+    status.push_back(status_code(s.status));
   }
   const double least_u = std::fmin(target.u.x, target.u.y);
   const double quantum = std::isnan(least_u) ? kUnknownQuantum : decade_below(kPartOfU * least_u, kMinQuantum);
@@ -170,7 +135,7 @@ Json quality_json(const Measurement& m, PackedColumns& columns) {
 
 Json statuses_json() {
   Json list = Json::array();
-  for (const Status status : kStatuses)
+  for (const Status status : page_statuses())
     list.push_back({{"word", word_for(status)}, {"meaning", words_of(status).meaning}});
   return list;
 }
@@ -217,19 +182,12 @@ std::string report_page(const Measurement& m, const MeasureOptions& options, con
             {"frame", nullptr}};
   if (m.reference) add_series(m, camera, json, columns);
   json["columns"] = columns.index();
-  const std::string_view page = report_template();
-  const std::size_t title = page.find(kTitleMark), data = page.find(kDataMark);
-  if (title == std::string_view::npos || data == std::string_view::npos || data < title) return {};  // no template
-  std::string out(page.substr(0, title));
-  out += for_html(json["input"].get<std::string>());
-  out += page.substr(title + kTitleMark.size(), data - title - kTitleMark.size());
-  out += "<script type=\"application/json\" id=\"report\">" +
-         for_script(json.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
-  out += "<script type=\"application/json\" id=\"run\">" + for_script(run_json) + "</script>\n";
-  out += "<script type=\"text/plain\" id=\"samples\">" + columns.base64() + "</script>\n";
-  out += "<script type=\"text/plain\" id=\"overlay\">" + base64_of(page_picture(overlay)) + "</script>";
-  out += page.substr(data + kDataMark.size());
-  return out;
+  return assembled_page(
+      json["input"].get<std::string>(),
+      {{"report", "application/json", for_script(json.dump(-1, ' ', false, Json::error_handler_t::replace))},
+       {"run", "application/json", for_script(run_json)},
+       {"samples", "text/plain", columns.base64()},
+       {"overlay", "text/plain", base64_of(page_picture(overlay))}});
 }
 
 }  // namespace moiregauge::internal

@@ -91,10 +91,16 @@ tl::expected<ComparedRun, RunFailure> run_compare(const CompareArgs& args, const
     return cannot_compare(Exit::kInputUnreadable, fmt::format("{}: {}: {}", comparison.error().what, args.reference,
                                                               comparison.error().remedy));
   ComparedRun out{
-      *std::move(comparison), {args.solve.run, args.reference, channel.text, channel.unit, *factor}, "", run->exit};
+      *std::move(comparison), {args.solve.run, args.reference, channel.text, channel.unit, *factor}, "", "", run->exit};
   out.folder = args.output.empty() ? (std::filesystem::path(args.solve.run) / "comparison").string() : args.output;
   if (const auto written = write_file_set(out.folder, files_of_comparison(out), Existing::kReplace); !written)
     return tl::unexpected(failure_of(written.error()));
+  if (!args.output.empty()) return out;
+  auto report =
+      shown_in_report(args.solve.run, comparison_script(out.comparison, comparison_json(out.comparison, out.origin)),
+                      out.comparison.warnings);
+  if (!report) return tl::unexpected(report.error());
+  out.report = *std::move(report);
   return out;
 }
 

@@ -31,11 +31,12 @@ struct ComparedRun {
   Comparison comparison;
   ComparisonOrigin origin;
   std::string folder;
+  std::string report;  // the report that shows the comparison; empty: none
   Exit exit = Exit::kMeasured;
 };
 
-// Solves the run again in memory, reads the reference, compares, and writes the folder as a whole. Nothing in the run's
-// own results changes.
+// Solves the run again in memory, reads the reference, compares, and writes the folder as a whole. Without a folder of
+// its own, the run's report shows the comparison too. Nothing else in the run's results changes.
 // Fails without writing: as run_channels, or the reference cannot be read, or the records show no common movement.
 [[nodiscard]] tl::expected<ComparedRun, RunFailure> run_compare(const CompareArgs& args, const RunCallbacks& callbacks);
 

@@ -61,6 +61,7 @@ int run_compare_command(const CompareArgs& args) {
     print_note((warning.rfind("note: ", 0) == 0 ? "" : "warning: ") + warning + "\n");
   print_out(comparison_text(*run));
   print_out(fmt::format("written: {}\n", run->folder));
+  if (!run->report.empty()) print_out(fmt::format("shown in: {}\n", run->report));
   return static_cast<int>(run->exit);
 }
 

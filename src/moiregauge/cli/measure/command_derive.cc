@@ -39,9 +39,11 @@ int run_derive_command(const DeriveArgs& args) {
   const auto derived = derive_shown(args);
   if (!derived) return fail(derived.error().exit, derived.error().message);
   if (args.solve.quiet) return static_cast<int>(derived->exit);
+  for (const std::string& warning : derived->warnings) print_note(warning + "\n");
   for (std::size_t k = 0; k < derived->statistics.size(); ++k)
     print_out(channel_text(derived->table.columns[k], derived->statistics[k]));
   print_out(fmt::format("written: {}\n", derived->file));
+  if (!derived->report.empty()) print_out(fmt::format("shown in: {}\n", derived->report));
   return static_cast<int>(derived->exit);
 }
 
