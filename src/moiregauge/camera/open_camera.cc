@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "moiregauge/camera/genicam/genicam_source.h"
+#include "moiregauge/camera/network/network_source.h"
 #include "moiregauge/camera/pipe/y4m_source.h"
 
 namespace moiregauge::internal {
@@ -17,10 +21,18 @@ namespace {
 
 constexpr std::string_view kCamera = "camera", kCameraWithId = "camera:", kPipe = "-";
 
+constexpr std::array<std::string_view, 4> kStreams{"rtsp://", "rtsps://", "http://", "https://"};
+constexpr std::string_view kV4l2 = "v4l2:";
+
+bool is_stream(std::string_view source) {
+  return std::any_of(kStreams.begin(), kStreams.end(),
+                     [&](std::string_view scheme) { return source.starts_with(scheme); });
+}
 bool is_genicam(std::string_view source) { return source == kCamera || source.starts_with(kCameraWithId); }
 
 tl::unexpected<InputError> refusal(const CameraArgs& args, const std::string& what, const std::string& advice) {
-  return tl::unexpected(InputError{InputErrorKind::kUnsupported, fmt::format("{}: {}: {}", what, args.source, advice)});
+  return tl::unexpected(
+      InputError{InputErrorKind::kUnsupported, fmt::format("{}: {}: {}", what, without_password(args.source), advice)});
 }
 
 // Reads "X,Y,WIDTH,HEIGHT".
@@ -77,9 +89,26 @@ tl::expected<std::unique_ptr<LiveSource>, InputError> open_industrial(const Came
   return open_genicam(id, settings);
 }
 
+// Devices of the kernel, with the names of their drivers.
+std::vector<CameraEntry> v4l2_devices() {
+  std::vector<CameraEntry> all;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/sys/class/video4linux", ignored)) {
+    const std::string device = "/dev/" + entry.path().filename().string();
+    std::string name;
+    std::ifstream file(entry.path() / "name");
+    std::getline(file, name);
+    all.push_back({std::string(kV4l2) + device, name, device});
+  }
+  std::sort(all.begin(), all.end(), [](const CameraEntry& a, const CameraEntry& b) { return a.where < b.where; });
+  return all;
+}
+
 }  // namespace
 
-bool is_camera_source(std::string_view source) { return is_genicam(source) || source == kPipe; }
+bool is_camera_source(std::string_view source) {
+  return is_genicam(source) || is_stream(source) || source.starts_with(kV4l2) || source == kPipe;
+}
 
 tl::expected<std::unique_ptr<LiveSource>, InputError> open_camera(const CameraArgs& args) {
   if (is_genicam(args.source)) return open_industrial(args);
@@ -87,6 +116,15 @@ tl::expected<std::unique_ptr<LiveSource>, InputError> open_camera(const CameraAr
     return refusal(args, fmt::format("the source has no {}", option),
                    fmt::format("omit {}, or give a GenICam camera", option));
   if (args.source == kPipe) return open_y4m_pipe(STDIN_FILENO, {args.fps, args.max_pixels});
+  const bool is_device = args.source.starts_with(kV4l2);
+  if (is_stream(args.source) && args.fps)
+    return refusal(args, "the times of a stream are those of its camera", "omit --fps");
+  if (is_stream(args.source) || is_device) {
+    LiveAddress address;
+    address.url = args.source;
+    address.fps = args.fps;
+    return open_network(address, {args.max_pixels, patience_of(args)});
+  }
   return refusal(args, "the source is no camera", "see `moiregauge live --list`");
 }
 
@@ -94,6 +132,7 @@ std::vector<CameraEntry> list_cameras() {
   std::vector<CameraEntry> all;
   for (const FoundCamera& found : find_genicam_cameras())
     all.push_back({"camera:" + found.id, found.what, found.where});
+  for (CameraEntry& device : v4l2_devices()) all.push_back(std::move(device));
   return all;
 }
 

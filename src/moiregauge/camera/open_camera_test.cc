@@ -12,7 +12,8 @@ std::string error_of(const CameraArgs& args) {
 }
 
 TEST(OpenCamera, TheTextDecidesTheKindOfSource) {
-  for (const char* source : {"camera", "camera:Basler-1", "-"}) EXPECT_TRUE(is_camera_source(source)) << source;
+  for (const char* source : {"camera", "camera:Basler-1", "-", "rtsp://host/x", "https://host", "v4l2:/dev/video0"})
+    EXPECT_TRUE(is_camera_source(source)) << source;
   for (const char* source : {"clip.mp4", "cameras", "", "folder/camera", "--"})
     EXPECT_FALSE(is_camera_source(source)) << source;
 }

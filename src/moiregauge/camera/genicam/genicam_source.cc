@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/camera/common/camera_clock.h"
 #include "moiregauge/camera/common/host_time.h"
 #include "moiregauge/camera/common/retry_times.h"
-#include "moiregauge/camera/genicam/camera_clock.h"
 #include "moiregauge/camera/genicam/genicam_stream.h"
 
 namespace moiregauge::internal {

@@ -29,27 +29,33 @@ namespace {
 // Runs before main(): glibc passes the program's arguments to constructors. It is in this file so that every program
 // that links start() links it too. It never returns in the child, so none of the program's own code runs there.
 __attribute__((constructor)) void become_the_child(int count, char** words) {
-  if (count != 3 || std::string_view(words[1]) != wire::kChildMode) return;
+  if (count != 3) return;
+  const std::string_view mode = words[1];
+  if (mode != wire::kChildMode && mode != wire::kLiveMode) return;
   std::int64_t max_pixels = 0;
   const std::string_view number = words[2];
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), max_pixels);
   const bool sane = error == std::errc{} && max_pixels > 0 && max_pixels <= wire::kMaxPixels;
-  ::_exit(sane ? decode_child(max_pixels) : 2);
+  ::_exit(!sane ? 2 : mode == wire::kLiveMode ? decode_live_child(max_pixels) : decode_child(max_pixels));
 }
 
 // Returns a copy of the descriptor above the child's fixed numbers, which spawn() assigns one after the other.
 int moved_up(int file) { return ::fcntl(file, F_DUPFD_CLOEXEC, 16); }
 
-int spawn(pid_t& process, const std::string& program, int input, int memory, int socket, std::string max_pixels) {
+struct ChildFiles {
+  int input, memory, socket;
+};
+
+int spawn(pid_t& process, const std::string& program, const ChildFiles& files, std::string mode,
+          std::string max_pixels) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, input, wire::kInputFile);
-  posix_spawn_file_actions_adddup2(&actions, memory, wire::kMemoryFile);
-  posix_spawn_file_actions_adddup2(&actions, socket, wire::kSocket);
+  posix_spawn_file_actions_adddup2(&actions, files.input, wire::kInputFile);
+  posix_spawn_file_actions_adddup2(&actions, files.memory, wire::kMemoryFile);
+  posix_spawn_file_actions_adddup2(&actions, files.socket, wire::kSocket);
   posix_spawn_file_actions_addclosefrom_np(&actions, wire::kFirstUnusedFile);
   std::string name = "moiregauge";
-  std::string mode = wire::kChildMode;
   char* words[] = {name.data(), mode.data(), max_pixels.data(), nullptr};
   // The parent handles an interrupt from the keyboard. The child ends when the parent closes the socket.
   posix_spawnattr_t attributes;
@@ -65,7 +71,7 @@ int spawn(pid_t& process, const std::string& program, int input, int memory, int
 }  // namespace
 
 tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& program, int input,
-                                                            std::int64_t max_pixels) {
+                                                            std::int64_t max_pixels, const char* mode) {
   ChildProcess child;
   int ends[2] = {-1, -1};
   child.memory_file_ = ::memfd_create("moiregauge-frames", MFD_CLOEXEC | MFD_ALLOW_SEALING);
@@ -74,7 +80,7 @@ tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& p
   }
   child.socket_ = ends[0];
   const int files[] = {moved_up(input), moved_up(child.memory_file_), moved_up(ends[1])};
-  const int problem = spawn(child.process_, program, files[0], files[1], files[2], std::to_string(max_pixels));
+  const int problem = spawn(child.process_, program, {files[0], files[1], files[2]}, mode, std::to_string(max_pixels));
   for (const int file : files) ::close(file);
   ::close(ends[1]);
   if (problem == 0) return child;
@@ -107,6 +113,11 @@ std::string ChildProcess::last_words() {
   process_ = -1;
   if (WIFSIGNALED(status)) return fmt::format("the video decoder stopped (signal {})", WTERMSIG(status));
   return fmt::format("the video decoder stopped (exit code {})", WEXITSTATUS(status));
+}
+
+bool ChildProcess::has_record(std::chrono::milliseconds timeout) const {
+  pollfd waiting{socket_, POLLIN, 0};
+  return ::poll(&waiting, 1, static_cast<int>(timeout.count())) > 0;
 }
 
 tl::expected<wire::Record, std::string> ChildProcess::receive(std::chrono::milliseconds watchdog) {

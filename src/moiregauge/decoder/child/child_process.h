@@ -24,14 +24,17 @@ namespace moiregauge::internal {
 
 class ChildProcess {
  public:
-  // Starts a child. `input` remains the caller's. The child decodes no image of more than `max_pixels`. Fails with the
-  // reason.
+  // Starts a child. `input` remains the caller's. The child decodes no image of more than `max_pixels`. `mode`:
+  // wire::kChildMode or wire::kLiveMode. Fails with the reason.
   [[nodiscard]] static tl::expected<ChildProcess, std::string> start(const std::string& program, int input,
-                                                                     std::int64_t max_pixels);
+                                                                     std::int64_t max_pixels,
+                                                                     const char* mode = wire::kChildMode);
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
   ~ChildProcess();  // kills the child if it is running
 
+  // Waits until receive() would not wait. Returns false if it still would.
+  [[nodiscard]] bool has_record(std::chrono::milliseconds timeout) const;
   // Returns the next record. Fails if the child is silent for longer than `watchdog` or has died.
   [[nodiscard]] tl::expected<wire::Record, std::string> receive(std::chrono::milliseconds watchdog);
   void release(int slot) const;

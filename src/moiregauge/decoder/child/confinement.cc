@@ -73,6 +73,15 @@ void allow_its_files(Filter& filter) {
   filter.allow(SCMP_SYS(recvfrom), argument(0, wire::kSocket));
 }
 
+// Allows communication over descriptors that were opened before the filter. No further one can be opened.
+void allow_connection(Filter& filter) {
+  const scmp_arg_cmp own{0, SCMP_CMP_GE, wire::kFirstUnusedFile, 0};
+  for (const int call : {SCMP_SYS(read), SCMP_SYS(write), SCMP_SYS(recvfrom), SCMP_SYS(sendto), SCMP_SYS(recvmsg),
+                         SCMP_SYS(sendmsg), SCMP_SYS(getsockopt), SCMP_SYS(shutdown), SCMP_SYS(close), SCMP_SYS(ioctl)})
+    filter.allow(call, own);
+  for (const int call : {SCMP_SYS(poll), SCMP_SYS(ppoll), SCMP_SYS(select), SCMP_SYS(pselect6)}) filter.allow(call);
+}
+
 // Sanitizers print reports and use a pipe to test whether an address is readable.
 void allow_sanitizers(Filter& filter) {
   filter.allow(SCMP_SYS(write), scmp_arg_cmp{0, SCMP_CMP_NE, STDOUT_FILENO, 0});
@@ -130,8 +139,9 @@ void limit_resources(std::int64_t max_pixels) {
   if (!kSanitized) limit(RLIMIT_DATA, kGibibyte + 48 * pixels);
 }
 
-std::optional<std::string> filter_system_calls() {
+std::optional<std::string> filter_system_calls(InputAccess access) {
   Filter filter;
+  if (access == InputAccess::kConnection) allow_connection(filter);
   allow_its_files(filter);
   allow_memory(filter);
   allow_threads(filter);

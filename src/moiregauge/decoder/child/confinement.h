@@ -16,10 +16,14 @@ namespace moiregauge::internal {
 // The filter below distinguishes threads from processes.
 void limit_resources(std::int64_t max_pixels);
 
-// Installs the filter of system calls (seccomp) for all threads, irrevocably.
+// Input of a child: a file, or a connection that it has opened before.
+enum class InputAccess { kFile, kConnection };
+
+// Installs the filter of system calls (seccomp) for all threads, irrevocably. With kConnection the child may also read
+// and write descriptors that it opened itself.
 // Calls that a library may make (open a file, read its status) fail with EPERM. Calls that only an intruder makes
 // (execute, fork, open a socket, signal others) end the process with SIGSYS. Sanitizers may make some more calls.
 // Returns the reason if the kernel refuses the filter. Then only limit_resources confines the child.
-[[nodiscard]] std::optional<std::string> filter_system_calls();
+[[nodiscard]] std::optional<std::string> filter_system_calls(InputAccess access = InputAccess::kFile);
 
 }  // namespace moiregauge::internal

@@ -74,6 +74,28 @@ TEST(Confinement, TheKernelStopsActionsThatNoDecoderNeeds) {
   EXPECT_EQ(fate_of(executes), -SIGSYS);
 }
 
+// A live child has its connection before the filter. Then it can neither open another one nor a file.
+TEST(Confinement, AConnectionOpenedBeforeIsTheOnlyOne) {
+  const auto with_connection = [](const std::function<bool(int)>& deed) {
+    return fate_of(
+        [&] {
+          int ends[2] = {-1, -1};
+          if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) return false;
+          const int mine = ::fcntl(ends[0], F_DUPFD, 16), peer = ::fcntl(ends[1], F_DUPFD, 16);
+          if (::send(peer, "x", 1, 0) != 1 || filter_system_calls(InputAccess::kConnection)) return false;
+          return deed(mine);
+        },
+        false);
+  };
+  char letter = 0;
+  EXPECT_EQ(with_connection([&](int mine) { return ::recv(mine, &letter, 1, 0) == 1; }), kDone);
+  EXPECT_EQ(with_connection([](int mine) { return ::send(mine, "y", 1, MSG_NOSIGNAL) == 1; }), kDone);
+  EXPECT_EQ(with_connection([](int) { return opens_a_file(); }), kRefused);
+  EXPECT_EQ(with_connection([](int) { return writes_to_the_terminal(); }), kRefused);
+  EXPECT_EQ(with_connection([](int) { return opens_a_socket(); }), -SIGSYS);
+  EXPECT_EQ(with_connection([](int) { return forks(); }), -SIGSYS);
+}
+
 TEST(Confinement, MemoryAndThreadsAreAllowed) { EXPECT_EQ(fate_of(has_memory_and_threads), kDone); }
 
 TEST(Confinement, AbortStillWorks) {

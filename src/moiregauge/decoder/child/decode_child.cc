@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <deque>
@@ -42,6 +43,7 @@ class Child {
  public:
   explicit Child(std::int64_t max_pixels) : max_pixels_(max_pixels) {}
   int run(const std::optional<std::string>& unfiltered);
+  int run_live();
 
  private:
   void send(const Record& record) const {
@@ -57,6 +59,10 @@ class Child {
   void write_quantiser(const StreamQuantiser& quantiser, std::byte* out, Record& record);
   void send_frame(Record record, bool spoilt) const;
   void send_rest();
+  [[nodiscard]] std::optional<VideoProblem> begin(const VideoStream& stream,
+                                                  const std::optional<std::string>& unfiltered);
+  void warn_about_fields(const AVFrame& frame);
+  void send_live_frame(const VideoStream& stream);
 
   std::int64_t max_pixels_;
   Shape shape_;
@@ -68,6 +74,9 @@ class Child {
   double start_s_ = 0.0;
   DamageMargin<Record> margin_;
   bool warned_fields_ = false;
+  bool is_live_ = false;
+  std::int64_t queue_full_ = 0;  // live frames without a free slot
+  std::int64_t undecoded_ = 0;
 };
 
 int Child::fail(const VideoProblem& problem) {
@@ -120,6 +129,7 @@ bool Child::make_slots(const VideoStream& stream) {
   opened.is_full_range = shape_.tone.curve.is_full_range ? 1 : 0;
   opened.frames = stream.frames();
   opened.fps = stream.fps();
+  opened.has_camera_times = is_live_ && stream.has_camera_times() ? 1 : 0;
   wire::put(opened.what, stream.codec());
   wire::put(opened.advice, stream.stated_start());
   slot_bytes_ = wire::slot_bytes(opened.width, opened.height, opened.bits);
@@ -185,12 +195,7 @@ void Child::send_rest() {
 
 void Child::send_frame(const VideoStream& stream, bool lost) {
   if (number_ == 0) start_s_ = stream.time_s();
-  if (!lost && !warned_fields_ && is_interlaced(stream.frame())) {
-    warned_fields_ = true;
-    warn(
-        "moving targets are less certain: the video is interlaced (odd and even image rows at different times). "
-        "Record progressive video");
-  }
+  if (!lost) warn_about_fields(stream.frame());
   Record record;
   record.kind = Kind::kFrame;
   record.slot = free_slot();
@@ -207,6 +212,85 @@ void Child::send_frame(const VideoStream& stream, bool lost) {
   const bool timeless = std::isnan(record.time_s) && !std::isnan(start_s_);
   record.damaged = lost || stream.damaged() || timeless ? wire::kDamaged : wire::kSound;
   if (const auto old = margin_.put(record, record.damaged != wire::kSound)) send_frame(old->first, old->second);
+}
+
+void Child::warn_about_fields(const AVFrame& frame) {
+  if (warned_fields_ || !is_interlaced(frame)) return;
+  warned_fields_ = true;
+  warn(
+      "moving targets are less certain: the video is interlaced (odd and even image rows at different times). "
+      "Record progressive video");
+}
+
+// Starts with the first frame. Fails if a later frame has another shape.
+std::optional<VideoProblem> Child::begin(const VideoStream& stream, const std::optional<std::string>& unfiltered) {
+  const AVFrame& frame = stream.frame();
+  if (memory_ != nullptr) {
+    if (frame.width == shape_.width && frame.height == shape_.height && frame.format == shape_.format)
+      return std::nullopt;
+    return VideoProblem{InputErrorKind::kDamaged,
+                        fmt::format("the frame size changes from {}x{} to {}x{} at frame {}", shape_.width,
+                                    shape_.height, frame.width, frame.height, number_),
+                        "split the video (earlier frames are valid)"};
+  }
+  if (const auto settled = settle_shape(stream); !settled) return settled.error();
+  if (!make_slots(stream))
+    return VideoProblem{InputErrorKind::kUnreadable, "there is not enough memory for the frames", "free memory"};
+  if (unfiltered)
+    warn(fmt::format("note: the decoder runs without its system call filter, which this system lacks ({})",
+                     *unfiltered));
+  return std::nullopt;
+}
+
+// Sends a live frame, or counts it if the parent has not released any slot.
+void Child::send_live_frame(const VideoStream& stream) {
+  warn_about_fields(stream.frame());
+  wire::Release release;
+  while (::recv(wire::kSocket, &release, sizeof release, MSG_DONTWAIT) == sizeof release) free_.push_back(release.slot);
+  Record record;
+  record.kind = Kind::kFrame;
+  record.number = number_++;
+  if (free_.empty()) {
+    ++queue_full_;
+    return;
+  }
+  record.slot = free_.front();
+  free_.pop_front();
+  std::byte* out = memory_ + static_cast<std::size_t>(record.slot) * slot_bytes_;
+  write_picture(stream.frame(), out);
+  write_quantiser(stream.quantiser(), out, record);
+  record.time_s = stream.time_s();
+  record.damaged = stream.damaged() ? wire::kDamaged : wire::kSound;
+  record.host_ns = std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+  record.queue_full = queue_full_;
+  record.undecoded = undecoded_;
+  if (stream.is_place_known()) return send(record);
+  // Frames are reordered, so an error may concern a neighbour.
+  if (const auto old = margin_.put(record, record.damaged != wire::kSound)) send_frame(old->first, old->second);
+}
+
+int Child::run_live() {
+  is_live_ = true;
+  char text[4096];
+  const ssize_t got = ::pread(wire::kInputFile, text, sizeof text, 0);
+  const auto address = live_address_of({text, static_cast<std::size_t>(got > 0 ? got : 0)});
+  if (!address) return fail({InputErrorKind::kUnreadable, "the address is too long", "shorten it"});
+  auto connected = VideoStream::connect(*address, max_pixels_);
+  if (!connected) return fail(connected.error());
+  VideoStream& stream = **connected;
+  limit_resources(max_pixels_);
+  const auto unfiltered = filter_system_calls(InputAccess::kConnection);
+  if (const auto begun = stream.begin_live(); !begun) return fail(begun.error());
+  while (true) {
+    const Decoded decoded = stream.next();
+    if (decoded == Decoded::kEnd) return fail({InputErrorKind::kDamaged, "the stream ended", "check the camera"});
+    if (decoded == Decoded::kLost) {
+      ++undecoded_;
+      continue;
+    }
+    if (const auto problem = begin(stream, unfiltered)) return fail(*problem);
+    send_live_frame(stream);
+  }
 }
 
 int Child::run(const std::optional<std::string>& unfiltered) {
@@ -231,20 +315,7 @@ int Child::run(const std::optional<std::string>& unfiltered) {
         margin_.spoil_around();
       continue;
     }
-    const AVFrame& frame = stream.frame();
-    if (memory_ == nullptr) {
-      if (const auto settled = settle_shape(stream); !settled) return fail(settled.error());
-      if (!make_slots(stream))
-        return fail({InputErrorKind::kUnreadable, "there is not enough memory for the frames", "free memory"});
-      if (unfiltered)
-        warn(fmt::format("note: the decoder runs without its system call filter, which this system lacks ({})",
-                         *unfiltered));
-    } else if (frame.width != shape_.width || frame.height != shape_.height || frame.format != shape_.format) {
-      return fail({InputErrorKind::kDamaged,
-                   fmt::format("the frame size changes from {}x{} to {}x{} at frame {}", shape_.width, shape_.height,
-                               frame.width, frame.height, number_),
-                   "split the video (earlier frames are valid)"});
-    }
+    if (const auto problem = begin(stream, unfiltered)) return fail(*problem);
     send_frame(stream, false);
   }
   send_rest();
@@ -259,6 +330,11 @@ int decode_child(std::int64_t max_pixels) {
   const auto unfiltered = filter_system_calls();
   count_log_errors();
   return Child(max_pixels).run(unfiltered);
+}
+
+int decode_live_child(std::int64_t max_pixels) {
+  count_log_errors();
+  return Child(max_pixels).run_live();
 }
 
 }  // namespace moiregauge::internal

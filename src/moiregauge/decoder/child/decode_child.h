@@ -9,4 +9,9 @@ namespace moiregauge::internal {
 // socket (wire.h). Decodes no image of more than `max_pixels`. Returns the exit code.
 [[nodiscard]] int decode_child(std::int64_t max_pixels);
 
+// Runs the child of a live stream, whose input is a LiveAddress (live_stream.h). It connects first, and confines itself
+// before it reads anything of the stream but the headers of the connection. Frames that find no free slot are dropped
+// and counted, because a camera does not wait.
+[[nodiscard]] int decode_live_child(std::int64_t max_pixels);
+
 }  // namespace moiregauge::internal

@@ -21,6 +21,7 @@ inline constexpr int kSocket = 5;
 inline constexpr int kFirstUnusedFile = 6;
 
 inline constexpr const char* kChildMode = "--decode-child";
+inline constexpr const char* kLiveMode = "--decode-live-child";    // the input is a LiveAddress (live_stream.h)
 inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;  // px, upper limit of --max-pixels
 inline constexpr int kMaxSlots = 8;
 // Smallest number of slots: the parent reads one image, three wait in the child for later frames (margin.h), one is
@@ -58,8 +59,14 @@ struct Record {
   double quantiser_step = 0.0;  // grey levels; 0: lossless, NaN: unknown
   std::int32_t predicted = 0;
   std::int32_t has_blocks = 0;  // the slot holds block quantisers after its pixels
+  // kFrame of a live stream:
+  std::int64_t host_ns = 0;     // CLOCK_MONOTONIC when the frame was decoded
+  std::int64_t queue_full = 0;  // frames dropped so far because no slot was free
+  std::int64_t undecoded = 0;   // packets so far that gave no frame
   // kFailed
   std::int32_t error = 0;  // an InputErrorKind
+  // kOpened, live stream: times come from the camera's clock
+  std::int32_t has_camera_times = 0;
   // kOpened: tone curve of the grey levels
   std::int32_t tone_kind = 0;  // a ToneCurve::Kind
   std::int32_t tone_is_tagged = 0;

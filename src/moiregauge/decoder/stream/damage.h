@@ -24,6 +24,12 @@ class Damage {
   void complaint(std::int64_t packet) {
     if (complaints_.empty() || complaints_.back() != packet) complaints_.push_back(packet);
   }
+  // Forgets what concerns packets before the last key packet. Frames must leave the decoder in the order of packets.
+  void forget() {
+    if (keys_.empty()) return;
+    keys_.erase(keys_.begin(), keys_.end() - 1);
+    complaints_.erase(complaints_.begin(), std::lower_bound(complaints_.begin(), complaints_.end(), keys_.front()));
+  }
   [[nodiscard]] bool touches(std::int64_t packet) const {
     const auto after = std::upper_bound(keys_.begin(), keys_.end(), packet);
     const std::int64_t key = after == keys_.begin() ? 0 : *std::prev(after);

@@ -135,7 +135,10 @@ tl::expected<std::unique_ptr<VideoStream>, VideoProblem> VideoStream::open(int f
 
 VideoStream::~VideoStream() {
   avcodec_free_context(&decoder_);
+  AVIOContext* connection =
+      file_ < 0 && container_ != nullptr && (container_->flags & AVFMT_FLAG_CUSTOM_IO) != 0 ? container_->pb : nullptr;
   avformat_close_input(&container_);
+  if (connection != nullptr) avio_closep(&connection);
   if (bytes_ != nullptr) av_freep(&bytes_->buffer);
   avio_context_free(&bytes_);
   av_frame_free(&frame_);
@@ -158,19 +161,29 @@ std::optional<VideoProblem> VideoStream::open_container() {
   // Read before libav adds its own count to the index of an AVI.
   has_places_ = container_->nb_streams > 0 && avformat_index_get_entries_count(container_->streams[0]) > 0;
   header_complained_ = !places_of_complaints().empty();
+  return choose_stream();
+}
+
+VideoProblem VideoStream::no_video_here() const {
+  if (file_ >= 0) return no_video(file_);
+  return {InputErrorKind::kUnsupported, "the stream contains no video that can be decoded",
+          "check the camera's settings"};
+}
+
+std::optional<VideoProblem> VideoStream::choose_stream() {
   // Some containers state the size in their header, others in the stream, which probing partly decodes.
   if (auto problem = size_problem(*container_, max_pixels_)) return problem;
-  if (!look_into_streams(container_, max_pixels_)) return no_video(file_);
+  if (!look_into_streams(container_, max_pixels_)) return no_video_here();
   if (auto problem = size_problem(*container_, max_pixels_)) return problem;
   early_complaints_ = places_of_complaints();
   const int best = av_find_best_stream(container_, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-  if (best < 0) return no_video(file_);
+  if (best < 0) return no_video_here();
   stream_ = container_->streams[best];
   for (unsigned i = 0; i < container_->nb_streams; ++i) {
     if (container_->streams[i] != stream_) container_->streams[i]->discard = AVDISCARD_ALL;
   }
   if ((stream_->disposition & AV_DISPOSITION_ATTACHED_PIC) != 0)
-    return no_video(file_);  // cover image of an audio file
+    return no_video_here();  // cover image of an audio file
   return std::nullopt;
 }
 
@@ -205,6 +218,7 @@ bool VideoStream::read_packet() {
   int read = 0;
   do {
     av_packet_unref(packet_);
+    if (deadline_) deadline_->restart();
     read = av_read_frame(container_, packet_);
   } while (read >= 0 && packet_->stream_index != stream_->index);
   if (read < 0) {  // an error at the end says nothing about earlier packets
@@ -214,6 +228,7 @@ bool VideoStream::read_packet() {
   }
   ++packets_;
   if ((packet_->flags & AV_PKT_FLAG_KEY) != 0) damage_.key_packet(packets_);
+  if (file_ < 0 && is_place_known()) damage_.forget();
   last_packet_corrupt_ = (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0;
   if (last_packet_corrupt_) damage_.complaint(packets_);
   note_complaints(packets_);

@@ -14,6 +14,7 @@
 #include "moiregauge/decoder/headers/stated_size.h"
 #include "moiregauge/decoder/headers/stream_quantiser.h"
 #include "moiregauge/decoder/stream/damage.h"
+#include "moiregauge/decoder/stream/live_address.h"
 #include "moiregauge/run/frame_source.h"
 
 extern "C" {
@@ -40,6 +41,11 @@ class VideoStream {
   // Opens a stream. libav gets no name and no protocol, so it reads `file` only, and cannot open other files. Images
   // above `max_pixels` are not decoded, and no memory is allocated for them.
   [[nodiscard]] static tl::expected<std::unique_ptr<VideoStream>, VideoProblem> open(int file, std::int64_t max_pixels);
+  // Connects to a live stream: opens the connection, and for RTSP reads the description. Then begin_live() probes it.
+  // Between both the process can be confined.
+  [[nodiscard]] static tl::expected<std::unique_ptr<VideoStream>, VideoProblem> connect(const LiveAddress& address,
+                                                                                        std::int64_t max_pixels);
+  [[nodiscard]] tl::expected<void, VideoProblem> begin_live();
   VideoStream(const VideoStream&) = delete;
   VideoStream& operator=(const VideoStream&) = delete;
   ~VideoStream();
@@ -56,6 +62,8 @@ class VideoStream {
   // truncated files cannot be detected.
   [[nodiscard]] std::optional<VideoProblem> end_problem(long shown) const;
 
+  // Returns true if the frames of a live stream have times of the camera, and not of libav's guess of a frame rate.
+  [[nodiscard]] bool has_camera_times() const;
   [[nodiscard]] long frames() const;  // -1: not stated
   [[nodiscard]] double fps() const;   // NaN: unknown
   [[nodiscard]] std::string codec() const;
@@ -67,6 +75,8 @@ class VideoStream {
  private:
   VideoStream() = default;
   [[nodiscard]] std::optional<VideoProblem> open_container();
+  [[nodiscard]] std::optional<VideoProblem> choose_stream();
+  [[nodiscard]] VideoProblem no_video_here() const;
   [[nodiscard]] bool open_decoder();
   [[nodiscard]] bool read_packet();
   [[nodiscard]] bool send_packet();
@@ -77,7 +87,7 @@ class VideoStream {
   void take_early_complaints();
   [[nodiscard]] bool is_cut() const;
 
-  int file_ = -1;
+  int file_ = -1;  // -1: a live stream
   std::int64_t max_pixels_ = 0;
   std::int64_t file_bytes_ = 0;
   std::int64_t position_ = 0;  // bytes; separate, because the descriptor's own may be shared
@@ -109,6 +119,8 @@ class VideoStream {
   std::int64_t timestamp_ = AV_NOPTS_VALUE;
 
   friend int read_bytes(void* self, std::uint8_t* out, int size);
+  std::unique_ptr<LiveDeadline> deadline_;  // live streams only
+
   friend std::int64_t seek_bytes(void* self, std::int64_t offset, int whence);
 };
 

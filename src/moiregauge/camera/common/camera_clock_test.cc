@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/camera/genicam/camera_clock.h"
+#include "moiregauge/camera/common/camera_clock.h"
 
 #include <gtest/gtest.h>
 
