@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -44,6 +46,9 @@ std::optional<std::string> problem_with(const VideoFormat& format) {
   if (format.bits > 8 && !is_lossless) {
     return fmt::format("{} holds 8 bits: the scenario has {}: give --codec ffv1", row.word, format.bits);
   }
+  constexpr int kDepths[] = {8, 9, 10, 12, 16};
+  if (std::find(std::begin(kDepths), std::end(kDepths), format.bits) == std::end(kDepths))
+    return fmt::format("ffv1 holds 8, 9, 10, 12 or 16 bits, not {}", format.bits);
   if (!is_lossless && (format.width % 2 != 0 || format.height % 2 != 0)) {
     return fmt::format("{} requires an even width and height: the scenario has {}x{} px: give --codec ffv1", row.word,
                        format.width, format.height);

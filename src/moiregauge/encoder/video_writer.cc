@@ -39,8 +39,18 @@ using Owned = std::unique_ptr<Of, Freed>;
 AVPixelFormat layout_of(const VideoFormat& format) {
   if (format.codec == VideoCodec::kX264) return AV_PIX_FMT_YUV420P;
   if (format.codec == VideoCodec::kMjpeg) return AV_PIX_FMT_YUVJ420P;
-  if (format.bits == 12) return AV_PIX_FMT_GRAY12;
-  return format.bits == 10 ? AV_PIX_FMT_GRAY10 : AV_PIX_FMT_GRAY8;
+  switch (format.bits) {
+    case 9:
+      return AV_PIX_FMT_GRAY9;
+    case 10:
+      return AV_PIX_FMT_GRAY10;
+    case 12:
+      return AV_PIX_FMT_GRAY12;
+    case 16:
+      return AV_PIX_FMT_GRAY16;
+    default:
+      return AV_PIX_FMT_GRAY8;
+  }
 }
 
 const AVCodec* encoder_of(VideoCodec codec) {

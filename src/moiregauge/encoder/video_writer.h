@@ -13,7 +13,7 @@
 namespace moiregauge::internal {
 
 enum class VideoCodec {
-  kFfv1,   // lossless, 8, 10 or 12 bits; video.mkv
+  kFfv1,   // lossless, 8, 9, 10, 12 or 16 bits; video.mkv
   kX264,   // H.264 as telephones record it: 4:2:0, 8 bits, B frames, constant rate factor; video.mp4
   kMjpeg,  // every frame a JPEG, 8 bits; video.mkv
 };

@@ -104,7 +104,7 @@ void expect_times(const Read& read, double within) {
 
 TEST(VideoWriter, Ffv1KeepsEveryGreyLevelAtEveryDepth) {
   const TestFolder folder;
-  for (const int bits : {8, 10, 12}) {
+  for (const int bits : {8, 9, 10, 12, 16}) {
     write(folder / "a.mkv", format_of(VideoCodec::kFfv1, {}, bits));
     const Read back = read(folder / "a.mkv");
     EXPECT_EQ(back.info.bits, bits);
@@ -160,6 +160,7 @@ TEST(VideoWriter, InvalidFormatsAreRefusedWithAReason) {
     return writer ? std::string() : writer.error();
   };
   EXPECT_NE(why(folder / "a.mp4", format_of(VideoCodec::kX264, {}, 12)).find("x264 holds 8"), std::string::npos);
+  EXPECT_NE(why(folder / "a.mkv", format_of(VideoCodec::kFfv1, {}, 14)).find("not 14"), std::string::npos);
   EXPECT_NE(why(folder / "a.mp4", format_of(VideoCodec::kX264, 60)).find("0 to 51"), std::string::npos);
   EXPECT_NE(why(folder / "a.mkv", format_of(VideoCodec::kFfv1, 3)).find("lossless"), std::string::npos);
   EXPECT_NE(why(folder / "no/a.mkv", format_of(VideoCodec::kFfv1)).find("No such file"), std::string::npos);
