@@ -74,6 +74,11 @@ def texts(moiregauge, work):
     put("channel", "unit", "slope [rad] = -mean(mid.dx, tilt) / 120.5")
     put("channel", "product", "c = mid.dy * left.dy")
     put("channel", "open", "c = ((((-+-mid.rotation")
+    put("y4m_header", "grey", "YUV4MPEG2 W640 H480 F30000:1001 Ip A1:1 Cmono12 XCOLORRANGE=FULL")
+    put("y4m_header", "yuv", "YUV4MPEG2 W5 H3 F25:1 It C420p10")
+    put("alarm_rule", "full", "|T1.dy| > 2 mm for 0.5 s until 1.5mm")
+    put("alarm_rule", "quoted", "\"pier 2\".dx < -25um for 2 min")
+    put("alarm_rule", "address", "mqtts://gauge@[::1]:8883/bridge/span2")
     put("scenario_file", "every-kind", 'base = "small-1xyz"\nframes = 50\n[lens]\nk1 = -0.1\n[rotation.z]\n'
         'knots = [[0, 0], [5, 0.8]]\n[[marker]]\nname = "beam"\nrole = "target"\ngrating_mm = [0, 0]\n'
         'grating_size_mm = [40, 40]\npitch_mm = 10\n[marker.dy]\nknots = [[0, 0], [2, 1]]\n[marker.cover]\nframes = [[2, 4]]\n'

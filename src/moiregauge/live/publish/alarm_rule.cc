@@ -115,7 +115,10 @@ class RuleParser {
     const auto value = number();
     if (!value) return std::nullopt;
     for (const auto& [unit, over] : units) {
-      if (take_word(unit)) return *value / over;
+      if (!take_word(unit)) continue;
+      if (std::isfinite(*value / over)) return *value / over;
+      fail(at_, "the number is too large", "give a smaller one");
+      return std::nullopt;
     }
     fail(at_, "the number has no known unit", remedy);
     return std::nullopt;

@@ -57,6 +57,7 @@ TEST(AlarmRule, AMistakeNamesItsColumn) {
                         {"T1.dy > 2,5 mm", 10},
                         {"T1.dy > nan mm", 9},
                         {"T1.dy > 1e999 mm", 9},
+                        {"T1.dy > 1e308 m", 16},
                         {"T1.dy > 2 mm for 0.5", 21},
                         {"T1.dy > 2 mm for -1 s", 18},
                         {"T1.dy > 2 mm until 3 mm", 20},
