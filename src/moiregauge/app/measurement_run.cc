@@ -60,9 +60,7 @@ using Overlay = std::future<std::vector<std::uint8_t>>;
 // Draws and compresses overlay.png while the scene is solved, because neither needs the other. With --threads 1, and for
 // a refused run, it is drawn at the end.
 Overlay overlay_in_background(const Measurement& seen, const MeasureOptions& options, int threads) {
-  const auto draw = [&] {
-    return seen.reference ? overlay_of(seen.picture.grey.view(), *seen.reference) : overlay_of_refusal(seen, options);
-  };
+  const auto draw = [&] { return run_overlay(seen, options); };
   if (seen.reference && threads != 1) {
     try {
       return std::async(std::launch::async, draw);
@@ -70,17 +68,6 @@ Overlay overlay_in_background(const Measurement& seen, const MeasureOptions& opt
     }
   }
   return std::async(std::launch::deferred, draw);
-}
-
-// The rows of one frame are read before those of the next.
-std::optional<std::string> readout_problem(const MeasureOptions& options, const InputInfo& input) {
-  constexpr double kRounding = 1.01;
-  if (!options.solve.readout_s || !(input.fps > 0.0) || *options.solve.readout_s * input.fps <= kRounding)
-    return std::nullopt;
-  return fmt::format(
-      "the readout time is longer than a frame: --readout {:.4g}ms of {:.4g} ms: give a shorter time, or the right "
-      "--fps",
-      1e3 * *options.solve.readout_s, 1e3 / input.fps);
 }
 
 // The two folders are each published as a whole: neither may contain the other.
@@ -212,6 +199,20 @@ class MeasurementRun {
 };
 
 }  // namespace
+
+std::optional<std::string> readout_problem(const MeasureOptions& options, const InputInfo& input) {
+  constexpr double kRounding = 1.01;
+  if (!options.solve.readout_s || !(input.fps > 0.0) || *options.solve.readout_s * input.fps <= kRounding)
+    return std::nullopt;
+  return fmt::format(
+      "the readout time is longer than a frame: --readout {:.4g}ms of {:.4g} ms: give a shorter time, or the right "
+      "--fps",
+      1e3 * *options.solve.readout_s, 1e3 / input.fps);
+}
+
+std::vector<std::uint8_t> run_overlay(const Measurement& seen, const MeasureOptions& options) {
+  return seen.reference ? overlay_of(seen.picture.grey.view(), *seen.reference) : overlay_of_refusal(seen, options);
+}
 
 RunFailure failure_of(const OutputError& error) {
   return {error.usage ? Exit::kUsage : Exit::kOutputUnwritable, error.message};

@@ -2,6 +2,7 @@
 // A measurement as an application runs it: opens the input, measures, solves, and writes the run directory as a whole.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,12 @@ struct FinishedRun {
 // its Measurement holds the refusal.
 [[nodiscard]] tl::expected<FinishedRun, RunFailure> run_measurement(const RunRequest& request,
                                                                     const RunCallbacks& callbacks);
+
+// Returns overlay.png of a run with its picture. It draws the reference frame, or everything detected in a refused run.
+[[nodiscard]] std::vector<std::uint8_t> run_overlay(const Measurement& seen, const MeasureOptions& options);
+
+// Returns an error if --readout is longer than a frame: the rows of one frame are read before those of the next.
+[[nodiscard]] std::optional<std::string> readout_problem(const MeasureOptions& options, const InputInfo& input);
 
 // Returns the failure of results that cannot be written.
 [[nodiscard]] RunFailure failure_of(const OutputError& error);

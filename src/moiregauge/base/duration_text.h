@@ -11,4 +11,7 @@ namespace moiregauge::internal {
 // Fails with what to write instead. A number without a unit is refused.
 [[nodiscard]] tl::expected<double, std::string> duration_s(const std::string& text);
 
+// Reads a duration such as "30s", "10min", "1h" or "30d", as duration_s does.
+[[nodiscard]] tl::expected<double, std::string> long_duration_s(const std::string& text);
+
 }  // namespace moiregauge::internal

@@ -19,5 +19,13 @@ TEST(DurationText, RefusesTextsWithoutUnitAndInvalidDurations) {
     EXPECT_FALSE(duration_s(text)) << text;
 }
 
+TEST(DurationText, ReadsLongDurations) {
+  EXPECT_EQ(long_duration_s("90s").value(), 90.0);
+  EXPECT_EQ(long_duration_s("10 min").value(), 600.0);
+  EXPECT_EQ(long_duration_s("1.5h").value(), 5400.0);
+  EXPECT_EQ(long_duration_s("30d").value(), 2'592'000.0);
+  for (const char* text : {"10", "10ms", "1 week", "-1h"}) EXPECT_FALSE(long_duration_s(text)) << text;
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

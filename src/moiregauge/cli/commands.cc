@@ -6,6 +6,7 @@
 #include "moiregauge/cli/help/command_completion.h"
 #include "moiregauge/cli/help/command_help.h"
 #include "moiregauge/cli/help/command_list.h"
+#include "moiregauge/cli/live/command_live.h"
 #include "moiregauge/cli/measure/command_compare.h"
 #include "moiregauge/cli/measure/command_derive.h"
 #include "moiregauge/cli/measure/command_export.h"
@@ -44,6 +45,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   app.require_subcommand(1);
   app.footer("For the page of one command: moiregauge help COMMAND");
   add_measure(app, exit_code);
+  add_live(app, exit_code);
   add_solve(app, exit_code);
   add_derive(app, exit_code);
   add_compare(app, exit_code);

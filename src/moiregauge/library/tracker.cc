@@ -11,6 +11,7 @@
 #include "moiregauge/displacement/precise/tracked_scene.h"
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/library/convert.h"
+#include "moiregauge/live/key_frames.h"
 #include "moiregauge/run/frame_observer.h"
 
 namespace moiregauge {
@@ -25,32 +26,6 @@ internal::LumaView luma_of(const ImageView& image) {
   return internal::ImageView<std::uint16_t>{static_cast<const std::uint16_t*>(image.data), image.width, image.height,
                                             image.stride};
 }
-
-// Key frames at an even stride. The stride doubles whenever there are too many.
-class KeyFrames {
- public:
-  void refer_to(const internal::Reference& reference) { frames_.refer_to(reference); }
-  // Returns true if the frame was kept.
-  bool add(long n, const internal::Observation& seen) {
-    if (n % stride_ != 0) return false;
-    frames_.push_back(seen);
-    if (frames_.size() > static_cast<std::size_t>(Tracker::kMaxKeyFrames)) thin();
-    return true;
-  }
-  [[nodiscard]] const internal::Observations& frames() const { return frames_; }
-  [[nodiscard]] long stride() const { return stride_; }
-
- private:
-  void thin() {
-    internal::Observations half = frames_;
-    half.clear();
-    for (std::size_t k = 0; k < frames_.size(); k += 2) half.append(frames_, k, k + 1);
-    frames_ = std::move(half);
-    stride_ *= 2;
-  }
-  internal::Observations frames_;
-  long stride_ = 1;
-};
 
 }  // namespace
 
@@ -68,7 +43,7 @@ struct Tracker::State {
   internal::Measurement run;  // input, reference frame, notes
   internal::FrameObserver observer;
   std::optional<internal::Follower> follower;
-  KeyFrames keys;
+  internal::KeyFrames keys{{.max_frames = kMaxKeyFrames}};
   std::unique_ptr<internal::TrackedScene> scene;
   std::vector<std::string> names;
   std::vector<bool> is_far;  // targets that moved further between frames than continuity allows, one per site marker
@@ -151,7 +126,8 @@ Expected<TrackedFrame> Tracker::State::update(const ImageView& image, double tim
   if (!had_reference) become_reference(out);
   const Travel travel = follower->follow(*run.reference, seen);
   mark_leaps(travel);
-  keys.add(measured++, seen);
+  keys.add(seen);
+  ++measured;
   solve_if_due();
   for (const internal::Sample& sample : samples_of(seen, travel)) out.samples.push_back(internal::to_public(sample));
   if (!seen.references_seen) out.problem = "too few references were found in this frame";

@@ -27,8 +27,7 @@ struct LiveHealth {
   double frames_per_s = kNotMeasured;  // measured frames by the host's clock
   // Image of the markers in this frame, the worst marker each. NaN if no marker was read.
   double clipped = kNotMeasured;     // share of pixels at the ends of the range
-  double modulation = kNotMeasured;  // amplitude of the gratings relative to the reference frame
-  double blur_px = kNotMeasured;     // added blur relative to the reference frame, standard deviation
+  double modulation = kNotMeasured;  // amplitude of the gratings relative to the reference frame: light, focus, blur
 };
 
 // Samples of one frame.

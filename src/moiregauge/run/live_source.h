@@ -21,8 +21,11 @@ struct LostFrames {
   long queue_full = 0;  // they came while the bounded queue was full, because measuring was too slow
   long incomplete = 0;  // packets or lines are missing
   long in_camera = 0;   // gaps in the camera's frame numbers that neither of the others explains
+  // They came while the reference frame was learned, which takes as long as many frames. The measurement counts them;
+  // sources leave it at 0.
+  long starting = 0;
   long reconnects = 0;  // times the connection was lost and made again; frames in between are not counted
-  [[nodiscard]] long frames() const { return queue_full + incomplete + in_camera; }
+  [[nodiscard]] long frames() const { return queue_full + incomplete + in_camera + starting; }
   friend bool operator==(const LostFrames&, const LostFrames&) = default;
 };
 

@@ -12,100 +12,10 @@
 #include "moiregauge/results/derived/zeroed_samples.h"
 #include "moiregauge/run/codec.h"
 #include "moiregauge/run/frame_notes.h"
-#include "moiregauge/run/frame_observer.h"
+#include "moiregauge/run/observing_run.h"
 
 namespace moiregauge::internal {
 namespace {
-
-// State of a run while frames arrive.
-class Run {
- public:
-  // Keeps nothing of an unfinished run without a reference frame: every frame is tried again.
-  Run(const MeasureOptions& options, Measurement& out, RunHooks doors)
-      : options_(options), out_(out), frames_(doors.frames), journal_(doors.journal), observer_(options, out) {
-    if (!doors.so_far.reference) return;
-    observer_.resume(*std::move(doors.so_far.reference), doors.so_far.input.bits);
-    out_.notes = std::move(doors.so_far.notes);
-    kept_ = std::move(doors.so_far.observations);
-    is_journaled_ = true;
-  }
-
-  bool refer_to(const Frame& frame) { return observer_.refer_to(frame); }
-  void keep_picture(const Frame& frame) { observer_.keep_picture(frame); }
-
-  void measure_frame(const Frame& frame, const FrameSource& source) {
-    const bool had_reference = out_.reference.has_value();
-    Observation seen = observer_.observe(frame);
-    if (!out_.contradiction.empty()) return;
-    if (!source.is_frame_whole()) {
-      Frame torn = frame;
-      torn.damaged = true;
-      if (!had_reference && out_.reference) {
-        out_.reference.reset();
-        out_.refusal = "the file became shorter while its first frames were read";
-      }
-      seen = observer_.observe(torn);
-    }
-    out_.observations.push_back(seen);
-    put(frame, seen);
-    if (journal_ == nullptr) return;
-    if (out_.reference && !std::exchange(is_journaled_, true))
-      journal_->refer(*out_.reference, observer_.reference_notes());
-    journal_->add(out_.observations.packed(out_.observations.size() - 1));
-  }
-
-  // Returns true if the unfinished run has observed the next selected frame.
-  [[nodiscard]] bool is_kept() const { return out_.observations.size() < kept_.size(); }
-  // Skips a frame that the unfinished run observed. Returns false if it is another frame.
-  bool pass_over(const Frame& frame) {
-    const std::size_t n = out_.observations.size();
-    const Observation seen = kept_[n];
-    if (seen.frame != frame.number) return false;
-    keep_picture(frame);
-    observer_.skip(seen);
-    out_.observations.append(kept_, n, n + 1);
-    put(frame, seen);
-    return true;
-  }
-  // Keeps all earlier observations, even if the resumed run stops while it skips frames.
-  void stop() {
-    out_.interrupted = true;
-    out_.observations.append(kept_, out_.observations.size(), kept_.size());
-  }
-  [[nodiscard]] std::optional<std::string> note_on_repeats() const {
-    const std::vector<long> repeated = processing().repeated;
-    if (repeated.empty()) return std::nullopt;
-    return fmt::format(
-        "moving targets are not trusted in {} of {} frames, which repeat the frame before exactly (first: frame {}). "
-        "Record without dropped frames",
-        repeated.size(), out_.observations.size(), repeated.front());
-  }
-  [[nodiscard]] CameraProcessing processing() const { return observer_.processing(); }
-  [[nodiscard]] bool cannot_succeed() const { return observer_.cannot_succeed(); }
-  [[nodiscard]] bool may_continue() const { return journal_ == nullptr || journal_->good(); }
-
- private:
-  // Forwards a frame that was added to the observations.
-  void put(const Frame& frame, const Observation& seen) {
-    observer_.add(frame, seen);
-    if (frames_ == nullptr) return;
-    const bool is_before = !out_.reference || (!options_.reference_frame && frame.number < out_.reference->seen.frame);
-    frames_->add(frame, out_.input.bits, is_before ? nullptr : &*out_.reference, seen);
-  }
-
-  const MeasureOptions& options_;
-  Measurement& out_;
-  FrameSink* frames_;
-  JournalSink* journal_;
-  FrameObserver observer_;
-  Observations kept_;          // from the unfinished run
-  bool is_journaled_ = false;  // the reference frame is in the journal
-};
-
-void note_damage(Measurement& out, const InputError& error) {
-  out.input_damaged = true;
-  out.notes.push_back(error.message);
-}
 
 std::string as_typed(const FrameRange& range) {
   if (range.seconds)
@@ -126,7 +36,7 @@ std::string no_such_frame(const std::string& option, const InputInfo& input, lon
 }
 
 // Reads up to the frame of --reference-frame from a separate source, because it may be outside the selection.
-tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number, Run& run, Measurement& out) {
+tl::expected<void, InputError> refer_to_frame(const OpenInput& open, long number, ObservingRun& run, Measurement& out) {
   auto source = open();
   if (!source) return tl::unexpected(source.error());
   out.input = (*source)->info();
@@ -164,7 +74,7 @@ long selected(const FrameRange& range, long frames) {
   return std::max(0L, (end - range.first + range.step - 1) / range.step);
 }
 
-tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, Run& run,
+tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOptions& options, ObservingRun& run,
                                            Measurement& out, const OnProgress& on_progress) {
   const long expected = selected(options.frames, source.info().frames);
   FrameSelector selector(options.frames);
@@ -173,7 +83,7 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     auto frame = source.next();
     if (!frame) {
       if (frames == 0) return tl::unexpected(frame.error());
-      note_damage(out, frame.error());
+      note_damage(out, frame.error().message);
       break;
     }
     if (!*frame) break;
@@ -182,7 +92,7 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     if (selector.is_past(now.number, now.time_s)) break;
     if (!selector.holds(now.number, now.time_s)) continue;
     if (!run.is_kept())
-      run.measure_frame(now, source);
+      (void)run.measure_frame(now, [&source] { return source.is_frame_whole(); });
     else if (!run.pass_over(now))
       return tl::unexpected(not_the_same(source.info().path));
     if (!out.contradiction.empty()) return {};
@@ -362,7 +272,7 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
 tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
                                                   const OnProgress& on_progress, RunHooks doors) {
   Measurement out;
-  Run run(options, out, std::move(doors));
+  ObservingRun run(options, out, std::move(doors));
   auto source = open();
   if (!source) return tl::unexpected(source.error());
   if (auto problem = time_problem(options, (*source)->info())) {
@@ -378,11 +288,7 @@ tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const M
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
     out.input = (*source)->info();
   }
-  if (out.reference) out.input.tone = out.reference->tone;
-  out.processing = run.processing();
-  if (auto note = run.note_on_repeats()) out.notes.push_back(*std::move(note));
-  out.notes.insert(out.notes.begin(), out.input.warnings.begin(), out.input.warnings.end());
-  if (std::isnan(out.input.fps)) out.notes.emplace_back(kNoTimesNote);
+  conclude_log(run.processing(), static_cast<long>(out.observations.size()), out);
   return out;
 }
 

@@ -56,10 +56,15 @@ int run(const MeasureArgs& args) {
                           measured.observations.back().frame, finished->folder));
 }
 
-void add_prints(CLI::App& command, MeasureArgs& args) {
+void add_input(CLI::App& command, MeasureArgs& args) {
   command.add_option("INPUT", args.input, "video, folder of images, multi-page TIFF, or printf pattern (--sequence)")
       ->type_name("FILE")
       ->required();
+}
+
+}  // namespace
+
+void add_print_options(CLI::App& command, MeasureArgs& args) {
   command.add_option("--site", args.site, "site.toml, the markers and their positions")->type_name("FILE");
   command.add_option("--pitch", args.pitch, "grating pitch with its unit, e.g. 10mm (without a site file)")
       ->type_name("LENGTH");
@@ -71,7 +76,7 @@ void add_prints(CLI::App& command, MeasureArgs& args) {
   add_marker_choice(command, args.choice);
 }
 
-void add_camera(CLI::App& command, MeasureArgs& args) {
+void add_camera_options(CLI::App& command, MeasureArgs& args) {
   command.add_option("--camera", args.camera, "calibrated camera: TOML or OpenCV/ROS YAML")->type_name("FILE");
   command
       .add_option("--tone", args.tone,
@@ -83,6 +88,8 @@ void add_camera(CLI::App& command, MeasureArgs& args) {
                   "rolling shutter: time from the first row to the last, e.g. 18ms; 0ms: global [from the footage]")
       ->type_name("TIME");
 }
+
+namespace {
 
 void add_frames(CLI::App& command, MeasureArgs& args) {
   command.add_option("--fps", args.fps, "frames per second of a folder of images")->type_name("N");
@@ -102,7 +109,9 @@ void add_frames(CLI::App& command, MeasureArgs& args) {
   command.add_flag("--sequence", args.sequence, "INPUT is a printf pattern such as shot%04d.png");
 }
 
-void add_method(CLI::App& command, MeasureArgs& args) {
+}  // namespace
+
+void add_method_options(CLI::App& command, MeasureArgs& args) {
   std::string methods;
   for (const Method& method : kMethods) methods += fmt::format("\n  {}: {}", method.name, method.summary);
   command.add_option("--method", args.method, "method [" + std::string(kDefaultMethod) + "]" + methods)
@@ -116,6 +125,8 @@ void add_method(CLI::App& command, MeasureArgs& args) {
       ->type_name("N");
   add_max_pixels(command, args.max_pixels);
 }
+
+namespace {
 
 void add_output(CLI::App& command, MeasureArgs& args) {
   command.add_option("-o,--out", args.output, "output folder [<input>-moiregauge]")->type_name("DIR");
@@ -140,7 +151,8 @@ void add_output(CLI::App& command, MeasureArgs& args) {
 void add_measure(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("measure", "Measure displacement in millimetres from a video or images");
   auto args = std::make_shared<MeasureArgs>();
-  for (const auto add : {add_prints, add_camera, add_frames, add_method, add_output}) add(*command, *args);
+  for (const auto add : {add_input, add_print_options, add_camera_options, add_frames, add_method_options, add_output})
+    add(*command, *args);
   command->callback([args, &exit_code] { exit_code = run(*args); });
 }
 

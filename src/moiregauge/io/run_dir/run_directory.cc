@@ -37,7 +37,8 @@ std::string sha256_of_run(const fs::path& dir) {
 // Keeps the files of the measurement. Hard links are enough in a folder that replaces `from`. Otherwise, or if the file
 // system has no links, the files are copied.
 Done keep_seen(const fs::path& dir, const fs::path& from, bool in_place) {
-  for (const char* name : {"overlay.png", "stabilised.mp4", kRunFileName.data()}) {
+  for (const std::string_view name : {std::string_view("overlay.png"), std::string_view("stabilised.mp4"), kRunFileName,
+                                      kLiveRowsName, kLiveFactsName}) {
     std::error_code error;
     if (!fs::exists(from / name, error)) continue;
     if (in_place) fs::create_hard_link(from / name, dir / name, error);

@@ -79,7 +79,8 @@ tl::expected<void, std::string> publish(const fs::path& folder, const RunPlace& 
 void keep_journal_only(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().filename() != kRunFileName) fs::remove_all(entry.path(), error);
+    const std::string name = entry.path().filename().string();
+    if (name != kRunFileName && name != kLiveRowsName) fs::remove_all(entry.path(), error);
   }
 }
 

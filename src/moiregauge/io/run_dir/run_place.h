@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include <tl/expected.hpp>
 
@@ -27,7 +28,12 @@ void recover(const RunPlace& place);
 // message.
 [[nodiscard]] tl::expected<void, std::string> publish(const std::filesystem::path& folder, const RunPlace& place);
 
-// Deletes the results in a folder. run.mgj stays.
+// Provisional rows of `live`, as they were published.
+inline constexpr std::string_view kLiveRowsName = "live.csv";
+// Settings and losses of `live`.
+inline constexpr std::string_view kLiveFactsName = "live.json";
+
+// Deletes the results in a folder. run.mgj and live.csv stay.
 void keep_journal_only(const std::filesystem::path& folder);
 
 // Returns true if run.json in this folder says that the run was interrupted.

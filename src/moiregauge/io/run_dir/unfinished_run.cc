@@ -157,6 +157,7 @@ tl::expected<ObservationLog, OutputError> UnfinishedRun::start_new(const RunStar
   }
   file_ = locked;
   keep_journal_only(place_.unfinished);
+  fs::remove(place_.unfinished / kLiveRowsName, error);
   if (::ftruncate(file_, 0) != 0) return failed();
   journal_ = std::make_unique<JournalFile>(file_, 0, 0);
   // Sync the head and the folder names now: from here on every sync of the file makes its frames safe.

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "moiregauge/app/live/live_run.h"
+
+namespace moiregauge::internal::cli {
+
+// Arguments of `moiregauge live` as typed.
+struct LiveArgs {
+  MeasureArgs measure;  // its `input` is SOURCE
+  CameraArgs camera;    // options of cameras
+  std::string pace;
+  std::string max_time;
+  std::string segment;
+  std::string keep;
+  std::string quota;
+};
+
+// Fails with the first mistake.
+[[nodiscard]] tl::expected<LiveRequest, UsageError> live_request(const LiveArgs& args);
+
+}  // namespace moiregauge::internal::cli

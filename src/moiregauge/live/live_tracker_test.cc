@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/live/live_tracker.h"
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/live/clocks.h"
+#include "moiregauge/live/live_loop.h"
+#include "moiregauge/simulator/simulator.h"
+
+namespace moiregauge::internal {
+namespace {
+
+namespace sim = simulator;
+
+sim::Scenario small_rig() { return *sim::built_in("small-1xyz"); }
+
+// Renders each frame on demand. The end is a lost camera.
+class RenderedCamera final : public LiveSource {
+ public:
+  RenderedCamera(const sim::Scenario& scenario, long frames) : scenario_(scenario), frames_(frames) {
+    info_.path = "camera";
+    info_.width = scenario.camera.width;
+    info_.height = scenario.camera.height;
+    info_.fps = kFps;
+  }
+  [[nodiscard]] const InputInfo& info() const override { return info_; }
+  [[nodiscard]] tl::expected<std::optional<LiveFrame>, SourceEnd> next(std::chrono::milliseconds /*timeout*/) override {
+    if (next_ == frames_) return tl::unexpected(SourceEnd{SourceEnd::Kind::kLost, "unplugged"});
+    picture_ = sim::render8(scenario_, next_, {.area = sim::Area::kMarkersOnly});
+    LiveFrame live;
+    live.frame.number = next_;
+    live.frame.time_s = static_cast<double>(next_++) / kFps;
+    live.frame.luma = picture_.view();
+    live.host_ns = steady_ns();
+    return live;
+  }
+  [[nodiscard]] LostFrames lost() const override { return {}; }
+  static constexpr double kFps = 10.0;
+
+ private:
+  const sim::Scenario& scenario_;
+  long frames_;
+  long next_ = 0;
+  InputInfo info_;
+  Image<std::uint8_t> picture_;
+};
+
+// Keeps everything that is published. Waits after each frame, so that scenes are solved meanwhile.
+class KeepingPublisher final : public Publisher {
+ public:
+  void start(const LiveRun& run) override { run_ = run; }
+  void put(const PublishedFrame& frame) override {
+    frames_.push_back(frame);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  void finish(double /*seconds*/) override {}
+  LiveRun run_;
+  std::vector<PublishedFrame> frames_;
+};
+
+struct LiveResult {
+  LiveEnd end;
+  KeepingPublisher published;
+  std::size_t key_frames = 0;
+};
+
+LiveResult follow(const sim::Scenario& scenario, long frames, KeyFrameLimits limits) {
+  MeasureOptions options;
+  options.method = method_named("precise");
+  options.site = sim::site_of(scenario);
+  RenderedCamera camera(scenario, frames);
+  LiveTracker tracker(options, camera.info(), {}, limits);
+  LiveResult out;
+  LiveLoopHooks hooks;
+  hooks.publishers = {&out.published};
+  out.end = run_live_loop(camera, tracker, hooks);
+  out.key_frames = tracker.key_frames();
+  EXPECT_TRUE(tracker.log().observations.empty());  // the journal has them
+  return out;
+}
+
+TEST(LiveTracker, PublishesTheTruthWithinItsUncertainty) {
+  const sim::Scenario scenario = small_rig();
+  const LiveResult out = follow(scenario, 60, {});
+  EXPECT_EQ(out.end.why, LiveStop::kLost);
+  EXPECT_EQ(out.end.message, "unplugged");
+  ASSERT_EQ(out.published.frames_.size(), 60U);
+  ASSERT_EQ(out.published.run_.targets.size(), 1U);
+  const std::string& name = out.published.run_.markers[out.published.run_.targets.front()];
+  const sim::SceneMarker& marker = *sim::find_marker(scenario, name);
+  int trusted = 0;
+  for (const PublishedFrame& frame : out.published.frames_) {
+    ASSERT_EQ(frame.rows.size(), 1U);
+    const Sample& row = frame.rows.front();
+    if (row.status != Status::kOk || frame.frame == 0) continue;
+    ++trusted;
+    const sim::Truth truth = sim::truth(scenario, frame.frame, marker);
+    EXPECT_LT(std::abs(row.displacement.x - truth.dx_mm), 5.0 * row.u.x) << frame.frame;
+    EXPECT_LT(std::abs(row.displacement.y - truth.dy_mm), 5.0 * row.u.y) << frame.frame;
+  }
+  // The scene of the first two frames is ready after some frames, however slow the machine is.
+  EXPECT_GT(trusted, 20);
+  EXPECT_GE(out.published.frames_.back().health.scenes, 2);
+}
+
+TEST(LiveTracker, KeyFramesStayBounded) {
+  const LiveResult out = follow(small_rig(), 40, {.max_frames = 8, .max_age_s = 2.0});
+  EXPECT_LE(out.key_frames, 8U);
+  EXPECT_GE(out.key_frames, 4U);
+}
+
+}  // namespace
+}  // namespace moiregauge::internal
