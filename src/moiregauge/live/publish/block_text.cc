@@ -117,6 +117,7 @@ void health_metrics(std::string& text, const MetricsPage& page) {
   text += fmt::format("moiregauge_frames_lost_total{{cause=\"queue_full\"}} {}\n", health.lost.queue_full);
   text += fmt::format("moiregauge_frames_lost_total{{cause=\"incomplete\"}} {}\n", health.lost.incomplete);
   text += fmt::format("moiregauge_frames_lost_total{{cause=\"in_camera\"}} {}\n", health.lost.in_camera);
+  text += fmt::format("moiregauge_frames_lost_total{{cause=\"starting\"}} {}\n", health.lost.starting);
   single(text, "moiregauge_reconnects_total", "counter", "Times the source was lost and found again.",
          static_cast<double>(health.lost.reconnects));
   single(text, "moiregauge_rows_total", "counter", "Rows published.", static_cast<double>(health.rows));
@@ -134,8 +135,6 @@ void health_metrics(std::string& text, const MetricsPage& page) {
          health.clipped);
   single(text, "moiregauge_modulation_ratio", "gauge", "Modulation relative to the reference frame, worst marker.",
          health.modulation);
-  single(text, "moiregauge_blur_pixels", "gauge", "Blur added since the reference frame, worst marker.",
-         health.blur_px);
   single(text, "moiregauge_last_frame_timestamp_seconds", "gauge", "UTC of the newest frame.",
          static_cast<double>(page.utc_ns) * 1e-9);
 }
@@ -170,15 +169,17 @@ std::string alarm_json(const AlarmEvent& event) {
 std::string health_json(const RowBlock& block) {
   const LiveHealth& health = block.health;
   std::string text = fmt::format(
-      "{{\"utc_ns\":{},\"frames\":{},\"lost\":{{\"queue_full\":{},\"incomplete\":{},\"in_camera\":{}}},\"reconnects\":{"
+      "{{\"utc_ns\":{},\"frames\":{},\"lost\":{{\"queue_full\":{},\"incomplete\":{},\"in_camera\":{},"
+      "\"starting\":{}}},\"reconnects\":{"
       "},"
       "\"rows\":{},\"ok_rows\":{},\"scenes\":{},\"queued\":{}",
       block.utc_ns, health.frames, health.lost.queue_full, health.lost.incomplete, health.lost.in_camera,
-      health.lost.reconnects, health.rows, health.ok_rows, health.scenes, health.queued);
-  const std::pair<const char*, double> numbers[] = {
-      {"latency_p50_ms", health.latency_p50_ms}, {"latency_p99_ms", health.latency_p99_ms},
-      {"frames_per_s", health.frames_per_s},     {"clipped", health.clipped},
-      {"modulation", health.modulation},         {"blur_px", health.blur_px}};
+      health.lost.starting, health.lost.reconnects, health.rows, health.ok_rows, health.scenes, health.queued);
+  const std::pair<const char*, double> numbers[] = {{"latency_p50_ms", health.latency_p50_ms},
+                                                    {"latency_p99_ms", health.latency_p99_ms},
+                                                    {"frames_per_s", health.frames_per_s},
+                                                    {"clipped", health.clipped},
+                                                    {"modulation", health.modulation}};
   for (const auto& [key, value] : numbers) {
     text += fmt::format(",\"{}\":", key);
     number(Out(text), value);
