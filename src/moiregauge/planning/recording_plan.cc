@@ -217,17 +217,20 @@ std::vector<PlannedTarget> planned_targets(const RecordingSetup& setup) {
     const Marker& marker = setup.site.markers[i];
     if (marker.role != Role::kTarget || !marker.grating) continue;
     const Extent<frame::Board> codec = setup.codec.is_lossless() ? Extent<frame::Board>{} : codec_of_target(setup, i);
+    const double shutter = shutter_error(setup, i).camera_mm / std::sqrt(2.0);  // rms of a sine
     out.push_back({i, bound_of(setup, i, Bound::kPhase), bound_of(setup, i, Bound::kFull),
-                   hypot3(std::sqrt(2.0) * bound_of(setup, i, Bound::kFull, kPrintEdgePx), codec, {}), codec});
+                   hypot3(std::sqrt(2.0) * bound_of(setup, i, Bound::kFull, kPrintEdgePx), codec, {shutter, shutter}),
+                   codec, shutter});
   }
   return out;
 }
 
-ShutterError shutter_error(const RecordingSetup& setup) {
+ShutterError shutter_error(const RecordingSetup& setup, std::optional<std::size_t> only) {
   ShutterError error;
   const double row_s = setup.readout_s / std::max(1, setup.camera.height);
-  for (const Marker& target : setup.site.markers) {
-    if (target.role != Role::kTarget || !target.grating) continue;
+  for (std::size_t i = 0; i < setup.site.markers.size(); ++i) {
+    const Marker& target = setup.site.markers[i];
+    if (target.role != Role::kTarget || !target.grating || (only && *only != i)) continue;
     for (const Marker& reference : setup.site.markers) {
       if (reference.role != Role::kReference || !reference.grating) continue;
       const double rows = std::abs(target.grating->centre.y - reference.grating->centre.y) * px_per_mm(setup);

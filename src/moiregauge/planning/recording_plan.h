@@ -40,9 +40,12 @@ struct PlannedTarget {
   Extent<frame::Board> phase_bound{};  // mm, one frame, fundamentals of the whole gratings (k = 1)
   Extent<frame::Board> full_bound{};   // the same with all harmonics
   // u of a displacement by `precise` since the reference frame, mm. All harmonics in its windows (without edges of 2.4
-  // px), the noise of both frames, and the codec's part.
+  // px), the noise of both frames, and the parts of codec and rolling shutter.
   Extent<frame::Board> u{};
   Extent<frame::Board> codec{};  // mm; 0: lossless
+  // Root mean square of the false displacement by a rolling shutter and the camera's vibration, mm. `precise` corrects
+  // the motion that its frames resolve, so this is an upper limit. The direction is unknown: both axes have the whole.
+  double shutter = 0.0;
 };
 
 // Returns one entry per target. NaN: an axis that is not shown, or references that do not determine it.
@@ -64,7 +67,8 @@ struct ShutterError {
   double camera_mm = 0.0;  // 1/2 acceleration lag^2: a constant speed of the image cancels
   double target_mm = 0.0;  // speed times lag: the target is read at its own row's time
 };
-[[nodiscard]] ShutterError shutter_error(const RecordingSetup& setup);
+// All targets, or one (index in the site).
+[[nodiscard]] ShutterError shutter_error(const RecordingSetup& setup, std::optional<std::size_t> target = std::nullopt);
 
 // Largest rotation of the camera about its own axes before a grating leaves the image, rad to either side. Negative:
 // one is outside already. Pan is about the upright axis, tilt about the level one, roll about the line of sight.

@@ -138,6 +138,14 @@ TEST(RecordingPlan, LaterRowsSeeAMovedCamera) {
   const double acceleration_mm = std::pow(kTwoPi * 40.0, 2) * radians_from_degrees(0.02) * 1200.0;
   EXPECT_NEAR(shutter_error(setup).lag_s, lag, 1e-12);
   EXPECT_NEAR(shutter_error(setup).camera_mm, 0.5 * acceleration_mm * lag * lag, 1e-12);
+  // A sine has an rms of its amplitude by sqrt 2, which adds in quadrature to the other parts of u along both axes.
+  RecordingSetup global = setup;
+  global.readout_s = 0.0;
+  const PlannedTarget rolls = planned_targets(setup)[0], still = planned_targets(global)[0];
+  EXPECT_NEAR(rolls.shutter, 0.5 * acceleration_mm * lag * lag / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(rolls.u.x, std::hypot(still.u.x, rolls.shutter), 1e-12);
+  EXPECT_NEAR(rolls.u.y, std::hypot(still.u.y, rolls.shutter), 1e-12);
+  EXPECT_EQ(still.shutter, 0.0);
 }
 
 }  // namespace

@@ -55,39 +55,6 @@ void draw_ruler(cairo_t* cr, double length, const char* axis) {
               {Align::kCentre, kBlack, false, 0.0, kSmall_mm});
 }
 
-void draw_rulers(cairo_t* cr, const Paper& paper) {
-  const double below = paper.height_mm - 17.0;
-  cairo_save(cr);
-  cairo_translate(cr, kEdges.left, below);
-  draw_ruler(cr, ruler_mm(paper.width_mm), "x");
-  cairo_restore(cr);
-  cairo_save(cr);
-  cairo_translate(cr, 13.0, paper.height_mm - kEdges.bottom);
-  cairo_rotate(cr, -std::acos(0.0));  // text reads upwards
-  cairo_translate(cr, 0.0, -4.5);
-  draw_ruler(cr, ruler_mm(paper.height_mm), "y");
-  cairo_restore(cr);
-}
-
-void draw_up_arrow(cairo_t* cr, double x, double y) {
-  Canvas canvas(cr);
-  const double right = x + canvas.text_width("up", {Align::kLeft, kBlack, true, 0.0, kNameSize_mm}) + 2.5;
-  canvas.text({x, y}, "up", {Align::kLeft, kBlack, true, 0.0, kNameSize_mm});
-  canvas.line({{right, y}, {right, y - 5.0}}, {kBlack, 0.5});
-  canvas.line({{right - 1.3, y - 3.2}, {right, y - 5.0}, {right + 1.3, y - 3.2}}, {kBlack, 0.5});
-}
-
-std::string role_of(const Sheet& sheet) {
-  if (sheet.markers.size() > 1) {
-    const auto targets = std::count_if(sheet.markers.begin(), sheet.markers.end(),
-                                       [](const Marker& m) { return m.role == Role::kTarget; });
-    const auto references = static_cast<long>(sheet.markers.size()) - targets;
-    return fmt::format("{} reference{}, {} target{}", references, references == 1 ? "" : "s", targets,
-                       targets == 1 ? "" : "s");
-  }
-  return sheet.markers.front().role == Role::kReference ? "reference: must not move" : "target: moves";
-}
-
 void draw_text(cairo_t* cr, const Sheet& sheet) {
   Canvas canvas(cr);
   const Paper& paper = sheet.paper;
@@ -98,13 +65,7 @@ void draw_text(cairo_t* cr, const Sheet& sheet) {
   canvas.text({behind, 7.8}, role_of(sheet), {Align::kLeft, kBlack, false, 0.0, kTextSize_mm});
   canvas.text({behind, 11.4}, words_for_prints(sheet.markers), {Align::kLeft, kBlack, false, 0.0, kTextSize_mm});
   draw_up_arrow(cr, paper.width_mm - kEdges.right - 14.0, 11.4);
-  canvas.text({kEdges.left, paper.height_mm - 8.3},
-              "Print at 100 %, not \"fit to page\", on matt paper. Measure both rulers.",
-              {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
-  canvas.text({kEdges.left, paper.height_mm - 5.2},
-              fmt::format("Example: {0:.2f} mm instead of {1:.0f} is --print-scale 1.0012. Page: {2}, moiregauge.",
-                          1.0012 * ruler_mm(paper.width_mm), ruler_mm(paper.width_mm), paper.name),
-              {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
+  draw_instructions(cr, paper);
 }
 
 // Draws the corners of the cut, and marks at the grating's centre lines for mounting it.
@@ -140,6 +101,50 @@ void draw_name(cairo_t* cr, const Sheet& sheet, const Marker& marker) {
 
 }  // namespace
 
+void draw_rulers(cairo_t* cr, const Paper& paper) {
+  const double below = paper.height_mm - 17.0;
+  cairo_save(cr);
+  cairo_translate(cr, kEdges.left, below);
+  draw_ruler(cr, ruler_mm(paper.width_mm), "x");
+  cairo_restore(cr);
+  cairo_save(cr);
+  cairo_translate(cr, 13.0, paper.height_mm - kEdges.bottom);
+  cairo_rotate(cr, -std::acos(0.0));  // text reads upwards
+  cairo_translate(cr, 0.0, -4.5);
+  draw_ruler(cr, ruler_mm(paper.height_mm), "y");
+  cairo_restore(cr);
+}
+
+void draw_up_arrow(cairo_t* cr, double x, double y) {
+  Canvas canvas(cr);
+  const double right = x + canvas.text_width("up", {Align::kLeft, kBlack, true, 0.0, kNameSize_mm}) + 2.5;
+  canvas.text({x, y}, "up", {Align::kLeft, kBlack, true, 0.0, kNameSize_mm});
+  canvas.line({{right, y}, {right, y - 5.0}}, {kBlack, 0.5});
+  canvas.line({{right - 1.3, y - 3.2}, {right, y - 5.0}, {right + 1.3, y - 3.2}}, {kBlack, 0.5});
+}
+
+std::string role_of(const Sheet& sheet) {
+  if (sheet.markers.size() > 1) {
+    const auto targets = std::count_if(sheet.markers.begin(), sheet.markers.end(),
+                                       [](const Marker& m) { return m.role == Role::kTarget; });
+    const auto references = static_cast<long>(sheet.markers.size()) - targets;
+    return fmt::format("{} reference{}, {} target{}", references, references == 1 ? "" : "s", targets,
+                       targets == 1 ? "" : "s");
+  }
+  return sheet.markers.front().role == Role::kReference ? "reference: must not move" : "target: moves";
+}
+
+void draw_instructions(cairo_t* cr, const Paper& paper) {
+  Canvas canvas(cr);
+  canvas.text({kEdges.left, paper.height_mm - 8.3},
+              "Print at 100 %, not \"fit to page\", on matt paper. Measure both rulers.",
+              {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
+  canvas.text({kEdges.left, paper.height_mm - 5.2},
+              fmt::format("Example: {0:.2f} mm instead of {1:.0f} is --print-scale 1.0012. Page: {2}, moiregauge.",
+                          1.0012 * ruler_mm(paper.width_mm), ruler_mm(paper.width_mm), paper.name),
+              {Align::kLeft, kBlack, false, 0.0, kSmall_mm});
+}
+
 figure::Letters fitted(Canvas& canvas, const std::string& words, Letters letters, double width) {
   letters.size *= std::min(1.0, width / std::max(1e-9, canvas.text_width(words, letters)));
   return letters;
@@ -156,7 +161,7 @@ std::string words_for_prints(const std::vector<Marker>& markers) {
   return words.empty() ? "circle" : fmt::format("{}", fmt::join(words, "; "));
 }
 
-void draw_sheet(cairo_t* cr, const Sheet& sheet, const Ink& ink) {
+void draw_markers(cairo_t* cr, const Sheet& sheet, const Ink& ink) {
   paint_cosines(cr, sheet, ink);
   for (const Marker& marker : sheet.markers) {
     draw_marks(cr, sheet, marker);
@@ -165,6 +170,10 @@ void draw_sheet(cairo_t* cr, const Sheet& sheet, const Ink& ink) {
       print_grating(cr, *marker.grating, on_page(sheet, marker.grating->centre), ink);
     if (marker.circle) print_circle(cr, marker.circle->diameter_mm, on_page(sheet, marker.circle->centre), ink);
   }
+}
+
+void draw_sheet(cairo_t* cr, const Sheet& sheet, const Ink& ink) {
+  draw_markers(cr, sheet, ink);
   draw_rulers(cr, sheet.paper);
   draw_text(cr, sheet);
 }

@@ -142,11 +142,13 @@ void draw_table(Canvas& canvas, const SheetSet& set, double top) {
 
 std::vector<std::string> advice(const SheetSet& set) {
   const bool is_one = set.sheets.size() == 1 && set.site.markers.size() > 1;
+  const bool is_tiled = std::ranges::any_of(set.sheets, [](const Sheet& sheet) { return sheet.tiling.has_value(); });
   const KnownTo& known = set.site.known_to;
   std::vector<std::string> lines{
       "1  Print sheets.pdf at 100 % on matt paper. Measure both rulers. If one",
       "   is not 100.0 mm long, pass --print-scale (measured / 100).",
-      "2  Glue the paper flat on stiff plates (aluminium, dibond), without waves.",
+      is_tiled ? "2  Join the parts of each marker on a stiff, flat plate, from left to right."
+               : "2  Glue the paper flat on stiff plates (aluminium, dibond), without waves.",
       is_one ? "3  Cut out the targets and fix them to what moves. Leave the references"
              : "3  Mount every sheet at its position in the table, arrow upwards.",
       is_one ? "   on their sheet if you can: their relative positions are then exact."

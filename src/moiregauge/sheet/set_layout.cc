@@ -149,4 +149,15 @@ Extent<frame::Board> widest_span(const SetRequest& r, Extent<frame::Board> room)
           rounded(room.y - std::max(kMarkedCircle * s.circle, s.reference) - 2.0 * quiet)};
 }
 
+std::optional<double> fitting_pitch(SetRequest r, std::optional<Extent<frame::Board>> room) {
+  constexpr double kSmallestShare = 0.1;  // relative to the requested pitch; chosen
+  const double largest = r.pitch_mm, step = 0.05 * std::pow(10.0, std::floor(std::log10(largest)));
+  for (double steps = std::ceil(largest / step) - 1.0; steps * step >= kSmallestShare * largest; steps -= 1.0) {
+    r.pitch_mm = steps * step;
+    if (room) r.span = widest_span(r, *room);
+    if (r.span.x > 0.0 && r.span.y > 0.0 && site_of_set(r)) return r.pitch_mm;
+  }
+  return std::nullopt;
+}
+
 }  // namespace moiregauge::internal::sheet

@@ -50,4 +50,8 @@ struct Box {
 // otherwise in millimetres. Not positive: nothing fits.
 [[nodiscard]] Extent<frame::Board> widest_span(const SetRequest& request, Extent<frame::Board> room);
 
+// Returns the largest pitch below that of the request with which its markers fit, in steps of at most a twentieth of it.
+// The span is that of the request, or the widest one in `room` if given. Nothing: a smaller pitch does not help.
+[[nodiscard]] std::optional<double> fitting_pitch(SetRequest request, std::optional<Extent<frame::Board>> room);
+
 }  // namespace moiregauge::internal::sheet

@@ -101,6 +101,25 @@ TEST(SetLayout, TheWidestSpanFillsTheAvailableArea) {
   EXPECT_GT(box.height() + 2.0 * kWhite_mm, room.y - 10.0);
 }
 
+TEST(SetLayout, TheFittingPitchIsTheLargestThatFits) {
+  SetRequest request;
+  request.references = 6;
+  const Extent<frame::Board> room{271.0, 171.0};  // a page of A4
+  const auto fits = [&](double pitch) {
+    SetRequest other = request;
+    other.pitch_mm = pitch;
+    other.span = widest_span(other, room);
+    return site_of_set(other).has_value();
+  };
+  ASSERT_FALSE(fits(10.0));
+  const auto pitch = fitting_pitch(request, room);
+  ASSERT_TRUE(pitch);
+  EXPECT_TRUE(fits(*pitch));
+  for (double larger = *pitch + 0.5; larger < 10.0; larger += 0.5) EXPECT_FALSE(fits(larger)) << larger;
+  request.target_size_mm = 300.0;  // larger than the page
+  EXPECT_FALSE(fitting_pitch(request, room));
+}
+
 TEST(SetLayout, ARotatedGratingIsWider) {
   Marker marker;
   marker.grating =

@@ -12,6 +12,7 @@
 
 #include "moiregauge/drawing/surface/surface.h"
 #include "moiregauge/sheet/draw_sheet.h"
+#include "moiregauge/sheet/draw_tile.h"
 #include "moiregauge/sheet/mounting_plan.h"
 
 namespace moiregauge::internal::sheet {
@@ -89,6 +90,20 @@ std::string svg_of(const Page& page) {
   return cairo_surface_status(surface.get()) == CAIRO_STATUS_SUCCESS ? renumbered(text) : std::string{};
 }
 
+// Returns the pages of the PDF: a sheet, or its parts if it is larger than the paper.
+std::vector<Page> printed_pages(const SheetSet& set, const Ink& ink) {
+  std::vector<Page> pages;
+  for (const Sheet& sheet : set.sheets) {
+    if (!sheet.tiling) pages.push_back({sheet.paper, [&sheet, &ink](cairo_t* cr) { draw_sheet(cr, sheet, ink); }});
+    for (int part = 0; part < (sheet.tiling ? sheet.tiling->columns * sheet.tiling->rows : 0); ++part) {
+      const int column = part % sheet.tiling->columns, row = part / sheet.tiling->columns;
+      pages.push_back(
+          {sheet.tiling->paper, [&sheet, &ink, column, row](cairo_t* cr) { draw_tile(cr, sheet, column, row, ink); }});
+    }
+  }
+  return pages;
+}
+
 }  // namespace
 
 SheetFiles files_of(const SheetSet& set, const Ink& ink, const std::string& created) {
@@ -96,7 +111,7 @@ SheetFiles files_of(const SheetSet& set, const Ink& ink, const std::string& crea
   std::vector<Page> pages;
   for (const Sheet& sheet : set.sheets)
     pages.push_back({sheet.paper, [&sheet, &ink](cairo_t* cr) { draw_sheet(cr, sheet, ink); }});
-  files.pdf = pdf_of(pages, "moiregauge marker sheets", created);
+  files.pdf = pdf_of(printed_pages(set, ink), "moiregauge marker sheets", created);
   for (std::size_t i = 0; i < pages.size(); ++i) {
     std::string name = file_name(set.sheets[i].name);
     const auto is_taken = [&] {

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "moiregauge/sheet/draw_tile.h"
+
 namespace moiregauge::internal::sheet {
 namespace {
 
@@ -31,13 +33,43 @@ TEST(SheetSet, APageKeepsDistancesAndDirections) {
   EXPECT_NEAR(low.y_mm - high.y_mm, 180.0, 1e-9);
 }
 
-TEST(SheetSet, AMarkerLargerThanThePaperIsRefusedWithBothSizes) {
+SetRequest large_set(double pitch_mm) {
   SetRequest request;
-  request.span = {2000.0, 1500.0};
-  request.pitch_mm = 60.0;
-  const auto set = sheets_of(*site_of_set(request), on("A4"));
+  request.span = {33.0 * pitch_mm, 25.0 * pitch_mm};
+  request.pitch_mm = pitch_mm;
+  return request;
+}
+
+TEST(SheetSet, PartsOfALargeMarkerCoverItAndOverlap) {
+  const auto set = sheets_of(*site_of_set(large_set(60.0)), on("A4"));
+  ASSERT_TRUE(set);
+  for (const Sheet& sheet : set->sheets) {
+    ASSERT_TRUE(sheet.tiling) << sheet.name;
+    const Tiling& tiling = *sheet.tiling;
+    const auto room = room_on(tiling.paper), whole = room_on(sheet.paper);
+    EXPECT_LE(tiling.width_mm, room.x);
+    EXPECT_LE(tiling.height_mm, room.y);
+    // The last part ends where the area ends, and each one begins before the one before it ends.
+    const PagePoint last = corner_of_tile(tiling, tiling.columns - 1, tiling.rows - 1);
+    EXPECT_NEAR(last.x_mm + tiling.width_mm, whole.x, 1e-9);
+    EXPECT_NEAR(last.y_mm + tiling.height_mm, whole.y, 1e-9);
+    EXPECT_NEAR(corner_of_tile(tiling, 1, 0).x_mm, tiling.width_mm - kTileOverlap_mm, 1e-9);
+    // One column or row less would not hold it.
+    EXPECT_GT(whole.x, tiling.columns > 1 ? (tiling.columns - 1) * (room.x - kTileOverlap_mm) + kTileOverlap_mm : 0.0);
+    const Box box = extent_of(sheet.markers);
+    EXPECT_NEAR(whole.x, box.width() + 2.0 * sheet.cut_mm, 1e-9);
+  }
+}
+
+TEST(SheetSet, AMarkerOfTooManyPartsIsRefusedWithBothSizes) {
+  const auto set = sheets_of(*site_of_set(large_set(400.0)), on("A4"));
   ASSERT_FALSE(set);
-  EXPECT_NE(set.error().find("A4"), std::string::npos) << set.error();
+  EXPECT_NE(set.error().find("A4 has room for"), std::string::npos) << set.error();
+  SetRequest cosine = large_set(60.0);
+  cosine.pattern = Pattern::kCosine;
+  const auto grey = sheets_of(*site_of_set(cosine), on("A4"));
+  ASSERT_FALSE(grey);
+  EXPECT_NE(grey.error().find("cosine"), std::string::npos) << grey.error();
 }
 
 TEST(SheetSet, PaperFollowsTheMarkersUnlessItsOrientationIsGiven) {

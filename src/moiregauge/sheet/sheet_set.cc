@@ -2,6 +2,7 @@
 #include "moiregauge/sheet/sheet_set.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -52,10 +53,35 @@ std::optional<Sheet> one_sheet(const std::string& name, const std::vector<Marker
                                const PageRequest& page) {
   const Box box = extent_of(markers);
   const Paper first = oriented(page, box.width() > box.height());
-  if (fits(box, cut_mm, first)) return Sheet{name, first, markers, box.middle(), cut_mm};
+  if (fits(box, cut_mm, first)) return Sheet{name, first, markers, box.middle(), cut_mm, std::nullopt};
   const Paper other = oriented(page, box.width() <= box.height());
-  if (fits(box, cut_mm, other)) return Sheet{name, other, markers, box.middle(), cut_mm};
+  if (fits(box, cut_mm, other)) return Sheet{name, other, markers, box.middle(), cut_mm, std::nullopt};
   return std::nullopt;
+}
+
+// Returns the parts for an area of this size.
+Tiling tiling_on(const Paper& paper, Extent<frame::Board> area) {
+  const auto room = room_on(paper);
+  const auto count = [](double whole, double part) {
+    return std::max(1, static_cast<int>(std::ceil((whole - kTileOverlap_mm) / (part - kTileOverlap_mm) - 1e-9)));
+  };
+  Tiling tiling{paper, count(area.x, room.x), count(area.y, room.y), 0.0, 0.0};
+  tiling.width_mm = (area.x + (tiling.columns - 1) * kTileOverlap_mm) / tiling.columns;
+  tiling.height_mm = (area.y + (tiling.rows - 1) * kTileOverlap_mm) / tiling.rows;
+  return tiling;
+}
+
+// Returns the sheet of a marker that is larger than the paper. Nothing: it needs too many parts.
+std::optional<Sheet> tiled_sheet(const Marker& marker, double cut_mm, const PageRequest& page) {
+  const Box box = extent_of(marker);
+  const Extent<frame::Board> area{box.width() + 2.0 * cut_mm, box.height() + 2.0 * cut_mm};
+  Tiling best = tiling_on(oriented(page, true), area);
+  const Tiling upright = tiling_on(oriented(page, false), area);
+  if (upright.columns * upright.rows < best.columns * best.rows) best = upright;
+  if (static_cast<double>(best.columns) * best.rows > kMaxTiles) return std::nullopt;
+  const Paper whole{fmt::format("{:.0f} x {:.0f} mm", area.x, area.y), area.x + kEdges.left + kEdges.right,
+                    area.y + kEdges.top + kEdges.bottom};
+  return Sheet{marker.name, whole, {marker}, box.middle(), cut_mm, best};
 }
 
 }  // namespace
@@ -80,13 +106,17 @@ tl::expected<SheetSet, std::string> sheets_of(const Site& site, const PageReques
   }
   for (const Marker& marker : set.site.markers) {
     auto sheet = one_sheet(marker.name, {marker}, cut, page);
+    const bool is_cosine = marker.grating && marker.grating->pattern == Pattern::kCosine;
+    if (!sheet && !is_cosine) sheet = tiled_sheet(marker, cut, page);
     if (!sheet) {
       const Box box = extent_of(marker);
       const auto room = room_on(oriented(page, box.width() > box.height()));
-      return tl::unexpected(
-          fmt::format("'{}' needs {:.0f} x {:.0f} mm with its white border, {} has room for {:.0f} x {:.0f}, "
-                      "choose a larger --paper or a smaller grating",
-                      marker.name, box.width() + 2.0 * cut, box.height() + 2.0 * cut, page.paper.name, room.x, room.y));
+      return tl::unexpected(fmt::format(
+          "'{}' needs {:.0f} x {:.0f} mm with its white border, {} has room for {:.0f} x {:.0f}{}, choose a larger "
+          "--paper or a smaller grating",
+          marker.name, box.width() + 2.0 * cut, box.height() + 2.0 * cut, page.paper.name, room.x, room.y,
+          is_cosine ? " and cosine gratings are not printed in parts"
+                    : fmt::format(" and {} parts are too few", kMaxTiles)));
     }
     set.sheets.push_back(*std::move(sheet));
   }

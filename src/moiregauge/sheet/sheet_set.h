@@ -16,6 +16,15 @@ namespace moiregauge::internal::sheet {
 enum class Orientation { kAuto, kPortrait, kLandscape };
 enum class Together { kWhereTheyFit, kNever };
 
+// Parts in which a sheet that is larger than the paper is printed. They are of equal size and overlap by `overlap_mm`.
+struct Tiling {
+  Paper paper;  // in its orientation
+  int columns = 1, rows = 1;
+  double width_mm = 0.0, height_mm = 0.0;  // size of a part
+};
+inline constexpr double kTileOverlap_mm = 10.0;  // strip for glue; half of it is cut off
+inline constexpr int kMaxTiles = 64;             // largest number of parts of one marker; chosen
+
 // One page, at scale 1:1. Its markers keep their relative positions, x to the right, y upwards. The board point
 // `middle` is the centre of the area inside the margins.
 struct Sheet {
@@ -23,7 +32,8 @@ struct Sheet {
   Paper paper;       // in its orientation
   std::vector<Marker> markers;
   BoardPoint middle;
-  double cut_mm = 0.0;  // white margin around a marker that is cut out
+  double cut_mm = 0.0;           // white margin around a marker that is cut out
+  std::optional<Tiling> tiling;  // the page is larger than the paper
 };
 
 struct SheetSet {
@@ -40,7 +50,8 @@ struct PageRequest {
 // Returns the paper in the requested orientation. kAuto: that of the printed area.
 [[nodiscard]] Paper oriented(const PageRequest& page, bool is_wide);
 
-// Returns the sheets. Fails if a circle has no diameter, markers overlap, or a marker is larger than the paper.
+// Returns the sheets. A marker that is larger than the paper is printed in parts. Fails if a circle has no diameter,
+// markers overlap, a marker needs more than kMaxTiles parts, or a cosine grating needs parts.
 [[nodiscard]] tl::expected<SheetSet, std::string> sheets_of(const Site& site, const PageRequest& page);
 
 // Position on the page, mm from its upper left corner, y downwards.

@@ -17,7 +17,7 @@ program, work, _ = runs.start()
 
 def measured(pattern, tolerance_mm):
     folder = work / pattern
-    runs.run([program, "sheet", "--paper", "A3", "--pattern", pattern, "--quiet", "-o", folder])
+    runs.run([program, "sheet", "--paper", "A3", "--references", 4, "--pattern", pattern, "--quiet", "-o", folder])
     site = (folder / "site.toml").read_text()
     # Moves the target, which is the last marker, and not its page.
     head, target = site.split("[[target]]")

@@ -15,6 +15,7 @@ constexpr int kMaxTargets = 100;
 // Limits of lengths: finer than any printer, larger than any structure.
 constexpr double kMinLength_mm = 0.01;
 constexpr double kMaxLength_mm = 1e6;
+constexpr int kDefaultReferences = 6, kFewestReferences = 4;
 constexpr double kUnmeasuredPrintScale = 0.001;  // relative, k = 1
 
 tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutArgs& args, const Room& room) {
@@ -27,7 +28,7 @@ tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutArgs& args, c
         "cosine",
         pattern));
   request.pattern = *known;
-  request.references = args.references.value_or(4);
+  request.references = args.references.value_or(kDefaultReferences);
   request.targets = args.targets.value_or(1);
   if (request.references != 4 && request.references != 6)
     return usage(
@@ -79,7 +80,8 @@ void add_layout_options(CLI::App& command, LayoutArgs& args) {
   command.add_option("--pitch", args.pitch, "pitch of the gratings with its unit [10mm]")->type_name("LENGTH");
   command.add_option("--pattern", args.pattern, "grid, squares, dots, lines-x, lines-y, checkerboard or cosine [grid]")
       ->type_name("NAME");
-  command.add_option("--references", args.references, "4, or 6 so that they can check each other [4]")->type_name("N");
+  command.add_option("--references", args.references, "4, or 6 so that they can check each other [6 if they fit]")
+      ->type_name("N");
   command.add_option("--targets", args.targets, "number of targets, in a row at half height [1]")->type_name("N");
   command.add_option("--span", args.span, "distance between the outermost circles, e.g. 760x300mm [the whole area]")
       ->type_name("WxH");
@@ -117,21 +119,36 @@ tl::expected<Extent<frame::Board>, std::string> size_mm(const std::string& text)
   return Extent<frame::Board>{*x, *y};
 }
 
-tl::expected<Site, UsageError> site_of_layout(const LayoutArgs& args, const Room& room) {
+tl::expected<Layout, UsageError> site_of_layout(const LayoutArgs& args, const Room& room) {
   if (!args.site.empty()) {
     if (asks_for_a_layout(args))
       return usage(
           "--site excludes the layout options: the site file states pitch, pattern, sizes and positions: remove those "
           "options");
-    return site_of_file(args.site);
+    auto site = site_of_file(args.site);
+    if (!site) return tl::unexpected(site.error());
+    return Layout{*std::move(site), {}, std::nullopt};
   }
-  const auto request = request_of(args, room);
+  auto request = request_of(args, room);
   if (!request) return tl::unexpected(request.error());
+  Layout layout;
   auto site = sheet::site_of_set(*request);
+  if (!site && request->references == kDefaultReferences) {
+    const auto pitch = sheet::fitting_pitch(*request, args.span.empty() ? std::optional(room.size) : std::nullopt);
+    const std::string fitting = pitch ? fmt::format("six references fit with --pitch {:g}mm or less ({})", *pitch,
+                                                    args.span.empty() ? room.name : "--span " + args.span)
+                                      : "six references need a wider --span or a larger area";
+    if (args.references) return usage(fmt::format("layout: {}; {}", site.error(), fitting));
+    request->references = kFewestReferences;
+    site = sheet::site_of_set(*request);
+    layout.note = fmt::format("there are four references, which cannot show which one moves: {}", fitting);
+  }
   if (!site) return usage("layout: " + site.error());
+  layout.site = *std::move(site);
   // The scale of a printer is unknown before its rulers are measured.
-  site->known_to.print_scale = kUnmeasuredPrintScale;
-  return *std::move(site);
+  layout.site.known_to.print_scale = kUnmeasuredPrintScale;
+  layout.request = *request;
+  return layout;
 }
 
 }  // namespace moiregauge::internal::cli

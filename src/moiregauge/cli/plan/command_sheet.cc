@@ -40,6 +40,24 @@ std::string site_text(const sheet::SheetSet& set) {
          write_site(set.site);
 }
 
+std::size_t page_count(const sheet::SheetSet& set) {
+  std::size_t pages = 0;
+  for (const sheet::Sheet& sheet : set.sheets)
+    pages += sheet.tiling ? static_cast<std::size_t>(sheet.tiling->columns * sheet.tiling->rows) : 1U;
+  return pages;
+}
+
+// Returns "NW 3 x 2, T1 2 x 2": columns and rows of the markers that are printed in parts.
+std::string parts_text(const sheet::SheetSet& set) {
+  std::string text;
+  for (const sheet::Sheet& sheet : set.sheets) {
+    if (sheet.tiling)
+      text +=
+          fmt::format("{}{} {} x {}", text.empty() ? "" : ", ", sheet.name, sheet.tiling->columns, sheet.tiling->rows);
+  }
+  return text;
+}
+
 int run(const SheetArgs& args) {
   const auto order = parse_sheet_options(args);
   if (!order) return fail(Exit::kUsage, order.error().message);
@@ -57,9 +75,14 @@ int run(const SheetArgs& args) {
   const auto written = write_file_set(args.output, named, args.replace ? Existing::kReplace : Existing::kRefuse);
   if (!written) return fail_output(written.error());
   if (args.quiet) return 0;
+  if (!order->note.empty()) print_note("note: " + order->note + "\n");
+  if (const std::string parts = parts_text(*set); !parts.empty())
+    print_note(fmt::format("note: markers larger than {} are printed in parts, to be cut and joined: {}\n",
+                           order->page.paper.name, parts));
+  const std::size_t pages = page_count(*set);
   print_out(fmt::format("{} marker{} on {} sheet{} of {}: {}/sheets.pdf\n", set->site.markers.size(),
-                        set->site.markers.size() == 1 ? "" : "s", set->sheets.size(),
-                        set->sheets.size() == 1 ? "" : "s", order->page.paper.name, args.output));
+                        set->site.markers.size() == 1 ? "" : "s", pages, pages == 1 ? "" : "s", order->page.paper.name,
+                        args.output));
   print_out(fmt::format("positions: {0}/site.toml; mounting plan: {0}/mounting.pdf\n", args.output));
   print_out(fmt::format(
       "next: print at 100 %, check the rulers, mount and film, then run: moiregauge measure CLIP --site {}/site.toml\n",

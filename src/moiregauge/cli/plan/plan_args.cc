@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/plan/plan_args.h"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -182,12 +183,29 @@ Done choose_swings(const PlanArgs& args, RecordingSetup& setup) {
   return {};
 }
 
-Done choose_layout(const PlanArgs& args, RecordingSetup& setup) {
+// Returns the usual pitch of 10 mm if the image shows it well, otherwise the next round pitch of at least kGoodPitch_px.
+double round_pitch_mm(double px_per_mm) {
+  constexpr double kUsualPitch_mm = 10.0, kGoodPitch_px = 12.0;
+  constexpr std::array kRound{1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0};
+  const double usual_px = kUsualPitch_mm * px_per_mm;
+  if (usual_px >= kFinestGoodPitch_px && usual_px <= kCoarsestGoodPitch_px) return kUsualPitch_mm;
+  const double least = kGoodPitch_px / px_per_mm, decade = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double round : kRound) {
+    if (round * decade >= least) return round * decade;
+  }
+  return 10.0 * decade;
+}
+
+Done choose_layout(const PlanArgs& args, PlanOrder& order) {
+  RecordingSetup& setup = order.setup;
   const double scale = px_per_mm(setup);
-  auto site = site_of_layout(
-      args.layout,
-      {"the image", {kLayoutShare * setup.camera.width / scale, kLayoutShare * setup.camera.height / scale}});
-  if (!site) return tl::unexpected(site.error());
+  LayoutArgs wanted = args.layout;
+  order.is_pitch_chosen = wanted.site.empty() && wanted.pitch.empty();
+  if (order.is_pitch_chosen) wanted.pitch = fmt::format("{:g}mm", round_pitch_mm(scale));
+  auto layout = site_of_layout(
+      wanted, {"the image", {kLayoutShare * setup.camera.width / scale, kLayoutShare * setup.camera.height / scale}});
+  if (!layout) return tl::unexpected(layout.error());
+  Site* const site = &layout->site;
   int references = 0, targets = 0;
   for (const Marker& marker : site->markers) {
     if (!marker.grating) continue;
@@ -207,7 +225,10 @@ Done choose_layout(const PlanArgs& args, RecordingSetup& setup) {
         fmt::format("the site has too few markers: {} references and {} targets with gratings: add markers, "
                     "four references and one target at least",
                     references, targets));
-  setup.site = *std::move(site);
+  setup.site = std::move(layout->site);
+  order.request = layout->request;
+  order.layout_note = layout->note;
+  order.site_file = args.layout.site;
   return {};
 }
 
@@ -225,9 +246,10 @@ tl::expected<PlanOrder, UsageError> parse_plan_options(const PlanArgs& args) {
     return usage("--lossless and --compressed exclude each other: plan: give one of them");
   if (args.lossless) order.setup.codec = {};
   if (args.compressed) order.setup.codec = kUsualCodec;
-  for (const auto step : {choose_numbers, choose_swings, choose_layout}) {
+  for (const auto step : {choose_numbers, choose_swings}) {
     if (const auto done = step(args, order.setup); !done) return tl::unexpected(done.error());
   }
+  if (const auto done = choose_layout(args, order); !done) return tl::unexpected(done.error());
   return order;
 }
 

@@ -12,6 +12,9 @@
 
 namespace moiregauge::internal::cli {
 
+// Pitches in the image that measure well, px.
+inline constexpr double kFinestGoodPitch_px = 8.0, kCoarsestGoodPitch_px = 30.0;
+
 // Arguments as typed.
 struct PlanArgs {
   LayoutArgs layout;
@@ -24,9 +27,13 @@ struct PlanArgs {
 
 struct PlanOrder {
   RecordingSetup setup;
-  std::string camera_name;       // from the table, or the file; empty: stated in numbers
-  std::string camera_source;     // from the table
-  bool readout_unknown = false;  // a rolling shutter without a stated readout time
+  std::string camera_name;                   // from the table, or the file; empty: stated in numbers
+  std::string camera_source;                 // from the table
+  bool readout_unknown = false;              // a rolling shutter without a stated readout time
+  std::optional<sheet::SetRequest> request;  // none: the markers are those of `site_file`
+  std::string site_file;
+  std::string layout_note;       // for the user; may be empty
+  bool is_pitch_chosen = false;  // no pitch was stated
 };
 
 [[nodiscard]] tl::expected<PlanOrder, UsageError> parse_plan_options(const PlanArgs& args);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "moiregauge/app/plan_advice.h"
+#include "moiregauge/cli/plan/print_text.h"
 #include "moiregauge/units/units.h"
 #include "moiregauge/version.h"
 
@@ -102,7 +103,9 @@ std::string shutter_text(const PlanOrder& order) {
   if (!(s.readout_s > 0.0)) return "global, all image rows at once";
   const ShutterError e = shutter_error(s);
   std::string words = fmt::format("rolling, up to {:.3g} ms between target and references", 1000.0 * e.lag_s);
-  if (s.camera_swing) words += fmt::format("; in that time the camera's vibration adds {}", length_text(e.camera_mm));
+  if (s.camera_swing)
+    words += fmt::format("; in that time the camera's vibration adds up to {}, and {} to u", length_text(e.camera_mm),
+                         length_text(e.camera_mm / std::sqrt(2.0)));
   if (s.target_swing) words += fmt::format("; the target moves {} in that time", length_text(e.target_mm));
   return words;
 }
@@ -113,6 +116,13 @@ std::string rotation_text(const RecordingSetup& s) {
   return fmt::format(
       "the camera may pan by {:.2g}, tilt by {:.2g} and roll by {:.2g} deg before a marker leaves the image",
       degrees_from_radians(room.pan), degrees_from_radians(room.tilt), degrees_from_radians(room.roll));
+}
+
+// Returns the parts of u that are not zero.
+std::string parts_of_u(const RecordingSetup& s) {
+  const bool has_shutter = shutter_error(s).camera_mm > 0.0, has_codec = !s.codec.is_lossless();
+  if (has_codec && has_shutter) return "noise, codec and rolling shutter";
+  return has_codec ? "noise and codec" : has_shutter ? "noise and rolling shutter" : "noise only";
 }
 
 std::string uncertainty_table(const RecordingSetup& s) {
@@ -128,7 +138,7 @@ std::string uncertainty_table(const RecordingSetup& s) {
   return text +
          line("", fmt::format("dx, dy: plan with these ({}, between two frames). bound, phase: theoretical limits of "
                               "one frame, for experts",
-                              s.codec.is_lossless() ? "noise only" : "noise and codec"));
+                              parts_of_u(s)));
 }
 
 using Json = nlohmann::ordered_json;
@@ -140,7 +150,10 @@ Json pair(Extent<frame::Board> e) { return {{"x", number(e.x)}, {"y", number(e.y
 
 std::string plan_text(const PlanOrder& order) {
   const RecordingSetup& s = order.setup;
-  std::string text = line("camera", camera_text(order)) + line("scale", scale_text(s)) + line("markers", print_text(s));
+  std::string text = line("camera", camera_text(order)) + line("scale", scale_text(s)) +
+                     line("pitch", pitch_text(order)) + line("markers", print_text(s)) +
+                     line("paper", paper_text(order));
+  if (!order.layout_note.empty()) text += line("note", order.layout_note);
   text += uncertainty_table(s);
   text += line(
       "on top",
@@ -167,6 +180,7 @@ std::string plan_json(const PlanOrder& order) {
     targets.push_back({{"name", s.site.markers[t.marker].name},
                        {"u_mm", pair(t.u)},
                        {"codec_mm", pair(t.codec)},
+                       {"shutter_mm", number(t.shutter)},
                        {"bound_mm", pair(t.full_bound)},
                        {"phase_bound_mm", pair(t.phase_bound)}});
   for (const Marker& m : s.site.markers) {
@@ -177,6 +191,7 @@ std::string plan_json(const PlanOrder& order) {
                        {"y_mm", m.grating->centre.y},
                        {"pitch_px", m.grating->pitch_mm * px_per_mm(s, m.z_mm.value_or(0.0))}});
   }
+  const PaperNeed need = paper_need(s.site);
   const Json json{
       {"moiregauge", kVersion},
       {"schema", 1},
@@ -195,6 +210,12 @@ std::string plan_json(const PlanOrder& order) {
       {"exposure_s", s.exposure_s},
       {"codec_step", s.codec.step},
       {"readout_s", order.readout_unknown ? Json(nullptr) : Json(s.readout_s)},
+      {"good_pitch_mm", {kFinestGoodPitch_px / px_per_mm(s), kCoarsestGoodPitch_px / px_per_mm(s)}},
+      {"print",
+       {{"paper", need.paper.empty() ? Json(nullptr) : Json(need.paper)},
+        {"sheets", need.sheets},
+        {"a4_pages", need.a4_parts},
+        {"command", sheet_command(order, need.paper.empty() ? "A4" : need.paper)}}},
       {"markers", markers},
       {"targets", targets},
       {"u_print_scale", s.site.known_to.print_scale},

@@ -55,9 +55,9 @@ tl::expected<SheetOrder, UsageError> parse_sheet_options(const SheetArgs& args) 
   if (!ink) return tl::unexpected(ink.error());
   if (args.separate && args.layout.site.empty() && args.layout.span.empty())
     return usage("the positions of separate sheets are unknown: --separate: add --span, e.g. --span 760x300mm");
-  auto site = site_of_layout(args.layout, {page->paper.name, sheet::room_on(sheet::oriented(*page, true))});
-  if (!site) return tl::unexpected(site.error());
-  return SheetOrder{*std::move(site), *page, *ink};
+  auto layout = site_of_layout(args.layout, {page->paper.name, sheet::room_on(sheet::oriented(*page, true))});
+  if (!layout) return tl::unexpected(layout.error());
+  return SheetOrder{std::move(layout->site), *page, *ink, std::move(layout->note)};
 }
 
 }  // namespace moiregauge::internal::cli

@@ -27,6 +27,7 @@ struct SheetOrder {
   Site site;
   sheet::PageRequest page;
   sheet::Ink ink;
+  std::string note;  // for the user; may be empty
 };
 
 [[nodiscard]] tl::expected<SheetOrder, UsageError> parse_sheet_options(const SheetArgs& args);
