@@ -119,7 +119,7 @@ tl::expected<Extent<frame::Board>, std::string> size_mm(const std::string& text)
   return Extent<frame::Board>{*x, *y};
 }
 
-tl::expected<Layout, UsageError> site_of_layout(const LayoutArgs& args, const Room& room) {
+tl::expected<MarkerLayout, UsageError> site_of_layout(const LayoutArgs& args, const Room& room) {
   if (!args.site.empty()) {
     if (asks_for_a_layout(args))
       return usage(
@@ -127,11 +127,11 @@ tl::expected<Layout, UsageError> site_of_layout(const LayoutArgs& args, const Ro
           "options");
     auto site = site_of_file(args.site);
     if (!site) return tl::unexpected(site.error());
-    return Layout{*std::move(site), {}, std::nullopt};
+    return MarkerLayout{*std::move(site), {}, std::nullopt};
   }
   auto request = request_of(args, room);
   if (!request) return tl::unexpected(request.error());
-  Layout layout;
+  MarkerLayout layout;
   auto site = sheet::site_of_set(*request);
   if (!site && request->references == kDefaultReferences) {
     const auto pitch = sheet::fitting_pitch(*request, args.span.empty() ? std::optional(room.size) : std::nullopt);

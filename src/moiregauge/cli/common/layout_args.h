@@ -33,7 +33,7 @@ struct Room {
   Extent<frame::Board> size;
 };
 
-struct Layout {
+struct MarkerLayout {
   Site site;
   std::string note;                          // for the user, e.g. why there are four references; usually empty
   std::optional<sheet::SetRequest> request;  // none if a site file is given
@@ -41,6 +41,6 @@ struct Layout {
 
 // Returns the markers of the site file, or of the described layout. Without --references there are six, or four if six
 // do not fit.
-[[nodiscard]] tl::expected<Layout, UsageError> site_of_layout(const LayoutArgs& args, const Room& room);
+[[nodiscard]] tl::expected<MarkerLayout, UsageError> site_of_layout(const LayoutArgs& args, const Room& room);
 
 }  // namespace moiregauge::internal::cli
