@@ -30,9 +30,8 @@ bool is_stream(std::string_view source) {
 }
 bool is_genicam(std::string_view source) { return source == kCamera || source.starts_with(kCameraWithId); }
 
-tl::unexpected<InputError> refusal(const CameraArgs& args, const std::string& what, const std::string& advice) {
-  return tl::unexpected(
-      InputError{InputErrorKind::kUnsupported, fmt::format("{}: {}: {}", what, without_password(args.source), advice)});
+std::string refusal(const CameraArgs& args, const std::string& what, const std::string& advice) {
+  return fmt::format("{}: {}: {}", what, without_password(args.source), advice);
 }
 
 // Reads "X,Y,WIDTH,HEIGHT".
@@ -75,16 +74,8 @@ tl::expected<std::unique_ptr<LiveSource>, InputError> open_industrial(const Came
   settings.trigger = args.trigger;
   settings.packet_bytes = args.packet_bytes;
   settings.patience = patience_of(args);
-  if (!args.region.empty()) {
-    settings.region = region_of(args.region);
-    if (!settings.region)
-      return refusal(args, fmt::format("the region '{}' is not X,Y,WIDTH,HEIGHT", args.region),
-                     "give --sensor-region in px of the sensor, e.g. 0,512,2048,1024");
-  }
-  if (args.mosaic == "luma")
-    settings.mosaic = MosaicGrey::kLuma;
-  else if (!args.mosaic.empty() && args.mosaic != "green")
-    return refusal(args, fmt::format("the mosaic '{}' is unknown", args.mosaic), "give --mosaic green or luma");
+  if (!args.region.empty()) settings.region = region_of(args.region);
+  if (args.mosaic == "luma") settings.mosaic = MosaicGrey::kLuma;
   const std::string id = args.source == kCamera ? "" : args.source.substr(kCameraWithId.size());
   return open_genicam(id, settings);
 }
@@ -110,22 +101,37 @@ bool is_camera_source(std::string_view source) {
   return is_genicam(source) || is_stream(source) || source.starts_with(kV4l2) || source == kPipe;
 }
 
-tl::expected<std::unique_ptr<LiveSource>, InputError> open_camera(const CameraArgs& args) {
-  if (is_genicam(args.source)) return open_industrial(args);
-  if (const std::string option = genicam_option(args); !option.empty())
-    return refusal(args, fmt::format("the source has no {}", option),
-                   fmt::format("omit {}, or give a GenICam camera", option));
-  if (args.source == kPipe) return open_y4m_pipe(STDIN_FILENO, {args.fps, args.max_pixels});
-  const bool is_device = args.source.starts_with(kV4l2);
+std::string camera_args_problem(const CameraArgs& args) {
+  if (!is_genicam(args.source)) {
+    const std::string option = genicam_option(args);
+    if (!option.empty())
+      return refusal(args, fmt::format("the source has no {}", option),
+                     fmt::format("omit {}, or give a GenICam camera", option));
+  }
   if (is_stream(args.source) && args.fps)
     return refusal(args, "the times of a stream are those of its camera", "omit --fps");
-  if (is_stream(args.source) || is_device) {
+  if (!args.region.empty() && !region_of(args.region))
+    return refusal(args, fmt::format("the region '{}' is not X,Y,WIDTH,HEIGHT", args.region),
+                   "give --sensor-region in px of the sensor, e.g. 0,512,2048,1024");
+  if (!args.mosaic.empty() && args.mosaic != "green" && args.mosaic != "luma")
+    return refusal(args, fmt::format("the mosaic '{}' is unknown", args.mosaic), "give --mosaic green or luma");
+  return {};
+}
+
+tl::expected<std::unique_ptr<LiveSource>, InputError> open_camera(const CameraArgs& args) {
+  const auto unsupported = [](std::string message) {
+    return tl::unexpected(InputError{InputErrorKind::kUnsupported, std::move(message)});
+  };
+  if (std::string problem = camera_args_problem(args); !problem.empty()) return unsupported(std::move(problem));
+  if (is_genicam(args.source)) return open_industrial(args);
+  if (args.source == kPipe) return open_y4m_pipe(STDIN_FILENO, {args.fps, args.max_pixels});
+  if (is_stream(args.source) || args.source.starts_with(kV4l2)) {
     LiveAddress address;
     address.url = args.source;
     address.fps = args.fps;
     return open_network(address, {args.max_pixels, patience_of(args)});
   }
-  return refusal(args, "the source is no camera", "see `moiregauge live --list`");
+  return unsupported(refusal(args, "the source is no camera", "see `moiregauge live --list`"));
 }
 
 std::vector<CameraEntry> list_cameras() {

@@ -36,6 +36,9 @@ struct CameraArgs {
 // and `-`.
 [[nodiscard]] bool is_camera_source(std::string_view source);
 
+// Returns the first wrong option as "what happened: where: what to do", or an empty text. Opens nothing.
+[[nodiscard]] std::string camera_args_problem(const CameraArgs& args);
+
 // Opens a source and starts it. Fails with "what happened: where: what to do": kUnsupported also for a wrong option.
 [[nodiscard]] tl::expected<std::unique_ptr<LiveSource>, InputError> open_camera(const CameraArgs& args);
 

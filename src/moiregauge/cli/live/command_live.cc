@@ -67,15 +67,45 @@ int report_live(const FinishedLive& done, const LiveRequest& request, const Meas
   return exit;
 }
 
+// Warnings of the outlets, once they are finished.
+std::string outlet_notes(const Publishers& outlets) {
+  std::string notes;
+  for (const auto& outlet : outlets.all) {
+    if (outlet->lost_rows() == 0) continue;
+    const auto [name, state] = outlet->state();
+    notes += fmt::format("warning: {} rows did not reach {} ({}). The run directory has them\n", outlet->lost_rows(),
+                         name, state);
+  }
+  if (!outlets.recorder) return notes;
+  if (const std::string problem = outlets.recorder->problem(); !problem.empty())
+    notes += fmt::format("warning: a recording of an alarm is incomplete: {}. Free space\n", problem);
+  if (outlets.recorder->lost_frames() > 0)
+    notes += fmt::format("warning: {} frames are missing in recordings of alarms, because the disk was too slow\n",
+                         outlets.recorder->lost_frames());
+  return notes;
+}
+
 int run(const LiveArgs& args) {
+  if (args.is_list) {
+    print_out(camera_list_text());
+    return static_cast<int>(Exit::kMeasured);
+  }
+  if (args.measure.input.empty())
+    return fail(Exit::kUsage, "the source is missing: live: give SOURCE, or see the cameras with --list");
   auto request = live_request(args);
   if (!request) return fail(Exit::kUsage, request.error().message);
   const MeasureArgs& words = args.measure;
   LiveDisplay display(words.json ? LiveOutput::kJsonLines : words.quiet ? LiveOutput::kNothing : LiveOutput::kLine);
   request->publishers.push_back(&display);
+  auto outlets = open_outlets(args.outlets, request->store.folder, display);
+  if (!outlets) return fail(Exit::kUsage, outlets.error().message);
+  for (const auto& outlet : outlets->all) request->publishers.push_back(outlet.get());
+  request->recorder = outlets->recorder.get();
   const InterruptGuard guard;
   const auto done = run_live(*request, {[] { return interrupted(); }, {}});
   display.finish(0.0);
+  if (outlets->recorder) outlets->recorder->finish();
+  if (!words.quiet) print_note(outlet_notes(*outlets));
   if (!done) return fail(done.error().exit, done.error().message);
   return report_live(*done, *request, words);
 }
@@ -84,8 +114,8 @@ void add_source(CLI::App& command, LiveArgs& args) {
   command
       .add_option("SOURCE", args.measure.input,
                   "camera, camera:ID, rtsp://..., - (y4m), or a recording that is replayed as by a camera (--pace)")
-      ->type_name("SOURCE")
-      ->required();
+      ->type_name("SOURCE");
+  command.add_flag("--list", args.is_list, "lists the cameras of this computer and its networks");
   command.add_option("--pace", args.pace, "replays at N times the recording's speed; max: as fast as it is measured")
       ->type_name("N|max");
   command.add_option("--for", args.max_time, "ends after this time, e.g. 10min [never]")->type_name("TIME");
@@ -114,6 +144,8 @@ void add_live(CLI::App& app, int& exit_code) {
   auto args = std::make_shared<LiveArgs>();
   add_source(*command, *args);
   for (const auto add : {add_print_options, add_camera_options, add_method_options}) add(*command, args->measure);
+  add_source_options(*command, args->source);
+  add_outlet_options(*command, args->outlets);
   add_store(*command, *args);
   command->callback([args, &exit_code] { exit_code = run(*args); });
 }

@@ -75,7 +75,17 @@ tl::expected<LiveRequest, UsageError> live_request(const LiveArgs& args) {
   if (store.has_segments() && measure.restart)
     return usage("--restart applies to a single run only: --segment: choose another folder with -o");
   request.source = measure.input;
-  request.camera = args.camera;
+  auto camera = camera_args(args.source);
+  if (!camera) return tl::unexpected(camera.error());
+  request.camera = *std::move(camera);
+  if (const std::string option = given_option(args.source); !option.empty() && !is_camera_source(measure.input))
+    return usage(fmt::format("{} applies to cameras only: {}: remove {}", option, measure.input, option));
+  if (is_camera_source(measure.input)) {
+    CameraArgs whole = request.camera;
+    whole.source = measure.input;
+    whole.fps = measure.fps;
+    if (const std::string problem = camera_args_problem(whole); !problem.empty()) return usage(problem);
+  }
   request.input_options = {measure.fps, measure.slow_motion, measure.sequence, measure.threads, measure.max_pixels};
   const std::string name = is_camera_source(measure.input) ? "camera" : measure.input;
   store.folder = measure.output.empty() ? default_output(name, "-live") : measure.output;

@@ -4,13 +4,17 @@
 #include <string>
 
 #include "moiregauge/app/live/live_run.h"
+#include "moiregauge/cli/live/outlet_options.h"
+#include "moiregauge/cli/live/source_options.h"
 
 namespace moiregauge::internal::cli {
 
 // Arguments of `moiregauge live` as typed.
 struct LiveArgs {
   MeasureArgs measure;  // its `input` is SOURCE
-  CameraArgs camera;    // options of cameras
+  SourceTexts source;   // options of cameras
+  OutletTexts outlets;
+  bool is_list = false;  // --list
   std::string pace;
   std::string max_time;
   std::string segment;

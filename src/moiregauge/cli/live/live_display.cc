@@ -15,12 +15,14 @@
 #include "moiregauge/app/live/utc_time.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/live/health_text.h"
+#include "moiregauge/live/publish/block_text.h"
 
 namespace moiregauge::internal::cli {
 namespace {
 
 constexpr std::chrono::seconds kShowEvery{1};
 constexpr std::size_t kTargetsOnLine = 3;  // on the line of a terminal
+constexpr std::size_t kMaxAlarms = 100;    // that wait for a stopped terminal; alarms.csv has all
 
 nlohmann::ordered_json json_number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -86,9 +88,15 @@ std::string live_json_line(const LiveRun& run, const PublishedFrame& frame) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+std::string alarm_line(const AlarmEvent& event) {
+  return fmt::format("alarm {}: {} ({:.4f} mm in frame {}, {:.2f} s)", event.is_raised ? "raised" : "cleared",
+                     event.rule, event.value_mm, event.frame, event.time_s);
+}
+
 LiveDisplay::LiveDisplay(LiveOutput output)
-    : output_(output == LiveOutput::kLine && ::isatty(STDERR_FILENO) != 1 ? LiveOutput::kNothing : output) {
-  if (output_ != LiveOutput::kNothing) thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+    : output_(output == LiveOutput::kLine && ::isatty(STDERR_FILENO) != 1 ? LiveOutput::kNothing : output),
+      shows_alarms_(output != LiveOutput::kNothing) {
+  if (shows_alarms_) thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
 }
 
 void LiveDisplay::start(const LiveRun& run) {
@@ -107,6 +115,25 @@ void LiveDisplay::finish(double /*seconds*/) {
   if (thread_.joinable()) thread_.join();
 }
 
+void LiveDisplay::alarm(const AlarmEvent& event) {
+  if (!shows_alarms_) return;
+  const std::lock_guard lock(mutex_);
+  if (alarms_.size() < kMaxAlarms) alarms_.push_back(event);
+  stopped_.notify_all();
+}
+
+void LiveDisplay::show_alarms(const std::vector<AlarmEvent>& events) {
+  for (const AlarmEvent& event : events) {
+    if (output_ == LiveOutput::kJsonLines) {
+      print_out("{\"type\":\"alarm\"," + alarm_json(event).substr(1) + "\n");
+      std::fflush(stdout);
+      continue;
+    }
+    if (is_shown_) fmt::print(stderr, "\r\x1b[K");
+    print_note(alarm_line(event) + "\n");
+  }
+}
+
 void LiveDisplay::show(const LiveRun& run, const PublishedFrame& frame) {
   if (output_ == LiveOutput::kJsonLines) {
     print_out(live_json_line(run, frame) + "\n");
@@ -123,15 +150,18 @@ void LiveDisplay::work(const std::stop_token& stop) {
   bool is_last = false;
   while (!is_last) {
     std::optional<PublishedFrame> frame;
+    std::vector<AlarmEvent> alarms;
     LiveRun run;
     {
       std::unique_lock lock(mutex_);
-      stopped_.wait_for(lock, stop, kShowEvery, [] { return false; });
+      stopped_.wait_for(lock, stop, kShowEvery, [this] { return !alarms_.empty(); });
       is_last = stop.stop_requested();
       frame = std::exchange(newest_, std::nullopt);
+      alarms = std::exchange(alarms_, {});
       if (run_) run = *run_;
     }
-    if (frame) show(run, *frame);
+    show_alarms(alarms);
+    if (frame && output_ != LiveOutput::kNothing) show(run, *frame);
   }
   if (is_shown_) fmt::print(stderr, "\r\x1b[K");
 }

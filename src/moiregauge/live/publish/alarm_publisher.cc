@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <memory>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -60,6 +62,8 @@ void AlarmPublisher::put(const PublishedFrame& frame) {
 // A full disk loses lines of this log only. The alarm itself does not depend on it.
 void AlarmPublisher::log(const AlarmEvent& event) const {
   if (log_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::create_directories(std::filesystem::path(log_).parent_path(), ignored);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(log_.c_str(), "a"), &std::fclose);
   if (file == nullptr) return;
   std::string line = std::ftell(file.get()) == 0 ? kAlarmLogHeader : "";

@@ -108,7 +108,7 @@ tl::expected<Publishers, std::string> open_publishers(const PublishArgs& args) {
     return Mistake("nothing would be recorded: --record: give an --alarm, which starts recordings");
 
   Publishers opened;
-  std::vector<AlarmListener*> listeners;
+  std::vector<AlarmListener*> listeners = args.listeners;
   Outlets outlets;
   for (const std::string& text : args.publish) {
     auto outlet = open_outlet(text, args);

@@ -16,15 +16,16 @@
 namespace moiregauge::internal {
 
 struct PublishArgs {
-  std::vector<std::string>
-      publish;  // --publish: mqtt://..., mqtts://..., influx:FILE, influx+http://..., influx+https://...
-  std::vector<std::string> alarms;   // --alarm
-  std::string listen;                // --listen [HOST:]PORT
-  std::optional<double> record_s;    // --record, s before and after an alarm
-  double full_frame_every_s = 10.0;  // --record-full, s between full frames in recordings
-  std::string mqtt_ca;               // --mqtt-ca FILE
-  std::string folder;                // the run's: alarms.csv and recordings/ go there; empty: nowhere
-  MakeRecordingWriter make_writer;   // required by record_s
+  // --publish: mqtt://..., mqtts://..., influx:FILE, influx+http://... or influx+https://...
+  std::vector<std::string> publish;
+  std::vector<std::string> alarms;        // --alarm
+  std::string listen;                     // --listen [HOST:]PORT
+  std::optional<double> record_s;         // --record, s before and after an alarm
+  double full_frame_every_s = 10.0;       // --record-full, s between full frames in recordings
+  std::string mqtt_ca;                    // --mqtt-ca FILE
+  std::string folder;                     // for alarms.csv; empty: it is not written
+  MakeRecordingWriter make_writer;        // required by record_s
+  std::vector<AlarmListener*> listeners;  // further receivers of alarms, which must outlive the publishers
 };
 
 struct Publishers {
