@@ -93,7 +93,7 @@ FitSummary summary_of(const FrameFit& fit, bool has_motion) {
 class RollingShutterSolver {
  public:
   RollingShutterSolver(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
-                       const ScenePrior& prior, std::optional<double> readout_s, double side)
+                       const ScenePrior& prior, std::optional<double> readout_s, double side, double start)
       : site_(site),
         as_given_(frames),
         read_(frames.starts().begin(), frames.starts().end()),
@@ -114,8 +114,9 @@ class RollingShutterSolver {
     if (steps.empty()) return;
     std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
     out_.interval_s = steps[steps.size() / 2];
-    expected_s_ = out_.readout_s = readout_s.value_or(side * std::min(kUsual, 0.5 * out_.interval_s));
-    out_.u_readout_s = known_to_ * std::abs(out_.readout_s);
+    expected_s_ = readout_s.value_or(side * std::min(kUsual, 0.5 * out_.interval_s));
+    out_.readout_s = start * expected_s_;
+    out_.u_readout_s = known_to_ * std::abs(expected_s_);
   }
 
   Shutter solved() {
@@ -359,13 +360,36 @@ double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.mot
 
 }  // namespace
 
+namespace {
+
+// Returns true if the frames fit with a readout time that is clearly above zero and below its limit.
+bool is_convincing(const Shutter& s) {
+  constexpr double kSureReadout = 3.0;  // least readout time, in u; chosen
+  return s.problem.empty() && !s.bounded && std::abs(s.readout_s) > kSureReadout * s.u_readout_s &&
+         s.calibration.shutter.chi2_dof < kScenesFit;
+}
+
+bool is_better(const Shutter& a, const Shutter& b) {
+  return a.problem.empty() && (!b.problem.empty() || cost_of(a) < cost_of(b));
+}
+
+}  // namespace
+
 Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                       const ScenePrior& prior, std::optional<double> readout_s) {
-  Shutter down = RollingShutterSolver(site, frames, key, prior, readout_s, 1.0).solved();
-  // Least readout time, in u, that needs no test of the opposite direction; chosen.
-  constexpr double kSureReadout = 3.0;
-  if (readout_s || (down.problem.empty() && down.readout_s > kSureReadout * down.u_readout_s)) return down;
-  Shutter up = RollingShutterSolver(site, frames, key, prior, readout_s, -1.0).solved();
+  const auto solved = [&](double side, double start) {
+    return RollingShutterSolver(site, frames, key, prior, readout_s, side, start).solved();
+  };
+  if (readout_s) return solved(1.0, 1.0);
+  // The scene that the expected readout time gives can be far off if the true one is much shorter.
+  constexpr double kStarts[] = {1.0, 1.0 / 3.0, 1.0 / 9.0};  // relative to the expected readout time; chosen
+  Shutter down;
+  down.problem = "not tried";
+  for (const double start : kStarts) {
+    if (Shutter one = solved(1.0, start); is_better(one, down)) down = std::move(one);
+    if (is_convincing(down)) return down;
+  }
+  Shutter up = solved(-1.0, 1.0);
   // Fall of the cost that the opposite direction needs: about the evidence of one frame. Sensors are rarely upside
   // down. Chosen.
   constexpr double kClearly = 100.0;
