@@ -78,7 +78,7 @@ class LiveMeasurement {
   }
 
   [[nodiscard]] RunStart start() const {
-    std::string fingerprint = "live " + request_.source;
+    std::string fingerprint = "live " + input_.path;  // without passwords
     if (opened_.recording) {
       const auto files = files_of_input(request_.source, request_.input_options);
       fingerprint = files ? quick_fingerprint(*files) : std::string{};
@@ -144,15 +144,17 @@ class LiveMeasurement {
 
   [[nodiscard]] LiveFacts facts(const std::string& end) const {
     LiveFacts facts;
-    facts.source = request_.source;
+    facts.source = input_.path;
     facts.end = end;
     facts.begin_utc = text_of_utc(begin_utc_ns_);
     facts.resumed_at = resumed_at_;
     if (source_) facts.settings = source_->settings();
     if (tracker_) facts.health = tracker_->health();
-    for (const Publisher* publisher : request_.publishers) {
+    std::vector<const Publisher*> publishers{&*store_};
+    publishers.insert(publishers.end(), request_.publishers.begin(), request_.publishers.end());
+    for (const Publisher* publisher : publishers) {
       const auto [name, state] = publisher->state();
-      if (!name.empty()) facts.outlets.push_back({name, state, publisher->lost_rows()});
+      if (!name.empty() && !state.empty()) facts.outlets.push_back({name, state, publisher->lost_rows()});
     }
     return facts;
   }

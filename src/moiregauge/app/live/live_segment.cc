@@ -87,6 +87,8 @@ bool LiveSegment::open_rows(long last_frame) {
 
 void LiveSegment::put(std::function<std::string()> text) { rows_->add(std::move(text), true); }
 
+bool LiveSegment::can_put() const { return rows_->good(); }
+
 void LiveSegment::show(const std::vector<std::uint8_t>& overlay) const {
   const std::string_view bytes{reinterpret_cast<const char*>(overlay.data()), overlay.size()};
   if (!bytes.empty()) (void)write_file_atomically((place_.unfinished / "overlay.png").string(), bytes);

@@ -36,6 +36,7 @@ class LiveSegment {
   // Adds rows to live.csv. `text` is called on the thread that writes. Rows that cannot be written are lost, but not
   // their observations.
   void put(std::function<std::string()> text);
+  [[nodiscard]] bool can_put() const;
   // Writes overlay.png while the run grows.
   void show(const std::vector<std::uint8_t>& overlay) const;
 

@@ -325,6 +325,7 @@ void LiveStore::start(const LiveRun& run) { names_ = std::make_shared<const std:
 
 void LiveStore::put(const PublishedFrame& frame) {
   if (frame.rows.empty()) return;
+  if (!current_->can_put()) lost_rows_ += static_cast<long>(frame.rows.size());
   const auto shared = std::make_shared<const PublishedFrame>(frame);
   current_->put([names = names_, shared] { return rows_text(*names, *shared); });
 }

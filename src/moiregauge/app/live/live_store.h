@@ -3,6 +3,7 @@
 // a disk.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -61,6 +62,10 @@ class LiveStore final : public JournalSink, public Publisher {
   void start(const LiveRun& run) override;
   void put(const PublishedFrame& frame) override;
   void finish(double /*seconds*/) override {}
+  [[nodiscard]] long lost_rows() const override { return lost_rows_; }
+  [[nodiscard]] std::pair<std::string, std::string> state() const override {
+    return {"live.csv", lost_rows_ == 0 ? "written" : "rows could not be written"};
+  }
 
  private:
   using Segment = std::unique_ptr<LiveSegment>;
@@ -86,6 +91,7 @@ class LiveStore final : public JournalSink, public Publisher {
   Segment current_;
   long number_ = 0;  // current segment
   long index_ = 0;   // current multiple of segment_s
+  std::atomic<long> lost_rows_ = 0;
   long frames_ = 0;  // in the current segment
   std::shared_ptr<const Reference> reference_;
   std::vector<std::string> notes_;

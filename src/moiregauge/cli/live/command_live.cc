@@ -46,7 +46,7 @@ int report_segments(const FinishedLive& done, const LiveRequest& request, const 
   if (done.exit == Exit::kRefused)
     return fail(Exit::kRefused, fmt::format("the run is refused because no row is ok: {}: see the report of its last "
                                             "segment in {}",
-                                            args.input, request.store.folder));
+                                            done.run.source, request.store.folder));
   return static_cast<int>(done.exit);
 }
 
@@ -57,7 +57,7 @@ int report_live(const FinishedLive& done, const LiveRequest& request, const Meas
   int exit = 0;
   if (done.stored.run)
     exit = report(done.stored.run->measurement, request.options,
-                  {args.input, done.stored.run->folder, args.quiet || !has_text, false});
+                  {done.stored.run->measurement.input.path, done.stored.run->folder, args.quiet || !has_text, false});
   else
     exit = report_segments(done, request, args);
   if (done.end.why == LiveStop::kLost) exit = fail(Exit::kSourceLost, done.end.message);
