@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera of 4096 x 2168 px, 8 bits raw, in memory: frames lost, share of a core, latency from the complete frame to
-// its rows, and memory of a live run that is stored on disk.
+// Measures a camera of 4096 x 2168 px, 8 bits raw, in memory. Prints lost frames, share of a core, latency from the
+// complete frame to its rows, and memory. The run is stored on disk.
 //
 //     live_bench FRAMES_PER_S SECONDS FOLDER      FRAMES_PER_S 0: as fast as frames are measured
 #include <sys/resource.h>
