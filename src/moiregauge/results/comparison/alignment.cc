@@ -108,13 +108,19 @@ VectorXd step_of(const FitEquations& equations, const MatrixXd& inverse) {
          (equations.instruments.leftCols(unknowns).transpose() * equations.weight.cwiseProduct(equations.error));
 }
 
-// Covariance of the unknowns from the residuals.
+// Covariance of the unknowns from the residuals. In a short record few rows decide it, and by chance it can be far too
+// small. The variances are therefore at least those of residuals that are alike in all rows.
 MatrixXd covariance_of(const FitEquations& equations, const MatrixXd& inverse) {
   const Index unknowns = inverse.rows(), n = equations.error.size();
-  const MatrixXd moments =
-      equations.weight.cwiseProduct(equations.error).asDiagonal() * equations.instruments.leftCols(unknowns);
+  const MatrixXd z = equations.weight.asDiagonal() * equations.instruments.leftCols(unknowns);
+  const MatrixXd moments = equations.error.asDiagonal() * z;
   const double lost = static_cast<double>(n) / static_cast<double>(n - unknowns);
-  return lost * inverse * long_run_covariance(moments, equations.error) * inverse.transpose();
+  MatrixXd covariance = lost * inverse * long_run_covariance(moments, equations.error) * inverse.transpose();
+  const double variance = lost * equations.error.squaredNorm() / static_cast<double>(n);
+  const MatrixXd by_rows = inverse * z.transpose();
+  for (Index i = 0; i < unknowns; ++i)
+    covariance(i, i) = std::max(covariance(i, i), variance * by_rows.row(i).squaredNorm());
+  return covariance;
 }
 
 class AlignmentFit {
@@ -225,11 +231,14 @@ void AlignmentFit::put_estimates(const FitState& state, const FitEquations& equa
     shared.row(k) = channel_.loadings.row(out.pairs[static_cast<std::size_t>(k)].row);
   const MatrixXd z = equations.weight.asDiagonal() * equations.instruments.leftCols(inverse->rows());
   const MatrixXd moved = *inverse * (z.transpose() * shared);
+  // A rate that is fixed at 0 has an error, which moves the other unknowns.
+  const VectorXd by_rate = *inverse * (z.transpose() * equations.jacobian.col(kRate));
+  const double u_rate = state.has_rate ? 0.0 : kFixedRateU;
   const std::array<std::pair<Estimate*, Index>, 4> all{
       {{&out.bias, kBias}, {&out.slope, kSlope}, {&out.offset_s, kOffset}, {&out.rate, kRate}}};
   for (const auto& [estimate, i] : all) {
     if (i >= covariance.rows()) continue;
-    estimate->u = std::sqrt(std::max(0.0, covariance(i, i)));
+    estimate->u = std::hypot(std::sqrt(std::max(0.0, covariance(i, i))), u_rate * by_rate(i));
     estimate->u_channel = moved.row(i).norm();
   }
 }

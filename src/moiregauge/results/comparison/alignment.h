@@ -46,6 +46,8 @@ inline constexpr std::size_t kMinPairs = 20;  // least number of rows and pairs 
 
 // A clock rate is fitted if its u is below this, or if it differs from 0 by four u. Quartz clocks agree to 1e-4.
 inline constexpr double kMaxRateU = 1e-4;
+// u of a rate that is fixed at 0. Clocks of cameras and loggers are within 100 ppm (rectangular distribution).
+inline constexpr double kFixedRateU = 5.8e-5;
 
 // Returns the `ok` rows of a channel as a series; others are gaps.
 [[nodiscard]] Series ok_series(const ChannelSeries& channel);

@@ -97,6 +97,29 @@ TEST(Comparison, ASlowReferenceIsComparedAtItsOwnTimes) {
   pulls.check(0.05);
 }
 
+// A record of 4 s has 40 rows, and its rate is fixed at 0. The clock's rate of 40 ppm is within the u of a fixed rate.
+TEST(Comparison, TheUncertaintyOfAShortRecordHolds) {
+  RecordPlan plan;
+  plan.duration_s = 4.0;
+  constexpr int kDraws = 400;
+  std::array<double, 3> squares{}, outside{};
+  for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+    const Alignment a = compared(plan, seed).alignment;
+    const std::array pulls{(a.offset_s.value - plan.offset_s) / a.offset_s.u, (a.slope.value - plan.slope) / a.slope.u,
+                           (a.bias.value - plan.bias_mm) / a.bias.u};
+    for (std::size_t i = 0; i < pulls.size(); ++i) {
+      squares[i] += pulls[i] * pulls[i];
+      outside[i] += std::abs(pulls[i]) > 2.0 ? 1.0 : 0.0;
+    }
+  }
+  // With 37 degrees of freedom 5.3 % of Student's distribution are beyond 2, and its rms is 1.03. Standard errors of a
+  // share and of an rms over 400 draws: 1.1 % and 0.035. Three of them are allowed.
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    EXPECT_LE(outside[i] / kDraws, 0.053 + 0.033) << i;
+    EXPECT_LE(std::sqrt(squares[i] / kDraws), 1.03 + 0.105) << i;
+  }
+}
+
 TEST(Comparison, TheSlopeIsTheRatioOfTheMovements) {
   RecordPlan plan;
   plan.slope = 1.02;
