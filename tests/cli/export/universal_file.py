@@ -56,9 +56,13 @@ def function(lines):
            "ordinate": axis(lines[8]), "denominator": axis(lines[9]), "z": axis(lines[10])}
     numbers = []
     for line in lines[11:]:
-        widths = [20] * 4 if even else [13, 20, 13, 20]
+        widths = [20] * 4 if even else [13, 20, 20] if int(seven[0]) == 6 else [13, 20, 13, 20]
         numbers += [float(v) for v in fields(line, *widths) if v.strip()]
-    if even:
+    if int(seven[0]) == 6:  # complex, double precision
+        assert not even, "complex values at even abscissas are not written"
+        out["t"] = numbers[0::3]
+        out["y"] = [complex(re, im) for re, im in zip(numbers[1::3], numbers[2::3])]
+    elif even:
         start, step = float(seven[3]), float(seven[4])
         out["t"], out["y"] = [start + k * step for k in range(len(numbers))], numbers
     else:

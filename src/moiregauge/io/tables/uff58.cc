@@ -77,6 +77,17 @@ struct Place {
   int function;        // identification in record 6
 };
 
+// The mark, and the five text lines.
+std::string head_of_dataset(const RunTable& table, const std::string& title) {
+  std::string text = fmt::format("{}    58\n", kMark);
+  text += words(title);
+  text += words(
+      fmt::format("moiregauge {}, method {}{}", table.version, table.method, table.complete ? "" : ", incomplete"));
+  text += words("NONE");  // date of creation, which the folder does not contain
+  text += words(std::filesystem::path(table.input).filename().string());
+  return text + words("NONE");
+}
+
 std::string dataset(const RunTable& table, const Place& place, const Readings& stretch, std::size_t number) {
   constexpr int kTimeResponse = 1, kRealDouble = 4, kTime = 17, kDisplacement = 8;
   const std::string& name = table.markers[place.marker].name;
@@ -86,14 +97,8 @@ std::string dataset(const RunTable& table, const Place& place, const Readings& s
   for (std::size_t i = 0; i < stretch.size(); ++i)
     is_even = is_even &&
               std::abs(stretch[i].time_s - stretch.front().time_s - static_cast<double>(i) * step) <= kUneven * step;
-  std::string text = fmt::format("{}    58\n", kMark);
-  text += words(
-      fmt::format("{} {}: displacement since frame {}", name, place.axis == 0 ? "dx" : "dy", table.reference_frame));
-  text += words(
-      fmt::format("moiregauge {}, method {}{}", table.version, table.method, table.complete ? "" : ", incomplete"));
-  text += words("NONE");  // date of creation, which the folder does not contain
-  text += words(std::filesystem::path(table.input).filename().string());
-  text += words("NONE");
+  std::string text = head_of_dataset(table, fmt::format("{} {}: displacement since frame {}", name,
+                                                        place.axis == 0 ? "dx" : "dy", table.reference_frame));
   text += fmt::format("{:>5}{:>10}{:>5}{:>10} {:<10}{:>10}{:>4} {:<10}{:>10}{:>4}\n", kTimeResponse, place.function,
                       number, 0, "NONE", place.marker + 1, place.axis + 1, "NONE", 0, 0);
   text += fmt::format("{:>10}{:>10}{:>10}{}{}{}\n", kRealDouble, stretch.size(), is_even ? 1 : 0,
@@ -137,7 +142,41 @@ std::string gap_text(const RunTable& table, const Place& place, const std::vecto
       table.markers[place.marker].name, place.axis == 0 ? "dx" : "dy", there, rows, stretches.size());
 }
 
+// Complex amplitude of one axis of a target at each peak. Returns nothing if it takes part in none.
+std::string dataset_of_modes(const RunTable& table, const Place& place, const std::vector<ModeShape>& shapes) {
+  constexpr int kSpectrum = 12, kComplexDouble = 6, kUneven58 = 0, kFrequency = 18, kDisplacement = 8;
+  std::string lines;
+  std::size_t count = 0;
+  for (const ModeShape& shape : shapes) {
+    for (const ModeEntry& entry : shape.entries) {
+      if (entry.target != place.marker || (entry.axis == BoardAxis::kX ? 0 : 1) != place.axis) continue;
+      const double amplitude = shape.peak.amplitude_mm;
+      lines += e13(shape.peak.frequency_hz) + e20(amplitude * entry.real) + e20(amplitude * entry.imaginary) + "\n";
+      ++count;
+    }
+  }
+  if (count == 0) return {};
+  std::string text =
+      head_of_dataset(table, fmt::format("{} {}: mode shapes, phase to each peak's strongest axis",
+                                         table.markers[place.marker].name, place.axis == 0 ? "dx" : "dy"));
+  text += fmt::format("{:>5}{:>10}{:>5}{:>10} {:<10}{:>10}{:>4} {:<10}{:>10}{:>4}\n", kSpectrum, place.function, 1, 0,
+                      "NONE", place.marker + 1, place.axis + 1, "NONE", 0, 0);
+  text += fmt::format("{:>10}{:>10}{:>10}{}{}{}\n", kComplexDouble, count, kUneven58, e13(0.0), e13(0.0), e13(0.0));
+  text += axis_record(kFrequency, 0, "Frequency", "Hz") + axis_record(kDisplacement, 1, "Displacement", "mm");
+  text += axis_record(0, 0, "NONE", "NONE") + axis_record(0, 0, "NONE", "NONE");
+  return text + lines + kMark;
+}
+
 }  // namespace
+
+std::string uff58_of_modes(const RunTable& table, const std::vector<ModeShape>& shapes) {
+  std::string text = units_dataset() + nodes_dataset(table);
+  int function = 0;
+  for (std::size_t marker = 0; marker < table.markers.size(); ++marker) {
+    for (int axis = 0; axis < 2; ++axis) text += dataset_of_modes(table, {marker, axis, ++function}, shapes);
+  }
+  return text;
+}
 
 tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps) {
   for (const Sample& sample : table.samples) {

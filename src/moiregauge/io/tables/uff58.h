@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/io/tables/run_table.h"
+#include "moiregauge/results/modes/mode_shapes.h"
 
 namespace moiregauge::internal {
 
@@ -22,5 +23,10 @@ enum class Gaps {
 // digits).
 // Fails with "what happened: where: what to do": a run without times, or gaps with kRefuse.
 [[nodiscard]] tl::expected<std::string, std::string> uff58(const RunTable& table, Gaps gaps);
+
+// Returns a file with one complex spectrum (dataset 58, function 12) per target and axis: its value in mm at every
+// peak, at uneven frequencies. Amplitude: ratio times the amplitude of the peak's reference. Phase: that to the
+// reference. `shapes`: at least one. Their targets are the table's markers.
+[[nodiscard]] std::string uff58_of_modes(const RunTable& table, const std::vector<ModeShape>& shapes);
 
 }  // namespace moiregauge::internal
