@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the joint covariance of simulated runs: its diagonal is the stated u, and derived channels scatter by their u.
 #include <cmath>
+#include <cstdio>
 
 #include <gtest/gtest.h>
 
@@ -59,6 +60,64 @@ TEST(DerivedChannels, AZeroOverThirtyFramesLowersUAsTheorySays) {
   ASSERT_EQ(zero.u.size(), 4U);
   EXPECT_NEAR(test::rms(zero.u) / test::rms(alone.u), std::sqrt((1.0 + 1.0 / 30.0) / 2.0), 0.072);
   for (std::size_t k = 0; k < zero.u.size(); ++k) EXPECT_LT(std::abs(zero.error[k]), 4.0 * zero.u[k]);
+}
+
+// Six runs with targets that move 20 times less, so that the errors are mostly noise. The frames after the zero share the
+// noise of its mean, 1/31 of their variance. So the 24 pulls are independent to 3 %.
+TEST(DerivedChannels, AZeroOverThirtyFramesHoldsItsUncertainty) {
+  constexpr int kRuns = 6;
+  const auto runs = study::in_parallel(
+      "zeros", kRuns, [](int n) { return study::zeroed_run(static_cast<std::uint64_t>(n) + 31, 0.05); });
+  std::vector<double> zero_pulls, u_zero, u_alone;
+  for (const auto& run : runs) {
+    ASSERT_TRUE(run.problem.empty()) << run.problem;
+    const auto &alone = run.channels.at("reference frame"), &zero = run.channels.at("zero");
+    u_alone.insert(u_alone.end(), alone.u.begin(), alone.u.end());
+    u_zero.insert(u_zero.end(), zero.u.begin(), zero.u.end());
+    for (std::size_t k = 0; k < zero.u.size(); ++k) zero_pulls.push_back(zero.error[k] / zero.u[k]);
+  }
+  const auto count = static_cast<double>(zero_pulls.size());
+  ASSERT_EQ(zero_pulls.size(), static_cast<std::size_t>(kRuns * study::kFramesAfterZero));
+  const double theory = std::sqrt((1.0 + 1.0 / 30.0) / 2.0);
+  EXPECT_NEAR(test::rms(u_zero) / test::rms(u_alone), theory, 0.1 * theory);
+  // The rms of n normal pulls has a relative standard error of 1 / sqrt(2 n), 14 %. Three of them are allowed, and three
+  // standard errors of the share inside U (k = 2).
+  EXPECT_NEAR(test::rms(zero_pulls), 1.0, 3.0 / std::sqrt(2.0 * count));
+  double inside = 0.0;
+  for (const double pull : zero_pulls) inside += std::abs(pull) < 2.0 ? 1.0 : 0.0;
+  EXPECT_GE(inside / count, 0.954 - 3.0 * std::sqrt(0.954 * 0.046 / count));
+}
+
+// The bound of a frame is that of its pixels (rotation_run). The difference of two frames has both bounds, squared and
+// added. The estimate may be worse for three reasons. Pose, blur and contrast of the frame are fitted to the same pixels.
+// The noise of the references enters. The template is learned from the reference frame.
+TEST(DerivedChannels, TheOwnRotationOfAPrintIsNearItsCramerRaoBound) {
+  constexpr int kRuns = 4;
+  constexpr long kFrames = 21;  // the reference frame and 20 others
+  const auto runs = study::in_parallel(
+      "rotations", kRuns, [](int n) { return study::rotation_run(static_cast<std::uint64_t>(n) + 61, kFrames); });
+  std::vector<double> off, error, u, of_frame, of_difference;
+  for (const auto& run : runs) {
+    ASSERT_TRUE(run.problem.empty()) << run.problem;
+    ASSERT_EQ(run.error.size(), 20U);
+    double mean = 0.0;
+    for (const double e : run.error) mean += e / static_cast<double>(run.error.size());
+    // About its mean over n frames, an error has (n - 1) / n of its variance.
+    const double lost = std::sqrt(20.0 / 19.0);
+    for (std::size_t k = 0; k < run.error.size(); ++k) {
+      off.push_back(lost * (run.error[k] - mean));
+      error.push_back(run.error[k]);
+      u.push_back(run.u[k]);
+      of_frame.push_back(run.bound[k]);
+      of_difference.push_back(std::hypot(run.bound[k], run.bound_of_reference));
+    }
+  }
+  std::printf("own rotation: scatter of a frame %.2f, u %.2f, error %.2f of the Cramer-Rao bound of %.1f urad\n",
+              test::rms(off) / test::rms(of_frame), test::rms(u) / test::rms(of_difference),
+              test::rms(error) / test::rms(of_difference), 1e6 * test::rms(of_difference));
+  EXPECT_LE(test::rms(off), 1.5 * test::rms(of_frame));
+  EXPECT_LE(test::rms(u), 1.5 * test::rms(of_difference));
+  EXPECT_GE(test::rms(u), test::rms(of_difference)) << "no estimate without bias is better than the bound";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "moiregauge/results/derived/channel_parser.h"
 #include "moiregauge/results/derived/layers.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge::internal::study {
 namespace {
@@ -112,9 +113,14 @@ DerivedRun derived_run(std::uint64_t seed) {
   return out;
 }
 
-DerivedRun zeroed_run(std::uint64_t seed) {
-  const auto scenario = derived_scenario(seed);
-  test::RunPlan plan{.method = "precise", .frames = kZeroFrames + 4, .all_targets = true, .render_threads = 1};
+DerivedRun zeroed_run(std::uint64_t seed, double movement) {
+  auto scenario = derived_scenario(seed);
+  for (simulator::SceneMarker& marker : scenario.markers) {
+    if (marker.print.role != Role::kTarget) continue;
+    for (simulator::Track* track : {&marker.dx, &marker.dy}) track->amplitude *= movement, track->scale *= movement;
+  }
+  test::RunPlan plan{
+      .method = "precise", .frames = kZeroFrames + kFramesAfterZero, .all_targets = true, .render_threads = 1};
   const test::MeasuredRun run = test::measured(scenario, plan);
   DerivedRun out{run.problem, {}};
   if (!out.problem.empty()) return out;
@@ -137,6 +143,59 @@ DerivedRun zeroed_run(std::uint64_t seed) {
       errors.u.push_back(measured.u(n));
     }
   }
+  return out;
+}
+
+namespace {
+
+// Returns the Cramér-Rao bound of a print's rotation in one frame, rad.
+double rotation_bound(const simulator::Scenario& scenario, long frame, const std::string& name) {
+  constexpr double kStep_deg = 0.01;  // moves the outer pixels by 0.015 px
+  const auto rotated = [&](double by_deg) {
+    simulator::Scenario copy = scenario;
+    for (simulator::SceneMarker& marker : copy.markers) {
+      if (marker.print.name == name) marker.place.rotation_deg += by_deg;
+    }
+    return simulator::render_ideal(copy, frame, {1, simulator::Area::kMarkersOnly});
+  };
+  const Image<double> plus = rotated(kStep_deg), minus = rotated(-kStep_deg);
+  constexpr double kQuantised = 1.0 / 12.0;  // variance of rounding to whole grey levels
+  const simulator::Sensor& sensor = scenario.sensor;
+  double information = 0.0;
+  for (int y = 0; y < plus.height(); ++y) {
+    for (int x = 0; x < plus.width(); ++x) {
+      const double slope = (plus.at(x, y) - minus.at(x, y)) / radians_from_degrees(2.0 * kStep_deg);
+      const double level = 0.5 * (plus.at(x, y) + minus.at(x, y));
+      information += slope * slope / (sensor.noise_sigma * sensor.noise_sigma + sensor.noise_gain * level + kQuantised);
+    }
+  }
+  return 1.0 / std::sqrt(information);
+}
+
+}  // namespace
+
+RotationRun rotation_run(std::uint64_t seed, long frames) {
+  const auto scenario = derived_scenario(seed);
+  test::RunPlan plan{.method = "precise", .frames = frames, .all_targets = true, .render_threads = 1};
+  const test::MeasuredRun run = test::measured(scenario, plan);
+  RotationRun out{run.problem, {}, {}, {}, 0.0};
+  if (!out.problem.empty()) return out;
+  const JointSolution solved = solve_jointly(run);
+  if (solved.joint.targets.empty()) {
+    out.problem = "no scene";
+    return out;
+  }
+  const std::string name = run.reference.site.markers[solved.joint.targets.front()].name;
+  const Channel channel{"own", "mrad", {{TermKind::kRotation, {0}, 1.0}}, 0.0, {}};
+  const ChannelSeries measured = *channel_values(channel, solved.solution.samples, solved.joint);
+  constexpr double kMrad = 1e-3;
+  for (Eigen::Index n = 1; n < measured.size(); ++n) {
+    if (!measured.is_ok(n)) continue;
+    out.error.push_back(kMrad * measured.value(n));  // the print does not turn
+    out.u.push_back(kMrad * measured.u(n));
+    out.bound.push_back(rotation_bound(scenario, measured.frame[static_cast<std::size_t>(n)], name));
+  }
+  out.bound_of_reference = rotation_bound(scenario, 0, name);
   return out;
 }
 

@@ -35,9 +35,24 @@ struct DerivedRun {
 
 inline constexpr long kZeroFrames = 30;
 
-// Measures kZeroFrames + 4 frames of the scenario. Returns the errors of mid.dy in the last four, relative to the
-// reference frame ("reference frame") and to the mean over the first kZeroFrames ("zero").
-[[nodiscard]] DerivedRun zeroed_run(std::uint64_t seed);
+// Measures kZeroFrames + kFramesAfterZero frames of the scenario. Returns the errors of mid.dy in the last ones, relative
+// to the reference frame ("reference frame") and to the mean over the first kZeroFrames ("zero").
+// `movement`: factor of the targets' movement.
+inline constexpr long kFramesAfterZero = 4;
+[[nodiscard]] DerivedRun zeroed_run(std::uint64_t seed, double movement = 1.0);
+
+// Own rotation of a print in every frame after the first, and the Cramér-Rao bound of one frame's rotation, both in rad.
+struct RotationRun {
+  std::string problem;
+  std::vector<double> error, u, bound;  // by frame
+  double bound_of_reference = 0.0;
+};
+
+// Measures `frames` frames of the scenario. The print is that of `mid`.
+// The bound follows from the pixels alone, with pose and print known. A rotation by t changes the light I by t dI/dt.
+// Independent noise of variance s^2 then gives u = 1 / sqrt(sum (dI/dt)^2 / s^2), by the Fisher information. The slope is
+// the difference of two images without noise, in which the simulator rotates the print by a small angle either way.
+[[nodiscard]] RotationRun rotation_run(std::uint64_t seed, long frames);
 
 // Solves a measured run again with its joint errors. The samples are those of all targets.
 struct JointSolution {
