@@ -39,6 +39,7 @@ TABLE = {
         ("measure clip.avi --pitch 10parsec", 2, "parsec"),
         ("measure clip.avi --pitch 10mm --site site.toml", 2, "give one of them"),
         ("measure clip.avi --site nowhere.toml", 2, "nowhere.toml"),
+        ("measure clip.avi --site channel.toml", 2, "channel.toml:9:15: no target has the name 'top'"),
         ("measure clip.avi --pitch 10mm --camera nowhere.toml", 2, "nowhere.toml"),
         ("measure clip.avi --pitch 10mm --method best", 2, "two-stage"),
         ("measure clip.avi --pitch 10mm --axes up", 2, "print, image"),
@@ -172,6 +173,7 @@ TABLE = {
         ("derive empty --channel c=mid.dy", 3, "run.mgj"),
         ("derive empty --chanel c=mid.dy", 2, "did you mean --channel"),
         ("derive empty again", 2, "again"),
+        ("derive empty", 3, "run.mgj"),
         ("derive empty --channel c=mid.dy --velocty 5Hz", 2, "did you mean --velocity"),
     ],
     "compare": [
@@ -273,6 +275,9 @@ def prepare(work):
     (work / "back.csv").write_text("t,mm\n0,1\n0,2\n")
     (work / "clip.avi").write_text("not a video either\n")
     (work / "site.toml").write_text("[grating]\n")
+    (work / "channel.toml").write_text(
+        '[grating]\npitch_mm = 10\n[[target]]\nname = "mid"\ngrating_mm = [0, 0]\ngrating_size_mm = [40, 40]\n'
+        '[[channel]]\nname = "d"\nexpression = "top.dy"\n')
     (work / "scene").mkdir()
     (work / "scene" / "site.toml").write_text("[grating]\n")
 

@@ -41,6 +41,9 @@ config_case(site whole_number_too_large "[grating]\\npitch_mm = 9999999999999999
 config_case(site all_at_once "[grating]\\npitch_mm = -10.0\\nangel_deg = 1.0\\n[known_to]\\nheight_mm = inf\\n${target}z_mm = nan\\n"
   "2:12: pitch_mm must be greater than 0, not -10" "3:1: the key \"angel_deg\" is unknown, did you mean \"angle_deg\"."
   "5:13: height_mm must be a finite number" "9:8: z_mm must be a finite number")
+set(middle "[grating]\\npitch_mm = 10.0\\n[[target]]\\nname = \"mid\"\\ngrating_mm = [0.0, 0.0]\\ngrating_size_mm = [40.0, 40.0]\\n")
+config_case(site channels "${middle}[[channel]]\\nname = \"d\"\\nexpression = \"mid.dy - top.dy\"\\n[[channel]]\\nname = \"e\"\\nexpression = \"mid.dz\"\\n"
+  "9:24: no target has the name .top., use one of mid .+" "12:19: a target has no quantity .dz., use dx, dy or rotation")
 
 config_case(camera bracket "\\133\\n" "1:[12]: .+")
 config_case(camera syntax "[camera]\\nfx 500\\nfy = 500.0\\n${centre}" "2:(1|4): there is no = after the key")

@@ -2,6 +2,7 @@
 """Checks `derive`: values and u of single targets are those of displacement.csv, and mistakes are named with their column."""
 import csv
 import json
+import re
 import subprocess
 
 from runs import insist, simulate, start
@@ -63,8 +64,8 @@ for words, exit_code, text in [
     (("--channel", "s = top.dy"), 2, "use one of mid"),
     (("--channel", "s = mid.dy * mid.dy"), 2, "not linear"),
     (("--channel", "a = mid.dy", "--channel", "a = mid.dx"), 2, "already exists"),
-    ((), 2, "--channel"),
-    (("--channel", "y = mid.dy", "--rest", "0:1"), 2, "repeat here the options of `solve`"),
+    ((), 2, "or [[channel]] to the site file"),
+    (("--channel", "y = mid.dy", "--rest", "0:1"), 2, "run `moiregauge solve` again"),
     (("--channel", "y = mid.dy", "-o", work / "no/such/folder.csv"), 6, "-o"),
 ]:
     done = run("derive", work / "out", *words)
@@ -121,10 +122,50 @@ done = run("solve", work / "out", "-o", work / "wrong", "--zero", "90:95")
 insist(done.returncode == 2 and "--zero 90:95" in done.stderr, f"exit {done.returncode}: {done.stderr}")
 insist(not (work / "wrong").exists(), "results of a wrong zero")
 
+# Channels of the site file: they follow new names, may be named, and are omitted if a target is not measured.
+site = (work / "run/site.toml").read_text(encoding="utf-8")
+(work / "channels.toml").write_text(site + '\n[[channel]]\nname = "rise"\nexpression = "mid.dy"\n[[channel]]\nname = "both"\n'
+                                    'unit = "um"\nexpression = "1000 * (rise + mid.dx)"\n', encoding="utf-8")
+done = run("measure", work / "run/frames", "--site", work / "channels.toml", "--fps", 10, "-o", work / "kept", "--quiet", "--name",
+           "mid=midspan")
+insist(done.returncode == 0, done.stderr)
+
+
+def kept(*words):
+    done = run("derive", work / "kept", *words)
+    insist(done.returncode == 0, f"exit {done.returncode}: {done.stderr}")
+    with open(work / "kept/derived.csv", encoding="utf-8") as file:
+        return done.stdout, list(csv.DictReader(file))
+
+
+shown, rows = kept()
+insist(list(rows[0])[2::3] == ["rise_mm", "both_um"], f"{list(rows[0])}")
+insist("rise = midspan.dy, in mm" in shown and shown.count(" ok\n") == 2, shown)
+with open(work / "kept/displacement.csv", encoding="utf-8") as file:
+    samples = list(csv.DictReader(file))
+for row, sample in zip(rows, samples):
+    expected = 1000 * (float(sample["dx_mm"]) + float(sample["dy_mm"]))
+    insist(abs(float(row["both_um"]) - expected) < 0.002, f"{row} {sample}")
+# Statistics have two significant digits of U, three if the second one is rounded up, or all digits before the point.
+for expanded in re.findall(r"U ([\d.]+)", shown):
+    insist(2 <= len(expanded.replace(".", "").lstrip("0")) <= 3, f"digits of {expanded}: {shown}")
+insist(list(kept("--channel", "half = rise / 2")[1][0])[2::3] == ["half_mm"], "a typed channel replaces those of the file")
+insist([row["rise_mm"] for row in kept("--channel", "rise = midspan.dx")[1]] != [row["rise_mm"] for row in rows], "rise")
+channels = json.loads((work / "kept/run.json").read_text())["config"]["channels"]
+insist(channels[1] == {"name": "both", "unit": "um", "expression": "1000 * (rise + midspan.dx)"}, f"{channels}")
+insist('expression = "midspan.dy"' in (work / "kept/site.toml").read_text(encoding="utf-8"), "site.toml of the run")
+
+# What `solve` chooses holds for `derive` and `compare` as well.
+done = run("solve", work / "kept", "--quiet", "--name", "midspan=m2", "--zero", "0:6", "--slow-motion", 2)
+insist(done.returncode == 0, done.stderr)
+shown, rows = kept()
+insist("rise = m2.dy" in shown and float(rows[1]["time_s"]) == 0.05, f"{shown} {rows[1]}")
+insist(abs(sum(float(row["rise_mm"]) for row in rows[:6])) < 1e-8, "the zero of solve")
+
 # A method that does not know the errors that targets share.
 done = run("solve", work / "out", "--method", "two-stage", "-o", work / "two-stage", "--quiet")
 insist(done.returncode == 0, done.stderr)
 for words, exit_code in [(("--channel", "y = mid.dy", "--zero", "0:6"), 0), (("--channel", "d = mid.dy - mid.dx"), 2)]:
-    done = run("derive", work / "two-stage", "--method", "two-stage", *words)
+    done = run("derive", work / "two-stage", *words)
     insist(done.returncode == exit_code, f"exit {done.returncode}: {done.stderr}")
 insist("measure with --method precise" in done.stderr, done.stderr)

@@ -58,6 +58,9 @@ def texts(moiregauge, work):
         'name = "NW"\ncircle_mm = [-395.0, 3.4e1]\ncircle_diameter_mm = 20.0\n[[target]]\ngrating_mm = [0, 0]\n'
         'grating_size_mm = [60.0, 60.0]\npitch_mm = 5.0\npattern = "lines-x"\nz_mm = -30.0\n[known_to]\nposition_mm = 1.0\n'
         'rotation_deg = 0.3\nheight_mm = 3.0\nprint_scale = 0.0005\n')
+    put("site_file", "channels", '[[target]]\nname = "mid"\ngrating_mm = [0, 0]\ngrating_size_mm = [60, 60]\npitch_mm = 5\n'
+        '[[channel]]\nname = "rise"\nexpression = "mid.dy"\n[[channel]]\nname = "c"\nunit = "um"\n'
+        "expression = '2 * rise - \"mid\".dx'\n")
     put("camera_file", "simulated", (work / "rig/truth-camera.toml").read_bytes())
     put("camera_file", "solved", '[camera]\nmodel = "brown"\nwidth = 1024\nheight = 512\nfx = 3478.26\nfy = 3478.26\n'
         'cx = 511.5\ncy = 255.5\nk1 = -0.37\nk2 = 0.0\np1 = 0.0\np2 = 0.0\nk3 = 0.0\n[camera.u]\nfx = 1.5\ncx = 2.0\ncy = 2.0\n'

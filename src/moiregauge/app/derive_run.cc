@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/app/derive_run.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -15,18 +16,20 @@
 #include "moiregauge/io/tables/derived_csv.h"
 #include "moiregauge/io/tables/derived_json.h"
 #include "moiregauge/io/tables/displacement_csv.h"
+#include "moiregauge/io/tables/mode_files.h"
+#include "moiregauge/io/tables/run_table.h"
+#include "moiregauge/io/tables/uff58.h"
 #include "moiregauge/results/derived/channel_parser.h"
 #include "moiregauge/results/derived/channel_values.h"
 #include "moiregauge/results/derived/layer_choices.h"
 #include "moiregauge/results/derived/layers.h"
+#include "moiregauge/results/derived/site_channels.h"
 #include "moiregauge/results/derived/zeroed_samples.h"
 
 namespace moiregauge::internal {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxChannels = 64;
 
 tl::unexpected<RunFailure> cannot_derive(Exit exit, std::string message) {
   return tl::unexpected(RunFailure{exit, std::move(message)});
@@ -62,12 +65,12 @@ tl::expected<void, RunFailure> check_results(const std::string& folder, const Jo
   if (written == displacement_csv(site_of(run.measurement, run.options), samples_of_results(run))) return {};
   return cannot_derive(Exit::kUsage,
                        fmt::format("the results have other values than the observations give: {}: repeat here the "
-                                   "options of `solve`, or run `moiregauge solve` again",
+                                   "--site or --camera of `solve`, or run `moiregauge solve` again",
                                    path));
 }
 
 tl::expected<JointRun, RunFailure> joint_run(const SolveArgs& args, const RunCallbacks& callbacks) {
-  auto stored = run_to_solve(args);
+  auto stored = run_to_solve(args, RunBase::kResults);
   if (!stored) return tl::unexpected(stored.error());
   JointRun run{{}, std::move(stored->options), {}, {}};
   run.zero = std::exchange(run.options.zero, std::nullopt);
@@ -84,23 +87,42 @@ tl::expected<JointRun, RunFailure> joint_run(const SolveArgs& args, const RunCal
   return run;
 }
 
-std::vector<std::string> target_names(const JointRun& run) {
+std::vector<std::string> names_of_targets(const JointRun& run) {
   std::vector<std::string> names;
   for (const std::size_t i : run.joint.targets) names.push_back(site_of(run.measurement, run.options).markers[i].name);
   return names;
 }
 
-tl::expected<std::vector<Channel>, RunFailure> channels_of(const std::vector<std::string>& texts,
-                                                           const std::string& folder, const JointRun& run) {
-  if (texts.empty())
-    return cannot_derive(Exit::kUsage,
-                         fmt::format("no channel is given: {}: add --channel 'NAME = EXPRESSION'", folder));
+// Returns the channels of the site file, with a note on each that the run's targets do not allow.
+tl::expected<std::vector<Channel>, RunFailure> channels_of_site(const DeriveArgs& args, const JointRun& run,
+                                                                std::vector<std::string>& notes) {
+  SiteChannels read = read_site_channels(run.options.channels, names_of_targets(run));
+  for (const std::string& omitted : read.omitted)
+    notes.push_back(fmt::format("note: a channel of the site file is omitted: {}", omitted));
+  if (!read.channels.empty() || args.has_modes) return std::move(read.channels);
+  return cannot_derive(Exit::kUsage, fmt::format("no channel is given: {}: add --channel 'NAME = EXPRESSION', or "
+                                                 "[[channel]] to the site file",
+                                                 args.solve.run));
+}
+
+// Returns the channels of the site file that typed ones may name. A typed one of the same name replaces it.
+std::vector<Channel> channels_to_name(const std::vector<std::string>& texts, const JointRun& run) {
+  std::vector<Channel> known = read_site_channels(run.options.channels, names_of_targets(run)).channels;
+  std::erase_if(known, [&](const Channel& channel) {
+    return std::any_of(texts.begin(), texts.end(),
+                       [&](const std::string& text) { return name_in_channel(text) == channel.name; });
+  });
+  return known;
+}
+
+tl::expected<std::vector<Channel>, RunFailure> channels_of(const std::vector<std::string>& texts, const JointRun& run) {
   if (texts.size() > kMaxChannels)
     return cannot_derive(Exit::kUsage, fmt::format("there are {} channels, more than {}: --channel: run the command "
                                                    "twice, with another -o",
                                                    texts.size(), kMaxChannels));
-  const auto names = target_names(run);
-  std::vector<Channel> channels;
+  const auto names = names_of_targets(run);
+  std::vector<Channel> channels = channels_to_name(texts, run);
+  const auto known = static_cast<std::ptrdiff_t>(channels.size());
   for (const std::string& text : texts) {
     auto channel = parse_channel(text, names, channels);
     if (!channel)
@@ -109,6 +131,7 @@ tl::expected<std::vector<Channel>, RunFailure> channels_of(const std::vector<std
                                        channel.error().column, channel.error().remedy));
     channels.push_back(*std::move(channel));
   }
+  channels.erase(channels.begin(), channels.begin() + known);
   return channels;
 }
 
@@ -154,17 +177,55 @@ tl::expected<std::vector<ChannelSeries>, RunFailure> all_values(const std::vecto
   return all;
 }
 
+tl::expected<void, RunFailure> put_text(const fs::path& path, const std::string& bytes) {
+  const auto written = write_file_atomically(path.string(), bytes);
+  if (written) return {};
+  return cannot_derive(
+      Exit::kOutputUnwritable,
+      fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
+}
+
 // Writes derived.csv and derived.json.
-tl::expected<void, RunFailure> write_tables(const DerivedResults& out, const std::vector<Layer>& layers) {
-  const std::string json = fs::path(out.file).replace_extension(".json").string();
+tl::expected<void, RunFailure> write_tables(const fs::path& csv, const std::vector<Layer>& layers,
+                                            DerivedResults& out) {
+  const fs::path json = fs::path(csv).replace_extension(".json");
   for (const auto& [path, text] :
-       {std::pair{out.file, derived_csv(out.table)}, {json, derived_json(out.table, out.statistics, layers)}}) {
-    if (const auto written = write_file_atomically(path, text); !written)
-      return cannot_derive(
-          Exit::kOutputUnwritable,
-          fmt::format("the file could not be written: {}: free space or choose another with -o", written.error()));
+       {std::pair{csv, derived_csv(out.table)}, std::pair{json, derived_json(out.table, out.statistics, layers)}}) {
+    if (auto written = put_text(path, text); !written) return written;
   }
+  out.files.push_back(csv.string());
   return {};
+}
+
+tl::expected<void, RunFailure> add_modes(const std::string& folder, const JointRun& run, DerivedResults& out) {
+  if (!run.joint.knows_common_errors)
+    return cannot_derive(Exit::kUsage,
+                         fmt::format("there are no mode shapes: {} (the method does not know the errors that targets "
+                                     "share): measure with --method precise",
+                                     folder));
+  out.targets = names_of_targets(run);
+  out.modes = mode_shapes(run.measurement.samples, run.joint, run.measurement.spectra);
+  if (out.modes.empty()) out.warnings.push_back("note: no mode shape, because no target has a named peak");
+  return {};
+}
+
+// The universal file needs at least one shape. An earlier one is removed, because it belongs to other modes.
+tl::expected<void, RunFailure> put_modes(const fs::path& folder, const std::string& run, DerivedResults& out) {
+  const auto table = read_run_table(run);
+  if (!table) return cannot_derive(Exit::kInputUnreadable, table.error());
+  for (const auto& [path, bytes] : {std::pair{folder / "modes.csv", modes_csv(out.modes, out.targets)},
+                                    std::pair{folder / "modes.json", modes_json(out.modes, out.targets)}}) {
+    if (auto written = put_text(path, bytes); !written) return written;
+    out.files.push_back(path.string());
+  }
+  const fs::path universal = folder / "modes.uff";
+  if (out.modes.empty()) {
+    std::error_code ignored;
+    fs::remove(universal, ignored);
+    return {};
+  }
+  out.files.push_back(universal.string());
+  return put_text(universal, uff58_of_modes(*table, out.modes));
 }
 
 Exit exit_of_table(const DerivedTable& table, Exit run) {
@@ -182,7 +243,7 @@ tl::expected<RunChannels, RunFailure> run_channels(const SolveArgs& args, const 
                                                    const RunCallbacks& callbacks) {
   const auto run = joint_run(args, callbacks);
   if (!run) return tl::unexpected(run.error());
-  auto parsed = channels_of(channels, args.run, *run);
+  auto parsed = channels_of(channels, *run);
   if (!parsed) return tl::unexpected(parsed.error());
   auto series = all_values(*parsed, *run);
   if (!series) return tl::unexpected(series.error());
@@ -192,7 +253,9 @@ tl::expected<RunChannels, RunFailure> run_channels(const SolveArgs& args, const 
 tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args, const RunCallbacks& callbacks) {
   const auto run = joint_run(args.solve, callbacks);
   if (!run) return tl::unexpected(run.error());
-  const auto channels = channels_of(args.channels, args.solve.run, *run);
+  DerivedResults out;
+  const auto channels =
+      args.channels.empty() ? channels_of_site(args, *run, out.warnings) : channels_of(args.channels, *run);
   if (!channels) return tl::unexpected(channels.error());
   const auto layers = layers_of(args, *run);
   if (!layers) return tl::unexpected(layers.error());
@@ -200,11 +263,21 @@ tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args, cons
   if (!series) return tl::unexpected(series.error());
   auto whole = layered_channels(*channels, *series, *layers);
   if (!whole) return cannot_derive(Exit::kUsage, whole.error());
-  DerivedResults out{std::move(whole->table), std::move(whole->statistics), {}, {}, {}, Exit::kMeasured};
+  out.table = std::move(whole->table);
+  out.statistics = std::move(whole->statistics);
   out.exit = exit_of_table(out.table, run->measurement.exit);
-  out.file = args.output.empty() ? (fs::path(args.solve.run) / "derived.csv").string() : args.output;
-  if (const auto written = write_tables(out, *layers); !written) return tl::unexpected(written.error());
-  if (!args.output.empty()) return out;
+  if (args.has_modes) {
+    if (auto added = add_modes(args.solve.run, *run, out); !added) return tl::unexpected(added.error());
+  }
+  const fs::path csv = args.output.empty() ? fs::path(args.solve.run) / "derived.csv" : fs::path(args.output);
+  if (!channels->empty()) {
+    if (const auto written = write_tables(csv, *layers, out); !written) return tl::unexpected(written.error());
+  }
+  if (args.has_modes) {
+    if (const auto written = put_modes(csv.parent_path(), args.solve.run, out); !written)
+      return tl::unexpected(written.error());
+  }
+  if (!args.output.empty() || channels->empty()) return out;
   const auto choices = layer_choices(*channels, *series, *layers, kMaxPageValues);
   auto report = shown_in_report(args.solve.run, derived_script(*layers, choices), out.warnings);
   if (!report) return tl::unexpected(report.error());

@@ -14,6 +14,7 @@
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/config/camera_file.h"
 #include "moiregauge/io/config/site_file.h"
+#include "moiregauge/results/derived/site_channels.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -57,11 +58,18 @@ tl::expected<const Method*, UsageError> method_of(const std::string& word) {
   return method;
 }
 
+tl::expected<void, UsageError> take_site(const std::string& path, MeasureOptions& options) {
+  if (const auto found = is_there("site file", path); !found) return found;
+  auto file = read_site_file(path);
+  if (!file) return usage(mistakes_in("site file", path, fmt::format("{}", fmt::join(file.error(), "\n"))));
+  options.site = std::move(file->site);
+  options.channels = std::move(file->channels);
+  return {};
+}
+
 tl::expected<Site, UsageError> site_of_file(const std::string& path) {
-  if (const auto found = is_there("site file", path); !found) return tl::unexpected(found.error());
-  auto site = read_site(path);
-  if (!site) return usage(mistakes_in("site file", path, fmt::format("{}", fmt::join(site.error(), "\n"))));
-  return *std::move(site);
+  MeasureOptions options;
+  return take_site(path, options).map([&] { return std::move(options.site); });
 }
 
 tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options) {
@@ -205,6 +213,7 @@ Parsed choose(const MarkerChoiceArgs& args, MeasureOptions& options) {
   if (options.pitch_mm || options.choice.is_empty()) return {};
   auto site = choose_markers(options.site, options.choice);
   if (!site) return usage(site.error());
+  options.channels = renamed_channels(std::move(options.channels), options.site, options.choice.names);
   options.site = *std::move(site);
   if (std::none_of(options.site.markers.begin(), options.site.markers.end(),
                    [](const Marker& marker) { return marker.role == Role::kTarget; }))
@@ -221,9 +230,7 @@ Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
     options.pitch_mm = *pitch;
   }
   if (!args.site.empty()) {
-    auto site = site_of_file(args.site);
-    if (!site) return tl::unexpected(site.error());
-    options.site = std::move(*site);
+    if (const auto taken = take_site(args.site, options); !taken) return taken;
   }
   if (const auto chosen = choose(args.choice, options); !chosen) return chosen;
   const auto print_scale = print_scale_of(args.print_scale);

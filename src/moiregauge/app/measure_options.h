@@ -56,6 +56,8 @@ struct MeasureArgs {
 // Each parses one argument that `measure` and `solve` share. Fails: the text is not valid for the option.
 [[nodiscard]] tl::expected<const Method*, UsageError> method_of(const std::string& word);
 [[nodiscard]] tl::expected<Site, UsageError> site_of_file(const std::string& path);
+// Reads a site file into the options, with its channels.
+[[nodiscard]] tl::expected<void, UsageError> take_site(const std::string& path, MeasureOptions& options);
 // Reads a camera file into the options, with its uncertainties.
 [[nodiscard]] tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options);
 [[nodiscard]] tl::expected<double, UsageError> readout_time(const std::string& text);  // s, from "18ms"

@@ -2,17 +2,20 @@
 #include "moiregauge/app/solve_run.h"
 
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "moiregauge/app/frame_range_text.h"
+#include "moiregauge/app/result_args.h"
 #include "moiregauge/app/run_figures.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/run_dir/run_directory.h"
 #include "moiregauge/observation/views/reprojection.h"
 #include "moiregauge/report/report_page.h"
+#include "moiregauge/results/derived/site_channels.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -59,9 +62,7 @@ Done rescale(const PrintScaleArgs& args, bool has_new_site, MeasureOptions& opti
 // Applies another site, print scale or lens, and reprojects the observations to it.
 Done restate(const SolveArgs& args, StoredRun& run) {
   if (!args.site.empty()) {
-    auto site = site_of_file(args.site);
-    if (!site) return tl::unexpected(site.error());
-    run.options.site = *std::move(site);
+    if (const auto taken = take_site(args.site, run.options); !taken) return taken;
     run.options.pitch_mm.reset();
   }
   if (!args.camera.empty()) {
@@ -109,6 +110,7 @@ Done choose_among_markers(const SolveArgs& args, StoredRun& run) {
   if (!selected)
     return usage(fmt::format("{}: {}: choose other markers, or measure the input again", selected.error(), args.run));
   run.options.site = selected->reference.site;
+  run.options.channels = renamed_channels(std::move(run.options.channels), reference.site, choice->names);
   run.options.choice = *choice;
   run.options.observe.area = *area;
   run.seen.reference = std::move(selected->reference);
@@ -201,10 +203,16 @@ tl::unexpected<RunFailure> failed(Exit exit, std::string message) {
 
 }  // namespace
 
-tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args) {
-  auto stored = run_in(args.run);
+tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& typed, RunBase base) {
+  auto stored = run_in(typed.run);
   if (!stored) return failed(Exit::kInputUnreadable, stored.error());
   complete_markers(stored->seen);
+  SolveArgs args = typed;
+  if (base == RunBase::kResults) {
+    std::ifstream json(std::filesystem::path(args.run) / "run.json");
+    if (const auto results = options_of_results(json))
+      args = with_options_of_results(std::move(args), *results, *stored);
+  }
   for (const Done& done : {choose_method(args, stored->options), choose_rest(args, stored->options),
                            choose_zero(args, stored->options), choose_readout(args, stored->options),
                            retime(args, *stored), restate(args, *stored), choose_among_markers(args, *stored)}) {

@@ -38,8 +38,15 @@ struct SolvedResults {
   std::string folder;
 };
 
+// Options that arguments replace.
+enum class RunBase {
+  kMeasured,  // those of the measurement
+  kResults    // those of the results in the folder, which `solve` may have written
+};
+
 // Reads a run's observations and applies the options to them, without solving.
-[[nodiscard]] tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args);
+[[nodiscard]] tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args,
+                                                               RunBase base = RunBase::kMeasured);
 
 // Solves a run again and writes the results. Fails without writing where the run cannot be read, or where the frames
 // contradict a statement.

@@ -86,9 +86,8 @@ moiregauge::Expected<void> set_scale(const moiregauge::MeasureOptions& options, 
     out.site = *std::move(site);
     return {};
   }
-  auto site = site_of_file(options.site_file);
-  if (!site) return public_error(Exit::kUsage, site.error().message);
-  out.site = *std::move(site);
+  if (const auto taken = take_site(options.site_file, out); !taken)
+    return public_error(Exit::kUsage, taken.error().message);
   return {};
 }
 

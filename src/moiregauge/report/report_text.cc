@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/base/rounded_text.h"
 #include "moiregauge/observation/reference/scale_check.h"
 
 namespace moiregauge::internal {
@@ -15,8 +16,6 @@ constexpr std::size_t kMaxWorded = 3;  // largest number of peaks per target in 
 constexpr double kClock = 1e-5;        // smallest relative U of a frequency: camera clocks are no better
 constexpr double kStill_px = 0.05;     // image motion below which a camera counts as fixed in the text (chosen)
 constexpr double kWorthAWord = 0.1;    // smallest amplitude of a listed peak, relative to the strongest (chosen)
-
-int digits_for(double u) { return std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(u, 1e-9)))), 0, 6); }
 
 // Movement of one target along one axis, of its `ok` rows.
 struct AxisMovement {
@@ -49,12 +48,12 @@ std::string signed_mm(double value, int digits) {
 // "U = 0.028 mm".
 std::string u_text(const AxisMovement& m) {
   const double expanded = kCoverageFactor * m.u;
-  return fmt::format("U = {:.{}f} mm", expanded, digits_for(expanded));
+  return fmt::format("U = {:.{}f} mm", expanded, decimals_for(expanded));
 }
 
 // "by 1.023 mm peak to peak".
 std::string size_text(const AxisMovement& m) {
-  return fmt::format("by {:.{}f} mm peak to peak", m.peak_to_peak(), digits_for(kCoverageFactor * m.u));
+  return fmt::format("by {:.{}f} mm peak to peak", m.peak_to_peak(), decimals_for(kCoverageFactor * m.u));
 }
 
 std::string still_text(const std::string& name, const AxisMovement& first, const AxisMovement& second) {
@@ -76,7 +75,7 @@ std::vector<std::string> sentences_of_target(const WordedRun& run, const TargetS
   AxisMovement second = movement_along(run, t, &Extent<frame::Board>::x, "sideways");
   if (!first.is_measured() || second.peak_to_peak() > first.peak_to_peak()) std::swap(first, second);
   if (!first.is_beyond_noise()) return {still_text(name, first, second)};
-  const int digits = digits_for(kCoverageFactor * first.u);
+  const int digits = decimals_for(kCoverageFactor * first.u);
   const std::string other = !second.is_measured() ? "was not measured " + std::string(second.along)
                             : second.is_beyond_noise()
                                 ? fmt::format("moved {} {} ({})", second.along, size_text(second), u_text(second))
@@ -88,11 +87,12 @@ std::vector<std::string> sentences_of_target(const WordedRun& run, const TargetS
 
 std::string peak_text(const Peak& peak) {
   const double expanded = std::max(kCoverageFactor * peak.u_frequency_hz, kClock * peak.frequency_hz);
-  std::string text = fmt::format("{:.{}f} Hz (U = {:.{}f} Hz", peak.frequency_hz, digits_for(expanded), expanded,
-                                 digits_for(expanded));
+  std::string text = fmt::format("{:.{}f} Hz (U = {:.{}f} Hz", peak.frequency_hz, decimals_for(expanded), expanded,
+                                 decimals_for(expanded));
   if (!std::isnan(peak.damping)) {
     const double u = 100.0 * kCoverageFactor * peak.u_damping;
-    text += fmt::format("; damping {:.{}f} %, U = {:.{}f} %", 100.0 * peak.damping, digits_for(u), u, digits_for(u));
+    text +=
+        fmt::format("; damping {:.{}f} %, U = {:.{}f} %", 100.0 * peak.damping, decimals_for(u), u, decimals_for(u));
   }
   return text + ")";
 }

@@ -12,6 +12,7 @@
 #include <tl/expected.hpp>
 
 #include "moiregauge/observation/reference/site_from_picture.h"
+#include "moiregauge/results/derived/channel.h"
 #include "moiregauge/results/peaks.h"
 #include "moiregauge/results/summary.h"
 #include "moiregauge/run/camera_processing.h"
@@ -38,6 +39,7 @@ struct MeasureOptions {
       zero;                       // displacements are relative to the mean over these frames; none: the reference frame
   MarkerChoice choice;            // `site` already follows it; for a site that is detected
   std::optional<ToneCurve> tone;  // none: the input's curve, or the one that its gratings show
+  std::vector<ChannelText> channels;  // those of the site file, for `derive`
 };
 
 // Copy of the reference frame for the overlay, 8 bits. If no frame could be measured, it is the first one that was

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/app/comparison/compare_run.h"
+#include "moiregauge/base/rounded_text.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/shared_options.h"
 #include "moiregauge/cli/common/stage_display.h"
@@ -18,8 +19,11 @@ namespace {
 constexpr double kPercent = 100.0;
 
 std::string estimate_line(const char* name, const Estimate& estimate, double scale, const std::string& unit) {
-  const double U = kComparisonCoverage * estimate.u * scale;
-  return fmt::format("  {:<16}{:>14.6g} +- {:<10.2g}{}\n", name, scale * estimate.value + 0.0, U, unit);
+  constexpr int kMaxDecimals = 9;
+  const double expanded = kComparisonCoverage * estimate.u * scale;
+  const int decimals = expanded > 0.0 ? decimals_for(expanded, kMaxDecimals) : kMaxDecimals;
+  return fmt::format("  {:<16}{:>14.{}f} +- {:<10.{}f}{}\n", name, scale * estimate.value + 0.0, decimals, expanded,
+                     decimals, unit);
 }
 
 std::string comparison_text(const ComparedRun& run) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/base/rounded_text.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/io/run_dir/run_json.h"
@@ -60,7 +61,7 @@ void add_axis(TableRow& row, double peak_to_peak, double rms, double u) {
     row.insert(row.end(), 3, "-");
     return;
   }
-  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(expanded, 1e-6)))), 0, 6);
+  const int digits = decimals_for(expanded);
   for (const double value : {peak_to_peak, rms, expanded}) row.push_back(fmt::format("{:.{}f}", value, digits));
 }
 

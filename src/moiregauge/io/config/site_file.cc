@@ -9,6 +9,8 @@
 
 #include "moiregauge/base/control_characters.h"
 #include "moiregauge/io/config/toml_table.h"
+#include "moiregauge/io/config/toml_version.h"
+#include "moiregauge/results/derived/channel_parser.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
@@ -199,10 +201,80 @@ std::optional<TomlTable> section(const TomlTable& top, const std::string& key, T
   return std::nullopt;
 }
 
-Site read_top(const toml::value& file, TomlMistakes& mistakes) {
-  Site site;
+// Adds a mistake at its position in the expression, if the file has the expression as it is read, without escapes.
+void add_channel_mistake(const toml::value& value, const std::string& expression, const ChannelMistake& mistake,
+                         TomlMistakes& mistakes) {
+  const TomlPosition at = position_of(value);
+  const std::string text = fmt::format("{}, {}", mistake.what, mistake.remedy);
+  const bool is_plain = at.column <= at.text.size() && at.text.compare(at.column, expression.size(), expression) == 0;
+  mistakes.add(at.line, is_plain ? at.column + mistake.column : at.column, text);
+}
+
+// Returns the name of a channel. A mistake gives an empty one.
+std::string read_channel_name(const TomlTable& table, const std::vector<ChannelText>& earlier) {
+  const auto name = table.text("name");
+  if (!table.has("name")) table.mistake("name", "the channel has no name, add name = \"...\"");
+  if (!name) return {};
+  if (const std::string problem = channel_name_problem(*name); !problem.empty()) {
+    table.mistake("name", problem + ", begin with a letter, then use letters, digits and _");
+    return {};
+  }
+  for (const ChannelText& other : earlier) {
+    if (other.name != *name) continue;
+    table.mistake("name", fmt::format("a channel named \"{}\" already exists", *name));
+    return {};
+  }
+  return *name;
+}
+
+// Reads one entry. A wrong channel stays known by its name, so that no later channel is reported because of it.
+void read_channel(const TomlTable& table, const std::vector<std::string>& targets, std::vector<Channel>& earlier,
+                  std::vector<ChannelText>& channels, TomlMistakes& mistakes) {
+  table.refuse_keys_outside({"name", "unit", "expression"});
+  ChannelText text{read_channel_name(table, channels), table.text("unit").value_or(""), {}};
+  if (!text.unit.empty() && !channel_unit_problem(text.unit).empty()) {
+    table.mistake("unit", channel_unit_problem(text.unit) + ", write up to 16 letters, digits, / and ^");
+    text.unit.clear();
+  }
+  const auto expression = table.text("expression");
+  if (!table.has("expression"))
+    table.mistake("expression", "the channel has no expression, add expression = \"...\", e.g. \"mid.dy - left.dy\"");
+  if (!expression) return;
+  text.expression = *expression;
+  const std::string name = text.name.empty() ? fmt::format("channel_{}", channels.size() + 1) : text.name;
+  auto channel = parse_channel_value(name, text.unit, text.expression, targets, earlier);
+  if (!channel) add_channel_mistake(*table.find("expression"), text.expression, channel.error(), mistakes);
+  earlier.push_back(channel ? *std::move(channel) : Channel{name, "", {{TermKind::kDx, {0}, 1.0}}, 0.0, ""});
+  channels.push_back(std::move(text));
+}
+
+// Reads [[channel]], after the targets that it names.
+void read_channels(const TomlTable& top, SiteFile& file, TomlMistakes& mistakes) {
+  const toml::value* list = top.find("channel");
+  if (list == nullptr) return;
+  if (!list->is_array()) return top.mistake("channel", "write [[channel]] with two brackets");
+  std::vector<std::string> targets;  // also those with a mistake
+  for (const Marker& marker : file.site.markers) {
+    if (marker.role == Role::kTarget) targets.push_back(marker.name);
+  }
+  std::vector<Channel> earlier;
+  for (const toml::value& entry : list->as_array(std::nothrow)) {
+    if (!entry.is_table()) {
+      mistakes.add_at(entry, "channel must be a table, write [[channel]]");
+    } else if (file.channels.size() == kMaxChannels) {
+      mistakes.add_at(entry, fmt::format("there are more than {} channels, remove some", kMaxChannels));
+      return;
+    } else {
+      read_channel(TomlTable(entry, mistakes), targets, earlier, file.channels, mistakes);
+    }
+  }
+}
+
+SiteFile read_top(const toml::value& file, TomlMistakes& mistakes) {
+  SiteFile out;
+  Site& site = out.site;
   const TomlTable top(file, mistakes);
-  top.refuse_keys_outside({"grating", "reference", "target", "known_to"});
+  top.refuse_keys_outside({"grating", "reference", "target", "channel", "known_to"});
   Print print;
   if (const auto grating = section(top, "grating", mistakes)) {
     grating->refuse_keys_outside({"pitch_mm", "pattern", "angle_deg"});
@@ -211,8 +283,9 @@ Site read_top(const toml::value& file, TomlMistakes& mistakes) {
   read_site_markers(top, Role::kReference, print, site, mistakes);
   read_site_markers(top, Role::kTarget, print, site, mistakes);
   if (!top.has("target")) mistakes.add(1, 1, "there is no [[target]], add the marker that moves");
+  read_channels(top, out, mistakes);
   if (const auto known_to = section(top, "known_to", mistakes)) site.known_to = read_known_to(*known_to);
-  return site;
+  return out;
 }
 
 }  // namespace
@@ -227,12 +300,12 @@ std::optional<std::string> name_problem(const std::string& name) {
   return fmt::format("the name \"{}\" is a formula to spreadsheets, do not begin it with =, +, - or @", name);
 }
 
-tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::string& path) {
+tl::expected<SiteFile, SiteErrors> parse_site_file(const std::string& text, const std::string& path) {
   const auto file = parse_toml(text, path);
   if (!file) return tl::unexpected(SiteErrors{file.error()});
   try {
     TomlMistakes mistakes(path);
-    Site site = read_top(*file, mistakes);
+    SiteFile site = read_top(*file, mistakes);
     if (!mistakes.empty()) return tl::unexpected(mistakes.lines());
     return site;
   } catch (const std::exception& error) {  // toml11 throws on a type mismatch; the checks above should prevent it
@@ -240,10 +313,18 @@ tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::st
   }
 }
 
-tl::expected<Site, SiteErrors> read_site(const std::string& path) {
+tl::expected<SiteFile, SiteErrors> read_site_file(const std::string& path) {
   const auto text = read_small_file(path, kTextFileLimit);
   if (!text) return tl::unexpected(SiteErrors{text.error()});
-  return parse_site(*text, path);
+  return parse_site_file(*text, path);
+}
+
+tl::expected<Site, SiteErrors> parse_site(const std::string& text, const std::string& path) {
+  return parse_site_file(text, path).map([](SiteFile file) { return std::move(file.site); });
+}
+
+tl::expected<Site, SiteErrors> read_site(const std::string& path) {
+  return read_site_file(path).map([](SiteFile file) { return std::move(file.site); });
 }
 
 }  // namespace moiregauge::internal

@@ -117,6 +117,60 @@ TEST(SiteFile, AGratingOfMorePitchesThanAPictureShowsIsRefusedAtItsLine) {
   EXPECT_TRUE(with_size("[3000, 3000]"));
 }
 
+std::string with_channels(const std::string& channels) { return kSheet + channels; }
+
+TEST(SiteFile, ChannelsAreReadAndWritten) {
+  const auto file = parse_site_file(with_channels(R"(
+[[channel]]
+name = "rise"
+expression = "mid.dy"
+[[channel]]
+name = "slope"
+unit = "rad"
+expression = '2 * rise / 1200 + "mid".dx'
+)"),
+                                    "s");
+  ASSERT_TRUE(file) << file.error().front();
+  ASSERT_EQ(file->channels.size(), 2U);
+  EXPECT_EQ(file->channels[0].unit, "");
+  EXPECT_EQ(file->channels[1].unit, "rad");
+  const auto again = parse_site_file(write_site(file->site, file->channels), "s");
+  ASSERT_TRUE(again) << again.error().front();
+  ASSERT_EQ(again->channels.size(), 2U);
+  EXPECT_EQ(again->channels[1].name, "slope");
+  EXPECT_EQ(again->channels[1].unit, "rad");
+  EXPECT_EQ(again->channels[1].expression, "2 * rise / 1200 + \"mid\".dx");
+}
+
+// The channels begin in line 20. Columns point into the expression.
+TEST(SiteFile, EveryMistakeOfAChannelHasItsPosition) {
+  const auto file = parse_site_file(with_channels("[[channel]]\n"
+                                                  "name = \"a\"\n"
+                                                  "expression = \"mid.dy - top.dy\"\n"
+                                                  "[[channel]]\n"
+                                                  "name = \"b\"\n"
+                                                  "expression = \"a + mid.dz\"\n"
+                                                  "[[channel]]\n"
+                                                  "name = \"b\"\n"
+                                                  "expression = \"NW.dx\"\n"
+                                                  "[[channel]]\n"
+                                                  "name = \"9\"\n"
+                                                  "unit = \"m m\"\n"
+                                                  "expresion = \"mid.dx\"\n"),
+                                    "s");
+  ASSERT_FALSE(file);
+  const std::vector<std::string> expected{
+      "s:22:24: no target has the name 'top', use one of mid (put other characters than letters and digits in quotes)",
+      "s:25:23: a target has no quantity 'dz', use dx, dy or rotation",
+      "s:27:8: a channel named \"b\" already exists",
+      "s:28:15: no target has the name 'NW', use one of mid (put other characters than letters and digits in quotes)",
+      "s:29:1: the channel has no expression, add expression = \"...\", e.g. \"mid.dy - left.dy\"",
+      "s:30:8: the channel has no proper name, begin with a letter, then use letters, digits and _",
+      "s:31:8: the unit cannot be read, write up to 16 letters, digits, / and ^",
+      "s:32:1: the key \"expresion\" is unknown, did you mean \"expression\"?"};
+  EXPECT_EQ(file.error(), expected);
+}
+
 TEST(SiteFile, TooManyGratingsAtOnePositionAreRefused) {
   std::string text;
   for (int i = 0; i < 40; ++i)

@@ -49,11 +49,18 @@ std::string marker_text(const Marker& marker) {
   return text;
 }
 
+std::string channel_text(const ChannelText& channel) {
+  std::string text = fmt::format("\n[[channel]]\nname = {}\n", quoted(channel.name));
+  if (!channel.unit.empty()) text += fmt::format("unit = {}\n", quoted(channel.unit));
+  return text + fmt::format("expression = {}\n", quoted(channel.expression));
+}
+
 }  // namespace
 
-std::string write_site(const Site& site) {
+std::string write_site(const Site& site, const std::vector<ChannelText>& channels) {
   std::string text = "# Lengths in millimetres; x right, y up, z towards the camera.\n";
   for (const Marker& marker : site.markers) text += marker_text(marker);
+  for (const ChannelText& channel : channels) text += channel_text(channel);
   const KnownTo& known_to = site.known_to;
   text += fmt::format("\n[known_to]\nposition_mm = {}\nrotation_deg = {}\nheight_mm = {}\nprint_scale = {}\n",
                       toml_real(known_to.position_mm), degrees(known_to.rotation_rad), toml_real(known_to.height_mm),

@@ -30,6 +30,7 @@ std::optional<std::string> difference(const StoredRun& kept, const RunStart& sta
   if (!same(then.pitch_mm, options.pitch_mm)) return "--pitch differs";
   if (!same(then.choice, options.choice)) return "the choice of markers differs";
   if (!same(then.site, options.site)) return "the site file differs";
+  if (!same(then.channels, options.channels)) return "the channels of the site file differ";
   if (!same(then.observe.area, options.observe.area)) return "--region or --exclude-region differs";
   if (!same(then.axes, options.axes)) return "--axes differs";
   if (!same(then.camera, options.camera) || !same(then.solve.u_camera, options.solve.u_camera))

@@ -55,7 +55,8 @@ template <> inline constexpr std::size_t kFields<SlopeSteps> = 2;
 template <> inline constexpr std::size_t kFields<EdgeGap> = 2;
 template <> inline constexpr std::size_t kFields<FrameRange> = 4;
 template <> inline constexpr std::size_t kFields<TimeRange> = 2;
-template <> inline constexpr std::size_t kFields<MeasureOptions> = 13;
+template <> inline constexpr std::size_t kFields<MeasureOptions> = 14;
+template <> inline constexpr std::size_t kFields<ChannelText> = 3;
 template <> inline constexpr std::size_t kFields<MarkerChoice> = 4;
 template <> inline constexpr std::size_t kFields<NewName> = 2;
 template <> inline constexpr std::size_t kFields<SearchArea> = 2;
@@ -68,7 +69,7 @@ template <> inline constexpr std::size_t kFields<CircleOptions> = 3;
 
 // clang-format on
 
-// Version 3: tone curve and line width. Version 5: slow motion and start time.
+// Version 3: tone curve and line width. Version 5: slow motion and start time. Version 6: channels.
 template <>
 inline constexpr std::array kAdded<Reference>{AddedFields{12, 2, 3}, AddedFields{}};
 template <>
@@ -78,7 +79,7 @@ inline constexpr std::array kAdded<PatchFitOptions>{AddedFields{4, 1, 3}, AddedF
 template <>
 inline constexpr std::array kAdded<InputInfo>{AddedFields{10, 1, 3}, AddedFields{12, 2, 5}};
 template <>
-inline constexpr std::array kAdded<MeasureOptions>{AddedFields{12, 1, 3}, AddedFields{10, 2, 5}};
+inline constexpr std::array kAdded<MeasureOptions>{AddedFields{12, 1, 3}, AddedFields{10, 2, 5}, AddedFields{13, 1, 6}};
 inline constexpr int kSinceWidth = 3;
 
 // Version 5: ranges in seconds, slow motion and start time, zero, grey levels at edges, choice of markers.

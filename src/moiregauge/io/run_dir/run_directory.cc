@@ -19,6 +19,7 @@
 #include "moiregauge/io/tables/camera_csv.h"
 #include "moiregauge/io/tables/displacement_csv.h"
 #include "moiregauge/io/tables/displacement_h5.h"
+#include "moiregauge/results/derived/site_channels.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -67,7 +68,8 @@ Done put_results(const fs::path& dir, const Measurement& measurement, const Meas
   const std::optional<Scene>& scene = stated_scene(measurement);
   if (measurement.reference && scene) {
     const Site solved = solved_site(measurement.reference->site, *scene);
-    if (auto done = put_file(dir / "site.toml", write_site(solved)); !done) return done;
+    const SiteChannels channels = read_site_channels(options.channels, target_names(solved));
+    if (auto done = put_file(dir / "site.toml", write_site(solved, channels.texts)); !done) return done;
   }
   if (scene && determines_camera(*scene)) {
     Camera solved = scene->camera;

@@ -54,6 +54,15 @@ Json choice_json(const MarkerChoice& choice) {
       {"references", choice.references}, {"targets", choice.targets}, {"ignored", choice.ignored}, {"names", names}};
 }
 
+Json channels_json(const std::vector<ChannelText>& channels) {
+  Json out = Json::array();
+  for (const ChannelText& channel : channels)
+    out.push_back({{"name", channel.name},
+                   {"unit", channel.unit.empty() ? Json(nullptr) : Json(channel.unit)},
+                   {"expression", channel.expression}});
+  return out;
+}
+
 Json area_json(const SearchArea& area) {
   const auto list = [](const std::vector<PixelRegion>& regions) {
     Json out = Json::array();
@@ -86,6 +95,7 @@ Json config_json(const Measurement& measurement, const MeasureOptions& options) 
   config["tone"] = options.tone ? name_of(*options.tone) : "auto";
   config["choice"] = choice_json(options.choice);
   config["area"] = area_json(options.observe.area);
+  config["channels"] = channels_json(options.channels);
   config["template"] = std::string(word_for(options.observe.template_use));
   if (options.reference_frame) config["reference_frame"] = *options.reference_frame;
   if (options.observe.raster.sampling_pitch_px > 0)

@@ -33,4 +33,11 @@ struct Channel {
   std::string text;  // as written, without the name
 };
 
+// A channel as a site file states it.
+struct ChannelText {
+  std::string name;
+  std::string unit;  // empty: that of the expression
+  std::string expression;
+};
+
 }  // namespace moiregauge::internal

@@ -97,10 +97,12 @@ class ExpressionParser {
     return value;
   }
 
+  [[nodiscard]] const std::vector<NamedTarget>& named() const { return named_; }
+
  private:
   struct Name {
     std::string text;
-    std::size_t at = 0;
+    std::size_t at = 0, end = 0;
     bool is_quoted = false;
   };
 
@@ -200,27 +202,30 @@ class ExpressionParser {
 
   tl::expected<Name, ChannelMistake> take_name() {
     skip_spaces();
-    Name name{{}, at_, here() == '\'' || here() == '"'};
+    Name name{{}, at_, 0, here() == '\'' || here() == '"'};
     if (name.is_quoted) {
       const auto end = text_.find(here(), at_ + 1);
       if (end == std::string_view::npos) return mistake(at_, "a quoted name does not end", "write the second quote");
       name.text = text_.substr(at_ + 1, end - at_ - 1);
-      at_ = end + 1;
+      at_ = name.end = end + 1;
       return name;
     }
     if (!is_letter(here()))
       return mistake(at_, "a value is missing here", "write a number, a target such as mid.dy, or a function");
     while (at_ < text_.size() && (is_letter(here()) || is_digit(here()))) name.text += text_[at_++];
+    name.end = at_;
     return name;
   }
 
-  tl::expected<std::size_t, ChannelMistake> target(const Name& name) const {
+  tl::expected<std::size_t, ChannelMistake> target(const Name& name) {
     const auto found = std::find(targets_.begin(), targets_.end(), name.text);
     if (found == targets_.end())
       return mistake(name.at, "no target has the name " + shown(name.text),
                      fmt::format("use one of {} (put other characters than letters and digits in quotes)",
                                  fmt::join(targets_.first(std::min<std::size_t>(targets_.size(), 12)), ", ")));
-    return static_cast<std::size_t>(found - targets_.begin());
+    const auto index = static_cast<std::size_t>(found - targets_.begin());
+    named_.push_back({name.at, name.end - name.at, index});
+    return index;
   }
   // Control characters of hostile text stay out of messages.
   static std::string shown(const std::string& name) {
@@ -301,6 +306,7 @@ class ExpressionParser {
   std::span<const Channel> earlier_;
   bool has_stated_unit_;
   int depth_ = 0;
+  std::vector<NamedTarget> named_;
 };
 
 bool is_unit(std::string_view unit) {
@@ -339,6 +345,15 @@ tl::expected<Channel, ChannelMistake> channel_from(std::string_view text, std::s
 
 }  // namespace
 
+std::string_view name_in_channel(std::string_view text) {
+  const std::string_view left = text.substr(0, text.find('='));
+  return trimmed(left.substr(0, left.find('[')));
+}
+
+std::string channel_unit_problem(std::string_view unit) {
+  return is_unit(unit) ? std::string() : std::string("the unit cannot be read");
+}
+
 std::string channel_name_problem(std::string_view name) {
   const auto is_part = [](char c) { return is_letter(c) || is_digit(c); };
   const bool is_plain =
@@ -371,8 +386,16 @@ tl::expected<Channel, ChannelMistake> parse_channel_value(const std::string& nam
                                                           std::string_view text, std::span<const std::string> targets,
                                                           std::span<const Channel> earlier) {
   if (!unit.empty() && !is_unit(unit))
-    return mistake(0, "the unit cannot be read", "write up to 16 letters, digits, / and ^");
+    return mistake(0, channel_unit_problem(unit), "write up to 16 letters, digits, / and ^");
   return channel_from(text, 0, Channel{name, unit, {}, 0.0, {}}, targets, earlier);
+}
+
+tl::expected<std::vector<NamedTarget>, ChannelMistake> targets_named_in(std::string_view text,
+                                                                        std::span<const std::string> targets,
+                                                                        std::span<const Channel> earlier) {
+  ExpressionParser parser(text, 0, targets, earlier, /*has_stated_unit=*/true);
+  if (const auto value = parser.whole(); !value) return tl::unexpected(value.error());
+  return parser.named();
 }
 
 }  // namespace moiregauge::internal
