@@ -160,7 +160,7 @@ def check_contrast(page, theme):
       const variable = (name) => (probe.style.color = `var(${name})`, getComputedStyle(probe).color);
       const card = of('section', 'backgroundColor');
       const texts = ['--ink', '--ink-soft', '--good', '--fair', '--bad'].map((name) => [name, variable(name), card, 4.5]);
-      const lines = [1, 2, 3, 4, 5, 6].map((n) => [`--series-${n}`, variable(`--series-${n}`), card, 3]);
+      const lines = Array.from({length: 12}, (_, n) => n + 1).map((n) => [`--series-${n}`, variable(`--series-${n}`), card, 3]);
       probe.remove();
       return [...texts, ...lines];
     })()""")

@@ -31,6 +31,12 @@ export class Curve {
     return [low, high];
   }
 
+  // Returns true if all values are gaps.
+  isEmpty(): boolean {
+    const [low, high] = this.extremes(0, this.values.length);
+    return low > high;
+  }
+
   // Returns the lowest and highest value in [from, to); Infinity and -Infinity if all are gaps.
   extremes(from: number, to: number): [number, number] {
     if (to - from < 4 * kBlock) return this.scan(from, to);

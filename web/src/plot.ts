@@ -125,7 +125,7 @@ export class Plot {
     if (this.plan.lines.length > 1 || banded.length > 0)
       for (const { label, colour, dash, points } of lines) list.push({ label, colour, dash, kind: points === 'only' ? 'point' : dash ? 'dashed' : '' });
     if (banded.length > 0) list.push({ label: 'U (k = 2)', colour: banded.length > 1 && this.plan.lines[0]!.colour >= kFirstLine ? kColour.other : banded[0]!.colour, kind: 'band' });
-    if (lines.some(({ notOk }) => notOk && notOk.values.some((v) => !Number.isNaN(v)))) list.push({ label: 'not ok', colour: kColour.other, kind: 'hollow' });
+    if (lines.some(({ notOk }) => notOk && !notOk.isEmpty())) list.push({ label: 'not ok', colour: kColour.other, kind: 'hollow' });
     return list;
   }
 
