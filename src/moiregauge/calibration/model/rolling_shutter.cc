@@ -23,7 +23,7 @@ constexpr double kMaxReadoutFactor = 3.0;
 // Largest chi2/dof of a scene whose slope counts. Above it Huber's loss shaped the scene, and its slope of chi2 is no
 // measure of the distance from the minimum. Chosen.
 constexpr double kScenesFit = 2.0;
-// Change of the readout time, in u, after which the process noise is estimated anew: the earlier estimate contains the
+// Change of the readout time, in u, after which the process noise is estimated again. The earlier estimate contains the
 // error of the earlier scene, and the wide prior would keep that error. Chosen.
 constexpr double kMovedReadout = 3.0;
 // Prior of an unknown readout time, that of a phone: s, and relative u. For motion faster than half the frame rate only
