@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/app/live/live_store.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -247,6 +249,7 @@ void LiveStore::finish_later(Segment segment, SegmentEnd end) {
   const auto shared = std::make_shared<std::pair<Segment, SegmentEnd>>(std::move(segment), std::move(end));
   tasks_->add([this, shared] {
     complete(*shared->first, shared->second);
+    (void)::malloc_trim(0);  // the solver's memory would stay in the heap for days
     delete_old();
   });
 }
