@@ -126,6 +126,34 @@ numbers = [int(row["frame"]) for row in table(work / "killed/live.csv")]
 insist(numbers == sorted(set(numbers)) and numbers[-1] == FRAMES - 1, "rows of live.csv after kills")
 insist(len(rows(work / "killed")) == len(set(numbers) | {int(row[0]) for row in rows(work / "killed")}), "a row is in live.csv only")
 
+# A camera (a pipe in real time) that is started again: numbers and zero continue, and time follows the host's clock.
+FEED = ["ffmpeg", "-nostdin", "-loglevel", "error", "-re", "-framerate", str(FPS), "-i", str(scene / "%06d.png"),
+        "-pix_fmt", "gray", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]
+
+
+def camera(*more):
+    pipe = subprocess.Popen(FEED, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    command = [program, "live", "-", "--site", site, "-o", work / "camera", "--quiet", *more]
+    return pipe, subprocess.Popen([str(word) for word in command], stdin=pipe.stdout)
+
+
+pipe, process = camera()
+while stored_rows(work / "camera") < 12 and process.poll() is None:
+    time.sleep(0.02)
+process.kill()
+pipe.kill()
+insist(process.wait() == -signal.SIGKILL, "the camera ended")
+pipe, process = camera("--resume", "--for", "2s")
+insist(process.wait(60) == 0, f"exit {process.returncode} of a camera")
+pipe.kill()
+samples = table(work / "camera/displacement.csv")
+numbers = [int(row["frame"]) for row in samples]
+insist(numbers == list(range(len(numbers))) and len(numbers) > 25, f"{numbers}")
+times = [float(row["time_s"]) for row in samples]
+insist(times == sorted(set(times)) and times[-1] > times[0] + len(times) / FPS, "times of a camera")
+insist(facts("camera")["resumed_at"] > 0 and facts("camera")["source"] == "-", "live.json of a camera")
+insist(json.loads((work / "camera/run.json").read_text())["reference_frame"] == 0, "another zero")
+
 # Without pace nothing is lost by a kill either: the bytes are those of an uninterrupted run.
 process = subprocess.Popen(live("bytes", "max", "--quiet"))
 csv_path = work / "bytes.unfinished/live.csv"
