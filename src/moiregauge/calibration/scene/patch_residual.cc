@@ -26,18 +26,29 @@ std::array<Matrix2d, kPatchPoints> print_per_image(const PatchFit& fit) {
   const ImagePoint middle = fit.image[kPatchPoints / 2];
   const double side = std::max(1e-300, length(fit.image.back() - fit.image.front()));
   std::array<Vector2d, kPatchPoints> at;
-  Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();
+  // Sums over the points, with p = (x, y, 1) and q = (x, y): p p^T, u q p^T, v q p^T, (u^2 + v^2) q q^T.
+  Matrix3d points = Matrix3d::Zero();
+  Eigen::Matrix<double, 2, 3> by_u = Eigen::Matrix<double, 2, 3>::Zero(), by_v = by_u;
+  Matrix2d by_both = Matrix2d::Zero();
   Eigen::Matrix<double, 8, 1> right = Eigen::Matrix<double, 8, 1>::Zero();
   const PrintPoint origin = fit.print[kPatchPoints / 2];
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
     const double x = (fit.image[n].x - middle.x) / side, y = (fit.image[n].y - middle.y) / side;
     const double u = fit.print[n].x - origin.x, v = fit.print[n].y - origin.y;
     at[n] = {x, y};
-    Eigen::Matrix<double, 2, 8> row;
-    row << x, y, 1, 0, 0, 0, -u * x, -u * y, 0, 0, 0, x, y, 1, -v * x, -v * y;
-    normal.noalias() += row.transpose().lazyProduct(row);
-    right.noalias() += row.transpose() * Vector2d(u, v);
+    const Vector3d p(x, y, 1.0);
+    const Matrix3d pp = p * p.transpose();
+    points += pp;
+    by_u += u * pp.topRows<2>(), by_v += v * pp.topRows<2>();
+    by_both += (u * u + v * v) * pp.topLeftCorner<2, 2>();
+    right.head<3>() += u * p, right.segment<3>(3) += v * p;
+    right.tail<2>() -= (u * u + v * v) * at[n];
   }
+  Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();
+  normal.topLeftCorner<3, 3>() = normal.block<3, 3>(3, 3) = points;
+  normal.block<2, 3>(6, 0) = -by_u, normal.block<2, 3>(6, 3) = -by_v;
+  normal.block<3, 2>(0, 6) = -by_u.transpose(), normal.block<3, 2>(3, 6) = -by_v.transpose();
+  normal.bottomRightCorner<2, 2>() = by_both;
   const Eigen::Matrix<double, 8, 1> h = normal.ldlt().solve(right);
   std::array<Matrix2d, kPatchPoints> out;
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
@@ -110,8 +121,9 @@ PatchResidual::PatchResidual(const PatchFit& fit, const Grating& grating)
   const Eigen::LDLT<PatchInformation> ldlt(fit.information);
   PatchInformation upper = ldlt.matrixU();
   upper = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal() * upper;
-  const PatchInformation order = ldlt.transpositionsP() * PatchInformation::Identity();
-  root_.noalias() = upper * order;
+  root_ = upper;
+  const auto& swaps = ldlt.transpositionsP().indices();  // rows in this order, so columns in the opposite one
+  for (Eigen::Index k = swaps.size(); k-- > 0;) root_.col(k).swap(root_.col(swaps(k)));
 }
 
 PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,

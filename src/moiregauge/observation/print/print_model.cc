@@ -37,6 +37,8 @@ constexpr int kMaxRowStep = 4;
 // Share by which a template must lower the rms residual of the fundamentals. The rms residual of some thousand pixels
 // is known to 1 %. Chosen.
 constexpr double kTemplateHelps = 0.02;
+// Share of the residual of the first round of fundamentals, below which a template helps without more rounds. Chosen.
+constexpr double kClearlyHelps = 0.5;
 
 constexpr std::array kTemplateWords{std::pair{TemplateUse::kAuto, std::string_view("auto")},
                                     std::pair{TemplateUse::kOn, std::string_view("on")},
@@ -68,7 +70,10 @@ void gather_grey(const ImageView<Grey>& picture, const PrintFromImage& map, cons
       const PrintPoint p = map(at);
       if (!(std::abs(p.x - w.centre.x) <= w.half_x && std::abs(p.y - w.centre.y) <= w.half_y)) continue;
       double grey = picture.at(x, y);
-      if (light != nullptr) grey = (grey - light->background(at)) / light->contrast(at);
+      if (light != nullptr) {
+        const auto [background, contrast] = light->light_and_contrast(at);
+        grey = (grey - background) / contrast;
+      }
       bins.add(p, grey);
     }
   }
@@ -194,7 +199,7 @@ class Learning {
     PrintBins bins(std::min(most_orders, order_of(window_, 1.0 / pixel_)));
     std::visit([&](const auto& picture) { gather_grey(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); },
                *luma_);
-    auto print = bins.fit();
+    auto print = bins.fit(model_ ? &model_->print : nullptr);
     if (!print) return tl::unexpected(Failure::kTooFewPixels);
     const double px = print->slope_power_x(), py = print->slope_power_y();
     PatchFitOptions options;
@@ -285,6 +290,11 @@ PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Gratin
 tl::expected<Learning, Failure> chosen(Learning with_template, TemplateUse use) {
   if (use == TemplateUse::kOn) return with_template;
   Learning fundamentals = with_template;
+  const auto first = fundamentals.round(1);
+  // Later rounds lower the residual by a few per cent at most.
+  const bool surely_helps = first && with_template.sigma() < kClearlyHelps * fundamentals.sigma();
+  if (surely_helps && use == TemplateUse::kAuto) return with_template;
+  fundamentals = with_template;
   const auto done = fundamentals.until_converged(1);
   const bool helps = !done || with_template.sigma() < (1.0 - kTemplateHelps) * fundamentals.sigma();
   if (!helps) return fundamentals;

@@ -40,13 +40,14 @@ struct Level {
 // Evaluates the table of nodes as PrintTemplate::at does.
 struct Table {
   const std::int32_t* words;
-  V side, per_side, wide, words_per_node, one;
+  V side, per_side, wide, words_per_node;
   V scale[2 * PrintNodes::kWords];
 
-  explicit Table(const PrintNodes& nodes) : words(nodes.words.data()) {
+  // The table begins one node before the period along both axes.
+  explicit Table(const PrintNodes& nodes) : words(nodes.words.data() + (nodes.wide() + 1) * PrintNodes::kStride) {
     const auto set = [](auto value) { return hn::Set(Float(), static_cast<float>(value)); };
     side = set(nodes.side), per_side = set(1.0F / static_cast<float>(nodes.side)), wide = set(nodes.wide());
-    words_per_node = set(PrintNodes::kStride), one = set(1);
+    words_per_node = set(PrintNodes::kStride);
     for (int k = 0; k < 2 * PrintNodes::kWords; ++k) scale[k] = set(nodes.scale[static_cast<std::size_t>(k)]);
   }
 
@@ -84,10 +85,8 @@ struct Table {
   }
 #endif
 
-  // Returns the node's index in the table, which begins one node before the period.
-  HWY_INLINE V node_of(V whole) const {
-    return hn::Add(hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))), one);
-  }
+  // Returns the node's index in the period.
+  HWY_INLINE V node_of(V whole) const { return hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))); }
 
   HWY_INLINE Level at(V x, V y) const {
     const Float d;
@@ -106,7 +105,8 @@ struct Table {
     }
     const V bx = hn::Add(a[3], a[3]), by = hn::Add(a[5], a[5]);
     const V tx = plus(plus(a[1], u, bx), v, a[4]), ty = plus(plus(a[2], v, by), u, a[4]);
-    const V t = plus(plus(a[0], u, plus(plus(a[1], u, a[3]), v, a[4])), v, plus(a[2], v, a[5]));
+    const V half = hn::Set(d, 0.5F);  // u (a1 + tx) + v (a2 + ty) is twice the rest of the Taylor series
+    const V t = plus(a[0], half, plus(hn::Mul(u, hn::Add(a[1], tx)), v, hn::Add(a[2], ty)));
     return {t, tx, ty, bx, by, plus(hn::Mul(tx, tx), ty, ty)};
   }
 };
@@ -142,6 +142,51 @@ HWY_INLINE void expand(V one, const Level& l, V u, V v, const Put& put) {
 HWY_INLINE Level times(const Level& l, V f) {
   return {hn::Mul(l.t, f), hn::Mul(l.tx, f), hn::Mul(l.ty, f), hn::Mul(l.bx, f), hn::Mul(l.by, f), hn::Mul(l.edge, f)};
 }
+
+// Values that all pixels of a window share.
+struct Patch {
+  Table table;
+  Plane light, contrast, gain;
+  V side, x0, half_x, y0, half_y, one;
+  V blur_x, blur_y, width;
+  bool has_shape;         // false in a first pass
+  V row_x, row_y, row_z;  // changes of u z, v z and z from one pixel of a row to the next
+
+  explicit Patch(const PatchJob& job) : table(*job.table), light(job.light), contrast(job.contrast), gain(job.gain) {
+    const auto set = [](float value) { return hn::Set(Float(), value); };
+    side = table.side, one = set(1);
+    const float side2 = static_cast<float>(job.table->side) * static_cast<float>(job.table->side);
+    blur_x = set(side2 * job.shape[0]), blur_y = set(side2 * job.shape[1]), width = set(side2 * job.shape[2]);
+    has_shape = job.shape != std::array<float, 3>{};
+    x0 = set(job.nodes[0]), half_x = set(job.nodes[1]), y0 = set(job.nodes[2]), half_y = set(job.nodes[3]);
+    row_x = set(job.uv_from_px[0]), row_y = set(job.uv_from_px[3]), row_z = set(job.uv_from_px[6]);
+  }
+
+  // Returns the predicted grey level at (u, v). `l`: level per distance of nodes. `factor`: gain there.
+  HWY_INLINE V shown(V u, V v, const Level& l, V factor) const {
+    const V flat = plus(light(u, v), contrast(u, v), l.t);
+    if (!has_shape) return flat;
+    return plus(flat, factor, plus(plus(hn::Mul(blur_x, l.bx), blur_y, l.by), width, l.edge));
+  }
+};
+
+// Values u z, v z and z at the middle of a row.
+struct Row {
+  V x, y, z;
+  Row(const PatchJob& job, float dy) {
+    const auto at = [&](std::size_t k) { return hn::Set(Float(), job.uv_from_px[k + 2] + job.uv_from_px[k + 1] * dy); };
+    x = at(0), y = at(3), z = at(6);
+  }
+};
+
+// Positions of a vector of pixels in the window.
+struct Positions {
+  V u, v, per_z;
+  HWY_INLINE Positions(const Patch& patch, const Row& row, V dx) {
+    per_z = hn::Div(patch.one, plus(row.z, patch.row_z, dx));
+    u = hn::Mul(plus(row.x, patch.row_x, dx), per_z), v = hn::Mul(plus(row.y, patch.row_y, dx), per_z);
+  }
+};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace moiregauge::internal

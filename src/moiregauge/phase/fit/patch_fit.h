@@ -41,6 +41,14 @@ struct PatchFit {
   [[nodiscard]] double background(ImagePoint p) const { return plane(light, p); }
   // Returns the contrast at an image point relative to the template, 1.
   [[nodiscard]] double contrast(ImagePoint p) const { return plane(gain, p); }
+  struct LightAndContrast {
+    double light, contrast;
+  };
+  // Returns both at once.
+  [[nodiscard]] LightAndContrast light_and_contrast(ImagePoint p) const {
+    const auto at = window_from_image(p);
+    return {light[0] + light[1] * at.x + light[2] * at.y, gain[0] + gain[1] * at.x + gain[2] * at.y};
+  }
   double sigma = 0.0;  // rms residual of a pixel, grey levels
   // Amplitudes of the fundamentals along X and Y relative to the template's, 1. They contain contrast and blur.
   std::array<double, 2> fundamental{};

@@ -4,12 +4,29 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdlib>
+#include <memory>
+#include <new>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "moiregauge/phase/fit/grating_for_tests.h"
 #include "moiregauge/phase/fit/template_for_tests.h"
+
+namespace {
+long allocations_of_all_tests = 0;
+}  // namespace
+
+// Counts what this program allocates. The forms for arrays call these. They must not be inlined: the compiler would see
+// the memory of one freed by the other.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations_of_all_tests;
+  if (void* const memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace moiregauge::internal {
 namespace {
@@ -253,6 +270,24 @@ TEST(PatchFit, FlatPaperAndTheImageEdgeAreRefused) {
   const auto outside = fitted(flat.view(), off_by(truth, 2.0, 0.0, 0.0), kWindow, PrintTemplate::cosine(40, 40), {});
   ASSERT_FALSE(outside);
   EXPECT_EQ(outside.error(), PatchFitFailure::kOutsidePicture);
+}
+
+TEST(PatchFit, FollowingAGratingAllocatesNothing) {
+  const auto truth = oblique(17.0);
+  const auto picture = seen(truth, {.sigma = 1.0}, crossed, 11);
+  const auto print = PrintTemplate::cosine(42.5, 42.5);
+  const auto rest = fit_patch(picture.view(), truth, kWindow, print, {});
+  ASSERT_TRUE(rest);
+  const auto start = off_by(truth, 0.01, -0.02, 0.0);
+  for (const Rows rows : {Rows::kSome, Rows::kAll}) {
+    const long before = allocations_of_all_tests;
+    const auto now = follow_patch(picture.view(), start, kWindow, print, {}, rest->at_rest, rows);
+    EXPECT_EQ(allocations_of_all_tests, before);
+    EXPECT_TRUE(now);
+  }
+  const long before = allocations_of_all_tests;
+  const auto one = std::make_unique<int>(1);  // the count works
+  EXPECT_EQ(allocations_of_all_tests, before + 1) << *one;
 }
 
 TEST(PatchFit, AGratingFainterThanTheNoiseIsFoundByItsManyPixels) {

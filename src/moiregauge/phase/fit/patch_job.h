@@ -11,6 +11,7 @@ namespace moiregauge::internal {
 inline constexpr int kBlockWidth = 16;
 // Rows that are summed in single precision before the sums go into doubles. Chosen.
 inline constexpr int kBandRows = 16;
+inline constexpr int kStripRows = 64;  // the same for the sums by tiles
 inline constexpr int kProducts = kColumns * (kColumns + 1) / 2;
 inline constexpr int kShiftProducts = kShiftColumns * (kShiftColumns + 1) / 2;
 enum class Sum {
@@ -20,12 +21,10 @@ enum class Sum {
   kShift,
   kBlocks  // squared residual by blocks of the window
 };
-// Return the number of sums, and of those that are kept in registers. The others are pending (patch_pass.cc).
+// Returns the number of sums.
 constexpr int sums_of(Sum sum) {
   return sum == Sum::kBlocks ? 1 : sum == Sum::kShift ? kShiftColumns + 1 + kShiftProducts : kColumns + 1;
 }
-constexpr bool is_pending(Sum sum) { return sum == Sum::kRight || sum == Sum::kNormal; }
-constexpr int registers_of(Sum sum) { return is_pending(sum) ? 1 : sums_of(sum); }
 
 // Map from pixels to (u, v). Pixels count from the window's middle one, so that the numbers suit single precision.
 struct PatchJob {

@@ -14,46 +14,14 @@
 
 #include "moiregauge/phase/fit/patch_columns-inl.h"
 #include "moiregauge/phase/fit/patch_job.h"
+#include "moiregauge/phase/fit/patch_tiles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge::internal {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE void add_to(float* sums, V value) {
-  const Float d;
-  hn::Store(hn::Add(hn::Load(d, sums), value), d, sums);
-}
-
-// Values that all pixels of a window share.
-struct Patch {
-  Table table;
-  Plane light, contrast, gain;
-  V side, x0, half_x, y0, half_y, one;
-  V blur_x, blur_y, width;
-  bool has_shape;         // false in a first pass
-  V row_x, row_y, row_z;  // changes of u z, v z and z from one pixel of a row to the next
-
-  explicit Patch(const PatchJob& job) : table(*job.table), light(job.light), contrast(job.contrast), gain(job.gain) {
-    const auto set = [](float value) { return hn::Set(Float(), value); };
-    side = table.side, one = table.one;
-    blur_x = set(job.shape[0]), blur_y = set(job.shape[1]), width = set(job.shape[2]);
-    has_shape = job.shape != std::array<float, 3>{};
-    x0 = set(job.nodes[0]), half_x = set(job.nodes[1]), y0 = set(job.nodes[2]), half_y = set(job.nodes[3]);
-    row_x = set(job.uv_from_px[0]), row_y = set(job.uv_from_px[3]), row_z = set(job.uv_from_px[6]);
-  }
-};
-
-// Values u z, v z and z at the middle of a row.
-struct Row {
-  V x, y, z;
-  Row(const PatchJob& job, float dy) {
-    const auto at = [&](std::size_t k) { return hn::Set(Float(), job.uv_from_px[k + 2] + job.uv_from_px[k + 1] * dy); };
-    x = at(0), y = at(3), z = at(6);
-  }
-};
-
 template <Sum kSum>
-using Registers = V[registers_of(kSum)];
+using Registers = V[sums_of(kSum)];
 
 // Adds to the sums of a shift. `left`: residual, zero outside the window.
 HWY_INLINE void add_shift(V left, V inside, const Level& l, Registers<Sum::kShift>& sums) {
@@ -69,95 +37,56 @@ HWY_INLINE void add_shift(V left, V inside, const Level& l, Registers<Sum::kShif
   }
 }
 
-// Blocks of a row whose sums are pending. All sums at once would not fit into registers, so each group of them runs
-// through the blocks on its own.
-struct Pending {
-  static constexpr int kMost = 16;
+// Columns of blocks whose products are pending. A tile of products then stays in registers for all of them.
+struct PendingColumns {
+  static constexpr int kMost = 8;
   int blocks = 0;
-  // Position in the window, and residual times 1 and times each quantity of the level.
-  alignas(64) float u[kMost][kBlockWidth], v[kMost][kBlockWidth], left[kMost][kBlockWidth], t[kMost][kBlockWidth],
-      tx[kMost][kBlockWidth], ty[kMost][kBlockWidth], bx[kMost][kBlockWidth], by[kMost][kBlockWidth],
-      edge[kMost][kBlockWidth];
+  alignas(64) float c[kColumns][kMost][kBlockWidth];
 
-  HWY_INLINE void put(V residual, const Level& l, V at_u, V at_v) {
-    const Float d;
-    const Level part = times(l, residual);
-    hn::Store(at_u, d, u[blocks]), hn::Store(at_v, d, v[blocks]), hn::Store(residual, d, left[blocks]);
-    hn::Store(part.t, d, t[blocks]), hn::Store(part.tx, d, tx[blocks]), hn::Store(part.ty, d, ty[blocks]);
-    hn::Store(part.bx, d, bx[blocks]), hn::Store(part.by, d, by[blocks]), hn::Store(part.edge, d, edge[blocks]);
+  HWY_INLINE void put(V inside, const Level& l, V u, V v) {
+    expand(inside, times(l, inside), u, v, [this](int k, V value) { hn::Store(value, Float(), c[k][blocks]); });
     ++blocks;
   }
 };
 
-using LaneRow = float[kBlockWidth];
+constexpr int kTile = 3;
+static_assert(kColumns % kTile == 0);
 
-// Registers for kCount sums from `first` on, which go back to memory at the end.
-template <int kCount>
-struct SumGroup {
-  V sums[kCount];
-  LaneRow* memory;
-  int lane;
-  HWY_INLINE SumGroup(LaneSums& lanes, int first, int at) : memory(lanes.right + first), lane(at) {
-    for (int k = 0; k < kCount; ++k) sums[k] = hn::Load(Float(), memory[k] + lane);
-  }
-  HWY_INLINE void keep() const {
-    for (int k = 0; k < kCount; ++k) hn::Store(sums[k], Float(), memory[k] + lane);
-  }
-  HWY_INLINE void add(int k, V value) { sums[k] = hn::Add(sums[k], value); }
-};
-
-HWY_INLINE void add_field(const Pending& pending, const LaneRow* slopes, int first, int lane, LaneSums& lanes) {
+// Adds the products of three columns from `i` on with three from `j` on. On the diagonal (i = j) only the lower ones.
+template <bool kDiagonal>
+HWY_INLINE void add_tile(const PendingColumns& pending, int i, int j, int lane, LaneSums& lanes) {
   const Float d;
-  SumGroup<kFieldColumns> group(lanes, first, lane);
-  for (int b = 0; b < pending.blocks; ++b)
-    expand_field<0>(hn::Load(d, slopes[b]), hn::Load(d, pending.u[b]), hn::Load(d, pending.v[b]),
-                    [&group](int k, V value) { group.add(k, value); });
-  group.keep();
+  V sums[kTile][kTile];
+  const auto memory = [&](int a, int b) { return lanes.normal[(i + a) * (i + a + 1) / 2 + j + b] + lane; };
+#pragma GCC unroll 3
+  for (int a = 0; a < kTile; ++a) {
+#pragma GCC unroll 3
+    for (int b = 0; b <= (kDiagonal ? a : kTile - 1); ++b) sums[a][b] = hn::Load(d, memory(a, b));
+  }
+  for (int n = 0; n < pending.blocks; ++n) {
+    V across[kTile];
+#pragma GCC unroll 3
+    for (int b = 0; b < kTile; ++b) across[b] = hn::Load(d, pending.c[j + b][n]);
+#pragma GCC unroll 3
+    for (int a = 0; a < kTile; ++a) {
+      const V down = kDiagonal ? across[a] : hn::Load(d, pending.c[i + a][n]);
+#pragma GCC unroll 3
+      for (int b = 0; b <= (kDiagonal ? a : kTile - 1); ++b) sums[a][b] = hn::Add(sums[a][b], hn::Mul(down, across[b]));
+    }
+  }
+#pragma GCC unroll 3
+  for (int a = 0; a < kTile; ++a) {
+#pragma GCC unroll 3
+    for (int b = 0; b <= (kDiagonal ? a : kTile - 1); ++b) hn::Store(sums[a][b], d, memory(a, b));
+  }
 }
 
-// Adds three sums: of a quantity, and of its products with u and v.
-HWY_INLINE void add_plane(const Pending& pending, const LaneRow* values, int first, int lane, LaneSums& lanes) {
-  const Float d;
-  SumGroup<3> group(lanes, first, lane);
-  for (int b = 0; b < pending.blocks; ++b) {
-    const V value = hn::Load(d, values[b]);
-    group.add(0, value);
-    group.add(1, hn::Mul(value, hn::Load(d, pending.u[b])));
-    group.add(2, hn::Mul(value, hn::Load(d, pending.v[b])));
+HWY_INLINE void add_pending(PendingColumns& pending, int lane, LaneSums& lanes) {
+  for (int i = 0; i < kColumns; i += kTile) {
+    for (int j = 0; j < i; j += kTile) add_tile<false>(pending, i, j, lane, lanes);
+    add_tile<true>(pending, i, i, lane, lanes);
   }
-  group.keep();
-}
-
-// Adds the sums of blur and width, and the squared residuals.
-HWY_INLINE void add_shape(const Pending& pending, int lane, LaneSums& lanes) {
-  const Float d;
-  SumGroup<kBlurColumns + kWidthColumns> shape(lanes, kLightColumns, lane);
-  SumGroup<1> squares(lanes, kColumns, lane);
-  for (int b = 0; b < pending.blocks; ++b) {
-    const V left = hn::Load(d, pending.left[b]);
-    shape.add(0, hn::Load(d, pending.bx[b])), shape.add(1, hn::Load(d, pending.by[b]));
-    shape.add(2, hn::Load(d, pending.edge[b]));
-    squares.add(0, hn::Mul(left, left));
-  }
-  shape.keep(), squares.keep();
-}
-
-HWY_INLINE void add_pending(Pending& pending, int lane, LaneSums& lanes) {
-  add_plane(pending, pending.left, 0, lane, lanes);
-  add_plane(pending, pending.t, kLightColumns / 2, lane, lanes);
-  add_shape(pending, lane, lanes);
-  add_field(pending, pending.tx, kBaseColumns, lane, lanes);
-  add_field(pending, pending.ty, kBaseColumns + kFieldColumns, lane, lanes);
   pending.blocks = 0;
-}
-
-HWY_INLINE void add_normal(V inside, const Level& l, V u, V v, int lane, LaneSums& sums) {
-  V c[kColumns];
-  expand(inside, times(l, inside), u, v, [&c](int k, V value) { c[k] = value; });
-  float* to = sums.normal[0] + lane;
-  for (int i = 0; i < kColumns; ++i) {
-    for (int j = 0; j <= i; ++j, to += kBlockWidth) add_to(to, hn::Mul(c[i], c[j]));
-  }
 }
 
 // Adds to the sums of the window's blocks. Neighbouring pixels share one or two of these, which the loop visits.
@@ -177,33 +106,157 @@ HWY_INLINE void add_blocks(V left, Mask in, V u, V v, int lane, LaneSums& sums) 
   }
 }
 
+// Returns the lanes inside the window.
+HWY_INLINE auto lanes_inside(const Patch& patch, const Positions& at) {
+  return hn::Le(hn::Max(hn::Abs(at.u), hn::Abs(at.v)), patch.one);
+}
+
+HWY_INLINE Level level_at(const Patch& patch, const Positions& at) {
+  return patch.table.at(plus(patch.x0, at.u, patch.half_x), plus(patch.y0, at.v, patch.half_y));
+}
+
+// Returns a level with derivatives per pitch, times the gain.
+HWY_INLINE Level scaled(const Patch& patch, const Level& l, V gain) {
+  const V slope = hn::Mul(gain, patch.side), bend = hn::Mul(slope, patch.side);
+  return {
+      l.t, hn::Mul(l.tx, slope), hn::Mul(l.ty, slope), hn::Mul(l.bx, bend), hn::Mul(l.by, bend), hn::Mul(l.edge, bend)};
+}
+
 // Adds a block of pixels and returns the number inside the window. `grey`: grey levels of the lanes. `dx`: distances of
 // the lanes from the middle pixel, px. `there`: lanes inside the box.
 template <Sum kSum, typename Mask>
 HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask there, int lane, LaneSums& lanes,
-                         Registers<kSum>& sums, Pending& pending) {
+                         Registers<kSum>& sums) {
   const Float d;
-  const V z = hn::Div(patch.one, plus(row.z, patch.row_z, dx));
-  const V u = hn::Mul(plus(row.x, patch.row_x, dx), z), v = hn::Mul(plus(row.y, patch.row_y, dx), z);
-  const auto in = hn::And(there, hn::Le(hn::Max(hn::Abs(u), hn::Abs(v)), patch.one));
+  const Positions at(patch, row, dx);
+  const auto in = hn::And(there, lanes_inside(patch, at));
   if (hn::AllFalse(d, in)) return 0;
-  Level l = patch.table.at(plus(patch.x0, u, patch.half_x), plus(patch.y0, v, patch.half_y));
-  const V gain = hn::Mul(patch.gain(u, v), patch.side), bend = hn::Mul(gain, patch.side);
-  l = {l.t, hn::Mul(l.tx, gain), hn::Mul(l.ty, gain), hn::Mul(l.bx, bend), hn::Mul(l.by, bend), hn::Mul(l.edge, bend)};
-  V shown = plus(patch.light(u, v), patch.contrast(u, v), l.t);
-  if (patch.has_shape) shown = plus(plus(plus(shown, patch.blur_x, l.bx), patch.blur_y, l.by), patch.width, l.edge);
-  const V left = hn::IfThenElseZero(in, hn::Sub(grey, shown));
-  const V inside = hn::IfThenElseZero(in, patch.one);
+  const Level l = level_at(patch, at);
+  const V gain = patch.gain(at.u, at.v);
+  const V left = hn::IfThenElseZero(in, hn::Sub(grey, patch.shown(at.u, at.v, l, gain)));
   if constexpr (kSum == Sum::kBlocks) {
     sums[0] = hn::Add(sums[0], hn::Mul(left, left));
-    add_blocks(left, in, u, v, lane, lanes);
-  } else if constexpr (kSum == Sum::kShift) {
-    add_shift(left, inside, l, sums);
+    add_blocks(left, in, at.u, at.v, lane, lanes);
   } else {
-    pending.put(left, l, u, v);
-    if constexpr (kSum == Sum::kNormal) add_normal(inside, l, u, v, lane, lanes);
+    add_shift(left, hn::IfThenElseZero(in, patch.one), scaled(patch, l, gain), sums);
   }
   return static_cast<int>(hn::CountTrue(d, in));
+}
+
+// Position of a tile relative to the window.
+enum class TilePlace { kInside, kAcross, kOutside };
+
+// Returns the position of the pixels from (x, y) on, from the corners: a homography keeps straight lines straight.
+TilePlace place_of(const PatchJob& job, int x, int y) {
+  constexpr double kMargin = 1e-4;  // relative to the window; exceeds the error of single precision
+  double low_u = 1e30, high_u = -1e30, low_v = 1e30, high_v = -1e30;
+  for (const int dx : {0, kBlockWidth - 1}) {
+    for (const int dy : {0, kTileRows - 1}) {
+      const double px = x + dx - job.x, py = y + dy - job.y;
+      const auto at = [&](std::size_t k) {
+        return double{job.uv_from_px[k]} * px + double{job.uv_from_px[k + 1]} * py + double{job.uv_from_px[k + 2]};
+      };
+      const double z = at(6), u = at(0) / z, v = at(3) / z;
+      if (!(z > 0.0)) return TilePlace::kAcross;
+      low_u = std::min(low_u, u), high_u = std::max(high_u, u), low_v = std::min(low_v, v),
+      high_v = std::max(high_v, v);
+    }
+  }
+  if (std::max({-low_u, high_u, -low_v, high_v}) < 1.0 - kMargin) return TilePlace::kInside;
+  return std::max({low_u, -high_u, low_v, -high_v}) > 1.0 + kMargin ? TilePlace::kOutside : TilePlace::kAcross;
+}
+
+// A window's pixels as tiles.
+template <typename Grey>
+struct Tiling {
+  const PatchJob& job;
+  const Patch& patch;
+  const ImageView<Grey>& picture;
+};
+
+// Adds a row of a tile and returns the number of pixels inside the window.
+template <Sum kSum, bool kAllInside, typename Grey>
+HWY_INLINE int add_tile_row(const Tiling<Grey>& t, int x, int y, int row, int lane, TileRows& rows,
+                            PendingColumns& columns) {
+  const Float d;
+  Grey beyond[kBlockWidth];
+  const V grey = greys(pixels_from(t.picture, x, y, beyond) + lane);
+  const V dx = hn::Iota(d, static_cast<float>(x - t.job.x + lane));
+  const Positions at(t.patch, Row(t.job, static_cast<float>(y - t.job.y)), dx);
+  const auto in =
+      hn::And(hn::Le(dx, hn::Set(d, static_cast<float>(t.job.box.x1 - t.job.x))), lanes_inside(t.patch, at));
+  if (!kAllInside && hn::AllFalse(d, in)) {
+    rows.put_none(row);
+    return 0;
+  }
+  const Level l = level_at(t.patch, at);
+  const V gain = t.patch.gain(at.u, at.v);
+  V left = hn::Sub(grey, t.patch.shown(at.u, at.v, l, gain)), inside = t.patch.one;
+  int pixels = kLanes;
+  if constexpr (!kAllInside) {
+    left = hn::IfThenElseZero(in, left), inside = hn::IfThenElseZero(in, inside);
+    pixels = static_cast<int>(hn::CountTrue(d, in));
+  }
+  rows.put(row, left, gain, at.per_z, l);
+  if constexpr (kSum == Sum::kNormal) columns.put(inside, scaled(t.patch, l, gain), at.u, at.v);
+  return pixels;
+}
+
+// Adds a tile to the sums of its strip and returns the number of pixels inside the window.
+template <Sum kSum, bool kAllInside, typename Grey>
+HWY_INLINE int add_rows(const Tiling<Grey>& t, int x, int y, const RowSpan<kAllInside>& span, int lane, StripSums& sums,
+                        LaneSums& lanes) {
+  TileRows rows;
+  PendingColumns columns;
+  int pixels = 0;
+  for (int row = 0; row < span.count(); ++row)
+    pixels += add_tile_row<kSum, kAllInside>(t, x, y + row, row, lane, rows, columns);
+  add_tile_sums(rows, span, lane, sums);
+  if constexpr (kSum == Sum::kNormal) add_pending(columns, lane, lanes);
+  return pixels;
+}
+
+template <Sum kSum, typename Grey>
+int add_tile(const Tiling<Grey>& t, int x, int y, int count, float eta, int lane, StripSums& sums, LaneSums& lanes) {
+  const bool is_cut = count < kTileRows || x + kBlockWidth - 1 > t.job.box.x1;
+  const TilePlace place = place_of(t.job, x, y);
+  if (place == TilePlace::kOutside) return 0;
+  if (place == TilePlace::kInside && !is_cut)
+    return add_rows<kSum, true>(t, x, y, RowSpan<true>{count, eta}, lane, sums, lanes);
+  return add_rows<kSum, false>(t, x, y, RowSpan<false>{count, eta}, lane, sums, lanes);
+}
+
+// Adds up to eight blocks of a strip from x on, over the rows first to last. Returns the number of pixels.
+template <Sum kSum, typename Grey>
+int add_chunk(const Tiling<Grey>& t, int x, int first, int last, int lane, LaneSums& lanes) {
+  StripSums sums[kTilesPerChunk] = {};
+  const int blocks = std::min(kTilesPerChunk, (t.job.box.x1 - x) / kBlockWidth + 1);
+  const float middle = static_cast<float>(first) + 0.5F * (kStripRows - 1);
+  int pixels = 0;
+  for (int y = first; y <= last; y += kTileRows) {
+    const int count = std::min(kTileRows, last - y + 1);
+    const float eta = (static_cast<float>(y) - middle) / kEtaRows;
+    for (int row = y + kTileRows; lane == 0 && row < std::min(y + 2 * kTileRows, t.job.box.y1 + 1); ++row)
+      fetch_row(t.picture, row, x, std::min(x + blocks * kBlockWidth - 1, t.job.box.x1));
+    for (int b = 0; b < blocks; ++b)
+      pixels += add_tile<kSum>(t, x + b * kBlockWidth, y, count, eta, lane, sums[b], lanes);
+  }
+  for (int b = 0; b < blocks; ++b) {
+    const V dx = hn::Iota(Float(), static_cast<float>(x + b * kBlockWidth - t.job.x + lane));
+    expand_strip(sums[b], t.job, middle - static_cast<float>(t.job.y), dx, lane, lanes);
+  }
+  return pixels;
+}
+
+template <Sum kSum, typename Grey>
+int add_strip(const Tiling<Grey>& t, int first, int last, LaneSums& lanes) {
+  std::fill_n(&lanes.right[0][0], (kColumns + 1) * kBlockWidth, 0.0F);
+  int pixels = 0;
+  for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
+    for (int x = t.job.box.x0; x <= t.job.box.x1; x += kTilesPerChunk * kBlockWidth)
+      pixels += add_chunk<kSum>(t, x, first, last, lane, lanes);
+  }
+  return pixels;
 }
 
 // Returns the sum of sixteen lanes, added by halves.
@@ -225,12 +278,10 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
   const Float d;
   const V step = hn::Set(d, float{kBlockWidth});
   Grey edge[kBlockWidth];
-  Pending pending;
-  if constexpr (is_pending(kSum)) std::fill_n(&lanes.right[0][0], (kColumns + 1) * kBlockWidth, 0.0F);
   int pixels = 0;
   for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
     Registers<kSum> sums;
-    for (int k = 0; k < registers_of(kSum); ++k) sums[k] = hn::Zero(d);
+    for (int k = 0; k < sums_of(kSum); ++k) sums[k] = hn::Zero(d);
     for (int y = first; y <= last; y += job.row_step) {
       const Row row(job, static_cast<float>(y - job.y));
       const int ahead = y + kRowsAhead * job.row_step;
@@ -239,19 +290,34 @@ int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& pic
       V left = hn::Sub(hn::Set(d, static_cast<float>(job.box.x1 - job.x)), dx);
       for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth) {
         const V grey = greys(pixels_from(picture, x, y, edge) + lane);
-        pixels += add_block<kSum>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, lanes, sums, pending);
+        pixels += add_block<kSum>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, lanes, sums);
         dx = hn::Add(dx, step), left = hn::Sub(left, step);
-        if constexpr (is_pending(kSum)) {
-          if (pending.blocks == Pending::kMost) add_pending(pending, lane, lanes);
-        }
       }
     }
-    if constexpr (is_pending(kSum))
-      add_pending(pending, lane, lanes);
-    else
-      for (int k = 0; k < registers_of(kSum); ++k) hn::Store(sums[k], d, lanes.right[k] + lane);
+    for (int k = 0; k < sums_of(kSum); ++k) hn::Store(sums[k], d, lanes.right[k] + lane);
   }
   return pixels;
+}
+
+// Sums by tiles. Their derivatives are per distance of nodes, the totals per pitch.
+template <Sum kSum, typename Grey>
+void pass_by_tiles(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out) {
+  LaneSums lanes;
+  const Patch patch(job);
+  const Tiling<Grey> tiling{job, patch, picture};
+  for (int y = job.box.y0; y <= job.box.y1; y += kStripRows) {
+    if constexpr (kSum == Sum::kNormal) std::fill_n(&lanes.normal[0][0], kProducts * kBlockWidth, 0.0F);
+    out.pixels += add_strip<kSum>(tiling, y, std::min(y + kStripRows - 1, job.box.y1), lanes);
+    for (int k = 0; k <= kColumns; ++k) out.sums[static_cast<std::size_t>(k)] += folded(lanes.right[k]);
+    if constexpr (kSum == Sum::kNormal) {
+      for (int i = 0, k = 0; i < kColumns; ++i) {
+        for (int j = 0; j <= i; ++j, ++k) (*out.normal)(i, j) += folded(lanes.normal[k]);
+      }
+    }
+  }
+  const double side = job.table->side;
+  for (int k = kLightColumns; k < kColumns; ++k)
+    out.sums[static_cast<std::size_t>(k)] *= k < kBaseColumns ? side * side : side;
 }
 
 template <Sum kSum, typename Grey>
@@ -264,14 +330,8 @@ void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out)
     std::fill_n(lanes.pixels, out.blocks->pixels.size(), 0);
   }
   for (int y = job.box.y0; y <= job.box.y1; y += band) {
-    if constexpr (kSum == Sum::kNormal) std::fill_n(&lanes.normal[0][0], kProducts * kBlockWidth, 0.0F);
     out.pixels += add_band<kSum>(job, patch, picture, y, std::min(y + band - 1, job.box.y1), lanes);
     for (int k = 0; k < sums_of(kSum); ++k) out.sums[static_cast<std::size_t>(k)] += folded(lanes.right[k]);
-    if constexpr (kSum == Sum::kNormal) {
-      for (int i = 0, k = 0; i < kColumns; ++i) {
-        for (int j = 0; j <= i; ++j, ++k) (*out.normal)(i, j) += folded(lanes.normal[k]);
-      }
-    }
   }
   if constexpr (kSum == Sum::kBlocks) {
     for (std::size_t b = 0; b < out.blocks->squares.size(); ++b) {
@@ -285,9 +345,9 @@ template <typename Grey>
 void pass_of(const PatchJob& job, const ImageView<Grey>& picture, Sum sum, PatchTotals& out) {
   switch (sum) {
     case Sum::kRight:
-      return pass<Sum::kRight>(job, picture, out);
+      return pass_by_tiles<Sum::kRight>(job, picture, out);
     case Sum::kNormal:
-      return pass<Sum::kNormal>(job, picture, out);
+      return pass_by_tiles<Sum::kNormal>(job, picture, out);
     case Sum::kShift:
       return pass<Sum::kShift>(job, picture, out);
     case Sum::kBlocks:

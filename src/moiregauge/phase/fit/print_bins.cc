@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Core>
 #include <unsupported/Eigen/FFT>
@@ -77,65 +78,96 @@ std::vector<Complex> spectrum(const std::vector<double>& value, int side, int hi
   return sums;
 }
 
+// Returns the largest whole number up to `value`, a few pitches. std::floor would be a call.
+double floor_of(double value) {
+  const int whole = static_cast<int>(value);
+  return whole > value ? whole - 1 : whole;
+}
+
 // Returns the cubic B-spline's shares of four bins, from the one before the pixel's on. `f` is the pixel's distance
 // beyond its bin, 0 to 1.
-std::array<double, 4> shares(double f) {
+inline std::array<double, 4> shares(double f) {
   const double g = 1.0 - f, f2 = f * f, g2 = g * g;
   return {g * g2 / 6.0, (4.0 - 3.0 * f2 * (2.0 - f)) / 6.0, (4.0 - 3.0 * g2 * (2.0 - g)) / 6.0, f * f2 / 6.0};
 }
 
 // Product of a vector of orders with a matrix whose entries depend on differences of orders only. It is a convolution,
-// computed by spectra on a grid wide enough for all differences. A direct solution would cost the sixth power of the
-// order.
+// computed by spectra on a grid of points wide enough for all differences. A direct solution would cost the sixth power
+// of the order. All vectors belong to real functions. So half of the orders determines the others, and two rows of
+// points fit into one complex transform.
 class DifferenceMatrix {
  public:
-  DifferenceMatrix(const std::vector<Complex>& weight, int order) : wide_(2 * order + 1) {
+  DifferenceMatrix(const std::vector<Complex>& weight, int order) : order_(order) {
     while (side_ < 4 * order + 1) side_ *= 2;
-    Grid grid = Grid::Zero(side_, side_);
-    for (int n = -2 * order; n <= 2 * order; ++n) {
-      for (int m = -2 * order; m <= 2 * order; ++m)
-        grid((m + side_) % side_, (n + side_) % side_) =
-            weight[static_cast<std::size_t>((n + 2 * order) * (4 * order + 1) + m + 2 * order)];
+    line_.resize(side_), turned_.resize(side_), weight_.resize(side_, side_);
+    half_.resize(side_, 2 * order + 1);
+    spread(weight.data(), 2 * order);
+    for (int y = 0; y < side_; y += 2) {
+      points_of(y, 2 * order);
+      weight_.col(y) = turned_.real(), weight_.col(y + 1) = turned_.imag();
     }
-    weight_ = transformed(grid, true);
   }
 
   [[nodiscard]] Eigen::VectorXcd operator*(const Eigen::VectorXcd& c) {
-    Grid grid = Grid::Zero(side_, side_);
-    grid.topLeftCorner(wide_, wide_) = Eigen::Map<const Grid>(c.data(), wide_, wide_);
-    const Grid out = transformed(transformed(grid, true).cwiseProduct(weight_), false);
-    Eigen::VectorXcd product(c.size());
-    Eigen::Map<Grid>(product.data(), wide_, wide_) = out.topLeftCorner(wide_, wide_);
-    return product;
+    spread(c.data(), order_);
+    for (int y = 0; y < side_; y += 2) {
+      points_of(y, order_);
+      turned_.real().array() *= weight_.col(y).array(), turned_.imag().array() *= weight_.col(y + 1).array();
+      fft_.inv(line_.data(), turned_.data(), side_);
+      for (int m = 0; m <= order_; ++m) {
+        const Complex here = line_(m), there = std::conj(line_(index_of(-m)));
+        const Complex even = here + there, odd = here - there;  // twice the first row, and 2i times the second
+        half_(y, m) = {0.5 * even.real(), 0.5 * even.imag()};
+        half_(y + 1, m) = {0.5 * odd.imag(), -0.5 * odd.real()};
+      }
+    }
+    return gathered();
   }
 
  private:
-  using Grid = Eigen::MatrixXcd;
+  [[nodiscard]] int index_of(int order) const { return order < 0 ? order + side_ : order; }
 
-  [[nodiscard]] Grid transformed(Grid grid, bool forward) {
-    Eigen::VectorXcd line(side_), out(side_);
-    for (const bool columns : {true, false}) {
-      for (int k = 0; k < side_; ++k) {
-        if (columns)
-          line = grid.col(k);
-        else
-          line = grid.row(k).transpose();
-        if (forward)
-          fft_.fwd(out, line);
-        else
-          fft_.inv(out, line);
-        if (columns)
-          grid.col(k) = out;
-        else
-          grid.row(k) = out.transpose();
-      }
+  // Transforms along y for m >= 0. `c`: orders from -most to most along both axes, n slowest.
+  void spread(const Complex* c, int most) {
+    const int wide = 2 * most + 1;
+    for (int m = 0; m <= most; ++m) {
+      line_.setZero();
+      for (int n = -most; n <= most; ++n) line_(index_of(n)) = c[(n + most) * wide + m + most];
+      fft_.fwd(half_.col(m).data(), line_.data(), side_);
     }
-    return grid;
   }
 
-  int wide_, side_ = 1;
+  // Transforms rows y (real part of `turned_`) and y + 1 (imaginary part) along x.
+  void points_of(int y, int most) {
+    line_.setZero();
+    for (int m = 0; m <= most; ++m) {
+      const Complex a = half_(y, m), b = half_(y + 1, m);
+      line_(m) = {a.real() - b.imag(), a.imag() + b.real()};
+      if (m > 0) line_(side_ - m) = {a.real() + b.imag(), b.real() - a.imag()};
+    }
+    fft_.fwd(turned_.data(), line_.data(), side_);
+  }
+
+  // Transforms back along y.
+  [[nodiscard]] Eigen::VectorXcd gathered() {
+    const int wide = 2 * order_ + 1;
+    Eigen::VectorXcd out(wide * wide);
+    for (int m = 0; m <= order_; ++m) {
+      fft_.inv(line_.data(), half_.col(m).data(), side_);
+      for (int n = -order_; n <= order_; ++n) {
+        const Complex value = line_(index_of(n));
+        out((n + order_) * wide + m + order_) = value;
+        if (m > 0) out((order_ - n) * wide + order_ - m) = std::conj(value);
+      }
+    }
+    return out;
+  }
+
+  int order_, side_ = 2;
   Eigen::FFT<double> fft_;
-  Grid weight_;
+  Eigen::VectorXcd line_, turned_;
+  Eigen::MatrixXcd half_;   // points along y, orders m >= 0
+  Eigen::MatrixXd weight_;  // points along x, points along y
 };
 
 // Limits of the conjugate gradients. The window shows all parts of the grating about equally often, so the error falls
@@ -143,10 +175,13 @@ class DifferenceMatrix {
 constexpr int kMaxSteps = 60;
 constexpr double kSmallEnough = 1e-9;  // residual relative to the right-hand side
 
-Eigen::VectorXcd solved(DifferenceMatrix& normal, double ridge, const Eigen::VectorXcd& right) {
-  Eigen::VectorXcd x = Eigen::VectorXcd::Zero(right.size()), r = right, p = r;
+// Solves from the start `x`.
+Eigen::VectorXcd solved(DifferenceMatrix& normal, double ridge, const Eigen::VectorXcd& right, Eigen::VectorXcd x) {
+  Eigen::VectorXcd r = right;
+  if (!x.isZero(0.0)) r -= normal * x + ridge * x;
+  Eigen::VectorXcd p = r;
   double rr = r.squaredNorm();
-  const double enough = kSmallEnough * kSmallEnough * rr;
+  const double enough = kSmallEnough * kSmallEnough * right.squaredNorm();
   for (int step = 0; step < kMaxSteps && rr > enough; ++step) {
     const Eigen::VectorXcd ap = normal * p + ridge * p;
     const double along = rr / p.dot(ap).real();
@@ -164,11 +199,10 @@ Eigen::VectorXcd solved(DifferenceMatrix& normal, double ridge, const Eigen::Vec
 PrintBins::PrintBins(int order)
     : order_(order),
       side_(std::max(kMinBins, kBinsPerPeriod * order)),
-      count_(static_cast<std::size_t>(side_ * side_)),
-      sum_(static_cast<std::size_t>(side_ * side_)) {}
+      bins_(static_cast<std::size_t>(side_ * side_)) {}
 
 void PrintBins::add(PrintPoint p, double grey) {
-  const double x = (p.x - std::floor(p.x)) * side_, y = (p.y - std::floor(p.y)) * side_;
+  const double x = (p.x - floor_of(p.x)) * side_, y = (p.y - floor_of(p.y)) * side_;
   const int i = static_cast<int>(x), j = static_cast<int>(y);
   const auto across = shares(x - i), down = shares(y - j);
   const auto inside = [this](int k) { return k < 0 ? k + side_ : k < side_ ? k : k - side_; };
@@ -177,23 +211,29 @@ void PrintBins::add(PrintPoint p, double grey) {
     const auto row = static_cast<std::size_t>(inside(j - 1 + v) * side_);
     for (std::size_t u = 0; u < 4; ++u) {
       const double share = down[static_cast<std::size_t>(v)] * across[u];
-      const std::size_t bin = row + static_cast<std::size_t>(column[u]);
-      count_[bin] += share;
-      sum_[bin] += share * grey;
+      Bin& bin = bins_[row + static_cast<std::size_t>(column[u])];
+      bin.count += share;
+      bin.sum += share * grey;
     }
   }
   ++pixels_;
 }
 
-std::optional<PrintTemplate> PrintBins::fit() const {
+std::optional<PrintTemplate> PrintBins::fit(const PrintTemplate* near) const {
   const int wide = 2 * order_ + 1, unknowns = wide * wide;
   if (pixels_ < kMinPixelsPerCoefficient * unknowns) return std::nullopt;
+  std::vector<double> count(bins_.size()), sum(bins_.size());
+  std::ranges::transform(bins_, count.begin(), &Bin::count);
+  std::ranges::transform(bins_, sum.begin(), &Bin::sum);
   // The normal equations of exponentials depend only on differences of their orders.
-  const auto weight = spectrum(count_, side_, 2 * order_);
-  const auto right = spectrum(sum_, side_, order_);
+  const auto weight = spectrum(count, side_, 2 * order_);
+  const auto right = spectrum(sum, side_, order_);
   DifferenceMatrix normal(weight, order_);
-  const Eigen::VectorXcd c =
-      solved(normal, kRidge * static_cast<double>(pixels_), Eigen::Map<const Eigen::VectorXcd>(right.data(), unknowns));
+  Eigen::VectorXcd start = Eigen::VectorXcd::Zero(unknowns);
+  for (int k = 0; near != nullptr && k < unknowns; ++k)
+    start(k) = near->coefficient(k % wide - order_, k / wide - order_);
+  const Eigen::VectorXcd c = solved(normal, kRidge * static_cast<double>(pixels_),
+                                    Eigen::Map<const Eigen::VectorXcd>(right.data(), unknowns), std::move(start));
   const std::vector<Complex> series(c.data(), c.data() + unknowns);
   return PrintTemplate(order_, series);
 }

@@ -18,16 +18,20 @@ class PrintBins {
   // Adds a pixel at grating coordinate `p` (pitches).
   void add(PrintPoint p, double grey);
   // Fits the Fourier series to the bins by least squares, each bin weighted by its pixels. Corrects for the width of
-  // the bins and drops the mean c(0, 0). A ridge bounds coefficients that the bins do not determine.
+  // the bins and drops the mean c(0, 0). A ridge bounds coefficients that the bins do not determine. `near`: a similar
+  // template, from which the iteration starts, or null.
   // Fails (nothing): fewer than four pixels per coefficient.
-  [[nodiscard]] std::optional<PrintTemplate> fit() const;
+  [[nodiscard]] std::optional<PrintTemplate> fit(const PrintTemplate* near = nullptr) const;
   [[nodiscard]] long pixels() const { return pixels_; }
 
  private:
   int order_;
   int side_;
   long pixels_ = 0;
-  std::vector<double> count_, sum_;  // side x side, y slowest
+  struct Bin {
+    double count = 0.0, sum = 0.0;
+  };
+  std::vector<Bin> bins_;  // side x side, y slowest
 };
 
 }  // namespace moiregauge::internal

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Core>
+
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
@@ -23,78 +25,108 @@ std::size_t index_of(int order, int m, int n) {
   return static_cast<std::size_t>((n + order) * (2 * order + 1) + m + order);
 }
 
-// Returns exp(2 pi i k / side) for k = 0 to side - 1.
-std::vector<Complex> turns(int side) {
-  std::vector<Complex> out;
-  for (int k = 0; k < side; ++k) out.push_back(std::polar(1.0, kTwoPi * k / side));
+// Harmonics along x at the columns of nodes, summed over m, for each n from 0 on: side x (order + 1).
+struct Columns {
+  Eigen::ArrayXXd re, im;
+};
+
+// Cosine and sine of 2 pi k / side, for k = 0 to side - 1.
+struct Turns {
+  Eigen::ArrayXd c, s;
+  explicit Turns(int side) : c(side), s(side) {
+    for (int k = 0; k < side; ++k) {
+      const Complex turn = std::polar(1.0, kTwoPi * k / side);
+      c(k) = turn.real(), s(k) = turn.imag();
+    }
+  }
+  // Returns both at every multiple of `step`.
+  Turns(const Turns& from, int step) : c(from.c.size()), s(from.c.size()) {
+    const auto side = static_cast<int>(c.size());
+    for (int i = 0, at = 0; i < side; ++i, at = at + step < side ? at + step : at + step - side)
+      c(i) = from.c(at), s(i) = from.s(at);
+  }
+};
+
+// Returns the p-th Taylor coefficient along x: each harmonic times (2 pi i m / side)^p / p!. The series is real, so
+// orders n and -n contribute the same.
+Columns summed_along_x(const std::vector<Complex>& series, int order, const Turns& turns, int p) {
+  const auto side = turns.c.size();
+  const double step = kTwoPi / static_cast<double>(side);
+  Columns out{Eigen::ArrayXXd::Zero(side, order + 1), Eigen::ArrayXXd::Zero(side, order + 1)};
+  for (int m = -order; m <= order; ++m) {
+    const Turns turn(turns, (m + static_cast<int>(side)) % static_cast<int>(side));
+    Complex factor = 1.0;
+    for (int k = 1; k <= p; ++k) factor *= Complex(0.0, step * m / k);
+    for (int n = 0; n <= order; ++n) {
+      const Complex c = (n == 0 ? 1.0 : 2.0) * factor * series[index_of(order, m, n)];
+      out.re.col(n) += c.real() * turn.c - c.imag() * turn.s;
+      out.im.col(n) += c.real() * turn.s + c.imag() * turn.c;
+    }
+  }
   return out;
 }
 
-// Returns the series on the grid: summed over m for every column, then over n for every row. The series is real, so
-// rows n and -n contribute the same.
-std::vector<double> tabulated(const std::vector<Complex>& series, int order, int side) {
-  const auto turn = turns(side);
-  const auto points = static_cast<std::size_t>(side);
-  std::vector<double> re((static_cast<std::size_t>(order) + 1) * points), im(re.size());
-  for (int n = 0; n <= order; ++n) {
-    for (int i = 0; i < side; ++i) {
-      Complex sum = 0.0;
-      int at = (order * (side - i)) % side;  // -order * i, increased by i with every m
-      for (int m = -order; m <= order; ++m) {
-        sum += series[index_of(order, m, n)] * turn[static_cast<std::size_t>(at)];
-        at = at + i < side ? at + i : at + i - side;
+// Returns the table of a Taylor coefficient of order q along y, from its sums along x. A row and the one as far below
+// zero as it is above have the same even and the opposite odd part.
+Eigen::ArrayXXd tabulated(const Columns& columns, const Turns& turns, int q) {
+  const auto side = static_cast<int>(turns.c.size());
+  Eigen::ArrayXXd table(side, side);
+  Eigen::ArrayXd even(side), odd(side);
+  for (int j = 0; 2 * j <= side; ++j) {
+    even.setZero(), odd.setZero();
+    for (int n = 0; n < columns.re.cols(); ++n) {
+      const double step = kTwoPi * n / side, factor = q == 0 ? 1.0 : q == 1 ? step : -0.5 * step * step;
+      const double c = factor * turns.c((n * j) % side), s = factor * turns.s((n * j) % side);
+      // The first derivative multiplies by i, which exchanges real and imaginary part.
+      if (q == 1) {
+        even -= columns.im.col(n) * c;
+        odd -= columns.re.col(n) * s;
+      } else {
+        even += columns.re.col(n) * c;
+        odd -= columns.im.col(n) * s;
       }
-      const std::size_t k = static_cast<std::size_t>(n) * points + static_cast<std::size_t>(i);
-      re[k] = n == 0 ? sum.real() : 2.0 * sum.real();
-      im[k] = n == 0 ? sum.imag() : 2.0 * sum.imag();
     }
-  }
-  std::vector<double> table(points * points);
-  for (int j = 0; j < side; ++j) {
-    double* const row = table.data() + static_cast<std::size_t>(j) * points;
-    for (int n = 0; n <= order; ++n) {
-      const Complex t = turn[static_cast<std::size_t>((n * j) % side)];
-      const double *const a = re.data() + static_cast<std::size_t>(n) * points, *const b = im.data() +
-                                                                                           static_cast<std::size_t>(n) *
-                                                                                               points;
-      for (std::size_t i = 0; i < points; ++i) row[i] += a[i] * t.real() - b[i] * t.imag();
-    }
+    table.col(j) = even + odd;
+    table.col((side - j) % side) = even - odd;
+    if (j == 0) table.col(0) = even;
   }
   return table;
 }
 
-// Returns the series of a Taylor coefficient per node: each harmonic times (2 pi i m)^p / p! (2 pi i n)^q / q!.
-std::vector<Complex> derived(const std::vector<Complex>& series, int order, int side, NodePower power) {
-  std::vector<Complex> out = series;
-  const double step = kTwoPi / side;
-  for (int n = -order; n <= order; ++n) {
-    for (int m = -order; m <= order; ++m) {
-      Complex& c = out[index_of(order, m, n)];
-      for (int k = 1; k <= power.x; ++k) c *= Complex(0.0, step * m / k);
-      for (int k = 1; k <= power.y; ++k) c *= Complex(0.0, step * n / k);
+// Returns the nearest whole number, halves away from zero, as std::lround does. This one needs no call.
+std::int32_t nearest_whole(double value) {
+  const auto whole = static_cast<std::int32_t>(value);
+  const double rest = value - whole;
+  return whole + (rest >= 0.5 ? 1 : rest <= -0.5 ? -1 : 0);
+}
+
+// Puts a table into the words of the nodes as coefficient k.
+void put(const Eigen::ArrayXXd& table, std::size_t k, PrintNodes& nodes) {
+  const int side = nodes.side, wide = nodes.wide();
+  const double most = std::max(1e-30, table.abs().maxCoeff());
+  nodes.scale[k] = static_cast<float>(most / kFullScale);
+  const Eigen::ArrayXXd scaled = table / most * kFullScale;
+  const auto inside = [side](int i) { return i == 0 ? side - 1 : i > side ? i - side - 1 : i - 1; };
+  for (int j = 0; j < wide; ++j) {
+    const double* const row = scaled.col(inside(j)).data();
+    std::int32_t* to = nodes.words.data() + static_cast<std::ptrdiff_t>(j) * wide * PrintNodes::kStride +
+                       static_cast<std::ptrdiff_t>(k / 2);
+    for (int i = 0; i < wide; ++i, to += PrintNodes::kStride) {
+      const std::int32_t whole = nearest_whole(row[inside(i)]);
+      *to |= static_cast<std::int32_t>(static_cast<std::uint32_t>(whole & 0xffff) << (k % 2 == 0 ? 0 : 16));
     }
   }
-  return out;
 }
 
 PrintNodes nodes_of(const std::vector<Complex>& series, int order) {
   PrintNodes nodes;
   nodes.side = std::max(kMinSide, kNodesPerPeriod * order);
-  const int side = nodes.side, wide = nodes.wide();
-  nodes.words.assign(static_cast<std::size_t>(wide * wide * PrintNodes::kStride), 0);
-  for (std::size_t k = 0; k < kNodePowers.size(); ++k) {
-    const auto table = tabulated(derived(series, order, side, kNodePowers[k]), order, side);
-    double most = 1e-30;
-    for (const double value : table) most = std::max(most, std::abs(value));
-    nodes.scale[k] = static_cast<float>(most / kFullScale);
-    for (int j = 0; j < wide; ++j) {
-      for (int i = 0; i < wide; ++i) {
-        const int from = ((j - 1 + side) % side) * side + (i - 1 + side) % side;
-        const auto whole =
-            static_cast<std::int32_t>(std::lround(table[static_cast<std::size_t>(from)] / most * kFullScale));
-        auto& word = nodes.words[static_cast<std::size_t>((j * wide + i) * PrintNodes::kStride) + k / 2];
-        word |= static_cast<std::int32_t>(static_cast<std::uint32_t>(whole & 0xffff) << (k % 2 == 0 ? 0 : 16));
-      }
+  nodes.words.assign(static_cast<std::size_t>(nodes.wide() * nodes.wide() * PrintNodes::kStride), 0);
+  const Turns turns(nodes.side);
+  for (int p = 0; p <= 2; ++p) {
+    const Columns columns = summed_along_x(series, order, turns, p);
+    for (std::size_t k = 0; k < kNodePowers.size(); ++k) {
+      if (kNodePowers[k].x == p) put(tabulated(columns, turns, kNodePowers[k].y), k, nodes);
     }
   }
   return nodes;
