@@ -1,14 +1,19 @@
 #!/usr/bin/python3
-"""Tests sources and outlets of `moiregauge live`: a pipe, a camera on the loopback interface, alarms and their recordings.
+"""Tests sources and outlets of `moiregauge live`: a pipe, a camera and a stream on the loopback interface, alarms.
 
     live_outlets.py MOIREGAUGE WORK SOURCE FAKE_CAMERA
+
+The environment variable CLOSINGS is the number of times that the stream closes (default 3).
 """
 import csv
+import http.server
 import json
 import os
 import pathlib
 import subprocess
 import sys
+import threading
+import time
 
 from runs import insist, rows, run, simulate, start
 
@@ -69,7 +74,7 @@ def a_pipe_measures_to_the_rows_of_its_file():
 
 
 def every_complete_frame_of_a_camera_is_measured():
-    serial, images, lost_share = f"T{os.getpid()}", 6, 0.01
+    serial, images, lost_share = f"T{os.getpid()}", 24, 0.01
     camera = subprocess.Popen([fake_camera, serial, str(images), str(lost_share)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     truth = []
     for line in camera.stdout:
@@ -104,6 +109,53 @@ def every_complete_frame_of_a_camera_is_measured():
     insist(any(is_true(first) for first in range(images)), "rows are wrong: a frame was measured that is not whole")
 
 
+class MotionJpeg(http.server.BaseHTTPRequestHandler):
+    """Sends ten frames per connection at 20 frames/s, and closes it."""
+    frames = []
+    connections = 0
+
+    def do_GET(self):
+        type(self).connections += 1
+        self.send_response(200)
+        self.send_header("Content-Type", "multipart/x-mixed-replace;boundary=ffmpeg")
+        self.end_headers()
+        try:
+            for jpeg in self.frames[:10]:
+                self.wfile.write(b"--ffmpeg\r\nContent-type: image/jpeg\r\nContent-length: %d\r\n\r\n" % len(jpeg) + jpeg + b"\r\n")
+                time.sleep(0.05)
+        except OSError:
+            pass
+
+    def log_message(self, *_):
+        pass
+
+
+def a_stream_that_closes_is_opened_again_and_one_that_stays_away_ends_the_run(closings):
+    pictures = work / "jpeg"
+    pictures.mkdir()
+    run(["ffmpeg", "-v", "error", "-i", scene / "%06d.png", "-frames:v", 10, "-q:v", 1, "-pix_fmt", "yuvj420p", pictures / "%02d.jpg"])
+    MotionJpeg.frames = [path.read_bytes() for path in sorted(pictures.iterdir())]
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), MotionJpeg)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    out = work / "stream"
+    command = [program, "live", f"http://user:secret@127.0.0.1:{server.server_port}/", "--site", site, "--patience", "2s", "-o", out, "--quiet"]
+    live = subprocess.Popen([str(word) for word in command], stderr=subprocess.PIPE, text=True)
+    begin = time.monotonic()
+    while MotionJpeg.connections <= closings and time.monotonic() - begin < 10 + 3 * closings:
+        time.sleep(0.05)
+    server.shutdown()
+    server.server_close()
+    _, errors = live.communicate(timeout=60)
+    insist(live.returncode == 7, f"exit {live.returncode}: {errors}")
+    insist("the stream was lost" in errors and "secret" not in errors, errors)
+    facts = json.loads((out / "live.json").read_text())
+    insist(facts["reconnects"] >= closings - 1, f"{facts['reconnects']} reconnects after {closings} closed connections")
+    insist(facts["end"] == "source lost", facts["end"])
+    for path in out.iterdir():
+        insist(b"secret" not in path.read_bytes(), f"{path} contains the password")
+
+
 an_alarm_fires_and_its_recording_measures_to_the_same_rows()
 a_pipe_measures_to_the_rows_of_its_file()
 every_complete_frame_of_a_camera_is_measured()
+a_stream_that_closes_is_opened_again_and_one_that_stays_away_ends_the_run(int(os.environ.get("CLOSINGS", "3")))

@@ -41,8 +41,8 @@ class Postman {
 
   void operator()() {
     while (!is_over()) {
-      start_run();
       auto block = take();
+      start_run();  // after take(), because the run may begin while it waits
       if (!block)
         sender_->idle();
       else

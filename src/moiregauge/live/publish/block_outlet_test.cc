@@ -38,8 +38,9 @@ struct Receiver {
 class Sender final : public BlockSender {
  public:
   explicit Sender(std::shared_ptr<Receiver> receiver) : receiver_(std::move(receiver)) {}
-  void start(const LiveRun& /*run*/) override {}
+  void start(const LiveRun& /*run*/) override { is_started_ = true; }
   SendResult send(const RowBlock& block) override {
+    EXPECT_TRUE(is_started_) << "rows came before the run";
     std::this_thread::sleep_for(receiver_->delay);
     const std::lock_guard lock(receiver_->mutex);
     if (receiver_->is_absent) return SendResult::kRetry;
@@ -51,6 +52,7 @@ class Sender final : public BlockSender {
 
  private:
   std::shared_ptr<Receiver> receiver_;
+  bool is_started_ = false;
 };
 
 struct Set {
@@ -75,6 +77,16 @@ TEST(BlockOutlet, EveryRowArrivesOnceInBlocksOfASecond) {
   EXPECT_EQ(set.receiver->frames(), twice_each(250));
   EXPECT_EQ(set.receiver->blocks.size(), 5U) << "250 frames of 20 ms";
   EXPECT_EQ(set.outlet->lost_rows(), 0);
+}
+
+TEST(BlockOutlet, ARunThatBeginsLaterIsKnownBeforeItsRows) {
+  const auto receiver = std::make_shared<Receiver>();
+  const auto outlet = block_outlet("test", std::make_unique<Sender>(receiver));
+  std::this_thread::sleep_for(milliseconds(30));  // the thread waits for a block
+  outlet->start(test::two_targets());
+  for (long frame = 0; frame < 100; ++frame) outlet->put(test::frame_with_rows(frame, 50.0));
+  outlet->finish(5.0);
+  EXPECT_EQ(receiver->frames(), twice_each(100));
 }
 
 TEST(BlockOutlet, AnAlarmIsSentAtOnce) {
