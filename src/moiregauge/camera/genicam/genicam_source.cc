@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -134,6 +134,7 @@ class GenicamSource final : public LiveSource {
     }
     stream_ = std::move(*stream);
     counter_.restart();
+    incomplete_since_ = 0;
     last_frame_at_ = steady_clock::now();
     ++lost_.reconnects;
     return true;
@@ -144,13 +145,13 @@ class GenicamSource final : public LiveSource {
     held_ = received.buffer;
     const ArvBufferStatus status = arv_buffer_get_status(held_);
     if (status == ARV_BUFFER_STATUS_CLEARED || status == ARV_BUFFER_STATUS_ABORTED) return refuse();  // never sent
-    const long missing = counter_.missing();
-    const long number = counter_.number_of(arv_buffer_get_frame_id(held_));
-    if (counter_.missing() > missing) attribute(counter_.missing() - missing);
     if (!received.is_complete || arv_buffer_get_payload_type(held_) != ARV_BUFFER_PAYLOAD_TYPE_IMAGE) {
+      // Its identifier may be that of an earlier frame in the same buffer, because the packet with it may be missing.
       ++lost_.incomplete;
+      ++incomplete_since_;
       return refuse();
     }
+    const long number = count(arv_buffer_get_frame_id(held_));
     RawPixels raw;
     std::size_t bytes = 0;
     const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(held_, &bytes));
@@ -170,6 +171,15 @@ class GenicamSource final : public LiveSource {
       return refuse();
     }
     return frame_of(number, *luma, received.host_ns);
+  }
+
+  // Returns the number of a complete frame. A gap before it that incomplete frames do not explain is a loss.
+  [[nodiscard]] long count(std::uint64_t id) {
+    const long missing = counter_.missing();
+    const long number = counter_.number_of(id);
+    const long unexplained = counter_.missing() - missing - std::exchange(incomplete_since_, 0);
+    if (unexplained > 0) attribute(unexplained);
+    return number;
   }
 
   // Counts frames that never arrived. Aravis counts the packets that found no buffer.
@@ -215,6 +225,7 @@ class GenicamSource final : public LiveSource {
   CameraClock clock_;
   LostFrames lost_;
   long underruns_ = 0;         // packets, when a frame was last missing
+  long incomplete_since_ = 0;  // incomplete frames since the last complete one
   ArvBuffer* held_ = nullptr;  // pixels of the frame delivered last
   long first_number_ = 0;      // incomplete frames before the first complete one
   steady_clock::time_point last_frame_at_;

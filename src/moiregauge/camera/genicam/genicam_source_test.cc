@@ -127,6 +127,8 @@ TEST(GenicamSource, FramesWithMissingPacketsAreCountedAndNeverDelivered) {
     EXPECT_GE(shown(**next), 0) << "a delivered frame is whole";
     EXPECT_GT((*next)->frame.number, last);
     last = (*next)->frame.number;
+    // The camera sends 50 frames/s and stamps them by its clock, to some ms. A half period is 0.5.
+    EXPECT_NEAR(static_cast<double>(last), 50.0 * (*next)->frame.time_s, 0.5) << "lost frames use up numbers";
   }
   EXPECT_GT(source->lost().incomplete, 20);
   EXPECT_LE(last + 1 - delivered, source->lost().frames()) << "every gap in the numbers is counted";
