@@ -62,30 +62,29 @@ TEST(DerivedChannels, AZeroOverThirtyFramesLowersUAsTheorySays) {
   for (std::size_t k = 0; k < zero.u.size(); ++k) EXPECT_LT(std::abs(zero.error[k]), 4.0 * zero.u[k]);
 }
 
-// Six runs with targets that move 20 times less, so that the errors are mostly noise. The frames after the zero share the
-// noise of its mean, 1/31 of their variance. So the 24 pulls are independent to 3 %.
+// Frames of a run share the errors of the scene, so six runs have at least six degrees of freedom. The relative standard
+// error of their scatter is at most 1 / sqrt(12), 29 %. That of a share of 95.4 % is at most 8.6 %. Three are allowed.
 TEST(DerivedChannels, AZeroOverThirtyFramesHoldsItsUncertainty) {
   constexpr int kRuns = 6;
-  const auto runs = study::in_parallel(
-      "zeros", kRuns, [](int n) { return study::zeroed_run(static_cast<std::uint64_t>(n) + 31, 0.05); });
-  std::vector<double> zero_pulls, u_zero, u_alone;
+  const auto runs =
+      study::in_parallel("zeros", kRuns, [](int n) { return study::zeroed_run(static_cast<std::uint64_t>(n) + 31); });
+  std::vector<double> pulls, u_zero, u_alone;
   for (const auto& run : runs) {
     ASSERT_TRUE(run.problem.empty()) << run.problem;
     const auto &alone = run.channels.at("reference frame"), &zero = run.channels.at("zero");
     u_alone.insert(u_alone.end(), alone.u.begin(), alone.u.end());
     u_zero.insert(u_zero.end(), zero.u.begin(), zero.u.end());
-    for (std::size_t k = 0; k < zero.u.size(); ++k) zero_pulls.push_back(zero.error[k] / zero.u[k]);
+    for (std::size_t k = 0; k < zero.u.size(); ++k) pulls.push_back(zero.error[k] / zero.u[k]);
   }
-  const auto count = static_cast<double>(zero_pulls.size());
-  ASSERT_EQ(zero_pulls.size(), static_cast<std::size_t>(kRuns * study::kFramesAfterZero));
-  const double theory = std::sqrt((1.0 + 1.0 / 30.0) / 2.0);
-  EXPECT_NEAR(test::rms(u_zero) / test::rms(u_alone), theory, 0.1 * theory);
-  // The rms of n normal pulls has a relative standard error of 1 / sqrt(2 n), 14 %. Three of them are allowed, and three
-  // standard errors of the share inside U (k = 2).
-  EXPECT_NEAR(test::rms(zero_pulls), 1.0, 3.0 / std::sqrt(2.0 * count));
+  ASSERT_EQ(pulls.size(), static_cast<std::size_t>(kRuns * study::kFramesAfterZero));
+  const double theory = std::sqrt((1.0 + 1.0 / 30.0) / 2.0), ratio = test::rms(u_zero) / test::rms(u_alone);
   double inside = 0.0;
-  for (const double pull : zero_pulls) inside += std::abs(pull) < 2.0 ? 1.0 : 0.0;
-  EXPECT_GE(inside / count, 0.954 - 3.0 * std::sqrt(0.954 * 0.046 / count));
+  for (const double pull : pulls) inside += std::abs(pull) < 2.0 ? 1.0 / static_cast<double>(pulls.size()) : 0.0;
+  std::printf("zero over 30 frames: u %.3f of that of the first frame (theory %.3f), rms pull %.2f, inside U %.2f\n",
+              ratio, theory, test::rms(pulls), inside);
+  EXPECT_NEAR(ratio, theory, 0.1 * theory);
+  EXPECT_NEAR(test::rms(pulls), 1.0, 3.0 / std::sqrt(2.0 * kRuns));
+  EXPECT_GE(inside, 0.954 - 3.0 * std::sqrt(0.954 * 0.046 / kRuns));
 }
 
 // The bound of a frame is that of its pixels (rotation_run). The difference of two frames has both bounds, squared and
@@ -116,7 +115,9 @@ TEST(DerivedChannels, TheOwnRotationOfAPrintIsNearItsCramerRaoBound) {
               test::rms(off) / test::rms(of_frame), test::rms(u) / test::rms(of_difference),
               test::rms(error) / test::rms(of_difference), 1e6 * test::rms(of_difference));
   EXPECT_LE(test::rms(off), 1.5 * test::rms(of_frame));
-  EXPECT_LE(test::rms(u), 1.5 * test::rms(of_difference));
+  EXPECT_LE(test::rms(error), 1.5 * test::rms(of_difference));
+  // u also holds the shares of lens, geometry and references, and the noise of short runs is overstated by 4 %.
+  EXPECT_LE(test::rms(u), 1.6 * test::rms(of_difference));
   EXPECT_GE(test::rms(u), test::rms(of_difference)) << "no estimate without bias is better than the bound";
 }
 

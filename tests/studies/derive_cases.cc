@@ -113,12 +113,8 @@ DerivedRun derived_run(std::uint64_t seed) {
   return out;
 }
 
-DerivedRun zeroed_run(std::uint64_t seed, double movement) {
-  auto scenario = derived_scenario(seed);
-  for (simulator::SceneMarker& marker : scenario.markers) {
-    if (marker.print.role != Role::kTarget) continue;
-    for (simulator::Track* track : {&marker.dx, &marker.dy}) track->amplitude *= movement, track->scale *= movement;
-  }
+DerivedRun zeroed_run(std::uint64_t seed) {
+  const auto scenario = derived_scenario(seed);
   test::RunPlan plan{
       .method = "precise", .frames = kZeroFrames + kFramesAfterZero, .all_targets = true, .render_threads = 1};
   const test::MeasuredRun run = test::measured(scenario, plan);

@@ -37,9 +37,8 @@ inline constexpr long kZeroFrames = 30;
 
 // Measures kZeroFrames + kFramesAfterZero frames of the scenario. Returns the errors of mid.dy in the last ones, relative
 // to the reference frame ("reference frame") and to the mean over the first kZeroFrames ("zero").
-// `movement`: factor of the targets' movement.
 inline constexpr long kFramesAfterZero = 4;
-[[nodiscard]] DerivedRun zeroed_run(std::uint64_t seed, double movement = 1.0);
+[[nodiscard]] DerivedRun zeroed_run(std::uint64_t seed);
 
 // Own rotation of a print in every frame after the first, and the Cramér-Rao bound of one frame's rotation, both in rad.
 struct RotationRun {

@@ -88,6 +88,7 @@ int main(int argc, char** argv) {
   using namespace moiregauge::internal::study;
   const int count = argc > 1 ? std::stoi(argv[1]) : 200;
   const auto seed = [](int n) { return static_cast<std::uint64_t>(n) + 1; };
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a killed study keeps its first table
   print_channels(in_parallel("derived channels", count, [&](int n) { return derived_run(seed(n)); }));
   print_zeros(in_parallel("zeros", count, [&](int n) { return zeroed_run(seed(n)); }));
 }
