@@ -20,12 +20,13 @@ function(moiregauge_precompiled target name)
   target_precompile_headers(${target} REUSE_FROM ${name})
 endfunction()
 
-# moiregauge_module(NAME name [PRIVATE] [QUICK_COMPILE] LINK libs... TEST_LINK libs...) adds the library and the tests of
+# moiregauge_module(NAME name [PRIVATE] [QUICK_COMPILE] LINK libs... TEST_LINK libs... [TEST_LOCK name]) adds the library and the tests of
 # src/moiregauge/<name>. All *_test.cc files are part of <name>_test, all other *.cc files of the static library
 # moiregauge_<name>. Unless PRIVATE, it is installed as moiregauge::<name> with its headers (cmake/Install.cmake).
+# TEST_LOCK: tests with the same lock run one at a time, because they share something on this computer.
 # QUICK_COMPILE: no loop over pixels or samples is in it, so -O1 suffices, which takes a quarter less time to compile.
 function(moiregauge_module)
-  cmake_parse_arguments(ARG "PRIVATE;QUICK_COMPILE" "NAME" "LINK;TEST_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "PRIVATE;QUICK_COMPILE" "NAME;TEST_LOCK" "LINK;TEST_LINK" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/src/moiregauge/${ARG_NAME})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${dir}/*.cc)
   set(tests ${sources})
@@ -54,7 +55,11 @@ function(moiregauge_module)
     add_executable(${ARG_NAME}_test ${tests})
     target_link_libraries(${ARG_NAME}_test PRIVATE ${lib} ${ARG_TEST_LINK} moiregauge_warnings GTest::gtest_main)
     target_compile_definitions(${ARG_NAME}_test PRIVATE MOIREGAUGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-    gtest_discover_tests(${ARG_NAME}_test TEST_PREFIX "${ARG_NAME}." DISCOVERY_TIMEOUT 60 PROPERTIES LABELS unit
+    set(lock "")
+    if(ARG_TEST_LOCK)
+      set(lock RESOURCE_LOCK ${ARG_TEST_LOCK})
+    endif()
+    gtest_discover_tests(${ARG_NAME}_test TEST_PREFIX "${ARG_NAME}." DISCOVERY_TIMEOUT 60 PROPERTIES LABELS unit ${lock}
                          ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0")
   endif()
 endfunction()

@@ -51,6 +51,7 @@ simulator::SceneMarker target_at(simulator::SceneMarker marker, const char* name
   marker.print.name = name;
   marker.print.grating->centre.x = x_mm;
   marker.print.grating->width_mm = marker.print.grating->height_mm = 30.0;
+  marker.paper_margin_mm = 4.0;  // the next reference's grating is 10 mm away: a moving paper must not cover it
   marker.dx = {.amplitude = 0.3, .frequency_hz = 0.11, .phase_deg = x_mm};
   marker.dy = {.amplitude = 1.0, .frequency_hz = 0.07, .phase_deg = 2.0 * x_mm};
   return marker;

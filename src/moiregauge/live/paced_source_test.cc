@@ -2,6 +2,7 @@
 #include "moiregauge/live/paced_source.h"
 
 #include <gtest/gtest.h>
+#include <algorithm>
 
 #include "moiregauge/live/clocks.h"
 #include "moiregauge/live/recording_for_tests.h"
