@@ -8,7 +8,7 @@ namespace moiregauge::internal {
 
 void lower_thread_priority() {
   constexpr int kNiceness = 10;
-  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);  // Linux: of the thread
+  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);  // Linux: the calling thread only
 }
 
 }  // namespace moiregauge::internal

@@ -37,8 +37,8 @@ struct PublishedFrame {
   std::optional<std::int64_t> device_ns;  // camera's clock
   std::int64_t host_ns = 0;               // steady_clock when the frame was complete
   std::int64_t utc_ns = 0;                // system_clock when the frame was complete, ns since 1970
-  // One per target in the site's order; empty before the reference frame. `displacement` and `u` are provisional: of the
-  // scene now in force. NaN is "not measured".
+  // One per target in the site's order; empty before the reference frame. `displacement` and `u` are provisional, from
+  // the scene now in force. NaN is "not measured".
   Samples rows;
   std::string problem;  // why the frame is not measured; empty if it is
   LiveHealth health;

@@ -17,7 +17,7 @@ namespace moiregauge::internal {
 
 class FrameQueue {
  public:
-  // Holds up to `capacity` frames that wait, besides the one that is measured. Requires capacity >= 1.
+  // Holds up to `capacity` waiting frames, and the one that is measured. Requires capacity >= 1.
   explicit FrameQueue(int capacity);
 
   // The producer's thread:

@@ -14,7 +14,7 @@ namespace moiregauge::internal {
 
 class JournalFile;
 
-// The end of a segment, besides its observations.
+// The end of a segment: what is stored after its observations.
 struct SegmentEnd {
   ObservationLog log;  // without reference frame and observations; `notes`: damage and refusal only
   std::string refusal;

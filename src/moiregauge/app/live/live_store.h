@@ -48,11 +48,11 @@ class LiveStore final : public JournalSink, public Publisher {
   // Opens the files. Returns the observations to continue with, or none.
   // Fails: an earlier run is there and may not be continued, or nothing can be written.
   [[nodiscard]] tl::expected<ObservationLog, RunFailure> open();
-  // Begins the next segment if it is due. Call it before each frame. `time_s`: of the frame.
+  // Begins the next segment if it is due. Call it before each frame. `time_s`: time of that frame.
   void begin_frame(double time_s);
   // Draws and stores the overlay of the reference frame in the background.
   void show_reference(const Measurement& log);
-  // Completes all segments. `end`: of the last one.
+  // Completes all segments. `end`: how the last one ends.
   [[nodiscard]] LiveStored finish_all(SegmentEnd end);
 
   void refer(const Reference& reference, const std::vector<std::string>& notes) override;

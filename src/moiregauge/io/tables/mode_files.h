@@ -8,7 +8,7 @@
 
 namespace moiregauge::internal {
 
-// Return modes.csv and modes.json (docs/file-formats.md). `names`: of the targets.
+// Return modes.csv and modes.json (docs/file-formats.md). `names`: names of the targets.
 [[nodiscard]] std::string modes_csv(const std::vector<ModeShape>& shapes, const std::vector<std::string>& names);
 [[nodiscard]] std::string modes_json(const std::vector<ModeShape>& shapes, const std::vector<std::string>& names);
 
