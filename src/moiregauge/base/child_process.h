@@ -31,11 +31,11 @@ struct ChildEnd {
   int signal = 0;      // 0: ended by exit
   bool timed_out = false;
   double wall_s = 0.0;
-  double cpu_s = 0.0;                   // of the program and the children it waited for
+  double cpu_s = 0.0;                   // the program's and that of the children it waited for
   std::int64_t max_resident_bytes = 0;  // largest resident set among these processes
 };
 
-// A running child in a process group of its own. So Ctrl-C at the terminal reaches only the caller, who decides.
+// A running child in a process group of its own. So Ctrl-C at the terminal reaches only the caller.
 // The child is killed when the thread that started it ends, in particular when the caller's process dies.
 // Not safe for use by two threads at the same time.
 class RunningProgram {
@@ -55,8 +55,8 @@ class RunningProgram {
   // Ends the child: SIGTERM to its process group, and SIGKILL after `patience`. Returns at once. wait() reports the end.
   void stop(std::chrono::milliseconds patience);
 
-  // Returns the lines of stderr since the last call, without line ends. A line is cut at 4096 bytes. Of more than 1000
-  // lines, the newest are kept. After the end, an unfinished last line counts too.
+  // Returns the lines of stderr since the last call, without line ends: at most the newest 1000, each cut at 4096 bytes.
+  // After the end, an unfinished last line counts too.
   [[nodiscard]] std::vector<std::string> take_stderr_lines();
   // Returns the bytes of stdout since the last call.
   [[nodiscard]] std::string take_stdout();
