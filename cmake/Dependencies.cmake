@@ -65,3 +65,6 @@ target_include_directories(moiregauge_aravis SYSTEM INTERFACE ${ARAVIS_INCLUDE_D
 target_link_libraries(moiregauge_aravis INTERFACE ${ARAVIS_LINK_LIBRARIES} Threads::Threads)
 pkg_check_modules(MOSQUITTO REQUIRED IMPORTED_TARGET libmosquitto)
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib openssl)
+
+# TLS of the server.
+pkg_check_modules(OPENSSL REQUIRED IMPORTED_TARGET openssl)

@@ -18,6 +18,7 @@
 #include "moiregauge/cli/plan/command_sheet.h"
 #include "moiregauge/cli/reproduce/command_reproduce.h"
 #include "moiregauge/cli/reproduce/command_simulate.h"
+#include "moiregauge/cli/serve/command_serve.h"
 #include "moiregauge/version.h"
 
 namespace moiregauge::internal::cli {
@@ -46,6 +47,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   app.footer("For the page of one command: moiregauge help COMMAND");
   add_measure(app, exit_code);
   add_live(app, exit_code);
+  add_serve(app, exit_code);
   add_solve(app, exit_code);
   add_derive(app, exit_code);
   add_compare(app, exit_code);

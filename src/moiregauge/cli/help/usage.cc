@@ -25,6 +25,7 @@ constexpr std::array kSteps{
     Step{"sheet", "", "make marker sheets to print"},
     Step{"inspect", "clip.mp4 --pitch 10mm", "show the markers found in one frame"},
     Step{"measure", "clip.mp4 --pitch 10mm", "measure displacement, into the folder clip-moiregauge"},
+    Step{"serve", "", "do all this in a web browser, for the clips of this folder"},
     Step{"simulate", "small-1xyz", "no clip yet: make one with known truth"},
 };
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/measure/command_inspect.h"
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/app/inspect_frame.h"
 #include "moiregauge/app/measure_options.h"
 #include "moiregauge/app/measurement_run.h"
 #include "moiregauge/app/open_input.h"
@@ -25,7 +24,6 @@
 #include "moiregauge/drawing/overlays/overlay_inspection.h"
 #include "moiregauge/image/upper_bits.h"
 #include "moiregauge/io/config/site_draft.h"
-#include "moiregauge/run/codec.h"
 
 namespace moiregauge::internal::cli {
 namespace {
@@ -38,24 +36,11 @@ struct InspectWords {
   std::string site_file;  // --write-site
 };
 
-// Parses the arguments as `measure` does. Here site and pitch may both be missing.
 tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& args) {
-  MeasureArgs known = args.measure;
-  const bool has_scale = !known.site.empty() || !known.pitch.empty();
-  if (!has_scale) known.pitch = "1mm";  // required, but not used
-  auto parsed = parse_measure_options(known);
-  if (!parsed) return tl::unexpected(parsed.error());
   if (args.frame < 0)
     return tl::unexpected(UsageError{fmt::format(
         "the frame number is negative: --frame {}: give a frame of the input, the first is 0", args.frame)});
-  InspectOptions options;
-  if (!known.site.empty()) options.site = std::move(parsed->site);
-  if (has_scale) options.pitch_mm = parsed->pitch_mm;
-  options.axes = parsed->axes;
-  options.lens = parsed->camera.value_or(Camera{});
-  options.observe = parsed->observe;
-  options.choice = parsed->choice;
-  return options;
+  return parse_inspect_options(args.measure);
 }
 
 struct Failed {
@@ -90,11 +75,6 @@ tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quie
   }
 }
 
-// With a scale, the exit code says whether this can be a reference frame. Without, whether anything was detected.
-bool is_usable(const Inspection& seen, bool has_scale) {
-  return seen.reference || (!has_scale && (!seen.patches.empty() || !seen.lattices.empty()));
-}
-
 std::string json_text(const InspectReport& report) {
   return inspect_json(report).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -114,20 +94,11 @@ tl::expected<void, std::string> write_inspection(const fs::path& output, const I
   });
 }
 
-// Includes the codec's part, as `measure` will. The next frame shows whether the codec predicts; the coarser of both
-// steps counts. `frame` is invalid afterwards.
-std::vector<ExpectedUncertainty> expected_of(Reference& reference, const Frame& frame, FrameSource& source) {
-  note_quantisers(frame.quantiser, reference.site, reference.lens, reference.seen);
-  Observation next_seen = reference.seen;
-  if (const auto next = source.next(); next && *next)
-    note_quantisers((*next)->quantiser, reference.site, reference.lens, next_seen);
-  std::vector<Quantiser> later;
-  for (std::size_t i = 0; i < next_seen.markers.size(); ++i) {
-    const Quantiser &now = reference.seen.markers[i].quantiser, &then = next_seen.markers[i].quantiser;
-    later.push_back({std::isnan(now.step) || std::isnan(then.step) ? kUnknownStep : std::max(now.step, then.step),
-                     now.predicted || then.predicted});
-  }
-  return expected_uncertainties(reference, later);
+// `frame` of the source is invalid afterwards.
+std::optional<QuantiserMap> next_quantiser(FrameSource& source) {
+  const auto next = source.next();
+  if (!next || !*next) return std::nullopt;
+  return (*next)->quantiser;
 }
 
 // Writes the site file of --write-site.
@@ -146,10 +117,10 @@ tl::expected<void, RunFailure> write_site_draft(const InspectWords& args, const 
 }
 
 // A site file needs a scale, and it never replaces another file: that may be a survey.
-std::optional<std::string> site_file_problem(const InspectWords& args, bool has_scale) {
+std::optional<std::string> site_file_problem(const InspectWords& args, bool is_scaled) {
   const std::string& path = args.site_file;
   if (path.empty()) return std::nullopt;
-  if (!has_scale)
+  if (!is_scaled)
     return fmt::format("a site file needs the scale: --write-site {}: add --pitch, e.g. --pitch 10mm", path);
   std::error_code error;
   if (path == "-" || !fs::exists(fs::symlink_status(path, error))) return std::nullopt;
@@ -164,8 +135,7 @@ int report_refusal(const InspectReport& report, const std::string& output) {
 int run(const InspectWords& args) {
   const auto options = inspect_options(args);
   if (!options) return fail(Exit::kUsage, options.error().message);
-  const bool has_scale = options->site || options->pitch_mm;
-  if (const auto problem = site_file_problem(args, has_scale)) return fail(Exit::kUsage, *problem);
+  if (const auto problem = site_file_problem(args, has_scale(*options))) return fail(Exit::kUsage, *problem);
   const std::string& input = args.measure.input;
   const std::string output = args.measure.output.empty() ? default_output(input, "-inspect") : args.measure.output;
   if (!is_free(output, "inspect.json"))
@@ -176,13 +146,10 @@ int run(const InspectWords& args) {
   if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
   const auto frame = frame_of(**source, args.frame, args.measure.quiet);
   if (!frame) return fail(frame.error().exit, frame.error().message);
-  const int bits = (*source)->info().bits;
-  InspectReport report{
-      (*source)->info(), frame->number, frame->time_s, inspect_picture({frame->luma, bits}, *options), {}, {}};
+  const Image<std::uint8_t> grey = upper_bits(frame->luma, (*source)->info().bits);
+  const InspectReport report =
+      inspect_frame((*source)->info(), *frame, *options, [&] { return next_quantiser(**source); });
   if (report.seen.is_choice_unknown) return fail(Exit::kUsage, report.seen.missing);
-  const Image<std::uint8_t> grey = upper_bits(frame->luma, bits);
-  if (report.seen.reference) report.expected = expected_of(*report.seen.reference, *frame, **source);
-  report.exit = is_usable(report.seen, has_scale) ? Exit::kMeasured : Exit::kRefused;
   if (const auto written = write_inspection(output, report, grey); !written)
     return fail(Exit::kOutputUnwritable,
                 fmt::format("the results could not be written: {}: free space or choose another folder with -o",

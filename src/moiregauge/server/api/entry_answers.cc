@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/image/upper_bits.h"
+#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/api/json_body.h"
+#include "moiregauge/server/folder/luma_jpeg.h"
+
+namespace moiregauge::internal {
+namespace {
+
+constexpr int kThumbnailWidth = 320;  // px
+
+nlohmann::ordered_json entry_json(const Entry& entry) {
+  nlohmann::ordered_json json{{"path", entry.path},
+                              {"kind", word_for(entry.kind)},
+                              {"name", std::filesystem::path(entry.path).filename().string()},
+                              {"bytes", entry.bytes},
+                              {"modified_s", entry.modified_s},
+                              {"state", entry.state}};
+  if (!entry.run.empty()) json["run"] = entry.run;
+  if (!entry.headline.empty()) json["headline"] = entry.headline;
+  if (entry.exit_code) json["exit_code"] = *entry.exit_code;
+  return json;
+}
+
+}  // namespace
+
+Answer answer_entries(ServerState& state, const Request&) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Entry& entry : state.entries.read()) list.push_back(entry_json(entry));
+  return {200, "application/json", {}, json_answer_text({{"entries", std::move(list)}}), nullptr, false};
+}
+
+Answer answer_thumbnail(ServerState& state, const Request& request) {
+  const std::string path(request.head.parameter("path"));
+  const auto full = state.folder.existing(path);
+  if (!full) return no_such_path();
+  const bool is_run = state.folder.existing(path + "/run.json") || state.folder.existing(path + "/run.mgj");
+  const auto picture = is_run ? state.folder.existing(path + "/overlay.png") : full;
+  if (!picture) return no_such_path();
+  const auto frame = state.frames.frame(*picture, 0);
+  if (!frame) return error_answer(422, without_root(state, frame.error()));
+  const auto grey = upper_bits((*frame)->frame().luma, (*frame)->input.bits);
+  Answer answer;
+  answer.type = "image/jpeg";
+  answer.body = luma_jpeg(shrunk_to_width(grey.view(), kThumbnailWidth).view());
+  answer.headers.emplace_back("Cache-Control", "private, max-age=60");
+  return answer;
+}
+
+}  // namespace moiregauge::internal

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/server/folder/entries.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "moiregauge/server/folder/confined_folder.h"
+
+namespace moiregauge::internal {
+namespace {
+
+namespace fs = std::filesystem;
+using EntryJson = nlohmann::json;
+
+constexpr int kMaxDepth = 3;
+constexpr std::size_t kMaxEntries = 5000;
+constexpr std::size_t kMaxNames = 20000;       // names in one folder
+constexpr std::int64_t kMaxRunJson = 8 << 20;  // bytes
+constexpr std::string_view kUnfinished = ".unfinished";
+
+bool has_extension(std::string_view name, std::span<const std::string_view> list) {
+  const auto dot = name.rfind('.');
+  if (dot == std::string_view::npos) return false;
+  std::string end(name.substr(dot + 1));
+  std::ranges::transform(end, end.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return std::ranges::find(list, end) != list.end();
+}
+
+struct FileFacts {
+  bool exists = false, is_folder = false, is_plain = false;
+  std::int64_t bytes = 0, modified_ns = 0;
+};
+
+FileFacts file_facts(const std::string& path, bool follows_links) {
+  struct stat facts {};
+  if ((follows_links ? ::stat(path.c_str(), &facts) : ::lstat(path.c_str(), &facts)) != 0) return {};
+  return {true, S_ISDIR(facts.st_mode), S_ISREG(facts.st_mode), facts.st_size,
+          std::int64_t{1'000'000'000} * facts.st_mtim.tv_sec + facts.st_mtim.tv_nsec};
+}
+
+double number_at(const EntryJson& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
+}
+
+std::string text_at(const EntryJson& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+// Returns the movement of the target that moved most, along its larger axis.
+std::string headline_of(const EntryJson& json, const Movements& movements) {
+  std::string text;
+  double largest = 0.0;
+  const auto targets = json.find("targets");
+  if (targets == json.end() || !targets->is_array()) return text;
+  for (const EntryJson& target : *targets) {
+    const auto found = target.is_object() ? movements.find(text_at(target, "name")) : movements.end();
+    if (found == movements.end()) continue;
+    const MarkerMovement& range = found->second;
+    for (const auto& [axis, movement] : {std::pair{"dx", range.dx_mm()}, std::pair{"dy", range.dy_mm()}}) {
+      if (!(movement > largest)) continue;
+      largest = movement;
+      const double u = number_at(target, fmt::format("u_{}_mm", axis).c_str());
+      text = fmt::format("{}: {} {:.3g} mm peak to peak, U = {:.2g} mm (k = 2)", found->first, axis, movement, 2.0 * u);
+    }
+  }
+  return text;
+}
+
+// Returns the names in a folder, sorted. Hidden names and names that the page cannot address are excluded.
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator i(folder, error), end; !error && i != end && names.size() < kMaxNames;
+       i.increment(error)) {
+    std::string name = i->path().filename().string();
+    if (is_plain_name(name)) names.push_back(std::move(name));
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+// A clip and its run belong together by the default name of the output folder.
+void join_runs(std::vector<Entry>& entries) {
+  std::map<std::string, const Entry*> runs;
+  for (const Entry& entry : entries) {
+    if (entry.kind == EntryKind::kRun) runs.emplace(entry.path, &entry);
+  }
+  for (Entry& entry : entries) {
+    if (entry.kind != EntryKind::kClip && entry.kind != EntryKind::kImages) continue;
+    const std::string_view parent = folder_part(entry.path);
+    const std::string name = fs::path(entry.path).filename().string();
+    const std::string stem = entry.kind == EntryKind::kClip ? fs::path(name).stem().string() : name;
+    const auto found = runs.find((parent.empty() ? "" : std::string(parent) + "/") + stem + "-moiregauge");
+    if (found == runs.end()) continue;
+    entry.run = found->first;
+    entry.state = found->second->state;
+    entry.headline = found->second->headline;
+    entry.exit_code = found->second->exit_code;
+  }
+}
+
+}  // namespace
+
+const char* word_for(EntryKind kind) {
+  constexpr std::array kWords = {"clip", "images", "run", "folder"};
+  return kWords[static_cast<std::size_t>(kind)];
+}
+
+bool has_video_extension(std::string_view name) {
+  constexpr std::array<std::string_view, 14> kList = {"mp4", "mov",  "m4v", "mkv", "webm", "avi",  "ts",
+                                                      "mts", "m2ts", "y4m", "3gp", "mpg",  "mpeg", "mxf"};
+  return has_extension(name, kList);
+}
+
+bool has_image_extension(std::string_view name) {
+  constexpr std::array<std::string_view, 5> kList = {"png", "jpg", "jpeg", "tif", "tiff"};
+  return has_extension(name, kList);
+}
+
+std::optional<RunFacts> run_facts(std::string_view run_json, const Movements& movements) {
+  const EntryJson json = EntryJson::parse(run_json, nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  RunFacts facts;
+  const double code = number_at(json, "exit_code");
+  if (code >= 0.0 && code < 256.0) facts.exit_code = static_cast<int>(code);
+  facts.state = facts.exit_code == 4 ? "refused" : facts.exit_code == 130 ? "interrupted" : "done";
+  facts.headline = headline_of(json, movements);
+  if (const auto input = json.find("input"); input != json.end() && input->is_object())
+    facts.input = text_at(*input, "path");
+  return facts;
+}
+
+RunFacts EntryList::facts_of(const std::string& run_json) {
+  const FileFacts file = file_facts(run_json, true);
+  Known& known = known_[run_json];
+  if (known.modified_ns == file.modified_ns) return known.facts;
+  known = {file.modified_ns, {"done", "", std::nullopt, ""}};
+  if (!file.is_plain || file.bytes > kMaxRunJson) return known.facts;
+  std::ifstream in(run_json, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const Movements movements = movements_of((fs::path(run_json).parent_path() / "displacement.csv").string());
+  if (auto facts = run_facts(text, movements)) known.facts = *std::move(facts);
+  return known.facts;
+}
+
+bool EntryList::add_run(const std::string& relative, std::vector<Entry>& out) {
+  const std::string folder = root_ + "/" + relative;
+  const FileFacts results = file_facts(folder + "/run.json", false);
+  const FileFacts journal = file_facts(folder + "/run.mgj", false);
+  if (!results.is_plain && !journal.is_plain) return false;
+  Entry entry{relative,
+              EntryKind::kRun,
+              0,
+              1e-9 * static_cast<double>(std::max(results.modified_ns, journal.modified_ns)),
+              "interrupted",
+              "",
+              "",
+              std::nullopt};
+  if (results.is_plain && !relative.ends_with(kUnfinished)) {
+    RunFacts facts = facts_of(folder + "/run.json");
+    entry.state = std::move(facts.state);
+    entry.headline = std::move(facts.headline);
+    entry.exit_code = facts.exit_code;
+  }
+  if (relative.ends_with(kUnfinished)) entry.path.resize(relative.size() - kUnfinished.size());
+  const bool is_known = !out.empty() && out.back().path == entry.path;
+  if (is_known && out.back().kind == EntryKind::kRun)
+    out.back().state = entry.state;  // a run that is measured again
+  else
+    out.push_back(std::move(entry));
+  return true;
+}
+
+void EntryList::add_folder(const std::string& relative, int depth, std::vector<Entry>& out) {
+  const std::string folder = relative.empty() ? root_ : root_ + "/" + relative;
+  for (const std::string& name : names_in(folder)) {
+    if (out.size() >= kMaxEntries) return;
+    const std::string path = relative.empty() ? name : relative + "/" + name;
+    const FileFacts facts = file_facts(root_ + "/" + path, false);
+    const double modified_s = 1e-9 * static_cast<double>(facts.modified_ns);
+    if (facts.is_plain && has_video_extension(name)) {
+      out.push_back({path, EntryKind::kClip, facts.bytes, modified_s, "new", "", "", std::nullopt});
+    } else if (facts.is_plain && has_image_extension(name)) {
+      out.push_back({path, EntryKind::kImages, facts.bytes, modified_s, "new", "", "", std::nullopt});
+    } else if (facts.is_folder && !add_run(path, out)) {
+      const std::vector<std::string> inside = names_in(root_ + "/" + path);
+      const bool has_images = std::ranges::any_of(inside, has_image_extension);
+      out.push_back(
+          {path, has_images ? EntryKind::kImages : EntryKind::kFolder, 0, modified_s, "new", "", "", std::nullopt});
+      if (!has_images && depth < kMaxDepth) add_folder(path, depth + 1, out);
+    }
+  }
+}
+
+std::vector<Entry> EntryList::read() {
+  const std::lock_guard lock(mutex_);
+  std::vector<Entry> out;
+  add_folder("", 1, out);
+  join_runs(out);
+  return out;
+}
+
+}  // namespace moiregauge::internal
