@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks of who sends a request, before anything of it is used.
+// Checks the sender of a request before anything of it is used.
 #pragma once
 
 #include <functional>
