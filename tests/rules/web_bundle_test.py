@@ -1,15 +1,22 @@
 #!/usr/bin/python3
-"""Checks that web/dist/report.html is the bundle of the current web/src, by the fingerprint of web/vite.config.js."""
+"""Checks the committed bundles of web/: each is that of the current sources, by the fingerprint of web/vite.config.js. The page of
+`moiregauge serve` has no inline script or style, never writes HTML from text, and has the report's colours."""
 import hashlib
 import pathlib
 import re
 import sys
 
 WEB = pathlib.Path(__file__).resolve().parent.parent.parent / "web"
+REPORT_FOLDERS = ["src"]
+SERVE_FOLDERS = ["src", "src/serve", "src/serve/parts", "src/serve/setup", "src/serve/results"]
+# Ways of writing text as HTML or code. Names of files and markers come from strangers.
+FORBIDDEN = re.compile(r"\b(innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval|new Function|srcdoc|createContextualFragment)\b")
+COLOUR = re.compile(r"(--(?:series|status|ink|good|fair|bad)[\w-]*): (#\w+);")
 
 
-def fingerprint():
-    names = ["package-lock.json", "tsconfig.json", "vite.config.js", *(f"src/{path.name}" for path in (WEB / "src").iterdir())]
+def fingerprint(folders):
+    names = ["package-lock.json", "tsconfig.json", "vite.config.js"]
+    names += [f"{folder}/{path.name}" for folder in folders for path in (WEB / folder).iterdir() if path.is_file()]
     hashed = hashlib.sha256()
     for name in sorted(names):
         hashed.update(f"{name}\n".encode())
@@ -18,13 +25,32 @@ def fingerprint():
     return hashed.hexdigest()
 
 
+def problems():
+    for name, folders in [("report.html", REPORT_FOLDERS), ("serve.js", SERVE_FOLDERS)]:
+        found = re.search(r"Bundled from web/ as of ([0-9a-f]{64})", (WEB / "dist" / name).read_text(encoding="utf-8"))
+        if not found or found.group(1) != fingerprint(folders):
+            yield f"web/dist/{name} is not the bundle of web/src: run tools/web (it needs Node) and commit what it makes"
+    folders = {str(path.parent.relative_to(WEB)) for path in (WEB / "src").rglob("*") if path.is_file()}
+    if folders != set(SERVE_FOLDERS):
+        yield f"the fingerprint covers {SERVE_FOLDERS}, but the sources are in {sorted(folders)}: change web/vite.config.js and this test"
+    page = (WEB / "dist" / "serve.html").read_text(encoding="utf-8")
+    if page != (WEB / "src" / "serve" / "page.html").read_text(encoding="utf-8"):
+        yield "web/dist/serve.html is not that of web/src: run tools/web and commit what it makes"
+    if re.search(r"<style|\bstyle=|<script(?![^>]*\bsrc=)|\bon\w+=", page):
+        yield "web/dist/serve.html has inline script or style, which its policy forbids"
+    for path in sorted((WEB / "src").rglob("*.ts")):
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if FORBIDDEN.search(line):
+                yield f"{path.relative_to(WEB.parent)}:{number}: {FORBIDDEN.search(line).group(0)} writes text as HTML or code: use textContent"
+    colours = [COLOUR.findall((WEB / "src" / name).read_text(encoding="utf-8")) for name in ("page.css", "serve/serve.css")]
+    if colours[0] != colours[1] or len(colours[0]) < 40:
+        yield "web/src/serve/serve.css differs from web/src/page.css in a colour that has a meaning"
+
+
 def main():
-    page = (WEB / "dist" / "report.html").read_text(encoding="utf-8")
-    found = re.search(r"Bundled from web/ as of ([0-9a-f]{64})", page)
-    if found and found.group(1) == fingerprint():
-        return 0
-    print("web/dist/report.html is not the bundle of web/src: run tools/web (it needs Node) and commit what it makes")
-    return 1
+    found = list(problems())
+    print("\n".join(found), end="\n" if found else "")
+    return 1 if found else 0
 
 
 if __name__ == "__main__":

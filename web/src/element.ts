@@ -8,7 +8,11 @@ export function el<Name extends keyof HTMLElementTagNameMap>(
   ...children: Child[]
 ): HTMLElementTagNameMap[Name] {
   const element = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  for (const [key, value] of Object.entries(attributes)) {
+    // A style attribute would be inline style, which the policy of `moiregauge serve` forbids.
+    if (key === 'style') element.style.cssText = value;
+    else element.setAttribute(key, value);
+  }
   for (const child of children) if (child) element.append(child);
   return element;
 }

@@ -50,6 +50,7 @@ const kImageWidth = 900; // CSS pixels of a saved image
 const kImageHeight = 320;
 const kImageScale = 2;
 const kFaint = '22'; // opacity of overlapping bands
+const kClick_px = 3; // a press that moves further is a drag
 const kAllPoints = 30000; // most points of a plot that draws all
 const kWhole = [0, 1, 2, 3, 4, 5, 6, 7, 8].flatMap((decade) => [1, 2, 5].map((n) => n * 10 ** decade));
 let plots = 0;
@@ -95,6 +96,7 @@ export class Plot {
   private chart?: uPlot;
   private isVisible = false;
   private isStale = true;
+  private pressedAt = 0; // client x of the last button press
 
   constructor(private readonly plan: PlotPlan) {
     const id = `plot-${++plots}`;
@@ -367,10 +369,21 @@ export class Plot {
         draw: onTop ? [(u) => onTop(u, scale)] : [],
         ready: [(u) => {
           u.over.addEventListener('wheel', (event) => this.wheel(u, event), { passive: false });
-          u.over.addEventListener('mousedown', () => this.box.focus({ preventScroll: true }));
+          u.over.addEventListener('mousedown', (event) => {
+            this.box.focus({ preventScroll: true });
+            this.pressedAt = event.clientX;
+          });
+          u.over.addEventListener('click', (event) => this.pick(u, event));
         }],
       },
     }, this.data(width / scale), box);
+  }
+
+  // Announces a click on a sample as the event `pick`, with its index. A drag is not a click.
+  private pick(u: uPlot, event: MouseEvent): void {
+    const index = this.indexUnder(u);
+    if (index === undefined || Math.abs(event.clientX - this.pressedAt) > kClick_px) return;
+    this.element.dispatchEvent(new CustomEvent('pick', { detail: index, bubbles: true }));
   }
 
   // With Ctrl, or in a plot that was clicked: elsewhere the page scrolls.
@@ -397,16 +410,19 @@ export class Plot {
     addEventListener('mouseup', end);
   }
 
-  private showReadout(u: uPlot): void {
+  // Returns the sample nearest to the pointer.
+  private indexUnder(u: uPlot): number | undefined {
     const { left } = u.cursor;
-    if (left === undefined || left < 0) {
-      this.readout.textContent = '';
-      return;
-    }
+    if (left === undefined || left < 0) return undefined;
     const { x } = this.plan;
     const at = u.posToVal(left, 'x');
     let index = Math.min(x.length - 1, firstAtLeast(x, at));
     if (index > 0 && at - x[index - 1]! < x[index]! - at) --index;
-    this.readout.textContent = this.plan.readout(index);
+    return index;
+  }
+
+  private showReadout(u: uPlot): void {
+    const index = this.indexUnder(u);
+    this.readout.textContent = index === undefined ? '' : this.plan.readout(index);
   }
 }

@@ -1,0 +1,148 @@
+// A measurement while it runs: progress, growing curves, the frame just measured, messages, cancel and resume.
+import { picture, post, query, type Entry, type Job } from './api';
+import { attempt, button, commandBox, showBlob } from './parts/parts';
+import { GrowingChart } from './parts/chart';
+import { jobs, on, type Row } from './store';
+import { duration } from '../format';
+import { el } from '../element';
+
+const kStates: Record<Job['state'], string> = { queued: 'Waits for its turn', running: 'Measuring', done: 'Measured', failed: 'Not measured', cancelled: 'Stopped' };
+const kPicture_ms = 700; // between two pictures
+const kOkStatus = 0;
+
+// Rows of jobs, kept so that a view that opens later shows the whole curve.
+const rows = new Map<string, Map<number, { x: number; hasTime: boolean; rows: { name: string; row: Row }[] }>>();
+const kMaxKept = 20000; // frames of one job
+
+export function keepSamples(): void {
+  on('samples', ({ id, marker }) => {
+    const kept = rows.get(id) ?? new Map();
+    rows.set(id, kept);
+    for (const [name, list] of Object.entries(marker)) {
+      for (const row of list) {
+        const [frame, time_s] = row;
+        const known = kept.get(frame) ?? { x: time_s ?? frame, hasTime: time_s !== null, rows: [] };
+        known.rows.push({ name, row });
+        kept.set(frame, known);
+      }
+    }
+    while (kept.size > kMaxKept) kept.delete(kept.keys().next().value!);
+  });
+}
+
+// The newest measurement of a clip.
+export function jobOf(entry: Entry, run: string): Job | undefined {
+  return [...jobs.values()].reverse().find((job) => job.action === 'measure' && (job.run === run || job.run === entry.run));
+}
+
+export class MeasuringView {
+  readonly element: HTMLElement;
+  private readonly state = el('h3', { role: 'status', 'aria-live': 'polite' });
+  private readonly bar = el('progress', { max: '1', value: '0', 'aria-label': 'Progress of the measurement' });
+  private readonly facts = el('p', { class: 'facts' });
+  private readonly actions = el('div', { class: 'row' });
+  private readonly image = el('img', { class: 'small-picture', alt: 'The frame that was measured last' });
+  private readonly log = el('pre', { class: 'log', tabindex: '0', 'aria-label': 'Messages' });
+  private readonly command = commandBox();
+  private charts: GrowingChart[] = [];
+  private readonly stops: (() => void)[] = [];
+  private drawn = 0; // frames in the charts
+  private notOk = 0;
+  private lastPicture = 0;
+  private isFetching = false;
+
+  constructor(private readonly entry: Entry, private id: string | undefined, private readonly onDone: () => void, private readonly onAgain: () => void) {
+    this.element = el('div', { class: 'measuring' });
+    this.stops.push(on('job', (job) => {
+      if (job.id !== this.id) return;
+      const wasRunning = this.element.dataset.state === 'running' || this.element.dataset.state === 'queued';
+      this.draw(job);
+      if (wasRunning && job.state === 'done') this.onDone();
+    }));
+    this.stops.push(on('samples', (event) => {
+      if (event.id === this.id) this.grow();
+    }));
+    this.show();
+  }
+
+  leave(): void {
+    this.stops.forEach((stop) => stop());
+    this.charts.forEach((chart) => chart.remove());
+  }
+
+  remake(): void {
+    this.charts.forEach((chart) => chart.remake());
+  }
+
+  private show(): void {
+    const job = this.id === undefined ? undefined : jobs.get(this.id);
+    if (!job) {
+      this.element.replaceChildren(el('p', { class: 'empty-note' }, 'This clip is not being measured. Set it up, then choose Measure.'));
+      return;
+    }
+    this.element.replaceChildren(el('div', { class: 'progress-card card' }, el('div', { class: 'progress-head' }, this.state, this.actions), this.bar, this.facts, this.command.element),
+      el('div', { class: 'growing-row' }, el('div', { class: 'curves card' }), el('figure', { class: 'card side-picture' }, this.image, el('figcaption', { class: 'quiet' }, 'Provisional values. The final ones follow when all frames are measured.'))),
+      el('details', { class: 'card' }, el('summary', {}, 'Messages'), this.log));
+    this.grow();
+    this.draw(job);
+  }
+
+  private grow(): void {
+    const kept = this.id === undefined ? undefined : rows.get(this.id);
+    if (!kept || kept.size === 0) return;
+    const all = [...kept.values()];
+    if (this.charts.length === 0) {
+      const { hasTime } = all[0]!;
+      this.charts = [new GrowingChart('dx', 'dx, right is positive', hasTime), new GrowingChart('dy', 'dy, up is positive', hasTime)];
+      this.element.querySelector('.curves')?.append(...this.charts.map(({ element }) => element));
+    }
+    for (const { x, rows: list } of all.slice(this.drawn)) {
+      this.charts.forEach((chart, k) => chart.add(x, list.map(({ name, row }) => ({ name, value: row[2 + k] as number | null, u: row[4 + k] as number | null, status: row[6] }))));
+      if (list.some(({ row }) => row[6] !== kOkStatus)) ++this.notOk;
+    }
+    this.drawn = all.length;
+  }
+
+  private draw(job: Job): void {
+    this.element.dataset.state = job.state;
+    this.state.textContent = kStates[job.state];
+    const share = job.frames > 0 ? job.frames_done / job.frames : 0;
+    this.bar.value = job.state === 'done' ? 1 : share;
+    const rate = job.seconds > 0 ? job.frames_done / job.seconds : 0;
+    const left = job.state === 'running' && rate > 0 && job.frames > job.frames_done ? `about ${duration(Math.ceil((job.frames - job.frames_done) / rate))} left` : '';
+    const parts = [job.frames > 0 ? `${job.frames_done} of ${job.frames} frames` : '', rate > 0 ? `${rate.toFixed(0)} frames/s` : '', left,
+      this.notOk > 0 ? `${this.notOk} frames not ok` : '', job.state === 'failed' ? `exit code ${job.exit_code}` : ''];
+    this.facts.replaceChildren(...parts.filter((text) => text !== '').map((text) => el('span', {}, text)));
+    this.log.textContent = job.lines.join('\n');
+    this.command.set(job.command);
+    if (job.state === 'failed') this.element.querySelector('details')?.setAttribute('open', '');
+    this.drawActions(job);
+    if (job.state === 'running') void this.showFrame(job.frames_done);
+  }
+
+  private drawActions(job: Job): void {
+    const wanted = job.state === 'running' || job.state === 'queued' ? 'cancel' : job.state === 'cancelled' ? 'resume' : job.state;
+    if (this.actions.dataset.kind === wanted) return;
+    this.actions.dataset.kind = wanted;
+    const act = (verb: string): (() => void) => () => void attempt(async () => {
+      await post(`/api/jobs/${encodeURIComponent(job.id)}/${verb}`);
+    });
+    this.actions.replaceChildren(...(wanted === 'cancel' ? [button('Stop', act('cancel'), { title: 'The run can be resumed' })]
+      : wanted === 'resume' ? [button('Resume', act('resume'), { class: 'primary' }), button('Change the set-up', this.onAgain)]
+        : wanted === 'done' ? [button('Show the results', this.onDone, { class: 'primary' })] : [button('Change the set-up', this.onAgain, { class: 'primary' })]));
+  }
+
+  // A frame that was measured moments ago. Only one request at a time, so the measurement is not slowed.
+  private async showFrame(frame: number): Promise<void> {
+    if (this.isFetching || performance.now() - this.lastPicture < kPicture_ms || this.entry.kind === 'run') return;
+    this.isFetching = true;
+    this.lastPicture = performance.now();
+    try {
+      const shown = await picture(query('/api/frame', { path: this.entry.path, frame: Math.max(0, frame - 1), max_width: 480 }));
+      await showBlob(this.image, shown.blob);
+    } catch {
+      // The next event tries again.
+    }
+    this.isFetching = false;
+  }
+}

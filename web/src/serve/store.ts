@@ -1,0 +1,119 @@
+// Entries and jobs of the server, and the views that follow their changes.
+import { get, query, request, watchEvents, type Entry, type Job, type Session } from './api';
+
+export type Row = [number, number | null, number | null, number | null, number | null, number | null, number]; // frame, time_s, dx, dy, u_dx, u_dy, status
+
+export interface SamplesEvent {
+  id: string;
+  marker: Record<string, Row[]>;
+}
+
+export interface LiveEvent {
+  id: string;
+  state: string;
+  line: LiveLine;
+  alarms?: { text: string; is_raised: boolean }[];
+  lines?: string[];
+}
+
+// One line of `moiregauge live --json`.
+export interface LiveLine {
+  type: string;
+  exit_code?: number;
+  folder?: string;
+  frame: number;
+  time_s: number | null;
+  rows: { marker: string; dx_mm: number | null; dy_mm: number | null; u_dx_mm: number | null; u_dy_mm: number | null; status: string }[];
+  frames: number;
+  lost: Record<string, number>;
+  queued: number;
+  scenes: number;
+  frames_per_s: number | null;
+  latency_ms: { p50: number | null; p99: number | null };
+  clipped: number | null;
+  modulation: number | null;
+  problem: string;
+  hints: string[];
+}
+
+interface Changes {
+  entries: void;
+  job: Job;
+  samples: SamplesEvent;
+  live: LiveEvent;
+  connection: boolean;
+}
+
+export let session: Session = { version: '', folder: '', limits: { upload_bytes: 0 } };
+export let entries: Entry[] = [];
+export const jobs = new Map<string, Job>();
+const listeners: { [Kind in keyof Changes]: Set<(change: Changes[Kind]) => void> } = {
+  entries: new Set(), job: new Set(), samples: new Set(), live: new Set(), connection: new Set(),
+};
+
+// Calls `listener` on every change of this kind until the returned function is called.
+export function on<Kind extends keyof Changes>(kind: Kind, listener: (change: Changes[Kind]) => void): () => void {
+  listeners[kind].add(listener);
+  return () => listeners[kind].delete(listener);
+}
+
+function announce<Kind extends keyof Changes>(kind: Kind, change: Changes[Kind]): void {
+  [...listeners[kind]].forEach((listener) => listener(change));
+}
+
+export async function refreshEntries(): Promise<void> {
+  entries = (await get<{ entries: Entry[] }>('/api/entries')).entries;
+  announce('entries', undefined);
+}
+
+async function refreshJobs(): Promise<void> {
+  for (const job of (await get<{ jobs: Job[] }>('/api/jobs')).jobs) setJob(job);
+}
+
+export function setJob(job: Job): void {
+  jobs.set(job.id, job);
+  announce('job', job);
+}
+
+let refreshing: ReturnType<typeof setTimeout> | undefined;
+const kCalm_ms = 200; // a burst of changes is one refresh
+
+function onEvent(kind: string, data: unknown): void {
+  if (kind === 'job') setJob(data as Job);
+  else if (kind === 'samples') announce('samples', data as SamplesEvent);
+  else if (kind === 'live') announce('live', data as LiveEvent);
+  else if (kind === 'entries') {
+    clearTimeout(refreshing);
+    refreshing = setTimeout(() => void refreshEntries().catch(() => undefined), kCalm_ms);
+  }
+}
+
+export async function connect(): Promise<void> {
+  session = await get<Session>('/api/session');
+  await Promise.all([refreshEntries(), refreshJobs()]);
+  let wasOpen = true;
+  void watchEvents(onEvent, (isOpen) => {
+    announce('connection', isOpen);
+    if (isOpen && !wasOpen) void Promise.all([refreshEntries(), refreshJobs()]).catch(() => undefined);
+    wasOpen = isOpen;
+  });
+}
+
+export const entryAt = (path: string): Entry | undefined => entries.find((entry) => entry.path === path);
+
+// Waits until the job has ended.
+export function finished(id: string): Promise<Job> {
+  const hasEnded = (job: Job | undefined): job is Job => job !== undefined && ['done', 'failed', 'cancelled'].includes(job.state);
+  const known = jobs.get(id);
+  if (hasEnded(known)) return Promise.resolve(known);
+  return new Promise((done) => {
+    const stop = on('job', (job) => {
+      if (job.id !== id || !hasEnded(job)) return;
+      stop();
+      done(job);
+    });
+  });
+}
+
+export const fileOfRun = async (run: string, name: string): Promise<Blob> => (await request(query('/api/file', { run, name }))).blob();
+export const fileAt = async (path: string): Promise<Blob> => (await request(query('/api/file', { path }))).blob();
