@@ -1,5 +1,5 @@
 // Two pages. `vite build` makes report.html: script and style replace the marks of page.html, and the program puts the data in later.
-// `vite build --mode serve` makes the page of `moiregauge serve`: serve.html, serve.js and serve.css, without inline script or style.
+// `vite build --mode serve` makes the page of `moiregauge serve`: serve.html, app.js and app.css, without inline script or style.
 import { defineConfig } from 'vite';
 import { createHash } from 'node:crypto';
 import { readFileSync, readdirSync } from 'node:fs';
@@ -50,8 +50,8 @@ const threeFiles = {
     const { script, style } = taken(bundle);
     const note = `/*\n${licences()}\nBundled from web/ as of ${fingerprint(kServeFolders)}\n*/\n`;
     this.emitFile({ type: 'asset', fileName: 'serve.html', source: readFileSync('src/serve/page.html', 'utf8') });
-    this.emitFile({ type: 'asset', fileName: 'serve.js', source: `${note}${script}\n` });
-    this.emitFile({ type: 'asset', fileName: 'serve.css', source: `${style}\n` });
+    this.emitFile({ type: 'asset', fileName: 'app.js', source: `${note}${script}\n` });
+    this.emitFile({ type: 'asset', fileName: 'app.css', source: `${style}\n` });
   },
 };
 
@@ -68,7 +68,7 @@ export default defineConfig(({ mode }) => {
       cssCodeSplit: false,
       lib: {
         entry: isServe ? 'src/serve/main.ts' : 'src/main.ts', formats: ['iife'],
-        name: isServe ? 'moiregaugeServe' : 'moiregaugeReport', fileName: () => (isServe ? 'serve.js' : 'report.js'),
+        name: isServe ? 'moiregaugeServe' : 'moiregaugeReport', fileName: () => (isServe ? 'app.js' : 'report.js'),
       },
     },
   };

@@ -26,7 +26,7 @@ def fingerprint(folders):
 
 
 def problems():
-    for name, folders in [("report.html", REPORT_FOLDERS), ("serve.js", SERVE_FOLDERS)]:
+    for name, folders in [("report.html", REPORT_FOLDERS), ("app.js", SERVE_FOLDERS)]:
         found = re.search(r"Bundled from web/ as of ([0-9a-f]{64})", (WEB / "dist" / name).read_text(encoding="utf-8"))
         if not found or found.group(1) != fingerprint(folders):
             yield f"web/dist/{name} is not the bundle of web/src: run tools/web (it needs Node) and commit what it makes"

@@ -103,7 +103,7 @@ export class ResultsView {
     const references = summary.references_verified ? 'No reference moved.' : 'References were not checked against each other: this needs six.';
     return el('section', { class: 'card headline' }, el('h3', {}, kWords[summary.exit_code] ?? 'Stopped'),
       rows.length > 0 && table('Movement in mm since the reference frame; dx to the right, dy up; U with k = 2',
-        ['Target', 'dx: peak to peak', 'U', 'dy: peak to peak', 'U', 'Strongest vibration (Hz)', 'Rows ok'], rows),
+        ['Target', 'dx, peak to peak', 'U', 'dy, peak to peak', 'U', 'Vibration (Hz)', 'Rows ok'], rows),
       el('p', { class: 'quiet' }, [length, references, `Method ${summary.method}.`].filter((text) => text !== '').join(' ')));
   }
 

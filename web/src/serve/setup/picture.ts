@@ -135,6 +135,8 @@ export class FramePicture {
     const at = centres[0] ?? [0, 0];
     const size = kLabel_px * this.scale;
     const label = svg('text', { x: at[0], y: at[1] + 0.35 * size, 'font-size': size, 'text-anchor': 'middle' }, name);
+    // An object without a name cannot be chosen on the command line either.
+    if (marker.name === '') return svg('g', { class: `marker ${role} nameless`, role: 'img', 'aria-label': 'not identified' }, ...parts);
     const group = svg('g', { class: `marker ${role}`, tabindex: 0, role: 'button', 'data-marker': marker.name, 'aria-label': `${name}: ${roleWords[role]}` }, ...parts, label);
     group.append(svg('title', {}, `${name}: ${roleWords[role]}`));
     const act = (): void => this.onMarker?.(shown, group.getBoundingClientRect());

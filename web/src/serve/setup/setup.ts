@@ -286,7 +286,7 @@ export class SetupView {
   }
 
   private drawMarkers(): void {
-    const all = this.shown();
+    const all = this.shown().filter(({ marker }) => marker.name !== '');
     const used = all.filter(({ role }) => role === 'reference' || role === 'target').length;
     if (all.length === 0) {
       this.markers.replaceChildren(el('p', { class: 'quiet' }, 'No marker is found in this frame.'));
