@@ -83,9 +83,14 @@ std::string mistake_in(const CLI::App& command, const CLI::ParseError& error) {
         left_over.front(), name);
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
     return fmt::format("an argument is missing: {} ({}): write {}", name, error.what(), required_text(command));
-  if (std::string_view(error.what()).ends_with(kEmptyValue))
-    return fmt::format("the value is empty: {} {}: give a value, or remove the option", name,
-                       std::string_view(error.what()).substr(0, std::string_view(error.what()).find(':')));
+  const std::string_view text = error.what();
+  const std::string_view option = text.substr(0, text.find(':'));
+  if (text.ends_with(kEmptyValue))
+    return fmt::format("the value is empty: {} {}: give a value, or remove the option", name, option);
+  if (text.find(": At Most 1 required") != std::string_view::npos)
+    return fmt::format("the option is given twice: {} {}: give it once", name, option);
+  if (text.find(": 1 required ") != std::string_view::npos)
+    return fmt::format("the value is missing: {} {}: give a value, or remove the option", name, option);
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr)
     return fmt::format("the value is not a usable number: {} {}: give a number (moiregauge {} -h explains it)", name,
                        subject_of(error.what()), name);
