@@ -50,17 +50,6 @@ std::optional<SensorRegion> region_of(std::string_view text) {
   return SensorRegion{numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
-// Returns the first option that only GenICam cameras have, or an empty text.
-std::string genicam_option(const CameraArgs& args) {
-  if (args.exposure_us) return "--exposure";
-  if (args.gain_db) return "--gain";
-  if (!args.pixel_format.empty()) return "--pixel-format";
-  if (!args.region.empty()) return "--sensor-region";
-  if (!args.trigger.empty()) return "--trigger";
-  if (args.packet_bytes) return "--packet-size";
-  return args.mosaic.empty() ? "" : "--mosaic";
-}
-
 std::chrono::milliseconds patience_of(const CameraArgs& args) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(1000.0 * args.patience_s));
 }
@@ -99,6 +88,16 @@ std::vector<CameraEntry> v4l2_devices() {
 
 bool is_camera_source(std::string_view source) {
   return is_genicam(source) || is_stream(source) || source.starts_with(kV4l2) || source == kPipe;
+}
+
+std::string genicam_option(const CameraArgs& args) {
+  if (args.exposure_us) return "--exposure";
+  if (args.gain_db) return "--gain";
+  if (!args.pixel_format.empty()) return "--pixel-format";
+  if (!args.region.empty()) return "--sensor-region";
+  if (!args.trigger.empty()) return "--trigger";
+  if (args.packet_bytes) return "--packet-size";
+  return args.mosaic.empty() ? "" : "--mosaic";
 }
 
 std::string camera_args_problem(const CameraArgs& args) {

@@ -36,6 +36,9 @@ struct CameraArgs {
 // and `-`.
 [[nodiscard]] bool is_camera_source(std::string_view source);
 
+// Returns the first option given that only GenICam cameras have, or an empty text.
+[[nodiscard]] std::string genicam_option(const CameraArgs& args);
+
 // Returns the first wrong option as "what happened: where: what to do", or an empty text. Opens nothing.
 [[nodiscard]] std::string camera_args_problem(const CameraArgs& args);
 

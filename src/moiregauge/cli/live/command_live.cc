@@ -114,7 +114,7 @@ void add_source(CLI::App& command, LiveArgs& args) {
   command
       .add_option("SOURCE", args.measure.input,
                   "camera, camera:ID, rtsp://..., - (y4m), or a recording that is replayed as by a camera (--pace)")
-      ->type_name("SOURCE");
+      ->type_name("TEXT");
   command.add_flag("--list", args.is_list, "lists the cameras of this computer and its networks");
   command.add_option("--pace", args.pace, "replays at N times the recording's speed; max: as fast as it is measured")
       ->type_name("N|max");

@@ -78,9 +78,11 @@ tl::expected<LiveRequest, UsageError> live_request(const LiveArgs& args) {
   auto camera = camera_args(args.source);
   if (!camera) return tl::unexpected(camera.error());
   request.camera = *std::move(camera);
-  if (const std::string option = given_option(args.source); !option.empty() && !is_camera_source(measure.input))
-    return usage(fmt::format("{} applies to cameras only: {}: remove {}", option, measure.input, option));
-  if (is_camera_source(measure.input)) {
+  if (!is_camera_source(measure.input)) {
+    const std::string option = args.source.patience.empty() ? genicam_option(request.camera) : "--patience";
+    if (!option.empty())
+      return usage(fmt::format("{} applies to cameras only: {}: remove {}", option, measure.input, option));
+  } else {
     CameraArgs whole = request.camera;
     whole.source = measure.input;
     whole.fps = measure.fps;

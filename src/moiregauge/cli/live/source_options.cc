@@ -27,21 +27,6 @@ void add_source_options(CLI::App& command, SourceTexts& texts) {
   command.add_option("--patience", texts.patience, "time for which a lost source is searched [60s]")->type_name("TIME");
 }
 
-std::string given_option(const SourceTexts& texts) {
-  const std::pair<const char*, bool> options[] = {{"--exposure", !texts.exposure.empty()},
-                                                  {"--gain", texts.gain.has_value()},
-                                                  {"--pixel-format", !texts.pixel_format.empty()},
-                                                  {"--sensor-region", !texts.sensor_region.empty()},
-                                                  {"--trigger", !texts.trigger.empty()},
-                                                  {"--packet-size", texts.packet_bytes.has_value()},
-                                                  {"--mosaic", !texts.mosaic.empty()},
-                                                  {"--patience", !texts.patience.empty()}};
-  for (const auto& [name, is_given] : options) {
-    if (is_given) return name;
-  }
-  return {};
-}
-
 tl::expected<CameraArgs, UsageError> camera_args(const SourceTexts& texts) {
   CameraArgs args;
   if (!texts.exposure.empty()) {

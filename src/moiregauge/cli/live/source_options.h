@@ -28,9 +28,6 @@ struct SourceTexts {
 // Adds --exposure, --gain, --pixel-format, --sensor-region, --trigger, --packet-size, --mosaic and --patience.
 void add_source_options(CLI::App& command, SourceTexts& texts);
 
-// Returns the first option that was given, or an empty text.
-[[nodiscard]] std::string given_option(const SourceTexts& texts);
-
 // Reads the options. `source`, `fps` and `max_pixels` remain to be set. Fails with the first mistake.
 [[nodiscard]] tl::expected<CameraArgs, UsageError> camera_args(const SourceTexts& texts);
 
