@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/calibrate_board.h"
 
-#include "moiregauge/app/calibrate_photos.h"
-#include "moiregauge/app/calibration_check.h"
+#include "moiregauge/app/calibrate/calibrate_photos.h"
+#include "moiregauge/app/calibrate/calibration_check.h"
 #include "moiregauge/library/convert.h"
 
 namespace moiregauge {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "moiregauge/app/calibrate_photos.h"
+#include "moiregauge/app/calibrate/calibrate_photos.h"
 
 namespace moiregauge::internal::cli {
 

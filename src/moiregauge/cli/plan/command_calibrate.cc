@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "moiregauge/app/calibrate_photos.h"
-#include "moiregauge/app/calibration_check.h"
+#include "moiregauge/app/calibrate/calibrate_photos.h"
+#include "moiregauge/app/calibrate/calibration_check.h"
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/base/length_text.h"
 #include "moiregauge/cli/common/exit_line.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/app/camera_table.h"
+#include "moiregauge/app/calibrate/camera_table.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/cli/plan/plan_text.h"

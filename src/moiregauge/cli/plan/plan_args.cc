@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/app/camera_table.h"
+#include "moiregauge/app/calibrate/camera_table.h"
 #include "moiregauge/base/duration_text.h"
 #include "moiregauge/base/length_text.h"
 #include "moiregauge/cli/common/exit_line.h"

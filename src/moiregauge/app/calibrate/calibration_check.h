@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "moiregauge/app/calibrate_photos.h"
+#include "moiregauge/app/calibrate/calibrate_photos.h"
 
 namespace moiregauge::internal {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/app/calibration_check.h"
+#include "moiregauge/app/calibrate/calibration_check.h"
 
 #include <algorithm>
 

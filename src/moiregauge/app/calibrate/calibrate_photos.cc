@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/app/calibrate_photos.h"
+#include "moiregauge/app/calibrate/calibrate_photos.h"
 
 #include <algorithm>
 #include <filesystem>

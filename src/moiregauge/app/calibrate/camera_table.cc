@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/app/camera_table.h"
+#include "moiregauge/app/calibrate/camera_table.h"
 
 #include <array>
 
