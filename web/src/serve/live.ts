@@ -3,7 +3,7 @@ import { commandText, get, picture, post, query } from './api';
 import { attempt, button, card, checkbox, commandBox, field, sayProblem, select, showBlob } from './parts/parts';
 import { GrowingChart } from './parts/chart';
 import { SpectrumChart } from './parts/spectrum';
-import { entries, on, type LiveEvent, type LiveLine } from './store';
+import { entries, on, type LiveEvent, type LiveLine, type SamplesEvent } from './store';
 import { statuses, statusIndex } from './results/statuses';
 import { el } from '../element';
 import { digitsFor, expanded, plain, signed } from '../format';
@@ -58,16 +58,23 @@ export class LiveView {
   private readonly alarmAxis = select([['dy', '|dy|'], ['dx', '|dx|']], 'dy', () => this.update(), 'Axis of the alarm');
   private readonly alarmLimit = el('input', { type: 'text', inputmode: 'decimal', value: '1', 'aria-label': 'Limit of the alarm in mm' });
   private readonly record = checkbox('Keep 10 s of video around each alarm', false, () => this.update());
+  private readonly exposureTime = el('input', { type: 'text', inputmode: 'decimal', 'aria-label': 'Exposure in ms', placeholder: 'as it is' });
+  private readonly gain = el('input', { type: 'text', inputmode: 'decimal', 'aria-label': 'Gain', placeholder: 'as it is' });
+  private readonly cameraSettings = el('div', { class: 'row' }, field('Exposure', this.exposureTime, 'ms'), field('Gain', this.gain));
   private readonly raised = new Set<string>();
+  private hasSamples = false; // every row comes as an event of its own
   private wantsPictures = false;
 
   constructor() {
     this.start = button('Start', () => void this.begin(), { class: 'primary' });
     this.stop = button('Stop', () => void this.end());
     this.stop.hidden = true;
-    for (const input of [this.address, this.pitch, this.alarmTarget, this.alarmLimit]) input.addEventListener('input', () => this.update());
+    for (const input of [this.address, this.pitch, this.exposureTime, this.gain, this.alarmTarget, this.alarmLimit]) input.addEventListener('input', () => this.update());
     this.source.addEventListener('change', () => this.update());
     this.stops.push(on('live', (event) => this.take(event)));
+    this.stops.push(on('samples', (event) => {
+      if (event.id === this.id) this.grow(event);
+    }));
     this.build();
     void this.fillSources();
   }
@@ -85,7 +92,8 @@ export class LiveView {
   }
 
   private build(): void {
-    const settings = card('Source', field('Source', this.source), field('Address', this.address), field('Pitch', this.pitch, 'mm'),
+    const settings = card('Settings', field('Source', this.source), field('Address', this.address), field('Grating pitch', this.pitch, 'mm'),
+      this.cameraSettings,
       el('div', { class: 'row' }, this.alarm.element, this.alarmTarget, this.alarmAxis, el('span', {}, '>'), this.alarmLimit, el('span', { class: 'unit' }, 'mm')),
       this.record.element, el('div', { class: 'go' }, this.start, this.stop), this.command.element);
     const watch = el('section', { class: 'card live-state', 'aria-label': 'State' }, el('div', { class: 'progress-head' }, this.state, this.lamp), this.numbers, this.focus.element, this.exposure.element, this.health, this.hints);
@@ -114,10 +122,16 @@ export class LiveView {
     return this.source.value === 'address' ? this.address.value.trim() : this.source.value;
   }
 
+  private get isCamera(): boolean {
+    return this.name.startsWith('camera:');
+  }
+
   private options(): string[] {
     const isReplay = entries.some(({ path }) => path === this.name);
     const list = ['--pitch', `${Number(this.pitch.value.replace(',', '.'))}mm`];
     if (isReplay) list.unshift('--pace', '1');
+    if (this.isCamera && this.exposureTime.value.trim()) list.push('--exposure', `${Number(this.exposureTime.value.replace(',', '.'))}ms`);
+    if (this.isCamera && this.gain.value.trim()) list.push('--gain', this.gain.value.trim());
     if (this.alarm.box.checked) list.push('--alarm', `|${this.alarmTarget.value}.${this.alarmAxis.value}| > ${Number(this.alarmLimit.value.replace(',', '.'))} mm`);
     if (this.alarm.box.checked && this.record.box.checked) list.push('--record', '10s');
     return list;
@@ -125,6 +139,7 @@ export class LiveView {
 
   private update(): void {
     this.address.closest('label')!.hidden = this.source.value !== 'address';
+    this.cameraSettings.hidden = !this.isCamera;
     this.command.set(this.name ? commandText('live', [this.name, ...this.options()]) : '');
     if (this.raised.size === 0) this.setLamp(this.alarm.box.checked ? 'quiet' : 'off', this.alarm.box.checked ? 'No alarm' : 'No alarm rule');
   }
@@ -148,6 +163,7 @@ export class LiveView {
       this.stop.hidden = false;
       this.state.textContent = 'Waits for the reference frame';
       this.raised.clear();
+      this.hasSamples = false;
       this.charts.forEach((chart) => chart.remove());
       this.spectrum?.remove();
       this.charts = [new GrowingChart('dx', 'dx, right is positive', true, kSpan_s), new GrowingChart('dy', 'dy, up is positive', true, kSpan_s)];
@@ -179,12 +195,11 @@ export class LiveView {
     }
   }
 
-  private take({ id, state, line, alarms, lines }: LiveEvent): void {
+  private take({ id, state, line, lines }: LiveEvent): void {
     if (id !== this.id) return;
-    for (const { text, is_raised } of alarms ?? []) {
-      const rule = text.replace(/^alarm (raised|cleared): /, '');
-      if (is_raised) this.raised.add(rule.split(' (')[0]!);
-      else this.raised.delete(rule.split(' (')[0]!);
+    if (line?.type === 'alarm') {
+      if (line.state === 'raised') this.raised.add(line.rule ?? 'raised');
+      else this.raised.delete(line.rule ?? 'raised');
       this.setLamp(this.raised.size > 0 ? 'raised' : 'quiet', this.raised.size > 0 ? `Alarm: ${[...this.raised].join('; ')}` : 'Alarm has cleared');
     }
     if (line?.type === 'frame') this.show(line);
@@ -198,12 +213,29 @@ export class LiveView {
     }
   }
 
+  private grow({ marker }: SamplesEvent): void {
+    this.hasSamples = true;
+    const names = Object.keys(marker);
+    const first = marker[names[0] ?? ''] ?? [];
+    first.forEach((_row, k) => {
+      const rows = names.flatMap((name) => {
+        const row = marker[name]![k];
+        return row ? [{ name, row }] : [];
+      });
+      const x = rows[0]!.row[1] ?? rows[0]!.row[0];
+      this.charts.forEach((chart, axis) => chart.add(x, rows.map(({ name, row }) => ({ name, value: row[2 + axis] as number | null, u: row[4 + axis] as number | null, status: row[6] }))));
+      this.spectrum?.add(x, rows[0]!.row[3], rows[0]!.name);
+    });
+  }
+
   private show(line: LiveLine): void {
     this.state.textContent = line.problem !== '' ? line.problem : line.rows.length === 0 ? 'Waits for the reference frame' : line.scenes > 0 ? 'Measuring' : 'Measuring, not trusted before the first scene is solved';
     const x = line.time_s ?? line.frame;
     if (line.rows.length > 0) {
-      (['dx', 'dy'] as const).forEach((axis, k) => this.charts[k]?.add(x, line.rows.map((row) => ({ name: row.marker, value: row[`${axis}_mm`], u: row[`u_${axis}_mm`], status: statusIndex(row.status) }))));
-      this.spectrum?.add(x, line.rows[0]!.dy_mm, line.rows[0]!.marker);
+      if (!this.hasSamples) {
+        (['dx', 'dy'] as const).forEach((axis, k) => this.charts[k]?.add(x, line.rows.map((row) => ({ name: row.marker, value: row[`${axis}_mm`], u: row[`u_${axis}_mm`], status: statusIndex(row.status) }))));
+        this.spectrum?.add(x, line.rows[0]!.dy_mm, line.rows[0]!.marker);
+      }
       this.numbers.replaceChildren(...line.rows.map((row) => {
         const value = (d: number | null, u: number | null): string => (d === null ? '\u2013' : `${signed(d, digitsFor(expanded(u ?? NaN)))} \u00b1 ${u === null ? '\u2013' : plain(expanded(u), digitsFor(expanded(u)))} mm`);
         const status = statuses[statusIndex(row.status)]!;

@@ -12,13 +12,14 @@ export interface LiveEvent {
   id: string;
   state: string;
   line: LiveLine;
-  alarms?: { text: string; is_raised: boolean }[];
   lines?: string[];
 }
 
-// One line of `moiregauge live --json`.
+// One line of `moiregauge live --json`. `type` is frame, alarm or end.
 export interface LiveLine {
   type: string;
+  rule?: string;
+  state?: string; // alarm: raised or cleared
   exit_code?: number;
   folder?: string;
   frame: number;
@@ -90,7 +91,8 @@ function onEvent(kind: string, data: unknown): void {
 
 export async function connect(): Promise<void> {
   session = await get<Session>('/api/session');
-  await Promise.all([refreshEntries(), refreshJobs()]);
+  await refreshEntries();
+  await refreshJobs().catch(() => undefined); // the first event brings them again
   let wasOpen = true;
   void watchEvents(onEvent, (isOpen) => {
     announce('connection', isOpen);

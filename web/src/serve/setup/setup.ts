@@ -233,6 +233,7 @@ export class SetupView {
   private later(): void {
     this.drawPitch();
     clearTimeout(this.timer);
+    this.element.setAttribute('aria-busy', 'true');
     this.timer = setTimeout(() => void this.inspect(), kWait_ms);
   }
 
@@ -252,6 +253,8 @@ export class SetupView {
     }
     this.element.removeAttribute('aria-busy');
     this.draw();
+    const { dataset } = document.documentElement;
+    dataset.inspected = String(Number(dataset.inspected ?? 0) + 1);
   }
 
   private shown(): ShownMarker[] {
@@ -270,7 +273,6 @@ export class SetupView {
     this.remarks.replaceChildren(...(now?.warnings ?? []).map((text) => el('li', {}, sentence(text))));
     if (now?.measurable === false && now.missing) this.status.textContent = sentence(now.missing);
     this.measure.disabled = now === undefined || now.measurable === false;
-    document.documentElement.dataset.inspected = String(setup.frame);
   }
 
   private drawExpected(now: Inspection | undefined): void {
@@ -361,6 +363,10 @@ export class SetupView {
   }
 
   private async saveSite(): Promise<void> {
+    if (this.element.hasAttribute('aria-busy')) {
+      clearTimeout(this.timer);
+      await this.inspect();
+    }
     const { chosen, path } = this.setup;
     if (!chosen?.site) {
       say('No site file can be written before the markers are found.', 'bad');
