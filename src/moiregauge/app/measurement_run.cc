@@ -13,6 +13,7 @@
 #include "moiregauge/app/frame_times.h"
 #include "moiregauge/app/measure_options.h"
 #include "moiregauge/app/open_input.h"
+#include "moiregauge/app/provisional_samples.h"
 #include "moiregauge/app/run_figures.h"
 #include "moiregauge/app/stabilised_video.h"
 #include "moiregauge/base/file_hash.h"
@@ -155,12 +156,16 @@ class MeasurementRun {
       if (!next) return next;
       return timed(std::move(*next), times);
     };
+    std::optional<ProvisionalSamples> provisional;
+    FrameSink* sink = stabilised_ ? &*stabilised_ : nullptr;
+    if (callbacks_.on_samples) sink = &provisional.emplace(sink, options_, callbacks_.on_samples);
     measured_ =
         observe_all(source, options_,
                     [&](long done, long expected) {
                       return callbacks_.may_continue({Stage::kMeasuring, done, expected, times.waiting_share()});
                     },
-                    {stabilised_ ? &*stabilised_ : nullptr, &journal_, std::move(so_far_)});
+                    {sink, &journal_, std::move(so_far_)});
+    provisional.reset();
     if (const auto closed = journal_.close(); !closed) return Failed(failure_of(closed.error()));
     if (!measured_) return Failed(RunFailure{Exit::kInputUnreadable, measured_.error().message});
     const long frames = static_cast<long>(measured_->observations.size());

@@ -11,6 +11,7 @@
 #include "moiregauge/app/run_figures.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/interrupt.h"
+#include "moiregauge/cli/common/json_progress.h"
 #include "moiregauge/cli/common/shared_options.h"
 #include "moiregauge/cli/common/stage_display.h"
 #include "moiregauge/cli/measure/summary_text.h"
@@ -36,16 +37,20 @@ tl::expected<RunRequest, UsageError> request_of(const MeasureArgs& args) {
   return request;
 }
 
-tl::expected<FinishedRun, RunFailure> run_shown(const RunRequest& request, bool quiet) {
+tl::expected<FinishedRun, RunFailure> run_shown(const RunRequest& request, bool quiet, const std::string& progress) {
   const InterruptGuard guard;
+  if (!progress.empty()) {
+    JsonProgress lines(JsonProgress::Samples::kProvisional);
+    return run_measurement(request, lines.callbacks());
+  }
   StageDisplay display(quiet);
   return run_measurement(request, display.callbacks());
 }
 
-int run(const MeasureArgs& args) {
+int run(const MeasureArgs& args, const std::string& progress) {
   const auto request = request_of(args);
   if (!request) return fail(Exit::kUsage, request.error().message);
-  const auto finished = run_shown(*request, args.quiet);
+  const auto finished = run_shown(*request, args.quiet, progress);
   if (!finished) return fail(finished.error().exit, finished.error().message);
   const Measurement& measured = finished->measurement;
   const int exit = report(measured, request->options, {args.input, finished->folder, args.quiet, args.json});
@@ -153,7 +158,8 @@ void add_measure(CLI::App& app, int& exit_code) {
   auto args = std::make_shared<MeasureArgs>();
   for (const auto add : {add_input, add_print_options, add_camera_options, add_frames, add_method_options, add_output})
     add(*command, *args);
-  command->callback([args, &exit_code] { exit_code = run(*args); });
+  const auto progress = add_progress(*command);
+  command->callback([args, progress, &exit_code] { exit_code = run(*args, *progress); });
 }
 
 }  // namespace moiregauge::internal::cli

@@ -6,6 +6,7 @@
 
 #include "moiregauge/app/solve_run.h"
 #include "moiregauge/cli/common/exit_line.h"
+#include "moiregauge/cli/common/json_progress.h"
 #include "moiregauge/cli/common/shared_options.h"
 #include "moiregauge/cli/common/stage_display.h"
 #include "moiregauge/cli/measure/summary_text.h"
@@ -13,13 +14,17 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-tl::expected<SolvedResults, RunFailure> run_shown(const SolveArgs& args) {
+tl::expected<SolvedResults, RunFailure> run_shown(const SolveArgs& args, const std::string& progress) {
+  if (!progress.empty()) {
+    JsonProgress lines(JsonProgress::Samples::kNone);
+    return run_solve(args, lines.callbacks());
+  }
   StageDisplay display(args.quiet);
   return run_solve(args, display.callbacks());
 }
 
-int run(const SolveArgs& args) {
-  const auto solved = run_shown(args);
+int run(const SolveArgs& args, const std::string& progress) {
+  const auto solved = run_shown(args, progress);
   if (!solved) return fail(solved.error().exit, solved.error().message);
   return report(solved->measurement, solved->options, {args.run, solved->folder, args.quiet, args.json});
 }
@@ -54,7 +59,8 @@ void add_solve(CLI::App& app, int& exit_code) {
   add_figures(*command, args->figures);
   command->add_flag("--quiet", args->quiet, "print nothing but errors");
   command->add_flag("--json", args->json, "print run.json on stdout");
-  command->callback([args, &exit_code] { exit_code = run(*args); });
+  const auto progress = add_progress(*command);
+  command->callback([args, progress, &exit_code] { exit_code = run(*args, *progress); });
 }
 
 }  // namespace moiregauge::internal::cli

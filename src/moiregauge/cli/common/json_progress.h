@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Progress of a run as JSON lines on stderr, for programs that show it (--progress json).
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "moiregauge/app/run_progress.h"
+
+namespace moiregauge::internal::cli {
+
+class JsonProgress {
+ public:
+  enum class Samples { kNone, kProvisional };
+  explicit JsonProgress(Samples samples);
+  JsonProgress(const JsonProgress&) = delete;
+  JsonProgress& operator=(const JsonProgress&) = delete;
+  ~JsonProgress();  // writes what is left
+  // Refers to this object, which must outlive the run. Ctrl-C stops the run.
+  [[nodiscard]] const RunCallbacks& callbacks() const { return callbacks_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Row {
+    std::string marker;  // as a JSON string
+    std::string values;  // as a JSON array
+  };
+  void show(const RunProgress& progress);
+  void keep(const Site& site, const std::vector<Sample>& samples);
+  void write();
+  void write_rows(std::size_t first, std::size_t end);
+
+  RunCallbacks callbacks_;
+  std::optional<RunProgress> latest_;  // not written yet
+  std::vector<Row> rows_;              // not written yet
+  std::optional<Stage> stage_;         // written last
+  Clock::time_point written_ = {};
+};
+
+// Adds --progress. Returns its value: "json", or an empty text.
+[[nodiscard]] std::shared_ptr<std::string> add_progress(CLI::App& command);
+
+}  // namespace moiregauge::internal::cli
