@@ -1,26 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/server/web_server.h"
 
-#include <sys/random.h>
-
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "moiregauge/server/api/access.h"
 #include "moiregauge/server/api/routes.h"
+#include "moiregauge/server/api/tickets.h"
 #include "moiregauge/server/http/http_server.h"
 
 namespace moiregauge::internal {
 namespace {
-
-// Returns 64 hexadecimal digits from the system's random source.
-std::string random_token() {
-  std::array<unsigned char, 32> bytes{};
-  while (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) continue;
-  return fmt::format("{:02x}", fmt::join(bytes, ""));
-}
 
 tl::unexpected<ServeFailure> serve_failure(ServeProblem problem, std::string message) {
   return tl::unexpected(ServeFailure{problem, std::move(message)});
@@ -30,7 +21,12 @@ class FolderServer final : public WebServer, private HttpHandler {
  public:
   FolderServer(ConfinedFolder folder, std::unique_ptr<HttpServer> server, const ServeOptions& options,
                AccessRules rules)
-      : state_(std::move(folder)), rules_(std::move(rules)), server_(std::move(server)), options_(options) {
+      : rules_(std::move(rules)),
+        server_(std::move(server)),
+        options_(options),
+        state_(
+            std::move(folder), [this](std::string event) { server_->publish(std::move(event)); },
+            options.jobs_at_once) {
     state_.token = rules_.token;
     state_.is_token_in_page = !options.is_beyond_loopback;
     state_.max_upload = options.max_upload;
@@ -70,12 +66,14 @@ class FolderServer final : public WebServer, private HttpHandler {
     return find_route(request.head.method, request.head.path, ignored)->answer(state_, request);
   }
 
-  [[nodiscard]] std::string first_events() const override { return "event: hello\ndata: {}\n\n"; }
+  [[nodiscard]] std::string first_events() const override {
+    return event_text("hello", "{}") + state_.queue.present_events();
+  }
 
-  ServerState state_;
   AccessRules rules_;
   std::unique_ptr<HttpServer> server_;
   ServeOptions options_;
+  ServerState state_;  // last: its commands publish through the server until they have ended
 };
 
 }  // namespace
@@ -87,7 +85,7 @@ tl::expected<std::unique_ptr<WebServer>, ServeFailure> WebServer::open(const Ser
         ServeProblem::kUsage,
         fmt::format("the folder cannot be opened ({}): {}: give a folder with clips", folder.error(), options.folder));
   AccessRules rules;
-  rules.token = options.token.empty() ? random_token() : options.token;
+  rules.token = options.token.empty() ? random_digits(32) : options.token;
   std::unique_ptr<TlsContext> tls;
   if (options.is_beyond_loopback) {
     auto context = TlsContext::from_files(options.certificate, options.key);

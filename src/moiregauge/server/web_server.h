@@ -19,6 +19,7 @@ struct ServeOptions {
   bool is_beyond_loopback = false;                   // --listen: with TLS, and the token is not in the page
   std::string certificate, key;                      // PEM files of --listen
   std::string token;                                 // empty: a random one
+  int jobs_at_once = 1;                              // commands that run at the same time
   std::int64_t max_upload = std::int64_t{64} << 30;  // bytes
 };
 

@@ -29,6 +29,7 @@ struct ServeArgs {
   std::optional<int> port;
   std::string listen, token_file, certificate, key;
   double max_upload_gb = 64.0;
+  int jobs = 1;
   bool quiet = false;
 };
 
@@ -74,6 +75,7 @@ tl::expected<ServeOptions, std::string> serve_options(const ServeArgs& args) {
   ServeOptions options;
   options.folder = args.folder;
   options.address.port = args.port.value_or(8765);
+  options.jobs_at_once = args.jobs;
   options.max_upload = static_cast<std::int64_t>(args.max_upload_gb * 1e9);
   if (const auto read = read_listen(args, options); !read) return tl::unexpected(read.error());
   if (args.token_file.empty()) return options;
@@ -116,6 +118,9 @@ void add_serve(CLI::App& app, int& exit_code) {
   command->add_option("FOLDER", args->folder, "folder with the clips [the current one]")->type_name("DIR");
   command->add_option("--port", args->port, "port on this computer; 0: any free one [8765]")
       ->check(CLI::Range(0, 65535).description(""))
+      ->type_name("N");
+  command->add_option("--jobs", args->jobs, "commands that run at the same time [1]")
+      ->check(CLI::Range(1, 64).description(""))
       ->type_name("N");
   command->add_option("--listen", args->listen, "serve other computers too, with TLS and a token: ADDRESS:PORT")
       ->type_name("ADDRESS:PORT");

@@ -21,4 +21,32 @@ namespace moiregauge::internal {
 [[nodiscard]] Answer answer_inspect(ServerState& state, const Request& request);
 [[nodiscard]] Answer answer_site(ServerState& state, const Request& request);
 
+// Commands.
+[[nodiscard]] Answer answer_jobs(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_new_job(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_cancel(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_resume(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_events(ServerState& state, const Request& request);
+
+// Cameras.
+[[nodiscard]] Answer answer_cameras(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_live(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_new_live(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_stop_live(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_live_frame(ServerState& state, const Request& request);
+
+// Runs.
+[[nodiscard]] Answer answer_run(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_series(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_run_frame(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_run_markers(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_file(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_batch(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_ticket(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_report(ServerState& state, const Request& request);
+
+// Uploads.
+[[nodiscard]] Answer answer_received(ServerState& state, const Request& request);
+[[nodiscard]] Answer answer_upload(ServerState& state, const Request& request);
+
 }  // namespace moiregauge::internal

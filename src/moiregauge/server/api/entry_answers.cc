@@ -23,17 +23,31 @@ nlohmann::ordered_json entry_json(const Entry& entry) {
                               {"bytes", entry.bytes},
                               {"modified_s", entry.modified_s},
                               {"state", entry.state}};
+  if (!entry.site.empty()) json["site"] = entry.site;
   if (!entry.run.empty()) json["run"] = entry.run;
   if (!entry.headline.empty()) json["headline"] = entry.headline;
   if (entry.exit_code) json["exit_code"] = *entry.exit_code;
   return json;
 }
 
+// A clip that waits or is measured has this state, whatever an earlier run says.
+void put_job_state(const std::vector<Job>& jobs, Entry& entry) {
+  for (const Job& job : jobs) {
+    if (job.has_ended() || job.command.action != "measure") continue;
+    if (job.command.input != entry.path && job.command.output != entry.path) continue;
+    entry.state = job.state == JobState::kQueued ? "queued" : "measuring";
+  }
+}
+
 }  // namespace
 
 Answer answer_entries(ServerState& state, const Request&) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Entry& entry : state.entries.read()) list.push_back(entry_json(entry));
+  const std::vector<Job> jobs = state.queue.jobs();
+  for (Entry& entry : state.entries.read()) {
+    put_job_state(jobs, entry);
+    list.push_back(entry_json(entry));
+  }
   return {200, "application/json", {}, json_answer_text({{"entries", std::move(list)}}), nullptr, false};
 }
 

@@ -16,6 +16,7 @@
 #include "moiregauge/server/api/inspection_view.h"
 #include "moiregauge/server/api/json_body.h"
 #include "moiregauge/server/folder/luma_jpeg.h"
+#include "moiregauge/server/jobs/job.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -52,7 +53,7 @@ tl::expected<InspectOptions, std::string> options_of(const InspectBody& body) {
 
 std::vector<std::string> command_words(const char* command, const InspectBody& body) {
   std::vector<std::string> words{"moiregauge", command, body.path};
-  const std::string site = body.site_text.empty() ? "" : body.path + ".site.toml";
+  const std::string site = body.site_text.empty() ? "" : site_path(body.path);
   const auto options = option_words(body, site);
   words.insert(words.end(), options.begin(), options.end());
   return words;
@@ -129,7 +130,7 @@ Answer answer_site(ServerState& state, const Request& request) {
   if (!has_texts) return error_answer(400, "the body is incomplete: the request: send path and text");
   const std::string path = (*json)["path"], text = (*json)["text"];
   const auto clip = state.folder.existing(path);
-  const std::string site = path + ".site.toml";
+  const std::string site = site_path(path);
   const auto full = clip ? state.folder.creatable(site) : std::nullopt;
   if (!full) return no_such_path();
   if (const auto read = parse_site_file(text, std::filesystem::path(site).filename().string()); !read) {
@@ -142,6 +143,7 @@ Answer answer_site(ServerState& state, const Request& request) {
   if (const auto written = write_file_atomically(*full, text); !written)
     return error_answer(507,
                         without_root(state, "the site file could not be written: " + written.error() + ": free space"));
+  state.publish_entries();
   return json_answer(200, {{"path", site}, {"command", shell_line({"moiregauge", "measure", path, "--site", site})}});
 }
 

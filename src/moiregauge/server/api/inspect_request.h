@@ -27,7 +27,4 @@ struct InspectBody {
 // path of the site file, empty: none.
 [[nodiscard]] std::vector<std::string> option_words(const InspectBody& body, const std::string& site);
 
-// Returns the words as one line for a shell. Words with other characters than letters, digits and _@%+=:,./- are quoted.
-[[nodiscard]] std::string shell_line(const std::vector<std::string>& words);
-
 }  // namespace moiregauge::internal

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "moiregauge/observation/reference/scale_check.h"
+#include "moiregauge/server/api/marker_outline.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -41,19 +42,6 @@ ViewJson unidentified(const char* part, ViewJson view) {
   return {{"name", ""}, {"role", "none"}, {part, std::move(view)}};
 }
 
-// Outline of a marker's grating where the site expects it, for a grating that the search did not outline.
-ViewJson expected_outline(const Reference& reference, const Grating& grating) {
-  const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);
-  ViewJson outline = ViewJson::array();
-  for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
-    const double along_x = x * grating.width_mm, along_y = y * grating.height_mm;
-    const ImagePoint p = reference.view(
-        BoardPoint{grating.centre.x + c * along_x - s * along_y, grating.centre.y + s * along_x + c * along_y});
-    outline.push_back({p.x, p.y});
-  }
-  return outline;
-}
-
 ViewJson marker_view(const InspectReport& report, std::size_t i) {
   const Inspection& seen = report.seen;
   const Marker& marker = seen.reference->site.markers[i];
@@ -66,7 +54,7 @@ ViewJson marker_view(const InspectReport& report, std::size_t i) {
   if (patch != seen.patches.end())
     view["grating"] = grating_view(*patch);
   else if (marker.grating)
-    view["grating"] = {{"outline", expected_outline(*seen.reference, *marker.grating)}};
+    view["grating"] = {{"outline", grating_outline(seen.reference->view, *marker.grating, {})}};
   if (marker.grating)
     view["pitch_px"] = view_number(marker.grating->pitch_mm / seen.reference->view.mm_per_px(marker.grating->centre));
   const bool has_mm = seen.unit == BoardUnit::kMillimetre;

@@ -12,6 +12,7 @@ namespace {
 using enum HttpMethod;
 
 constexpr std::int64_t kMaxJson = 256 << 10;  // bytes
+constexpr std::int64_t kMaxPiece = 16 << 20;  // bytes of an upload in one request
 
 constexpr auto kRoutes = std::to_array<Route>({
     {kGet, "/", answer_page},
@@ -23,6 +24,26 @@ constexpr auto kRoutes = std::to_array<Route>({
     {kGet, "/api/frame", answer_frame},
     {kPost, "/api/inspect", answer_inspect, kMaxJson, true},
     {kPost, "/api/site", answer_site, kMaxJson, true},
+    {kGet, "/api/jobs", answer_jobs},
+    {kPost, "/api/jobs", answer_new_job, kMaxJson, true},
+    {kPost, "/api/jobs/*/cancel", answer_cancel, kMaxJson, true},
+    {kPost, "/api/jobs/*/resume", answer_resume, kMaxJson, true},
+    {kGet, "/api/events", answer_events},
+    {kGet, "/api/cameras", answer_cameras},
+    {kGet, "/api/live", answer_live},
+    {kPost, "/api/live", answer_new_live, kMaxJson, true},
+    {kPost, "/api/live/*/stop", answer_stop_live, kMaxJson, true},
+    {kGet, "/api/live-frame", answer_live_frame},
+    {kGet, "/api/run", answer_run},
+    {kGet, "/api/series", answer_series},
+    {kGet, "/api/run-frame", answer_run_frame},
+    {kGet, "/api/run-markers", answer_run_markers},
+    {kGet, "/api/file", answer_file},
+    {kGet, "/api/batch", answer_batch},
+    {kPost, "/api/ticket", answer_ticket, kMaxJson, true},
+    {kGet, "/report/*", answer_report},
+    {kGet, "/api/upload", answer_received},
+    {kPost, "/api/upload", answer_upload, kMaxPiece},
 });
 
 bool is_segment(std::string_view text) {

@@ -2,8 +2,28 @@
 #include "moiregauge/server/api/server_state.h"
 
 #include <charconv>
+#include <utility>
 
 namespace moiregauge::internal {
+
+ServerState::ServerState(ConfinedFolder shown, std::function<void(std::string)> publish_event, int jobs_at_once)
+    : folder(std::move(shown)),
+      entries(folder.root()),
+      uploads(folder),
+      publish(std::move(publish_event)),
+      queue({.folder = folder.root(), .at_once = jobs_at_once, .publish = publish}) {}
+
+PathRules ServerState::path_rules() const {
+  return {[this](std::string_view path) { return folder.existing(path).has_value(); },
+          [this](std::string_view path) { return folder.creatable(path).has_value(); }};
+}
+
+Answer json_text_answer(int status, std::string json) {
+  Answer answer;
+  answer.status = status;
+  answer.body = std::move(json);
+  return answer;
+}
 
 std::string without_root(const ServerState& state, std::string_view message) {
   const std::string prefix = state.folder.root() + "/";

@@ -93,6 +93,17 @@ std::vector<std::string> names_in(const std::string& folder) {
   return names;
 }
 
+Entry new_entry(const std::string& path, EntryKind kind, const FileFacts& facts) {
+  Entry entry;
+  entry.path = path;
+  entry.kind = kind;
+  entry.bytes = facts.bytes;
+  entry.modified_s = 1e-9 * static_cast<double>(facts.modified_ns);
+  return entry;
+}
+
+std::string without_extension(const std::string& path) { return fs::path(path).replace_extension().string(); }
+
 // A clip and its run belong together by the default name of the output folder.
 void join_runs(std::vector<Entry>& entries) {
   std::map<std::string, const Entry*> runs;
@@ -101,10 +112,7 @@ void join_runs(std::vector<Entry>& entries) {
   }
   for (Entry& entry : entries) {
     if (entry.kind != EntryKind::kClip && entry.kind != EntryKind::kImages) continue;
-    const std::string_view parent = folder_part(entry.path);
-    const std::string name = fs::path(entry.path).filename().string();
-    const std::string stem = entry.kind == EntryKind::kClip ? fs::path(name).stem().string() : name;
-    const auto found = runs.find((parent.empty() ? "" : std::string(parent) + "/") + stem + "-moiregauge");
+    const auto found = runs.find(without_extension(entry.path) + "-moiregauge");
     if (found == runs.end()) continue;
     entry.run = found->first;
     entry.state = found->second->state;
@@ -116,7 +124,7 @@ void join_runs(std::vector<Entry>& entries) {
 }  // namespace
 
 const char* word_for(EntryKind kind) {
-  constexpr std::array kWords = {"clip", "images", "run", "folder"};
+  constexpr std::array kWords = {"clip", "images", "run", "folder", "table", "camera"};
   return kWords[static_cast<std::size_t>(kind)];
 }
 
@@ -162,27 +170,38 @@ bool EntryList::add_run(const std::string& relative, std::vector<Entry>& out) {
   const FileFacts results = file_facts(folder + "/run.json", false);
   const FileFacts journal = file_facts(folder + "/run.mgj", false);
   if (!results.is_plain && !journal.is_plain) return false;
-  Entry entry{relative,
-              EntryKind::kRun,
-              0,
-              1e-9 * static_cast<double>(std::max(results.modified_ns, journal.modified_ns)),
-              "interrupted",
-              "",
-              "",
-              std::nullopt};
-  if (results.is_plain && !relative.ends_with(kUnfinished)) {
+  Entry entry = new_entry(relative, EntryKind::kRun, results.modified_ns > journal.modified_ns ? results : journal);
+  entry.bytes = 0;
+  entry.state = "interrupted";
+  const bool is_unfinished = relative.ends_with(kUnfinished);
+  if (results.is_plain && !is_unfinished) {
     RunFacts facts = facts_of(folder + "/run.json");
     entry.state = std::move(facts.state);
     entry.headline = std::move(facts.headline);
     entry.exit_code = facts.exit_code;
   }
-  if (relative.ends_with(kUnfinished)) entry.path.resize(relative.size() - kUnfinished.size());
-  const bool is_known = !out.empty() && out.back().path == entry.path;
-  if (is_known && out.back().kind == EntryKind::kRun)
-    out.back().state = entry.state;  // a run that is measured again
-  else
+  if (is_unfinished) entry.path.resize(relative.size() - kUnfinished.size());
+  const auto known = std::ranges::find(out, entry.path, &Entry::path);
+  if (known == out.end())
     out.push_back(std::move(entry));
+  else
+    known->state = "interrupted";  // it is measured again
   return true;
+}
+
+void EntryList::add_file(const std::string& path, std::string_view name, std::vector<Entry>& out) {
+  const FileFacts facts = file_facts(root_ + "/" + path, false);
+  if (!facts.is_plain) return;
+  constexpr std::array<std::string_view, 3> kTables = {"csv", "txt", "tsv"};
+  constexpr std::array<std::string_view, 3> kCameras = {"toml", "yaml", "yml"};
+  if (has_video_extension(name))
+    out.push_back(new_entry(path, EntryKind::kClip, facts));
+  else if (has_image_extension(name))
+    out.push_back(new_entry(path, EntryKind::kImages, facts));
+  else if (has_extension(name, kTables))
+    out.push_back(new_entry(path, EntryKind::kTable, facts));
+  else if (has_extension(name, kCameras) && name.find("camera") != std::string_view::npos)
+    out.push_back(new_entry(path, EntryKind::kCamera, facts));
 }
 
 void EntryList::add_folder(const std::string& relative, int depth, std::vector<Entry>& out) {
@@ -191,26 +210,31 @@ void EntryList::add_folder(const std::string& relative, int depth, std::vector<E
     if (out.size() >= kMaxEntries) return;
     const std::string path = relative.empty() ? name : relative + "/" + name;
     const FileFacts facts = file_facts(root_ + "/" + path, false);
-    const double modified_s = 1e-9 * static_cast<double>(facts.modified_ns);
-    if (facts.is_plain && has_video_extension(name)) {
-      out.push_back({path, EntryKind::kClip, facts.bytes, modified_s, "new", "", "", std::nullopt});
-    } else if (facts.is_plain && has_image_extension(name)) {
-      out.push_back({path, EntryKind::kImages, facts.bytes, modified_s, "new", "", "", std::nullopt});
-    } else if (facts.is_folder && !add_run(path, out)) {
+    if (!facts.is_folder) {
+      add_file(path, name, out);
+    } else if (!add_run(path, out)) {
       const std::vector<std::string> inside = names_in(root_ + "/" + path);
       const bool has_images = std::ranges::any_of(inside, has_image_extension);
-      out.push_back(
-          {path, has_images ? EntryKind::kImages : EntryKind::kFolder, 0, modified_s, "new", "", "", std::nullopt});
+      Entry entry = new_entry(path, has_images ? EntryKind::kImages : EntryKind::kFolder, facts);
+      entry.bytes = 0;
+      out.push_back(std::move(entry));
       if (!has_images && depth < kMaxDepth) add_folder(path, depth + 1, out);
     }
   }
 }
+
+std::string site_path(const std::string& clip) { return without_extension(clip) + ".site.toml"; }
 
 std::vector<Entry> EntryList::read() {
   const std::lock_guard lock(mutex_);
   std::vector<Entry> out;
   add_folder("", 1, out);
   join_runs(out);
+  for (Entry& entry : out) {
+    if (entry.kind != EntryKind::kClip && entry.kind != EntryKind::kImages) continue;
+    std::string site = site_path(entry.path);
+    if (file_facts(root_ + "/" + site, false).is_plain) entry.site = std::move(site);
+  }
   return out;
 }
 

@@ -14,7 +14,7 @@
 
 namespace moiregauge::internal {
 
-enum class EntryKind { kClip, kImages, kRun, kFolder };
+enum class EntryKind { kClip, kImages, kRun, kFolder, kTable, kCamera };
 [[nodiscard]] const char* word_for(EntryKind kind);
 
 struct Entry {
@@ -24,6 +24,7 @@ struct Entry {
   double modified_s = 0.0;       // since 1970
   std::string state = "new";     // "new", "done", "refused", "interrupted"
   std::string run;               // run of a clip; empty: none
+  std::string site;              // site file of a clip; empty: none
   std::string headline;          // largest movement of a run
   std::optional<int> exit_code;  // exit code of a run
 };
@@ -44,6 +45,9 @@ struct RunFacts {
 [[nodiscard]] bool has_video_extension(std::string_view name);
 [[nodiscard]] bool has_image_extension(std::string_view name);
 
+// Returns the path of a clip's site file: bridge.site.toml next to bridge.mp4.
+[[nodiscard]] std::string site_path(const std::string& clip);
+
 // Lists a folder. Results that have not changed since the last call are not read again.
 class EntryList {
  public:
@@ -58,6 +62,7 @@ class EntryList {
     RunFacts facts;
   };
   void add_folder(const std::string& relative, int depth, std::vector<Entry>& out);
+  void add_file(const std::string& path, std::string_view name, std::vector<Entry>& out);
   [[nodiscard]] bool add_run(const std::string& relative, std::vector<Entry>& out);
   [[nodiscard]] RunFacts facts_of(const std::string& run_json);
 

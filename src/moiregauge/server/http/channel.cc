@@ -11,12 +11,12 @@
 
 namespace moiregauge::internal {
 
-Channel::~Channel() {
+ByteChannel::~ByteChannel() {
   if (session_ != nullptr) SSL_free(session_);
   ::close(socket_);
 }
 
-Transfer Channel::tls_outcome(int result) {
+Transfer ByteChannel::tls_outcome(int result) {
   waits_for_write_ = false;
   if (result > 0) return Transfer::kProgress;
   const int error = SSL_get_error(session_, result);
@@ -25,11 +25,11 @@ Transfer Channel::tls_outcome(int result) {
   return error == SSL_ERROR_WANT_WRITE || error == SSL_ERROR_WANT_READ ? Transfer::kWait : Transfer::kEnd;
 }
 
-Transfer Channel::shake_hands() {
+Transfer ByteChannel::shake_hands() {
   return session_ == nullptr ? Transfer::kProgress : tls_outcome(SSL_accept(session_));
 }
 
-Transfer Channel::read(std::size_t most, std::string& out) {
+Transfer ByteChannel::read(std::size_t most, std::string& out) {
   const std::size_t before = out.size();
   out.resize(before + most);
   ssize_t got = 0;
@@ -45,7 +45,7 @@ Transfer Channel::read(std::size_t most, std::string& out) {
   return outcome;
 }
 
-Transfer Channel::write(std::string_view bytes, std::size_t& written) {
+Transfer ByteChannel::write(std::string_view bytes, std::size_t& written) {
   written = 0;
   if (bytes.empty()) return Transfer::kProgress;
   if (session_ != nullptr) {
@@ -59,9 +59,9 @@ Transfer Channel::write(std::string_view bytes, std::size_t& written) {
   return put >= 0 ? Transfer::kProgress : waits_for_write_ ? Transfer::kWait : Transfer::kEnd;
 }
 
-bool Channel::has_pending() const { return session_ != nullptr && SSL_pending(session_) > 0; }
+bool ByteChannel::has_pending() const { return session_ != nullptr && SSL_pending(session_) > 0; }
 
-void Channel::finish_writing() {
+void ByteChannel::finish_writing() {
   if (session_ != nullptr) {
     SSL_shutdown(session_);
     ERR_clear_error();

@@ -12,13 +12,13 @@ namespace moiregauge::internal {
 
 enum class Transfer { kProgress, kWait, kEnd };
 
-class Channel {
+class ByteChannel {
  public:
   // Takes the socket and the session, which is null without TLS.
-  Channel(int socket, ssl_st* session) : socket_(socket), session_(session) {}
-  Channel(const Channel&) = delete;
-  Channel& operator=(const Channel&) = delete;
-  ~Channel();
+  ByteChannel(int socket, ssl_st* session) : socket_(socket), session_(session) {}
+  ByteChannel(const ByteChannel&) = delete;
+  ByteChannel& operator=(const ByteChannel&) = delete;
+  ~ByteChannel();
 
   [[nodiscard]] int socket() const { return socket_; }
   [[nodiscard]] bool has_tls() const { return session_ != nullptr; }

@@ -22,8 +22,8 @@ enum class ConnectionState {
 };
 
 struct Connection {
-  Connection(std::unique_ptr<Channel> bytes, std::uint64_t number) : channel(std::move(bytes)), id(number) {}
-  std::unique_ptr<Channel> channel;
+  Connection(std::unique_ptr<ByteChannel> bytes, std::uint64_t number) : channel(std::move(bytes)), id(number) {}
+  std::unique_ptr<ByteChannel> channel;
   std::uint64_t id;
   ConnectionState state = ConnectionState::kHandshake;
   std::string in, out;   // bytes received and to be sent

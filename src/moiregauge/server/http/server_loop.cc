@@ -113,7 +113,7 @@ void HttpServer::Loop::add(int socket) {
     ::close(socket);
     return;
   }
-  auto c = std::make_unique<Connection>(std::make_unique<Channel>(socket, session), next_id_++);
+  auto c = std::make_unique<Connection>(std::make_unique<ByteChannel>(socket, session), next_id_++);
   c->deadline_ms = now_ms() + limits_.head_ms;
   register_with(epoll_, socket, c->id, EPOLL_CTL_ADD, EPOLLIN);
   c->watched = EPOLLIN;
