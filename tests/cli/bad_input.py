@@ -58,6 +58,7 @@ TABLE = {
         ("measure clip.avi --pitch 10mm --exclude-region 10,20,0,30", 2, "400,0,800,600"),
         ("measure clip.avi --pitch 10mm --name T1", 2, "T1=midspan"),
         ("measure clip.avi --pitch 10mm --name T1=a,b", 2, "comma"),
+        ("measure clip.avi --pitch 10mm --progress text", 2, "--progress"),
         ("measure clip.avi --pitch 10mm --readout 18", 2, "18ms"),
         ("measure clip.avi --pitch 10mm --template some", 2, "auto, on, off"),
         ("measure clip.avi --pitch 10mm --figures gif", 2, "pdf, svg, png"),
@@ -88,6 +89,7 @@ TABLE = {
         ("serve . --token-file nowhere", 2, "a plain file with one line"),
         ("serve . --token-file clip.avi", 2, "16 to 128 letters and digits"),
         ("serve . --max-upload -1", 2, "--max-upload"),
+        ("serve . --jobs 0", 2, "--jobs"),
         ("serve . --prt 1", 2, "did you mean --port"),
     ],
     "live": [
