@@ -47,10 +47,17 @@ bool is_the_same(const PrintError& a, const PrintError& b) {
 // explain a twelfth of any excess by chance. Three times that is chosen.
 constexpr double kWorthAsking = 0.25;
 
+constexpr double kStretchBeyond = 3.0;  // u of the prior, chosen
+
+bool is_beyond(double stretch, const ScenePrior& prior) {
+  return std::abs(stretch - prior.stretch) > kStretchBeyond * prior.u_stretch;
+}
+
 // Tests for a rolling shutter before the print error is allowed for, because that would absorb the effect. If noise
-// explains chi2, nothing is tested.
+// explains chi2, nothing is tested, unless the gratings are stretched beyond `given`. The stated error of a lossy codec
+// covers the shear of a rolling shutter, and a common stretch then fits the rest of it.
 ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const std::vector<FrameFit>& fits,
-                         ReadoutDirection run) {
+                         const ScenePrior& given) {
   ShutterTest out;
   double chi2 = 0.0, reduction = 0.0;
   long dof = 0, frames = 0;
@@ -63,21 +70,17 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   out.chi2_dof = chi2 / static_cast<double>(dof);
   out.dof = dof;
   const auto excess = chi2 - static_cast<double>(dof);
-  if (!(chi2 > chi2_upper_quantile(static_cast<double>(dof))) || solution.frames.front().rows) return out;
+  const bool is_beyond_noise = chi2 > chi2_upper_quantile(static_cast<double>(dof));
+  if (!(is_beyond_noise || is_beyond(solution.scene.stretch, given)) || solution.frames.front().rows) return out;
   for (std::size_t k = 0; k < fits.size(); ++k)
-    reduction += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], run);
+    reduction += chi2_of_turning(site, solution.scene, solution.frames[k], fits[k], given.rows_run);
   out.share = reduction / chi2;
   const double turned = reduction - static_cast<double>(kTurning * frames);
   out.suggests_rolling_shutter = turned > bic_penalty(dof) && turned > kWorthAsking * excess;
   return out;
 }
 
-constexpr double kStretchBeyond = 3.0;  // u of the prior, chosen
-constexpr int kWiderPriors = 2;         // the prior held back the first solved stretch, so solve twice
-
-bool is_beyond(double stretch, const ScenePrior& prior) {
-  return std::abs(stretch - prior.stretch) > kStretchBeyond * prior.u_stretch;
-}
+constexpr int kWiderPriors = 2;  // the prior held back the first solved stretch, so solve twice
 
 ScenePrior for_stretched(ScenePrior prior, double stretch) {
   const double beyond = std::abs(stretch - prior.stretch);
@@ -136,7 +139,7 @@ Calibration calibrate(const Site& site, std::span<const BundleFrame> frames, con
     return best;
   }
   best.fits = fits_of(site, *solution);
-  best.shutter = shutter_test(site, *solution, best.fits, prior.rows_run);
+  best.shutter = shutter_test(site, *solution, best.fits, given);
   for (int round = 0; round < kErrorRounds; ++round) {
     const PrintError error = print_error_of(site, *solution, frames, prior, best.print_error);
     if (is_the_same(error, best.print_error)) break;

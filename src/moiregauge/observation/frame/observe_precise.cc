@@ -9,6 +9,7 @@
 #include "moiregauge/observation/frame/occlusion.h"
 #include "moiregauge/observation/frame/patch_of_points.h"
 #include "moiregauge/observation/frame/track.h"
+#include "moiregauge/observation/print/own_blur.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -102,6 +103,8 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   } else if (may_have_slipped && !is_whole(*points, *at_rest, print, picture.rounding)) {
     return;
   }
+  if (!covered.any_now && !covered.any_then)
+    *points = fit_in_own_blur(picture.luma, print, *at_rest, *std::move(points));
   seen.occlusion = covered.any_now ? Occlusion::kNow : covered.any_then ? Occlusion::kAtRest : Occlusion::kNone;
   if (may_have_slipped)
     seen.patch =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of one grating of five pitches in the middle of a sheet, with noise.
+// Pictures of one grating of five pitches in the middle of a sheet, with noise, and the shift that a fit finds in them.
 #pragma once
 
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "moiregauge/geometry/view.h"
 #include "moiregauge/image/image.h"
+#include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/site/site.h"
 #include "moiregauge/units/units.h"
 
@@ -66,6 +67,22 @@ Image<std::uint8_t> sheet(Grey grey, std::uint64_t seed) {
 template <typename Grey>
 Image<std::uint8_t> seen(Grey grey, std::uint64_t seed) {
   return sheet([&](double x, double y) { return is_inside(x, y) ? grey(x, y) : kPaper; }, seed);
+}
+
+// Shift of the whole grating along its x: the nine points relative to the map, weighted by their information.
+struct Shift {
+  double pitches = 0.0, u = 0.0;
+};
+
+inline Shift shift_of(const PatchFit& fit, const PrintFromImage& map) {
+  Eigen::Matrix<double, 2 * kPatchPoints, 1> along = Eigen::Matrix<double, 2 * kPatchPoints, 1>::Zero(), off = along;
+  for (int n = 0; n < kPatchPoints; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    const auto d = fit.print[i] - map(fit.image[i]);
+    along(n) = 1.0, off(n) = d.x, off(kPatchPoints + n) = d.y;
+  }
+  const double information = along.dot(fit.information * along);
+  return {along.dot(fit.information * off) / information, 1.0 / std::sqrt(information)};
 }
 
 }  // namespace moiregauge::internal::test

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "moiregauge/observation/print/print_origin.h"
+#include "moiregauge/observation/print/print_pixels.h"
 #include "moiregauge/observation/print/visibility.h"
-#include "moiregauge/phase/fit/print_bins.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -55,28 +55,6 @@ PatchWindow safe_window(const Grating& grating, double mm_per_px) {
     return std::max(std::min(whole - edge, 0.8), whole - edge - 0.5);
   };
   return {{0, 0}, half(grating.width_mm), half(grating.height_mm)};
-}
-
-// Gathers the grey levels of the window's pixels, corrected for light and contrast if there is an earlier fit.
-template <typename Grey>
-void gather_grey(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit* light,
-                 PrintBins& bins) {
-  const PixelBox box = box_round(map.inverse(), w);
-  const int first_x = std::max(0, box.x0), last_x = std::min(picture.width - 1, box.x1);
-  const int first_y = std::max(0, box.y0), last_y = std::min(picture.height - 1, box.y1);
-  for (int y = first_y; y <= last_y; ++y) {
-    for (int x = first_x; x <= last_x; ++x) {
-      const ImagePoint at{double(x), double(y)};
-      const PrintPoint p = map(at);
-      if (!(std::abs(p.x - w.centre.x) <= w.half_x && std::abs(p.y - w.centre.y) <= w.half_y)) continue;
-      double grey = picture.at(x, y);
-      if (light != nullptr) {
-        const auto [background, contrast] = light->light_and_contrast(at);
-        grey = (grey - background) / contrast;
-      }
-      bins.add(p, grey);
-    }
-  }
 }
 
 // Limits of the grating's extent to one side. Strips beyond the window belong to it as long as they match the template.

@@ -11,28 +11,13 @@
 namespace moiregauge::internal {
 namespace {
 
-using test::cosines, test::crossed_lines, test::kNoise, test::print, test::seen, test::tinted_lines, test::upright;
+using test::cosines, test::crossed_lines, test::kNoise, test::print, test::seen, test::Shift, test::shift_of,
+    test::tinted_lines, test::upright;
 
 PrintModel learned(const Image<std::uint8_t>& picture, TemplateUse use) {
   auto model = learn_print(picture.view(), upright(), print(), use);
   EXPECT_TRUE(model);
   return model.value();
-}
-
-// Shift of the whole grating along its x: the nine points relative to the map, weighted by their information.
-struct Shift {
-  double pitches = 0.0, u = 0.0;
-};
-
-Shift shift_of(const PatchFit& fit, const PrintFromImage& map) {
-  Eigen::Matrix<double, 2 * kPatchPoints, 1> along = Eigen::Matrix<double, 2 * kPatchPoints, 1>::Zero(), off = along;
-  for (int n = 0; n < kPatchPoints; ++n) {
-    const auto i = static_cast<std::size_t>(n);
-    const auto d = fit.print[i] - map(fit.image[i]);
-    along(n) = 1.0, off(n) = d.x, off(kPatchPoints + n) = d.y;
-  }
-  const double information = along.dot(fit.information * along);
-  return {along.dot(fit.information * off) / information, 1.0 / std::sqrt(information)};
 }
 
 struct Scatter {
