@@ -64,6 +64,8 @@ add_library(moiregauge_aravis INTERFACE)
 target_include_directories(moiregauge_aravis SYSTEM INTERFACE ${ARAVIS_INCLUDE_DIRS})
 target_link_libraries(moiregauge_aravis INTERFACE ${ARAVIS_LINK_LIBRARIES} Threads::Threads)
 pkg_check_modules(MOSQUITTO REQUIRED IMPORTED_TARGET libmosquitto)
+# Catalogue of `batch`.
+pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET sqlite3)
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib openssl)
 
 # TLS of the server.

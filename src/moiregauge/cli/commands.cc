@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/cli/batch/command_batch.h"
 #include "moiregauge/cli/help/command_completion.h"
 #include "moiregauge/cli/help/command_help.h"
 #include "moiregauge/cli/help/command_list.h"
@@ -48,6 +49,7 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   add_measure(app, exit_code);
   add_live(app, exit_code);
   add_serve(app, exit_code);
+  add_batch(app, exit_code);
   add_solve(app, exit_code);
   add_derive(app, exit_code);
   add_compare(app, exit_code);

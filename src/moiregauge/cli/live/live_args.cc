@@ -11,6 +11,7 @@
 
 #include "moiregauge/app/measure_options.h"
 #include "moiregauge/base/duration_text.h"
+#include "moiregauge/base/size_text.h"
 
 namespace moiregauge::internal::cli {
 namespace {
@@ -41,12 +42,8 @@ tl::expected<void, UsageError> take_duration(const char* option, const std::stri
 
 tl::expected<void, UsageError> take_quota(const std::string& text, std::uint64_t& bytes) {
   if (text.empty()) return {};
-  constexpr std::array<std::pair<std::string_view, double>, 3> kUnits{{{"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12}}};
-  double size = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
-  for (const auto& [unit, factor] : kUnits) {
-    if (error != std::errc() || std::string_view(end) != unit || !(size > 0.0 && size < 1e6)) continue;
-    bytes = static_cast<std::uint64_t>(size * factor);
+  if (const auto size = byte_count(text)) {
+    bytes = *size;
     return {};
   }
   return usage(fmt::format("the quota cannot be read: --quota {}: write it like 500MB, 20GB or 2TB", text));

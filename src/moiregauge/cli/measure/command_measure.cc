@@ -94,9 +94,7 @@ void add_camera_options(CLI::App& command, MeasureArgs& args) {
       ->type_name("TIME");
 }
 
-namespace {
-
-void add_frames(CLI::App& command, MeasureArgs& args) {
+void add_frame_options(CLI::App& command, MeasureArgs& args) {
   command.add_option("--fps", args.fps, "frames per second of a folder of images")->type_name("N");
   add_slow_motion(command, args.slow_motion);
   command.add_option("--reference-frame", args.reference_frame, "frame of zero displacement [first measurable frame]")
@@ -111,10 +109,7 @@ void add_frames(CLI::App& command, MeasureArgs& args) {
       ->type_name("A:B");
   command.add_option("--rest", args.rest, "frames in which no target moves, half open: A:B, or seconds, e.g. 0s:2s")
       ->type_name("A:B");
-  command.add_flag("--sequence", args.sequence, "INPUT is a printf pattern such as shot%04d.png");
 }
-
-}  // namespace
 
 void add_method_options(CLI::App& command, MeasureArgs& args) {
   std::string methods;
@@ -131,20 +126,24 @@ void add_method_options(CLI::App& command, MeasureArgs& args) {
   add_max_pixels(command, args.max_pixels);
 }
 
-namespace {
-
-void add_output(CLI::App& command, MeasureArgs& args) {
-  command.add_option("-o,--out", args.output, "output folder [<input>-moiregauge]")->type_name("DIR");
-  command
-      .add_option("--stabilised", args.stabilised,
-                  "also write every marker frame by frame, without the camera's motion")
-      ->type_name("DIR");
+void add_drawing_options(CLI::App& command, MeasureArgs& args) {
   add_figures(command, args.figures);
   command.add_flag("--video", args.video,
                    "also draw stabilised.mp4: the recording, and next to it the scene without camera motion");
   command
       .add_option("--exaggerate", args.exaggeration, "factor on the targets' motion in the video [chosen to show it]")
       ->type_name("N");
+}
+
+namespace {
+
+void add_output(CLI::App& command, MeasureArgs& args) {
+  command.add_flag("--sequence", args.sequence, "INPUT is a printf pattern such as shot%04d.png");
+  command.add_option("-o,--out", args.output, "output folder [<input>-moiregauge]")->type_name("DIR");
+  command
+      .add_option("--stabilised", args.stabilised,
+                  "also write every marker frame by frame, without the camera's motion")
+      ->type_name("DIR");
   command.add_flag("--resume", args.resume, "continue an unfinished run, if there is one");
   command.add_flag("--restart", args.restart, "delete an unfinished run, if there is one");
   command.add_flag("--quiet", args.quiet, "print nothing but errors");
@@ -156,7 +155,8 @@ void add_output(CLI::App& command, MeasureArgs& args) {
 void add_measure(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("measure", "Measure displacement in millimetres from a video or images");
   auto args = std::make_shared<MeasureArgs>();
-  for (const auto add : {add_input, add_print_options, add_camera_options, add_frames, add_method_options, add_output})
+  for (const auto add : {add_input, add_print_options, add_camera_options, add_frame_options, add_method_options,
+                         add_drawing_options, add_output})
     add(*command, *args);
   const auto progress = add_progress(*command);
   command->callback([args, progress, &exit_code] { exit_code = run(*args, *progress); });

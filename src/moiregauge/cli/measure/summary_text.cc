@@ -155,9 +155,11 @@ int report(const Measurement& measurement, const MeasureOptions& options, const 
     if (!args.quiet) print_note(fmt::format("{}{}\n", is_note ? "" : "warning: ", warning));
   }
   if (measurement.exit == Exit::kRefused)
-    return fail(Exit::kRefused, fmt::format("the run is refused because {}: {}: {}", measurement.refusal, args.input,
-                                            measurement.remedy.empty() ? fmt::format("see {}/overlay.png", args.output)
-                                                                       : measurement.remedy));
+    return fail(
+        Exit::kRefused,
+        fmt::format("the run is refused because {}: {}: {}",
+                    measurement.refusal.empty() ? "no row is ok" : measurement.refusal, args.input,
+                    measurement.remedy.empty() ? fmt::format("see {}/overlay.png", args.output) : measurement.remedy));
   return static_cast<int>(measurement.exit);
 }
 
