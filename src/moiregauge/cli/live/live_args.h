@@ -4,6 +4,7 @@
 #include <string>
 
 #include "moiregauge/app/live/live_run.h"
+#include "moiregauge/app/measure_options.h"
 #include "moiregauge/cli/live/outlet_options.h"
 #include "moiregauge/cli/live/source_options.h"
 
