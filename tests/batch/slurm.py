@@ -14,7 +14,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from batch import batch, make_clip  # noqa: E402
+from clips import batch, make_clip  # noqa: E402
 from cluster import Cluster, kill_children, missing  # noqa: E402
 from runs import insist, start  # noqa: E402
 

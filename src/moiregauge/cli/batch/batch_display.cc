@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/base/control_characters.h"
 #include "moiregauge/cli/common/terminal_text.h"
 
 namespace moiregauge::internal::cli {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks `moiregauge batch` with whole, damaged and hostile clips.
 
-    batch.py MOIREGAUGE WORK SOURCE
+    clips.py MOIREGAUGE WORK SOURCE
 
 Each clip has its own exit code, and the displacements of whole clips are those of `measure`, byte for byte. Finished
 clips are skipped, killed and stopped ones continue, limits end one clip only. A second batch in the same folder is
