@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/app/provisional_samples.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace moiregauge::internal {
+namespace {
+
+// Rest after each sample, relative to its duration (chosen): samples then take at most 3 % of the time.
+constexpr int kRestAfterSample = 32;
+// Longest rest, so that a curve grows at least five times a second whatever its samples take.
+constexpr std::chrono::milliseconds kMaxRest(150);
+
+}  // namespace
 
 ProvisionalSamples::ProvisionalSamples(FrameSink* next, const MeasureOptions& options, OnSamples on_samples)
     : next_(next), options_(options), on_samples_(std::move(on_samples)) {}
@@ -19,7 +28,14 @@ void ProvisionalSamples::add(const Frame& frame, int bits, const Reference* refe
     // --reference-frame may lie outside the selected frames.
     if (seen.frame != reference_->seen.frame) follower_->replay(reference_->seen);
   }
+  const auto begin = Clock::now();
+  if (begin < next_sample_) {
+    follower_->replay(seen);  // keeps the continuity
+    return;
+  }
   on_samples_(reference_->site, follower_->add(seen));
+  const auto end = Clock::now();
+  next_sample_ = end + std::min<Clock::duration>(kRestAfterSample * (end - begin), kMaxRest);
 }
 
 }  // namespace moiregauge::internal

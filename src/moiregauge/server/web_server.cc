@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/server/answers/routes.h"
 #include "moiregauge/server/api/access.h"
-#include "moiregauge/server/api/routes.h"
 #include "moiregauge/server/api/tickets.h"
 #include "moiregauge/server/http/http_server.h"
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "moiregauge/app/run_progress.h"
+#include "moiregauge/cli/common/sample_lines.h"
 
 namespace moiregauge::internal::cli {
 
@@ -26,23 +26,18 @@ class JsonProgress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Row {
-    std::string marker;  // as a JSON string
-    std::string values;  // as a JSON array
-  };
   void show(const RunProgress& progress);
   void keep(const Site& site, const std::vector<Sample>& samples);
   void write();
-  void write_rows(std::size_t first, std::size_t end);
 
   RunCallbacks callbacks_;
   std::optional<RunProgress> latest_;  // not written yet
-  std::vector<Row> rows_;              // not written yet
+  SampleLines rows_;                   // not written yet
   std::optional<Stage> stage_;         // written last
   Clock::time_point written_ = {};
 };
 
-// Adds --progress. Returns its value: "json", or an empty text.
-[[nodiscard]] std::shared_ptr<std::string> add_progress(CLI::App& command);
+// Adds --progress. `format` becomes "json", or stays empty. It must outlive the command.
+void add_progress(CLI::App& command, std::string& format);
 
 }  // namespace moiregauge::internal::cli

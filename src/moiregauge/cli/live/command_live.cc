@@ -2,6 +2,7 @@
 #include "moiregauge/cli/live/command_live.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -9,10 +10,13 @@
 
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/interrupt.h"
+#include "moiregauge/cli/common/json_progress.h"
 #include "moiregauge/cli/common/shared_options.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/cli/live/live_args.h"
 #include "moiregauge/cli/live/live_display.h"
+#include "moiregauge/cli/live/live_preview.h"
+#include "moiregauge/cli/live/live_samples.h"
 #include "moiregauge/cli/measure/command_measure.h"
 #include "moiregauge/cli/measure/summary_text.h"
 #include "moiregauge/live/health_text.h"
@@ -101,9 +105,14 @@ int run(const LiveArgs& args) {
   if (!outlets) return fail(Exit::kUsage, outlets.error().message);
   for (const auto& outlet : outlets->all) request->publishers.push_back(outlet.get());
   request->recorder = outlets->recorder.get();
+  std::optional<LiveSamples> samples;
+  if (!args.progress.empty()) request->publishers.push_back(&samples.emplace());
+  std::optional<LivePreview> preview;
+  if (!args.preview.empty()) request->recorder = &preview.emplace(args.preview, request->recorder);
   const InterruptGuard guard;
   const auto done = run_live(*request, {[] { return interrupted(); }, {}});
   display.finish(0.0);
+  if (samples) samples->finish(0.0);
   if (outlets->recorder) outlets->recorder->finish();
   if (!words.quiet) print_note(outlet_notes(*outlets));
   if (!done) return fail(done.error().exit, done.error().message);
@@ -133,6 +142,9 @@ void add_store(CLI::App& command, LiveArgs& args) {
       ->type_name("SIZE");
   command.add_flag("--resume", args.measure.resume, "continues the run in DIR with the same zero, if there is one");
   command.add_flag("--restart", args.measure.restart, "delete an unfinished run, if there is one");
+  command.add_option("--preview", args.preview, "writes the newest frame as a JPEG, five times a second [nothing]")
+      ->type_name("FILE");
+  add_progress(command, args.progress);
   command.add_flag("--quiet", args.measure.quiet, "print nothing but errors");
   command.add_flag("--json", args.measure.json, "print a JSON line on stdout once a second");
 }

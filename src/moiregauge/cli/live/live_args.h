@@ -21,6 +21,8 @@ struct LiveArgs {
   std::string segment;
   std::string keep;
   std::string quota;
+  std::string preview;   // --preview
+  std::string progress;  // --progress
 };
 
 // Fails with the first mistake.

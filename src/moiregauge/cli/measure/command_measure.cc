@@ -158,7 +158,8 @@ void add_measure(CLI::App& app, int& exit_code) {
   for (const auto add : {add_input, add_print_options, add_camera_options, add_frame_options, add_method_options,
                          add_drawing_options, add_output})
     add(*command, *args);
-  const auto progress = add_progress(*command);
+  const auto progress = std::make_shared<std::string>();
+  add_progress(*command, *progress);
   command->callback([args, progress, &exit_code] { exit_code = run(*args, *progress); });
 }
 

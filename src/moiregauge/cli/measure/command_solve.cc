@@ -59,7 +59,8 @@ void add_solve(CLI::App& app, int& exit_code) {
   add_figures(*command, args->figures);
   command->add_flag("--quiet", args->quiet, "print nothing but errors");
   command->add_flag("--json", args->json, "print run.json on stdout");
-  const auto progress = add_progress(*command);
+  const auto progress = std::make_shared<std::string>();
+  add_progress(*command, *progress);
   command->callback([args, progress, &exit_code] { exit_code = run(*args, *progress); });
 }
 

@@ -37,8 +37,14 @@ ViewJson grating_view(const InspectedPatch& patch) {
           {"modulation", patch.seen.modulation}};
 }
 
-// An object that was detected and identified as no marker.
-ViewJson unidentified(const char* part, ViewJson view) {
+// Distance within which an object is a marker that another inspection of the same frame has named (chosen).
+constexpr double kSamePlace_px = 3.0;
+
+// An object that was detected and identified as no marker of the choice.
+ViewJson unidentified(const char* part, ViewJson view, ImagePoint at, const NamedPositions& ignored) {
+  for (const auto& [name, position] : ignored) {
+    if (length(position - at) < kSamePlace_px) return {{"name", name}, {"role", "ignored"}, {part, std::move(view)}};
+  }
   return {{"name", ""}, {"role", "none"}, {part, std::move(view)}};
 }
 
@@ -90,7 +96,18 @@ ViewJson distances_view(const Reference& reference) {
 
 }  // namespace
 
-ViewJson inspection_view(const InspectReport& report) {
+NamedPositions named_positions(const Inspection& seen) {
+  NamedPositions out;
+  const auto add = [&](int marker, ImagePoint at) {
+    if (marker != kUnidentified)
+      out.emplace_back(seen.reference->site.markers[static_cast<std::size_t>(marker)].name, at);
+  };
+  for (const InspectedCircle& circle : seen.circles) add(circle.marker, circle.seen.centre);
+  for (const InspectedPatch& patch : seen.patches) add(patch.marker, patch.seen.centre);
+  return out;
+}
+
+ViewJson inspection_view(const InspectReport& report, const NamedPositions& ignored) {
   const Inspection& seen = report.seen;
   ViewJson json{{"frame", report.frame},         {"time_s", view_number(report.time_s)},
                 {"frames", report.input.frames}, {"fps", view_number(report.input.fps)},
@@ -101,10 +118,11 @@ ViewJson inspection_view(const InspectReport& report) {
     markers.push_back(marker_view(report, i));
   for (const InspectedCircle& circle : seen.circles) {
     if (circle.marker == kUnidentified && circle.lattice == kUnidentified)
-      markers.push_back(unidentified("circle", circle_view(circle.seen)));
+      markers.push_back(unidentified("circle", circle_view(circle.seen), circle.seen.centre, ignored));
   }
   for (const InspectedPatch& patch : seen.patches) {
-    if (patch.marker == kUnidentified) markers.push_back(unidentified("grating", grating_view(patch)));
+    if (patch.marker == kUnidentified)
+      markers.push_back(unidentified("grating", grating_view(patch), patch.seen.centre, ignored));
   }
   json["markers"] = std::move(markers);
   const bool has_mm = seen.reference && seen.unit == BoardUnit::kMillimetre;

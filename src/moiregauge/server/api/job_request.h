@@ -7,8 +7,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <tl/expected.hpp>
 
-#include "moiregauge/server/api/server_state.h"
-
 namespace moiregauge::internal {
 
 struct JobBody {
@@ -20,8 +18,5 @@ struct JobBody {
 [[nodiscard]] tl::expected<JobBody, std::string> job_body(const nlohmann::json& json);
 // Reads {"source", "arguments"} as the action `live`.
 [[nodiscard]] tl::expected<JobBody, std::string> live_body(const nlohmann::json& json);
-
-// Adds a command to the queue. Returns its id and command line.
-[[nodiscard]] Answer added_job_answer(ServerState& state, const tl::expected<JobBody, std::string>& body);
 
 }  // namespace moiregauge::internal

@@ -30,14 +30,6 @@ constexpr std::size_t kMaxNames = 20000;       // names in one folder
 constexpr std::int64_t kMaxRunJson = 8 << 20;  // bytes
 constexpr std::string_view kUnfinished = ".unfinished";
 
-bool has_extension(std::string_view name, std::span<const std::string_view> list) {
-  const auto dot = name.rfind('.');
-  if (dot == std::string_view::npos) return false;
-  std::string end(name.substr(dot + 1));
-  std::ranges::transform(end, end.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return std::ranges::find(list, end) != list.end();
-}
-
 struct FileFacts {
   bool exists = false, is_folder = false, is_plain = false;
   std::int64_t bytes = 0, modified_ns = 0;
@@ -102,8 +94,6 @@ Entry new_entry(const std::string& path, EntryKind kind, const FileFacts& facts)
   return entry;
 }
 
-std::string without_extension(const std::string& path) { return fs::path(path).replace_extension().string(); }
-
 // A clip and its run belong together by the default name of the output folder.
 void join_runs(std::vector<Entry>& entries) {
   std::map<std::string, const Entry*> runs;
@@ -112,7 +102,7 @@ void join_runs(std::vector<Entry>& entries) {
   }
   for (Entry& entry : entries) {
     if (entry.kind != EntryKind::kClip && entry.kind != EntryKind::kImages) continue;
-    const auto found = runs.find(without_extension(entry.path) + "-moiregauge");
+    const auto found = runs.find(without_picture_extension(entry.path) + "-moiregauge");
     if (found == runs.end()) continue;
     entry.run = found->first;
     entry.state = found->second->state;
@@ -126,17 +116,6 @@ void join_runs(std::vector<Entry>& entries) {
 const char* word_for(EntryKind kind) {
   constexpr std::array kWords = {"clip", "images", "run", "folder", "table", "camera"};
   return kWords[static_cast<std::size_t>(kind)];
-}
-
-bool has_video_extension(std::string_view name) {
-  constexpr std::array<std::string_view, 14> kList = {"mp4", "mov",  "m4v", "mkv", "webm", "avi",  "ts",
-                                                      "mts", "m2ts", "y4m", "3gp", "mpg",  "mpeg", "mxf"};
-  return has_extension(name, kList);
-}
-
-bool has_image_extension(std::string_view name) {
-  constexpr std::array<std::string_view, 5> kList = {"png", "jpg", "jpeg", "tif", "tiff"};
-  return has_extension(name, kList);
 }
 
 std::optional<RunFacts> run_facts(std::string_view run_json, const Movements& movements) {
@@ -223,7 +202,7 @@ void EntryList::add_folder(const std::string& relative, int depth, std::vector<E
   }
 }
 
-std::string site_path(const std::string& clip) { return without_extension(clip) + ".site.toml"; }
+std::string site_path(const std::string& clip) { return without_picture_extension(clip) + ".site.toml"; }
 
 std::vector<Entry> EntryList::read() {
   const std::lock_guard lock(mutex_);

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "moiregauge/server/folder/names.h"
 #include "moiregauge/server/folder/run_movement.h"
 
 namespace moiregauge::internal {
@@ -40,10 +41,6 @@ struct RunFacts {
 // Returns the facts of a run from the text of its run.json and the ranges of its targets. Fails (nothing): the text is
 // no run.json.
 [[nodiscard]] std::optional<RunFacts> run_facts(std::string_view run_json, const Movements& movements);
-
-// Returns true if a name has the extension of a video, or of an image.
-[[nodiscard]] bool has_video_extension(std::string_view name);
-[[nodiscard]] bool has_image_extension(std::string_view name);
 
 // Returns the path of a clip's site file: bridge.site.toml next to bridge.mp4.
 [[nodiscard]] std::string site_path(const std::string& clip);

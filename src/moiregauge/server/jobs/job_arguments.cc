@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <span>
 
 #include <fmt/format.h>
 
 #include "moiregauge/base/control_characters.h"
 #include "moiregauge/server/folder/confined_folder.h"
+#include "moiregauge/server/folder/names.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -201,14 +201,16 @@ class ArgumentReader {
 
 // Returns the folder that a command writes by default, next to its input.
 std::string default_folder(const JobCommand& command) {
-  namespace fs = std::filesystem;
-  const fs::path input(command.input);
-  const bool is_video = input.has_extension();
-  const std::string name = (is_video ? input.stem() : input.filename()).string();
   const std::string_view suffix = command.action == "live"      ? "-live"
                                   : command.action == "inspect" ? "-inspect"
                                                                 : "-moiregauge";
-  return ((input.parent_path() / name).string()).append(suffix);
+  return without_picture_extension(command.input).append(suffix);
+}
+
+// The commands themselves write to the working folder, and shorten some names.
+bool is_default_elsewhere(const std::string& input) {
+  const std::string stem = without_picture_extension(input);
+  return input.find_first_of("/%") != std::string::npos || stem.ends_with('_') || stem.ends_with('-');
 }
 
 void state_output(JobCommand& command) {
@@ -216,8 +218,7 @@ void state_output(JobCommand& command) {
   if (command.action == "measure" || command.action == "inspect" || command.action == "live") {
     if (command.action == "live" && is_live_address(command.input)) return;
     command.output = default_folder(command);
-    if (command.input.find('/') == std::string::npos) return;
-    command.arguments.insert(command.arguments.end(), {"-o", command.output});
+    if (is_default_elsewhere(command.input)) command.arguments.insert(command.arguments.end(), {"-o", command.output});
   } else {
     command.output = command.input;
   }

@@ -21,7 +21,12 @@ constexpr std::size_t kMaxSampleBytes = 2 << 20;  // for each job
 constexpr std::size_t kMaxLiveLine = 64 << 10;    // bytes
 
 bool is_live(const Job& job) { return job.command.action == "live"; }
-bool has_progress(const Job& job) { return job.command.action == "measure" || job.command.action == "solve"; }
+bool has_progress(const Job& job) {
+  return job.command.action == "measure" || job.command.action == "solve" || is_live(job);
+}
+
+// Hidden, so that no address of the page shows it.
+std::string preview_name(const Job& job) { return fmt::format(".moiregauge-preview-{}.jpg", job.id); }
 
 std::vector<std::string> child_words(const JobCommand& command) {
   std::vector<std::string> words{own_program(), command.action};
@@ -57,6 +62,7 @@ tl::expected<Job, std::string> JobQueue::add(JobCommand command) {
   task->is_changed = true;
   tasks_.push_back(std::move(task));
   forget_old();
+  publish_entries();
   return tasks_.back()->job;
 }
 
@@ -67,6 +73,7 @@ bool JobQueue::cancel(std::string_view id) {
     if (task->job.state == JobState::kQueued) task->job.state = JobState::kCancelled;
     if (task->program) task->program->send_signal(SIGINT);
     task->is_cancelled = task->is_changed = true;
+    publish_entries();
     return true;
   }
   return false;
@@ -96,6 +103,8 @@ std::optional<Job> JobQueue::job(std::string_view id) const {
   }
   return std::nullopt;
 }
+
+std::string JobQueue::preview_path(const Job& job) const { return options_.folder + "/" + preview_name(job); }
 
 std::string JobQueue::present_events() const {
   const std::lock_guard lock(mutex_);
@@ -140,7 +149,7 @@ void JobQueue::start(Task& task) {
   request.argv = child_words(task.job.command);
   // Options for this caller only: they change no result, so the command that the page shows has none of them.
   if (has_progress(task.job)) request.argv.insert(request.argv.end(), {"--progress", "json"});
-  if (is_live(task.job)) request.argv.emplace_back("--json");
+  if (is_live(task.job)) request.argv.insert(request.argv.end(), {"--json", "--preview", preview_name(task.job)});
   request.folder = options_.folder;
   request.reads_stdout = true;
   task.begin = Clock::now();

@@ -40,6 +40,8 @@ class JobQueue {
   // Returns all jobs, oldest first.
   [[nodiscard]] std::vector<Job> jobs() const;
   [[nodiscard]] std::optional<Job> job(std::string_view id) const;
+  // Returns the path of the newest picture of a live source. The file may be missing.
+  [[nodiscard]] std::string preview_path(const Job& job) const;
   // Returns events that bring a new page up to date: all jobs and the samples of those that run.
   [[nodiscard]] std::string present_events() const;
 

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/answers/answers.h"
+#include "moiregauge/server/answers/routes.h"
 #include "moiregauge/server/api/job_request.h"
 #include "moiregauge/server/api/json_body.h"
-#include "moiregauge/server/api/routes.h"
 
 namespace moiregauge::internal {
 namespace {

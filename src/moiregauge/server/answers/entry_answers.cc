@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "moiregauge/image/upper_bits.h"
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/io/pictures/luma_jpeg.h"
+#include "moiregauge/server/answers/answers.h"
 #include "moiregauge/server/api/json_body.h"
-#include "moiregauge/server/folder/luma_jpeg.h"
 
 namespace moiregauge::internal {
 namespace {

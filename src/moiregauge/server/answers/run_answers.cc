@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/answers/answers.h"
 #include "moiregauge/server/api/json_body.h"
 #include "moiregauge/server/api/marker_outline.h"
 #include "moiregauge/server/folder/series_columns.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/answers/answers.h"
 
 namespace moiregauge::internal {
 namespace {

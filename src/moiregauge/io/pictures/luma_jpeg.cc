@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/server/folder/luma_jpeg.h"
+#include "moiregauge/io/pictures/luma_jpeg.h"
 
 #include <algorithm>
 #include <csetjmp>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "moiregauge/server/api/routes.h"
+#include "moiregauge/server/answers/routes.h"
 
 #include <algorithm>
 #include <array>
 
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/answers/answers.h"
 
 namespace moiregauge::internal {
 namespace {

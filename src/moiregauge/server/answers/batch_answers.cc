@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/answers/answers.h"
 #include "moiregauge/server/api/json_body.h"
 #include "moiregauge/server/folder/run_movement.h"
 

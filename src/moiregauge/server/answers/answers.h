@@ -2,6 +2,7 @@
 // The answers of the server, one function for each address (docs/cli/serve.md).
 #pragma once
 
+#include "moiregauge/server/api/job_request.h"
 #include "moiregauge/server/api/server_state.h"
 
 namespace moiregauge::internal {
@@ -22,6 +23,8 @@ namespace moiregauge::internal {
 [[nodiscard]] Answer answer_site(ServerState& state, const Request& request);
 
 // Commands.
+// Adds a command to the queue. Returns its id and command line.
+[[nodiscard]] Answer added_job_answer(ServerState& state, const tl::expected<JobBody, std::string>& body);
 [[nodiscard]] Answer answer_jobs(ServerState& state, const Request& request);
 [[nodiscard]] Answer answer_new_job(ServerState& state, const Request& request);
 [[nodiscard]] Answer answer_cancel(ServerState& state, const Request& request);

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "moiregauge/image/upper_bits.h"
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/answers/answers.h"
+#include "moiregauge/server/answers/routes.h"
 #include "moiregauge/server/api/job_request.h"
 #include "moiregauge/server/api/json_body.h"
-#include "moiregauge/server/api/routes.h"
-#include "moiregauge/server/folder/luma_jpeg.h"
 
 namespace moiregauge::internal {
 namespace {
 
 constexpr std::chrono::seconds kMaxSearch(15);  // for cameras
-constexpr int kLiveWidth = 960;                 // px
 
 // Reads a line of `live --list`: "camera:ID  model  (where)".
 nlohmann::ordered_json camera_json(const std::string& line) {
@@ -71,24 +70,17 @@ Answer answer_stop_live(ServerState& state, const Request& request) {
   return json_text_answer(200, "{}\n");
 }
 
-// The picture of a replayed recording comes from its file.
 Answer answer_live_frame(ServerState& state, const Request& request) {
   const auto job = state.queue.job(request.head.parameter("id"));
   if (!job || job->command.action != "live")
     return error_answer(404, "the live source is unknown: the request: reload the page");
-  const auto full = state.folder.existing(job->command.input);
-  if (!full) return error_answer(404, "the source shows no picture: a camera: see the overlay of its run");
-  const auto line = nlohmann::json::parse(job->live_line, nullptr, false);
-  const long number = std::max(0L, whole_in(line, "frame"));
-  const auto frame = state.frames.frame(*full, number);
-  if (!frame) return error_answer(422, without_root(state, frame.error()));
-  const auto grey = upper_bits((*frame)->frame().luma, (*frame)->input.bits);
+  std::ifstream in(state.queue.preview_path(*job), std::ios::binary);
   Answer answer;
   answer.type = "image/jpeg";
-  answer.body = luma_jpeg(shrunk_to_width(grey.view(), kLiveWidth).view());
-  answer.headers = {{"X-Frame", std::to_string(number)},
-                    {"X-Width", std::to_string(grey.width())},
-                    {"X-Height", std::to_string(grey.height())}};
+  answer.body.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  if (answer.body.empty()) return error_answer(404, "there is no picture: the live source: wait for its first frame");
+  const auto line = nlohmann::json::parse(job->live_line, nullptr, false);
+  answer.headers = {{"X-Frame", std::to_string(std::max(0L, whole_in(line, "frame")))}};
   return answer;
 }
 

@@ -3,9 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/server/answers/answers.h"
+#include "moiregauge/server/answers/page_files.h"
 #include "moiregauge/server/api/json_body.h"
-#include "moiregauge/server/api/page_files.h"
 #include "moiregauge/version.h"
 
 namespace moiregauge::internal {

@@ -11,11 +11,11 @@
 #include "moiregauge/image/upper_bits.h"
 #include "moiregauge/io/config/site_draft.h"
 #include "moiregauge/io/config/site_file.h"
-#include "moiregauge/server/api/answers.h"
+#include "moiregauge/io/pictures/luma_jpeg.h"
+#include "moiregauge/server/answers/answers.h"
 #include "moiregauge/server/api/inspect_request.h"
 #include "moiregauge/server/api/inspection_view.h"
 #include "moiregauge/server/api/json_body.h"
-#include "moiregauge/server/folder/luma_jpeg.h"
 #include "moiregauge/server/jobs/job.h"
 
 namespace moiregauge::internal {
@@ -49,6 +49,19 @@ tl::expected<InspectOptions, std::string> options_of(const InspectBody& body) {
   if (!options) return tl::unexpected(options.error().message);
   if (const auto put = put_site(body, *options); !put) return tl::unexpected(put.error());
   return *std::move(options);
+}
+
+// Returns the markers that the choice excludes, as an inspection without the choice finds them.
+NamedPositions ignored_positions(const InspectBody& body, const KeptFrame& frame) {
+  const MarkerChoiceArgs& choice = body.args.choice;
+  const bool excludes = !choice.ignored.empty() || !choice.references.empty() || !choice.targets.empty();
+  if (!excludes) return {};
+  InspectBody all = body;
+  all.args.choice = {{}, {}, {}, {}, choice.regions, choice.excluded_regions};
+  const auto options = options_of(all);
+  if (!options) return {};
+  const Inspection seen = inspect_picture({frame.frame().luma, frame.input.bits}, *options);
+  return seen.reference ? named_positions(seen) : NamedPositions{};
 }
 
 std::vector<std::string> command_words(const char* command, const InspectBody& body) {
@@ -112,7 +125,7 @@ Answer answer_inspect(ServerState& state, const Request& request) {
   const InspectReport report =
       inspect_frame(input, (*frame)->frame(), *options, [&] { return (*frame)->next_quantiser(); });
   if (report.seen.is_choice_unknown) return error_answer(422, report.seen.missing);
-  FrameJson answer = inspection_view(report);
+  FrameJson answer = inspection_view(report, ignored_positions(*body, **frame));
   if (report.seen.reference && report.seen.unit == BoardUnit::kMillimetre)
     answer["site"] = site_draft(report.seen, fmt::format("{}, frame {}", body->path, body->frame));
   auto words = command_words("inspect", *body);
