@@ -103,6 +103,7 @@ TABLE = {
         ("live clip.avi --pitch 10mm --pace 1 --for 0s", 2, "1h"),
         ("live clip.avi --pitch 10mm --pace 1 --segment 1week", 2, "s, min, h or d"),
         ("live clip.avi --pitch 10mm --pace 1 --keep 30d", 2, "--segment 1h"),
+        ("live clip.avi --pitch 10mm --pace 1 --progress text", 2, "--progress"),
         ("live clip.avi --pitch 10mm --pace 1 --quota 5GB", 2, "--segment 1h"),
         ("live clip.avi --pitch 10mm --pace 1 --segment 1h --quota 5", 2, "20GB"),
         ("live clip.avi --pitch 10mm --pace 1 --segment 1h --restart", 2, "another folder"),

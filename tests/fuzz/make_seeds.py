@@ -82,6 +82,14 @@ def texts(moiregauge, work):
     put("alarm_rule", "full", "|T1.dy| > 2 mm for 0.5 s until 1.5mm")
     put("alarm_rule", "quoted", "\"pier 2\".dx < -25um for 2 min")
     put("alarm_rule", "address", "mqtts://gauge@[::1]:8883/bridge/span2")
+    head = "POST /api/x?path=a%20b&frame=3 HTTP/1.1\r\nHost: 127.0.0.1:8765\r\nContent-Type: application/json\r\nContent-Length: 9\r\n\r\n"
+    put("serve_request", "inspect", head + '{"path":"sub/a.mp4","pitch":"10mm","frame":3,"region":[1,2,30,40],"exclude":[[0,0,5,5]],'
+        '"references":["R1","R2"],"targets":[],"ignore":["R5"],"names":{"T1":"mid span"},"axes":"image","site":null}')
+    put("serve_request", "job", head + '{"action":"measure","arguments":["sub/a b.mp4","--pitch","10mm","--resume","--region","1,2,3,4"]}')
+    put("serve_request", "derive", head + '{"action":"derive","arguments":["run","--channel","d = T1.dy - \'span 2\'.dy","--zero","0:5","-o","d.csv"]}')
+    put("serve_request", "live", head + '{"source":"camera:Fake_1","arguments":["--pitch","10mm","--alarm","|T1.dy| > 1 mm","--pace","max"]}')
+    put("serve_request", "smuggled", head.replace("Content-Type", "Transfer-Encoding") + '{"a":[[[[{"b":"\\ud83d\\ude00","b":1e99}]]]]}')
+    put("serve_request", "progress", '{"type":"samples","marker":{"T1":[[0,0,null,0.1,0.01,0.02,0]]}}')
     put("scenario_file", "every-kind", 'base = "small-1xyz"\nframes = 50\n[lens]\nk1 = -0.1\n[rotation.z]\n'
         'knots = [[0, 0], [5, 0.8]]\n[[marker]]\nname = "beam"\nrole = "target"\ngrating_mm = [0, 0]\n'
         'grating_size_mm = [40, 40]\npitch_mm = 10\n[marker.dy]\nknots = [[0, 0], [2, 1]]\n[marker.cover]\nframes = [[2, 4]]\n'
