@@ -4,16 +4,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "moiregauge/app/inspect_frame.h"
-#include "moiregauge/app/measure_options.h"
-#include "moiregauge/app/measurement_run.h"
-#include "moiregauge/app/open_input.h"
+#include "moiregauge/app/inspection/inspect_input.h"
 #include "moiregauge/base/atomic_file.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/output_folder.h"
@@ -21,8 +17,6 @@
 #include "moiregauge/cli/common/shared_options.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/cli/measure/inspect_text.h"
-#include "moiregauge/drawing/overlays/overlay_inspection.h"
-#include "moiregauge/image/upper_bits.h"
 #include "moiregauge/io/config/site_draft.h"
 
 namespace moiregauge::internal::cli {
@@ -30,75 +24,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct InspectWords {
-  MeasureArgs measure;  // arguments that both commands share
-  long frame = 0;
+struct InspectWords : InspectArgs {
   std::string site_file;  // --write-site
 };
 
-tl::expected<InspectOptions, UsageError> inspect_options(const InspectWords& args) {
-  if (args.frame < 0)
-    return tl::unexpected(UsageError{fmt::format(
-        "the frame number is negative: --frame {}: give a frame of the input, the first is 0", args.frame)});
-  return parse_inspect_options(args.measure);
-}
-
-struct Failed {
-  Exit exit;
-  std::string message;
-};
-
-// Returns the frame with that number. It is valid until the next call of the source.
-tl::expected<Frame, Failed> frame_of(FrameSource& source, long number, bool quiet) {
-  Progress progress("reading", quiet);
-  long seen = 0;
-  while (true) {
-    auto frame = source.next();
-    if (!frame) return tl::unexpected(Failed{Exit::kInputUnreadable, frame.error().message});
-    const std::string& path = source.info().path;
-    if (!*frame) {
-      if (seen == 0)
-        return tl::unexpected(
-            Failed{Exit::kInputUnreadable, fmt::format("the input has no frames: {}: give a video or images", path)});
-      return tl::unexpected(
-          Failed{Exit::kUsage,
-                 fmt::format("the selected frame does not exist: --frame {} of {}: choose from its {}, the first is 0",
-                             number, path, seen == 1 ? "1 frame" : fmt::format("{} frames", seen))});
-    }
-    if ((*frame)->number == number && (*frame)->damaged)
-      return tl::unexpected(
-          Failed{Exit::kInputUnreadable,
-                 fmt::format("the frame is damaged: {}, frame {}: choose another with --frame", path, number)});
-    if ((*frame)->number == number) return **frame;
-    seen = (*frame)->number + 1;
-    progress.show(seen, number + 1);
-  }
-}
-
-std::string json_text(const InspectReport& report) {
-  return inspect_json(report).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
-tl::expected<void, std::string> write_inspection(const fs::path& output, const InspectReport& report,
-                                                 const Image<std::uint8_t>& grey) {
+tl::expected<void, std::string> write_inspection(const fs::path& output, const InspectedFrame& inspected) {
   std::error_code error;
   fs::create_directories(output, error);
   if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
-  const std::string caption =
-      fmt::format("{}, frame {}: {} x {} px", report.input.path, report.frame, report.seen.width, report.seen.height);
-  const auto overlay = draw_inspection({grey.view(), report.seen, report.expected, caption});
+  const auto overlay = overlay_of_inspection(inspected);
   const std::string path = (output / "overlay.png").string();
   if (overlay.empty()) return tl::unexpected(path + ": out of memory");
   return write_file_atomically(path, {reinterpret_cast<const char*>(overlay.data()), overlay.size()}).and_then([&] {
-    return write_file_atomically((output / "inspect.json").string(), json_text(report));
+    return write_file_atomically((output / "inspect.json").string(), inspect_json_text(inspected.report));
   });
-}
-
-// `frame` of the source is invalid afterwards.
-std::optional<QuantiserMap> next_quantiser(FrameSource& source) {
-  const auto next = source.next();
-  if (!next || !*next) return std::nullopt;
-  return (*next)->quantiser;
 }
 
 // Writes the site file of --write-site.
@@ -140,17 +79,13 @@ int run(const InspectWords& args) {
   const std::string output = args.measure.output.empty() ? default_output(input, "-inspect") : args.measure.output;
   if (!is_free(output, "inspect.json"))
     return fail(Exit::kUsage, fmt::format("the output folder holds other files: {}: choose another with -o", output));
-  const auto source =
-      open_input(input, {args.measure.fps, {}, args.measure.sequence, args.measure.threads, args.measure.max_pixels});
-  if (!source) return fail(Exit::kInputUnreadable, source.error().message);
-  if (const auto problem = camera_problem(options->lens, (*source)->info())) return fail(Exit::kUsage, *problem);
-  const auto frame = frame_of(**source, args.frame, args.measure.quiet);
-  if (!frame) return fail(frame.error().exit, frame.error().message);
-  const Image<std::uint8_t> grey = upper_bits(frame->luma, (*source)->info().bits);
-  const InspectReport report =
-      inspect_frame((*source)->info(), *frame, *options, [&] { return next_quantiser(**source); });
-  if (report.seen.is_choice_unknown) return fail(Exit::kUsage, report.seen.missing);
-  if (const auto written = write_inspection(output, report, grey); !written)
+  const auto inspected = [&] {
+    Progress progress("reading", args.measure.quiet);
+    return inspect_input(args, *options, [&](long done, long expected) { progress.show(done, expected); });
+  }();
+  if (!inspected) return fail(inspected.error().exit, inspected.error().message);
+  const InspectReport& report = inspected->report;
+  if (const auto written = write_inspection(output, *inspected); !written)
     return fail(Exit::kOutputUnwritable,
                 fmt::format("the results could not be written: {}: free space or choose another folder with -o",
                             written.error()));
@@ -160,7 +95,7 @@ int run(const InspectWords& args) {
   }
   if (args.site_file == "-") return report.exit == Exit::kRefused ? report_refusal(report, output) : 0;
   if (args.measure.json)
-    print_out(json_text(report));
+    print_out(inspect_json_text(report));
   else if (!args.measure.quiet)
     print_out(inspect_text(report));
   return report.exit == Exit::kRefused ? report_refusal(report, output) : 0;

@@ -5,18 +5,16 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "moiregauge/app/load_scenario.h"
+#include "moiregauge/app/simulation/write_recording.h"
 #include "moiregauge/cli/common/exit_line.h"
 #include "moiregauge/cli/common/interrupt.h"
 #include "moiregauge/cli/common/output_folder.h"
+#include "moiregauge/cli/common/progress.h"
 #include "moiregauge/cli/common/terminal_text.h"
-#include "moiregauge/cli/reproduce/simulate_pictures.h"
-#include "moiregauge/io/config/site_file.h"
-#include "moiregauge/io/config/truth_file.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge::internal::cli {
@@ -49,15 +47,6 @@ std::string list_of_scenarios() {
   return text;
 }
 
-Expected<void> clear(const fs::path& output, bool for_video) {
-  std::error_code error;
-  fs::remove_all(output / "frames", error);
-  for (const char* name : {"truth.csv", "video.mkv", "video.mp4"}) fs::remove(output / name, error);
-  fs::create_directories(for_video ? output : output / "frames", error);
-  if (error) return tl::unexpected(fmt::format("{}: {}", output.string(), error.message()));
-  return {};
-}
-
 // Returns the video format of --codec, --quality and --gop.
 Expected<std::optional<VideoFormat>> video_of(const SimulateArgs& args, const Scenario& scenario) {
   if (args.codec.empty()) {
@@ -79,15 +68,6 @@ Expected<std::optional<VideoFormat>> video_of(const SimulateArgs& args, const Sc
   format.fps = scenario.sensor.fps;
   if (const auto problem = problem_with(format)) return tl::unexpected(*problem);
   return format;
-}
-
-// Writes the truth last: a folder with truth.csv is complete.
-Expected<void> write_simulation(const Scenario& scenario, const PicturesPlan& plan, const fs::path& output) {
-  return clear(output, plan.video.has_value())
-      .and_then([&] { return write_text((output / "truth-camera.toml").string(), truth_camera_toml(scenario)); })
-      .and_then([&] { return write_text((output / "site.toml").string(), write_site(simulator::site_of(scenario))); })
-      .and_then([&] { return write_pictures(scenario, plan, output.string()); })
-      .and_then([&] { return write_text((output / "truth.csv").string(), truth_csv(scenario)); });
 }
 
 // Returns the folder's name. A built-in name such as "rig-0.1x" has no file extension.
@@ -112,14 +92,17 @@ int run(const SimulateArgs& args) {
     return fail(Exit::kUsage,
                 fmt::format("the output folder holds other files: {}: choose another with -o", output.string()));
   }
-  const PicturesPlan plan{
-      .video = *video,
-      .area = args.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame,
-      .threads = args.threads,
-      .quiet = args.quiet,
-  };
   const InterruptGuard guard;
-  if (const auto written = write_simulation(*scenario, plan, output); !written) {
+  const auto written = [&] {
+    Progress progress("simulating", args.quiet);
+    const auto show = [&](long done, long expected) {
+      progress.show(done, expected);
+      return !interrupted();
+    };
+    const auto area = args.markers_only ? simulator::Area::kMarkersOnly : simulator::Area::kWholeFrame;
+    return write_recording(*scenario, {*video, area, args.threads, show}, output.string());
+  }();
+  if (!written) {
     if (interrupted())
       return fail(Exit::kInterrupted, fmt::format("{}: {} is incomplete: repeat the command to start again",
                                                   written.error(), output.string()));
