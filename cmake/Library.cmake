@@ -3,7 +3,7 @@
 #   moiregauge::sampling_moire   static; sampling_moire.h alone, with no other dependency
 set(library_dir ${PROJECT_SOURCE_DIR}/src/moiregauge/library)
 file(GLOB library_sources CONFIGURE_DEPENDS ${library_dir}/*.cc)
-list(FILTER library_sources EXCLUDE REGEX "_test\\.cc$")
+list(FILTER library_sources EXCLUDE REGEX "_(test|main)\\.cc$")
 add_library(moiregauge_library SHARED ${library_sources})
 set_target_properties(moiregauge_library PROPERTIES OUTPUT_NAME moiregauge EXPORT_NAME moiregauge VERSION ${PROJECT_VERSION}
                       SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
@@ -16,6 +16,12 @@ target_include_directories(moiregauge_library
   PRIVATE ${PROJECT_SOURCE_DIR}/src)
 target_link_libraries(moiregauge_library PUBLIC tl::expected PRIVATE moiregauge_app moiregauge_simulator moiregauge_warnings)
 target_link_options(moiregauge_library PRIVATE -Wl,--exclude-libs,ALL -Wl,--no-undefined)
+
+# The library may be loaded into a program of another language, so it decodes in a program of its own.
+add_executable(moiregauge_decode ${library_dir}/decode_main.cc)
+set_target_properties(moiregauge_decode PROPERTIES OUTPUT_NAME moiregauge-decode INSTALL_RPATH "$ORIGIN/.."
+                      RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/moiregauge)
+target_link_libraries(moiregauge_decode PRIVATE moiregauge_library moiregauge_warnings)
 
 file(GLOB sampling_moire_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/moiregauge/phase/sampling_moire/*.cc)
 list(FILTER sampling_moire_sources EXCLUDE REGEX "_test\\.cc$")

@@ -8,14 +8,14 @@
 
 #include <tl/expected.hpp>
 
+#include "moiregauge/decoder/child/child_process.h"
 #include "moiregauge/run/frame_source.h"
 
 namespace moiregauge::internal {
 
 struct DecoderOptions {
-  // The program whose `--decode-child` mode decodes. Every program linked with this module has that mode. A module
-  // loaded into a foreign program (Python) must name another one.
-  std::string child_program = "/proc/self/exe";
+  // The program whose `--decode-child` mode decodes. Every program linked with this module has that mode.
+  std::string child_program = default_child_program();
   std::chrono::milliseconds watchdog = std::chrono::seconds(10);  // silence after which the child is killed
   bool in_place = true;                                           // false: uncompressed video is decoded too
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/decoder/child/child_process.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -14,7 +15,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -69,6 +72,18 @@ int spawn(pid_t& process, const std::string& program, const ChildFiles& files, s
 }
 
 }  // namespace
+
+std::string default_child_program() {
+  static const char place = 0;  // in the file that contains this code
+  Dl_info file{};
+  std::error_code ignored;
+  if (::dladdr(&place, &file) != 0 && file.dli_fname != nullptr) {
+    const auto library = std::filesystem::weakly_canonical(file.dli_fname, ignored);
+    const auto program = library.parent_path() / "moiregauge" / "moiregauge-decode";
+    if (std::filesystem::is_regular_file(program, ignored)) return program.string();
+  }
+  return "/proc/self/exe";
+}
 
 tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& program, int input,
                                                             std::int64_t max_pixels, const char* mode) {

@@ -5,7 +5,8 @@
 // in a child that has one input, one shared memory and one socket.
 // The child is the same program, executed again with `--decode-child`, because a forked program with threads may only
 // call exec or exit. It starts decoding before main(), in a constructor. So every program linked with this module can
-// be its own child, including test programs and sanitizer builds.
+// be its own child, including test programs and sanitizer builds. A shared library may be loaded into a foreign program
+// (Python), so it brings a program of its own.
 #pragma once
 
 #include <sys/types.h>
@@ -21,6 +22,10 @@
 #include "moiregauge/decoder/child/wire.h"
 
 namespace moiregauge::internal {
+
+// Returns the program to start: moiregauge/moiregauge-decode next to the shared library with this code, if it exists.
+// Otherwise the running program, which then contains this code.
+[[nodiscard]] std::string default_child_program();
 
 class ChildProcess {
  public:
