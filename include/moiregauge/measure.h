@@ -25,6 +25,14 @@ struct FrameRange {
   std::optional<TimeRange> time = std::nullopt;
 };
 
+// Reads a range such as "0:20", "0:100:2" (frames) or "1.5s:3s" (times), as the command line does. `option` is its name
+// in the message.
+// Fails (kUsage): the text is no range.
+[[nodiscard]] MOIREGAUGE_API Expected<FrameRange> read_frame_range(const std::string& text, const std::string& option);
+
+// Use of the frames that an unfinished run left in the output folder.
+enum class Unfinished { kRefuse, kResume, kRestart };
+
 // The scale is mandatory: `pitch`, `site` or `site_file`. All else has a default that works.
 struct MeasureOptions {
   std::optional<Millimetres> pitch;  // the gratings' pitch; the site is then detected in the reference frame
@@ -40,8 +48,10 @@ struct MeasureOptions {
   std::optional<FrameRange> rest;       // frames in which no target moves
   std::optional<Seconds> readout;       // rolling shutter: first row to last row; empty: solved from the footage
   std::string tone = "auto";            // tone curve: auto, linear, srgb, bt709, gamma:2.2
+  std::optional<FrameRange> zero;       // displacements are relative to the mean over these frames
   std::string output;                   // folder for the results; empty: nothing is written
-  int threads = 0;                      // 0: one per core; the number does not change the result
+  Unfinished unfinished = Unfinished::kRefuse;
+  int threads = 0;                                            // 0: one per core; the number does not change the result
   std::function<bool(long done, long expected)> on_progress;  // after each frame; false stops the run
 };
 

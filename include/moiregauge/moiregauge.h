@@ -9,6 +9,7 @@
 #include "moiregauge/measure.h"
 #include "moiregauge/plan.h"
 #include "moiregauge/result.h"
+#include "moiregauge/run.h"
 #include "moiregauge/sampling_moire.h"
 #include "moiregauge/simulate.h"
 #include "moiregauge/site.h"

@@ -55,6 +55,7 @@ struct Result {
   bool references_verified = false;  // the references were tested against each other, and none moves
   std::vector<std::string> warnings;
   std::string refusal;  // why no sample is trusted; empty for a measurement
+  std::string remedy;   // what to do about it, imperative; empty: see overlay.png
   int exit_code = 0;    // the program's code for the same run: 0, 4 (refused), 5 (over 1 % not ok), 130 (stopped)
   std::string folder;   // contains the written results; empty: nothing was written
 

@@ -3,6 +3,8 @@
 // It needs no other part of the library: link moiregauge::sampling_moire.
 #pragma once
 
+#include <vector>
+
 #include "moiregauge/errors.h"
 #include "moiregauge/image.h"
 
@@ -24,6 +26,20 @@ struct FringePhase {
 // Error: u_rad; harmonics of a binary grating cancel over whole pitches.
 [[nodiscard]] MOIREGAUGE_API FringePhase sampling_moire(const ImageView& image, Axis axis, double pitch_px,
                                                         int region_px, double noise_grey);
+
+// Phase at every pixel whose window is inside the image. Pixel (x, y) of the map is pixel (x + margin, y + margin) of the
+// image, and element y * width + x of the vectors.
+struct PhaseMap {
+  int width = 0, height = 0;       // px; 0: the image is smaller than a window
+  int margin = 0;                  // px on every side
+  std::vector<double> phase_rad;   // phase of Eq. (1), in [-pi, pi]
+  std::vector<double> modulation;  // amplitude, grey levels
+};
+
+// Returns the phase of a grating pixel by pixel, which grows by 2 pi per pitch along the axis.
+// Model: as sampling_moire. The map is empty if pitch_px is below 2.5.
+// Error: neighbours share their window of 2 pitch_px - 1 pixels, so their errors are correlated.
+[[nodiscard]] MOIREGAUGE_API PhaseMap phase_map(const ImageView& image, Axis axis, double pitch_px);
 
 // Returns the displacement along the axis between two phases of the same region in px, within half a pitch.
 [[nodiscard]] MOIREGAUGE_API double displacement_px(const FringePhase& reference, const FringePhase& current,

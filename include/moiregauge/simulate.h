@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,11 @@ class Simulation {
   [[nodiscard]] MOIREGAUGE_API ImageView render(long frame);
   // Returns the true displacement of a marker; nothing if there is no marker of this name.
   [[nodiscard]] MOIREGAUGE_API std::optional<Truth> truth(long frame, const std::string& marker) const;
+  // Writes the recording as `moiregauge simulate` does: frames/%06d.png, site.toml, truth.csv and truth-camera.toml.
+  // `on_progress` receives frames written and expected, from any thread but one at a time; false stops. It may be empty.
+  // Fails: the folder holds other files (kUsage), it cannot be written, or it was stopped (kOutput).
+  [[nodiscard]] MOIREGAUGE_API Expected<void> write(const std::string& folder,
+                                                    const std::function<bool(long, long)>& on_progress = {}) const;
   // Returns the site as a user would state it.
   [[nodiscard]] MOIREGAUGE_API Site site() const;
 

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <compare>
+#include <string>
+
+#include "moiregauge/errors.h"
 
 namespace moiregauge {
 
@@ -49,4 +52,13 @@ constexpr Seconds operator""_ms(long double value) { return Seconds(0.001 * stat
 constexpr Seconds operator""_ms(unsigned long long value) { return Seconds(0.001 * static_cast<double>(value)); }
 
 }  // namespace literals
+
+// Reads a length such as "10mm", "0.4in" or "1 cm", as the command line does.
+// Fails (kUsage): no unit, an unknown one, or a length that is not above 0.
+[[nodiscard]] MOIREGAUGE_API Expected<Millimetres> read_length(const std::string& text);
+
+// Reads a duration such as "18ms" or "1.5s", as the command line does.
+// Fails (kUsage): no unit, an unknown one, or a negative duration.
+[[nodiscard]] MOIREGAUGE_API Expected<Seconds> read_duration(const std::string& text);
+
 }  // namespace moiregauge

@@ -31,7 +31,7 @@ LIBRARY = [
     "usr/share/doc/moiregauge-dev/copyright",
     "usr/share/doc/moiregauge-dev/examples/cmake/CMakeLists.txt",
 ]
-MAX_PUBLIC_HEADERS = 14
+MAX_PUBLIC_HEADERS = 15  # version.h, which is generated, and 14 others
 
 
 def run(*words, **how):

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -12,10 +10,8 @@
 
 #include "moiregauge/app/frame_range_text.h"
 #include "moiregauge/base/atomic_file.h"
-#include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/tables/derived_csv.h"
 #include "moiregauge/io/tables/derived_json.h"
-#include "moiregauge/io/tables/displacement_csv.h"
 #include "moiregauge/io/tables/mode_files.h"
 #include "moiregauge/io/tables/run_table.h"
 #include "moiregauge/io/tables/uff58.h"
@@ -51,24 +47,6 @@ Samples samples_of_results(const JointRun& run) {
   return samples;
 }
 
-// displacement.csv must hold the samples that the channels are computed from.
-tl::expected<void, RunFailure> check_results(const std::string& folder, const JointRun& run) {
-  const std::string path = (fs::path(folder) / "displacement.csv").string();
-  std::error_code error;
-  if (!fs::exists(path, error) || !kind_unless_plain(path).empty())
-    return cannot_derive(Exit::kInputUnreadable,
-                         fmt::format("the run has no results: {} does not exist: finish it with measure --resume, or "
-                                     "give a folder that `measure` wrote",
-                                     path));
-  std::ifstream file(path, std::ios::binary);
-  const std::string written{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (written == displacement_csv(site_of(run.measurement, run.options), samples_of_results(run))) return {};
-  return cannot_derive(Exit::kUsage,
-                       fmt::format("the results have other values than the observations give: {}: repeat here the "
-                                   "--site or --camera of `solve`, or run `moiregauge solve` again",
-                                   path));
-}
-
 tl::expected<JointRun, RunFailure> joint_run(const SolveArgs& args, const RunCallbacks& callbacks) {
   auto stored = run_to_solve(args, RunBase::kResults);
   if (!stored) return tl::unexpected(stored.error());
@@ -83,7 +61,9 @@ tl::expected<JointRun, RunFailure> joint_run(const SolveArgs& args, const RunCal
   if (!run.measurement.reference || run.measurement.exit == Exit::kRefused)
     return cannot_derive(Exit::kRefused, fmt::format("the run has no reliable values: {} ({}): measure it again",
                                                      args.run, run.measurement.refusal));
-  if (auto checked = check_results(args.run, run); !checked) return tl::unexpected(checked.error());
+  // displacement.csv must contain the samples that the channels are computed from.
+  if (auto checked = check_results(args.run, site_of(run.measurement, run.options), samples_of_results(run)); !checked)
+    return tl::unexpected(checked.error());
   return run;
 }
 
@@ -269,6 +249,7 @@ tl::expected<DerivedResults, RunFailure> run_derive(const DeriveArgs& args, cons
   if (args.has_modes) {
     if (auto added = add_modes(args.solve.run, *run, out); !added) return tl::unexpected(added.error());
   }
+  if (args.is_in_memory) return out;
   const fs::path csv = args.output.empty() ? fs::path(args.solve.run) / "derived.csv" : fs::path(args.output);
   if (!channels->empty()) {
     if (const auto written = write_tables(csv, *layers, out); !written) return tl::unexpected(written.error());

@@ -22,8 +22,9 @@ struct DeriveArgs {
   std::vector<std::string> channels;  // empty: those of the site file
   // Layers in their order: option without dashes and value, such as "filter" and "lowpass:5Hz".
   std::vector<std::pair<std::string, std::string>> layers;
-  std::string output;      // CSV file; empty: derived.csv in the run
-  bool has_modes = false;  // also mode shapes; then channels may be absent
+  std::string output;         // CSV file; empty: derived.csv in the run
+  bool is_in_memory = false;  // nothing is written
+  bool has_modes = false;     // also mode shapes; then channels may be absent
 };
 
 struct DerivedResults {

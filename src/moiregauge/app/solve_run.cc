@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "moiregauge/app/run_figures.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/run_dir/run_directory.h"
+#include "moiregauge/io/tables/displacement_csv.h"
 #include "moiregauge/observation/views/reprojection.h"
 #include "moiregauge/report/report_page.h"
 #include "moiregauge/results/derived/site_channels.h"
@@ -59,27 +61,40 @@ Done rescale(const PrintScaleArgs& args, bool has_new_site, MeasureOptions& opti
   return {};
 }
 
+// Reads the site and the camera into the options.
+Done take_statements(const SolveArgs& args, MeasureOptions& options) {
+  if (args.stated_site) {
+    options.site = *args.stated_site;
+  } else if (!args.site.empty()) {
+    if (const auto taken = take_site(args.site, options); !taken) return taken;
+  }
+  if (args.stated_camera) {
+    options.camera = *args.stated_camera;
+  } else if (!args.camera.empty()) {
+    if (const auto taken = take_camera(args.camera, options); !taken) return taken;
+  }
+  return {};
+}
+
 // Applies another site, print scale or lens, and reprojects the observations to it.
 Done restate(const SolveArgs& args, StoredRun& run) {
-  if (!args.site.empty()) {
-    if (const auto taken = take_site(args.site, run.options); !taken) return taken;
-    run.options.pitch_mm.reset();
-  }
-  if (!args.camera.empty()) {
-    if (const auto taken = take_camera(args.camera, run.options); !taken) return taken;
+  const bool has_site = args.stated_site || !args.site.empty();
+  const bool has_camera = args.stated_camera || !args.camera.empty();
+  if (const auto taken = take_statements(args, run.options); !taken) return taken;
+  if (has_site) run.options.pitch_mm.reset();
+  if (has_camera) {
     if (const auto problem = camera_problem(*run.options.camera, run.seen.input)) return usage(*problem);
   }
-  const bool is_other_site = !args.site.empty() || !args.print_scale.factor.empty();
-  Site site = args.site.empty() && run.seen.reference ? run.seen.reference->site : run.options.site;
-  if (const auto scaled = rescale(args.print_scale, !args.site.empty(), run.options, site); !scaled) return scaled;
+  const bool is_other_site = has_site || !args.print_scale.factor.empty();
+  Site site = !has_site && run.seen.reference ? run.seen.reference->site : run.options.site;
+  if (const auto scaled = rescale(args.print_scale, has_site, run.options, site); !scaled) return scaled;
   if (is_other_site) run.options.site = site;
-  if (!run.seen.reference || (!is_other_site && args.camera.empty())) return {};
+  if (!run.seen.reference || (!is_other_site && !has_camera)) return {};
   Reference& reference = *run.seen.reference;
   auto again = reproject_observations(reference, run.seen.observations, site, run.options.camera.value_or(Camera{}));
   if (!again)
     return usage(fmt::format("{}: {}: correct the {}, or measure the input again with it", again.error(),
-                             args.site.empty() ? args.camera : args.site,
-                             args.site.empty() ? "camera file" : "site file"));
+                             has_site ? args.site : args.camera, has_site ? "site file" : "camera file"));
   reference = std::move(again->reference);
   run.seen.observations = std::move(again->observations);
   if (is_other_site) run.options.site = reference.site;
@@ -219,6 +234,35 @@ tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& typed, RunBase
     if (!done) return failed(Exit::kUsage, done.error().message);
   }
   return *std::move(stored);
+}
+
+tl::expected<SolvedResults, RunFailure> solve_in_memory(const SolveArgs& args, RunBase base) {
+  auto stored = run_to_solve(args, base);
+  if (!stored) return tl::unexpected(stored.error());
+  SolvedResults solved{{}, std::move(stored->options), {}};
+  static_cast<ObservationLog&>(solved.measurement) = std::move(stored->seen);
+  evaluate(solved.options, solved.measurement);
+  if (!solved.measurement.contradiction.empty())
+    return failed(Exit::kUsage, solved.measurement.contradiction + ": give other frames, or none");
+  return solved;
+}
+
+tl::expected<void, RunFailure> check_results(const std::string& folder, const Site& site, const Samples& samples) {
+  namespace fs = std::filesystem;
+  const std::string path = (fs::path(folder) / "displacement.csv").string();
+  std::error_code error;
+  if (!fs::exists(path, error) || !kind_unless_plain(path).empty())
+    return failed(Exit::kInputUnreadable,
+                  fmt::format("the run has no results: {} does not exist: finish it with measure --resume, or give a "
+                              "folder that `measure` wrote",
+                              path));
+  std::ifstream file(path, std::ios::binary);
+  const std::string written{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (written == displacement_csv(site, samples)) return {};
+  return failed(Exit::kUsage,
+                fmt::format("the results have other values than the observations give: {}: repeat here the --site or "
+                            "--camera of `solve`, or run `moiregauge solve` again",
+                            path));
 }
 
 tl::expected<SolvedResults, RunFailure> run_solve(const SolveArgs& args, const RunCallbacks& callbacks) {

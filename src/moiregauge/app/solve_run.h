@@ -15,9 +15,11 @@ namespace moiregauge::internal {
 
 // As typed; an empty text keeps what the run was measured with.
 struct SolveArgs {
-  std::string run;  // folder that `measure` wrote
-  std::string site;
-  std::string camera;
+  std::string run;                  // folder that `measure` wrote
+  std::string site;                 // file
+  std::string camera;               // file
+  std::optional<Site> stated_site;  // instead of the file
+  std::optional<Camera> stated_camera;
   std::string method;
   std::string rest;  // A:B in frames or seconds, or "none"
   std::string zero;  // the same
@@ -47,6 +49,15 @@ enum class RunBase {
 // Reads a run's observations and applies the options to them, without solving.
 [[nodiscard]] tl::expected<StoredRun, RunFailure> run_to_solve(const SolveArgs& args,
                                                                RunBase base = RunBase::kMeasured);
+
+// Solves a run again without writing anything.
+// Fails: the run cannot be read, or the frames contradict a statement.
+[[nodiscard]] tl::expected<SolvedResults, RunFailure> solve_in_memory(const SolveArgs& args, RunBase base);
+
+// Checks that displacement.csv of a run contains these samples.
+// Fails: it does not exist (kInputUnreadable), or it has other values (kUsage).
+[[nodiscard]] tl::expected<void, RunFailure> check_results(const std::string& folder, const Site& site,
+                                                           const Samples& samples);
 
 // Solves a run again and writes the results. Fails without writing where the run cannot be read, or where the frames
 // contradict a statement.

@@ -14,19 +14,12 @@
 namespace moiregauge::internal {
 namespace {
 
-// In the order of Status.
+// In the order of the public Status.
 constexpr std::array kStatuses{Status::kOk,          Status::kUntrusted,     Status::kCameraMoved,
                                Status::kBlurred,     Status::kSaturated,     Status::kPartlyCovered,
                                Status::kLost,        Status::kReferenceLost, Status::kOrderUnproven,
                                Status::kDecodeError, Status::kTooCoarse};
 static_assert(kStatuses.size() == static_cast<std::size_t>(moiregauge::Status::kTooCoarse) + 1);
-
-moiregauge::Status public_status(Status status) {
-  for (std::size_t i = 0; i < kStatuses.size(); ++i) {
-    if (kStatuses[i] == status) return static_cast<moiregauge::Status>(i);
-  }
-  return moiregauge::Status::kUntrusted;
-}
 
 moiregauge::Marker public_marker(const Marker& marker) {
   moiregauge::Marker out;
@@ -103,6 +96,13 @@ moiregauge::Expected<void> set_camera(const moiregauge::MeasureOptions& options,
 
 }  // namespace
 
+moiregauge::Status public_status(Status status) {
+  for (std::size_t i = 0; i < kStatuses.size(); ++i) {
+    if (kStatuses[i] == status) return static_cast<moiregauge::Status>(i);
+  }
+  return moiregauge::Status::kUntrusted;
+}
+
 tl::unexpected<moiregauge::Error> public_error(Exit exit, std::string message) {
   const auto kind = [exit] {
     switch (exit) {
@@ -127,6 +127,14 @@ moiregauge::Camera to_public(const Camera& c) {
 
 Camera to_internal(const moiregauge::Camera& c) {
   return {c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+}
+
+LumaView to_luma(const moiregauge::ImageView& image) {
+  if (image.bits == 8)
+    return ImageView<std::uint8_t>{static_cast<const std::uint8_t*>(image.data), image.width, image.height,
+                                   image.stride};
+  return ImageView<std::uint16_t>{static_cast<const std::uint16_t*>(image.data), image.width, image.height,
+                                  image.stride};
 }
 
 moiregauge::Site to_public(const Site& site) {
@@ -155,6 +163,34 @@ moiregauge::Sample to_public(const Sample& s) {
   return {s.frame, s.time_s, s.displacement.x, s.displacement.y, s.u.x, s.u.y, public_status(s.status)};
 }
 
+moiregauge::Result to_result(const Measurement& measured, const MeasureOptions& options) {
+  moiregauge::Result result;
+  const Site& site = site_of(measured, options);
+  result.site = to_public(site);
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (site.markers[i].role != Role::kTarget || !measured.reference) continue;
+    moiregauge::Target target;
+    target.name = site.markers[i].name;
+    for (const Sample& sample : measured.samples)
+      if (sample.marker == i) target.samples.push_back(to_public(sample));
+    for (const TargetSummary& summary : measured.targets) {
+      if (summary.marker != i) continue;
+      target.ok = summary.ok;
+      target.u_dx_mm = summary.u.x;
+      target.u_dy_mm = summary.u.y;
+    }
+    result.targets.push_back(std::move(target));
+  }
+  if (const auto& scene = stated_scene(measured); scene && scene->solved) result.camera = to_public(scene->camera);
+  if (measured.reference) result.reference_frame = measured.reference->seen.frame;
+  result.references_verified = measured.references_verified;
+  result.warnings = measured.warnings;
+  result.refusal = measured.refusal;
+  result.remedy = measured.remedy;
+  result.exit_code = static_cast<int>(measured.exit);
+  return result;
+}
+
 moiregauge::Expected<MeasureOptions> to_internal(const moiregauge::MeasureOptions& options) {
   MeasureOptions out;
   const auto method = method_of(options.method);
@@ -168,6 +204,7 @@ moiregauge::Expected<MeasureOptions> to_internal(const moiregauge::MeasureOption
   out.frames = internal_range(options.frames);
   out.reference_frame = options.reference_frame;
   if (options.rest) out.solve.rest = internal_range(*options.rest);
+  if (options.zero) out.zero = internal_range(*options.zero);
   if (options.readout) out.solve.readout_s = options.readout->value();
   if (options.tone == "auto") return out;
   out.tone = tone_curve_named(options.tone);

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "moiregauge/moiregauge.h"
 
@@ -80,6 +81,130 @@ TEST(Measure, ReportsAnInputThatIsNotThere) {
   EXPECT_EQ(result.error().kind, ErrorKind::kInput);
 }
 
+// A measured recording of ten frames, shared by the tests of a finished run.
+class FinishedRun : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::temp_directory_path() / ("moiregauge-library-test-" + std::to_string(::getpid()));
+    const auto rig = small_rig(10);
+    ASSERT_TRUE(rig.write((folder_ / "clip").string()));
+    MeasureOptions options;
+    options.site_file = (folder_ / "clip" / "site.toml").string();
+    options.fps = rig.fps();
+    options.output = run();
+    auto measured = measure((folder_ / "clip" / "frames").string(), options);
+    ASSERT_TRUE(measured) << measured.error().message;
+    result_ = *std::move(measured);
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] static std::string run() { return (folder_ / "run").string(); }
+  [[nodiscard]] static const std::vector<Sample>& samples() { return result_.targets.front().samples; }
+
+  inline static std::filesystem::path folder_;
+  inline static Result result_;
+};
+
+TEST_F(FinishedRun, ReadsBackWithEveryBit) {
+  const auto read = read_run(run());
+  ASSERT_TRUE(read) << read.error().message;
+  const auto& again = read->targets.front().samples;
+  ASSERT_EQ(again.size(), 10U);
+  for (std::size_t n = 0; n < again.size(); ++n) {
+    EXPECT_EQ(again[n].dx_mm, samples()[n].dx_mm);
+    EXPECT_EQ(again[n].u_dy_mm, samples()[n].u_dy_mm);
+  }
+  EXPECT_EQ(read->exit_code, result_.exit_code);
+  EXPECT_FALSE(read_run((folder_ / "clip").string()));
+}
+
+TEST_F(FinishedRun, IsRefusedWhenItsTableHasOtherValues) {
+  const auto other = folder_ / "changed";
+  std::filesystem::copy(run(), other);
+  std::ofstream(other / "displacement.csv", std::ios::app) << "99,9.9,mid,0,0,0,0,ok\n";
+  const auto read = read_run(other.string());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().kind, ErrorKind::kUsage);
+}
+
+TEST_F(FinishedRun, IsSolvedByAnotherMethodWithoutItsVideo) {
+  SolveOptions options;
+  options.method = "two-stage";
+  const auto solved = solve(run(), options);
+  ASSERT_TRUE(solved) << solved.error().message;
+  const Sample& two_stage = solved->targets.front().samples.back();
+  EXPECT_NE(two_stage.dy_mm, samples().back().dy_mm);
+  // Both contain the same noise of one frame; 5 u of the less certain one covers their models.
+  EXPECT_NEAR(two_stage.dy_mm, samples().back().dy_mm, 5.0 * std::hypot(two_stage.u_dy_mm, samples().back().u_dy_mm));
+  EXPECT_TRUE(solved->folder.empty());
+}
+
+TEST_F(FinishedRun, RefusesRestFramesInWhichTheTargetMoves) {
+  SolveOptions options;
+  options.rest = *read_frame_range("0s:0.5s", "--rest");
+  const auto solved = solve(run(), options);
+  ASSERT_FALSE(solved);
+  EXPECT_EQ(solved.error().kind, ErrorKind::kUsage);
+}
+
+TEST_F(FinishedRun, DerivesTheDifferenceOfATargetToItselfAsZeroWithoutUncertainty) {
+  DeriveOptions options;
+  options.channels = {"same = mid.dy", "none = mid.dy - mid.dy"};
+  const auto derived = derive(run(), options);
+  ASSERT_TRUE(derived) << derived.error().message;
+  ASSERT_EQ(derived->channels.size(), 2U);
+  for (std::size_t n = 0; n < samples().size(); ++n) {
+    EXPECT_EQ(derived->channels[0].value[n], samples()[n].dy_mm);
+    // The joint covariance is summed from factors in another order, so rounding differs by some 1e-9.
+    EXPECT_NEAR(derived->channels[0].u[n], samples()[n].u_dy_mm, 1e-6 * samples()[n].u_dy_mm);
+    EXPECT_EQ(derived->channels[1].value[n], 0.0);
+    EXPECT_EQ(derived->channels[1].u[n], 0.0);
+  }
+  EXPECT_FALSE(std::filesystem::exists(std::filesystem::path(run()) / "derived.csv"));
+  options.channels = {"x = nothing.dy"};
+  const auto wrong = derive(run(), options);
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().kind, ErrorKind::kUsage);
+}
+
+TEST_F(FinishedRun, GivesItsReport) {
+  const auto page = folder_ / "page.html";
+  ASSERT_TRUE(write_report(run(), page.string()));
+  EXPECT_EQ(std::filesystem::file_size(page), std::filesystem::file_size(std::filesystem::path(run()) / "report.html"));
+  const auto missing = write_report((folder_ / "clip").string(), page.string());
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, ErrorKind::kInput);
+}
+
+TEST(Inspect, MeasuresTheDistanceOfTheReferences) {
+  auto rig = small_rig(1);
+  const auto image = rig.render(0);
+  InspectOptions options;
+  options.pitch = 10_mm;
+  const auto seen = inspect(image, options);
+  ASSERT_TRUE(seen) << seen.error().message;
+  EXPECT_EQ(seen->markers.size(), 5U);
+  // Circles at (+-128, +-40) mm. A circle's centre has a u of 0.02 px, which is 7 um; 5 of them.
+  EXPECT_NEAR(seen->distance_mm, 256.0, 0.05);
+  EXPECT_NEAR(seen->mm_per_px, 1200.0 / 3478.26, 1e-3);
+  EXPECT_FALSE(seen->overlay_png.empty());
+  const auto without_scale = inspect(image, {});
+  ASSERT_TRUE(without_scale);
+  EXPECT_TRUE(std::isnan(without_scale->distance_mm));
+  options.site = rig.site();
+  EXPECT_FALSE(inspect(image, options));
+}
+
+TEST(Quantities, NeedTheirUnit) {
+  EXPECT_EQ(read_length("1 cm")->value(), 10.0);
+  EXPECT_EQ(read_duration("18ms")->value(), 0.018);
+  EXPECT_EQ(read_length("10").error().kind, ErrorKind::kUsage);
+  EXPECT_FALSE(read_duration("-1s"));
+  EXPECT_EQ(read_frame_range("3:9", "--rest")->end, 9);
+  EXPECT_EQ(read_frame_range("1s:2.5s", "--rest")->time->end, 2.5_s);
+  EXPECT_EQ(read_frame_range("0:9:2", "--frames")->step, 2);
+  EXPECT_FALSE(read_frame_range("0:9:2", "--rest"));
+}
+
 TEST(Site, SurvivesItsText) {
   auto rig = small_rig(1);
   const Site site = rig.site();
@@ -113,6 +238,24 @@ TEST(SamplingMoire, MeasuresAKnownShift) {
   ASSERT_TRUE(first.is_valid && second.is_valid);
   // Rounding to grey levels is periodic with the pitch (20 px), so it does not average out: below 1 / (100 sqrt 12) rad.
   EXPECT_NEAR(displacement_px(first, second, kPitch), kShift, 1.0 / 100.0 / std::sqrt(12.0) * kPitch / 6.283);
+}
+
+TEST(PhaseMap, GrowsByAWholeTurnPerPitch) {
+  constexpr int kSide = 120, kPitch = 15;
+  std::vector<std::uint8_t> pixels;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      pixels.push_back(
+          static_cast<std::uint8_t>(std::lround(128.0 + 100.0 * std::cos(2.0 * 3.14159265358979 * x / kPitch))));
+  const PhaseMap map = phase_map({pixels.data(), kSide, kSide}, Axis::kX, kPitch);
+  ASSERT_EQ(map.width, kSide - 2 * map.margin);
+  for (int x = 0; x < map.width; ++x) {
+    const double expected = 2.0 * 3.14159265358979 * (x + map.margin) / kPitch;
+    // Rounding to grey levels: below 0.5 of 100, averaged over the window.
+    EXPECT_NEAR(std::remainder(map.phase_rad[static_cast<std::size_t>(x)] - expected, 2.0 * 3.14159265358979), 0.0,
+                0.005);
+    EXPECT_NEAR(map.modulation[static_cast<std::size_t>(x)], 100.0, 0.5);
+  }
 }
 
 TEST(Plan, IsALowerLimitOfTheStatedUncertainty) {

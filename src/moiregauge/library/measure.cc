@@ -1,43 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/measure.h"
 
-#include <cmath>
 #include <utility>
 
-#include "moiregauge/app/measure_options.h"
+#include "moiregauge/app/frame_range_text.h"
 #include "moiregauge/app/open_input.h"
 #include "moiregauge/library/convert.h"
 
 namespace moiregauge {
 namespace {
-
-Result to_result(const internal::Measurement& measured, const internal::MeasureOptions& options) {
-  Result result;
-  const internal::Site& site = internal::site_of(measured, options);
-  result.site = internal::to_public(site);
-  for (std::size_t i = 0; i < site.markers.size(); ++i) {
-    if (site.markers[i].role != internal::Role::kTarget || !measured.reference) continue;
-    Target target;
-    target.name = site.markers[i].name;
-    for (const internal::Sample& sample : measured.samples)
-      if (sample.marker == i) target.samples.push_back(internal::to_public(sample));
-    for (const internal::TargetSummary& summary : measured.targets) {
-      if (summary.marker != i) continue;
-      target.ok = summary.ok;
-      target.u_dx_mm = summary.u.x;
-      target.u_dy_mm = summary.u.y;
-    }
-    result.targets.push_back(std::move(target));
-  }
-  if (const auto& scene = internal::stated_scene(measured); scene && scene->solved)
-    result.camera = internal::to_public(scene->camera);
-  if (measured.reference) result.reference_frame = measured.reference->seen.frame;
-  result.references_verified = measured.references_verified;
-  result.warnings = measured.warnings;
-  result.refusal = measured.refusal;
-  result.exit_code = static_cast<int>(measured.exit);
-  return result;
-}
 
 internal::RunCallbacks callbacks_of(const MeasureOptions& options) {
   internal::RunCallbacks callbacks;
@@ -46,6 +17,18 @@ internal::RunCallbacks callbacks_of(const MeasureOptions& options) {
       return options.on_progress(p.done, p.expected);
     };
   return callbacks;
+}
+
+internal::Earlier earlier_of(Unfinished unfinished) {
+  switch (unfinished) {
+    case Unfinished::kResume:
+      return internal::Earlier::kResume;
+    case Unfinished::kRestart:
+      return internal::Earlier::kRestart;
+    case Unfinished::kRefuse:
+      break;
+  }
+  return internal::Earlier::kAsk;
 }
 
 // Measures without writing anything.
@@ -58,7 +41,7 @@ Expected<Result> measure_in_memory(const internal::RunRequest& request, const Me
   if (!measured) return internal::public_error(internal::Exit::kInputUnreadable, measured.error().message);
   if (!measured->contradiction.empty())
     return internal::public_error(internal::Exit::kUsage, measured->contradiction + ": correct the option");
-  return to_result(*measured, request.options);
+  return internal::to_result(*measured, request.options);
 }
 
 }  // namespace
@@ -68,6 +51,14 @@ const char* to_string(Status status) {
       "ok",   "untrusted",      "camera-moved",   "blurred",      "saturated", "partly-covered",
       "lost", "reference-lost", "order-unproven", "decode-error", "too-coarse"};
   return kWords[static_cast<std::size_t>(status)];
+}
+
+Expected<FrameRange> read_frame_range(const std::string& text, const std::string& option) {
+  const auto range = internal::frame_range_in(text, {option.c_str(), "0:20", option == internal::kFramesOption.name});
+  if (!range) return internal::public_error(internal::Exit::kUsage, range.error().message);
+  FrameRange out{range->first, range->end, range->step};
+  if (range->seconds) out.time = TimeRange{Seconds(range->seconds->first_s), Seconds(range->seconds->end_s)};
+  return out;
 }
 
 Expected<Result> measure(const std::string& input, const MeasureOptions& options) {
@@ -80,11 +71,12 @@ Expected<Result> measure(const std::string& input, const MeasureOptions& options
   request.input_options.threads = options.threads;
   request.options = *std::move(wanted);
   request.output = options.output;
+  request.earlier = earlier_of(options.unfinished);
   if (request.output.empty()) return measure_in_memory(request, options);
   const internal::RunCallbacks callbacks = callbacks_of(options);
   const auto finished = internal::run_measurement(request, callbacks);
   if (!finished) return internal::public_error(finished.error().exit, finished.error().message);
-  Result result = to_result(finished->measurement, request.options);
+  Result result = internal::to_result(finished->measurement, request.options);
   result.folder = finished->folder;
   return result;
 }

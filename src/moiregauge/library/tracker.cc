@@ -19,14 +19,6 @@ namespace {
 
 using Travel = std::vector<internal::Extent<internal::frame::Board>>;
 
-internal::LumaView luma_of(const ImageView& image) {
-  if (image.bits == 8)
-    return internal::ImageView<std::uint8_t>{static_cast<const std::uint8_t*>(image.data), image.width, image.height,
-                                             image.stride};
-  return internal::ImageView<std::uint16_t>{static_cast<const std::uint16_t*>(image.data), image.width, image.height,
-                                            image.stride};
-}
-
 }  // namespace
 
 struct Tracker::State {
@@ -115,7 +107,7 @@ Expected<TrackedFrame> Tracker::State::update(const ImageView& image, double tim
   internal::Frame frame;
   frame.number = frames++;
   frame.time_s = time_s;
-  frame.luma = luma_of(image);
+  frame.luma = internal::to_luma(image);
   const bool had_reference = run.reference.has_value();
   const internal::Observation seen = observer.observe(frame);
   observer.add(frame, seen);
