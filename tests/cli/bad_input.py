@@ -19,6 +19,7 @@ TABLE = {
         ("frobnicate", 2, "moiregauge -h"),
         ("mesure clip.mp4", 2, "moiregauge measure"),
         ("--quiet", 2, "after the command"),
+        ("--selftest", 2, "--selftest"),
         ("--pitch 10mm measure x", 2, "after the command"),
     ],
     "help": [

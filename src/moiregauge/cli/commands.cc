@@ -44,6 +44,8 @@ std::unique_ptr<CLI::App> command_tree(int& exit_code) {
   app.set_help_flag("-h", "list the options");
   app.set_help_all_flag("--help", "show the whole page");
   app.set_version_flag("--version", kVersion, "print the version of the program");
+  app.add_flag_callback(
+      "--self-test", [] { throw CallForSelfTest(); }, "measure a simulated video and report whether it is right");
   app.require_subcommand(1);
   app.footer("For the page of one command: moiregauge help COMMAND");
   add_measure(app, exit_code);
