@@ -71,10 +71,6 @@ void add_results(py::module_& module) {
 }
 
 void add_options(py::module_& module) {
-  py::enum_<Unfinished>(module, "Unfinished")
-      .value("REFUSE", Unfinished::kRefuse)
-      .value("RESUME", Unfinished::kResume)
-      .value("RESTART", Unfinished::kRestart);
   py::class_<MeasureOptions> measure(module, "MeasureOptions");
   measure.def(py::init<>());
   def_quantity(measure, "pitch_mm", &MeasureOptions::pitch);
@@ -86,7 +82,13 @@ void add_options(py::module_& module) {
   measure.def_readwrite("frames", &MeasureOptions::frames).def_readwrite("rest", &MeasureOptions::rest);
   measure.def_readwrite("zero", &MeasureOptions::zero).def_readwrite("threads", &MeasureOptions::threads);
   measure.def_readwrite("reference_frame", &MeasureOptions::reference_frame);
-  measure.def_readwrite("output", &MeasureOptions::output).def_readwrite("unfinished", &MeasureOptions::unfinished);
+  measure.def_readwrite("output", &MeasureOptions::output)
+      .def_property(
+          "resumes", [](const MeasureOptions& o) { return o.unfinished == Unfinished::kResume; },
+          [](MeasureOptions& o, bool is_set) { o.unfinished = is_set ? Unfinished::kResume : Unfinished::kRefuse; });
+  measure.def_property(
+      "restarts", [](const MeasureOptions& o) { return o.unfinished == Unfinished::kRestart; },
+      [](MeasureOptions& o, bool is_set) { o.unfinished = is_set ? Unfinished::kRestart : Unfinished::kRefuse; });
   py::class_<SolveOptions> solve(module, "SolveOptions");
   solve.def(py::init<>());
   solve.def_readwrite("site", &SolveOptions::site).def_readwrite("site_file", &SolveOptions::site_file);

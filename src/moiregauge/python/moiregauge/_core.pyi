@@ -58,11 +58,6 @@ class Site:
 
 class FrameRange: ...
 
-class Unfinished:
-    REFUSE: Unfinished
-    RESUME: Unfinished
-    RESTART: Unfinished
-
 def read_site(path: str) -> Site: ...
 def read_camera(path: str) -> Camera: ...
 def read_length_mm(text: str) -> float: ...
@@ -87,7 +82,8 @@ class MeasureOptions:
     reference_frame: Optional[int]
     threads: int
     output: str
-    unfinished: Unfinished
+    resumes: bool
+    restarts: bool
     def __init__(self) -> None: ...
 
 class SolveOptions:

@@ -147,8 +147,8 @@ class Run:
 
     @property
     def camera(self) -> Optional[_core.Camera]:
-        """Camera as solved from the footage. None: it was given, or it is not determined."""
-        return self._result.camera
+        """Camera as solved from the footage. None: the footage does not determine it."""
+        return None if self.json["camera"]["fx"] is None else self._result.camera
 
     @property
     def scene(self) -> Dict[str, Any]:
@@ -234,9 +234,11 @@ class Run:
         return Run(result, known, out is None)
 
     @overload
-    def derive(self, channel: str, /, **layers: Any) -> Channel: ...
+    def derive(self, __channel: str, **layers: Any) -> Channel: ...
     @overload
-    def derive(self, *channels: str, **layers: Any) -> Dict[str, Channel]: ...
+    def derive(self, **layers: Any) -> Dict[str, Channel]: ...
+    @overload
+    def derive(self, __first: str, __second: str, *more: str, **layers: Any) -> Dict[str, Channel]: ...
 
     def derive(self, *channels: str, **layers: Any) -> Union[Channel, Dict[str, Channel]]:
         """Combines displacements to channels with their own u (docs/cli/derive.md).
@@ -323,7 +325,10 @@ def measure(input: Path, *, pitch: Optional[str] = None, pitch_mm: Optional[floa
     options.readout_s = duration_s("readout", readout, readout_s)
     if resume and restart:
         raise _core.UsageError("resume and restart exclude each other: measure: give one of them")
-    options.unfinished = _core.Unfinished.RESUME if resume else _core.Unfinished.RESTART if restart else _core.Unfinished.REFUSE
+    if resume:
+        options.resumes = True
+    if restart:
+        options.restarts = True
     options.output = _output(out)
     try:
         result = _core.measure(os.fspath(input), options, on_progress)
