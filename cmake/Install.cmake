@@ -43,11 +43,17 @@ install(FILES ${PROJECT_SOURCE_DIR}/examples/read_moiregauge.py ${PROJECT_SOURCE
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/moiregauge/examples COMPONENT program)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/moiregauge COMPONENT program)
 
-# The library: the public headers, the shared library, and the static part for phases. Nothing else is installed.
-install(TARGETS moiregauge_library moiregauge_sampling_moire EXPORT moiregauge-targets
-        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+# The library: the public headers, the shared library with its decoding program, and the static part for phases. Nothing
+# else is installed.
+install(TARGETS moiregauge_library EXPORT moiregauge-targets
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev
+        INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS moiregauge_sampling_moire EXPORT moiregauge-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS moiregauge_decode RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/moiregauge COMPONENT library)
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libmoiregauge${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+        COMPONENT library)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/moiregauge DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/generated/moiregauge/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/moiregauge
         COMPONENT dev)
@@ -61,3 +67,16 @@ configure_package_config_file(cmake/moiregauge-config.cmake.in ${PROJECT_BINARY_
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/moiregauge-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/moiregauge-config.cmake ${PROJECT_BINARY_DIR}/moiregauge-config-version.cmake
         DESTINATION ${package_dir} COMPONENT dev)
+
+# The Python module, where Debian's Python finds it.
+if(MOIREGAUGE_PYTHON_MODULE)
+  set(python_destination lib/python3/dist-packages/moiregauge)
+  install(TARGETS moiregauge_python LIBRARY DESTINATION ${python_destination} COMPONENT python)
+  install(FILES ${python_files} DESTINATION ${python_destination} COMPONENT python)
+  install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-moiregauge COMPONENT python)
+endif()
+
+# The pages, with their pictures and notebooks.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/moiregauge-doc COMPONENT doc)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_SOURCE_DIR}/cmake/copyright
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/moiregauge-doc COMPONENT doc)

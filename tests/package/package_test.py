@@ -26,6 +26,7 @@ LIBRARY = [
     "usr/include/moiregauge/measure.h",
     "usr/include/moiregauge/version.h",
     "usr/lib/libmoiregauge.so",
+    "usr/lib/moiregauge/moiregauge-decode",
     "usr/lib/libmoiregauge_sampling_moire.a",
     "usr/lib/cmake/moiregauge/moiregauge-config.cmake",
     "usr/share/doc/moiregauge-dev/copyright",
@@ -70,6 +71,19 @@ def build_example(examples, prefix, program, work):
     print(run(work / "example" / "measure_clip", work / "run" / "frames").strip())
 
 
+def check_python(root, work):
+    """Imports the module of python3-moiregauge from its unpacked package, which finds the library next to it."""
+    (package,) = work.glob("python3-moiregauge_*_*.deb")
+    control = run("dpkg-deb", "-f", package)
+    assert "python3-numpy" in control and "libmoiregauge0.1 (= " in control and "python3 (>= 3." in control, control
+    unpacked(package, work)
+    code = ("import moiregauge, sys\nassert sys.argv[1] in moiregauge.__file__\n"
+            "moiregauge.simulate('small-1xyz', frames=3, markers_only=True).write(sys.argv[2])\n"
+            "run = moiregauge.measure(sys.argv[2] + '/frames', pitch='10mm', fps=10)\nprint(run['T1'].dy)")
+    print(run("/usr/bin/python3", "-c", code, root, work / "python-clip",
+              env={**os.environ, "PYTHONPATH": str(root / "usr/lib/python3/dist-packages")}).strip())
+
+
 def unpacked(package, work):
     root = work / "root"
     run("dpkg-deb", "-x", package, root)
@@ -80,15 +94,22 @@ def test_deb(build, examples, work):
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", work)
     (program,) = work.glob("moiregauge_*_*.deb")
     (library,) = work.glob("moiregauge-dev_*_*.deb")
+    (shared,) = work.glob("libmoiregauge0.1_*_*.deb")
+    (pages,) = work.glob("moiregauge-doc_*_all.deb")
     control = run("dpkg-deb", "-f", program)
     for needed in ["libavcodec", "libopencv-imgproc", "fonts-dejavu-core", "libc6"]:
         assert needed in control, f"Depends names no {needed}\n{control}"
-    assert "libexpected-dev" in run("dpkg-deb", "-f", library)
+    assert "libexpected-dev" in run("dpkg-deb", "-f", library) and "libmoiregauge0.1 (= " in run("dpkg-deb", "-f", library)
     root = unpacked(program, work)
     for name in PROGRAM:
         assert (root / name).is_file() and (root / name).stat().st_size > 0, f"{name} is missing"
     assert not (root / "usr/include").exists(), "the program's package holds headers"
+    unpacked(shared, work)
+    assert not (root / "usr/include").exists(), "the library's package holds headers"
     unpacked(library, work)
+    unpacked(pages, work)
+    assert (root / "usr/share/doc/moiregauge-doc/how-do-i.md").is_file()
+    check_python(root, work)
     for name in LIBRARY:
         assert (root / name).is_file() and (root / name).stat().st_size > 0, f"{name} is missing"
     words = (root / "usr/share/doc/moiregauge/copyright").read_text()
@@ -97,7 +118,7 @@ def test_deb(build, examples, work):
     assert ".debug_info" not in symbols, "the program is not stripped"
     for text in root.rglob("*.cmake"):
         assert str(build) not in text.read_text() and str(examples.parent) not in text.read_text(), f"{text} names the build"
-    for package in (program, library):
+    for package in sorted(work.glob("*.deb")):
         print(f"{package.name}: {package.stat().st_size / 1e6:.1f} MB")
     build_example(examples, root / "usr", root / "usr/bin/moiregauge", work)
 
