@@ -35,8 +35,8 @@ export class SetupView {
     this.setup = setupOf(entry);
     this.measure = button('Measure', () => void this.start(), { class: 'primary' });
     this.timeline = new Timeline([
-      { name: 'Zero', meaning: 'zero is the reference frame', range: this.setup.zero, onChange: (range) => this.changeRange('zero', range) },
-      { name: 'Rest', meaning: 'no frames are known to be at rest', range: this.setup.rest, onChange: (range) => this.changeRange('rest', range) },
+      { name: 'Zero', meaning: 'the reference frame is zero', range: this.setup.zero, onChange: (range) => this.changeRange('zero', range) },
+      { name: 'Rest', meaning: 'no rest is stated', range: this.setup.rest, onChange: (range) => this.changeRange('rest', range) },
     ]);
     this.timeline.onFrame = (frame) => {
       this.setup.frame = frame;
