@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Uses the page of `moiregauge serve` in headless Chromium, with the mouse and the keyboard of a visitor.
 
-    page_in_chromium.py MOIREGAUGE WORK SOURCE [--pictures DIR]
+    page_in_chromium.py MOIREGAUGE WORK [--pictures DIR]
 
 A new user drops a clip and reaches its report with at most eight clicks and without typing. The numbers are those of the
 command that the page shows, byte for byte. Then come markers, areas, zero and rest, the queue, results, channels,
 another sensor, solving again, exports, the table of runs, and the live page. Both themes, 390 px and 1600 px, the tab
-order, names for screen readers, and names of files that look like HTML are checked. --pictures stores screenshots.
+order, names for screen readers, and names of files that look like HTML are checked.
+
+With --pictures it only takes the two pictures of docs/desk.md (tools/serve-pictures).
 """
 import csv
 import json
@@ -345,7 +347,7 @@ def check_contrast(visitor, theme):
         insist((light + 0.05) / (dark + 0.05) >= 4.5, f"{theme}: {ink} on {paper} has too little contrast")
 
 
-def check_looks(browser, address, pictures):
+def check_looks(browser, address):
     """Light and dark, 1600 px and 390 px: nothing overhangs, and the switch overrules the system."""
     for width, height in ((1600, 950), (390, 844)):
         for theme in ("light", "dark"):
@@ -353,17 +355,12 @@ def check_looks(browser, address, pictures):
             insist(visitor.value(f"{HTML}.dataset.theme") == theme, f"{theme} as the system")
             check_contrast(visitor, theme)
             for step, ready in (("setup", "document.querySelectorAll('.marker').length >= 5"), ("results", "document.querySelector('.results .u-over')")):
-                if width == 390 and step == "setup":
-                    visitor.click(entry("bridge.mp4"))
-                elif step == "setup":
+                if step == "setup":
                     visitor.click(entry("bridge.mp4"))
                 visitor.click(f"document.querySelector('#tab-{step}')")
                 visitor.wait(ready)
                 overhang = visitor.value("document.querySelector('#main').scrollWidth - document.querySelector('#main').clientWidth")
                 insist(overhang <= 0, f"{step} at {width} px: {overhang} px overhang")
-                if pictures:
-                    time.sleep(0.6)
-                    visitor.page.screenshot(pictures / f"serve-{step}-{width}-{theme}.png", whole=False)
     visitor.click("document.querySelector('#theme')")
     insist(visitor.value(f"{HTML}.dataset.theme") == "light", "the switch overrules the system")
     visitor.click("document.querySelector('#theme')")
@@ -403,7 +400,48 @@ def start_server(program, folder):
     return server, address
 
 
-def visit(program, work, pictures):
+def stop_server(server):
+    server.send_signal(signal.SIGINT)
+    try:
+        server.wait(20)
+    except subprocess.TimeoutExpired:
+        server.kill()
+
+
+def save_picture(page, path):
+    """Saves what is visible with 256 colours."""
+    time.sleep(1.0)
+    raw = path.with_suffix(".raw.png")
+    page.screenshot(raw, whole=False)
+    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", str(raw), "-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse=dither=none", str(path)], check=True)
+    raw.unlink()
+
+
+def take_pictures(program, work, pictures):
+    clip, _, _ = make_footage(program, work)
+    folder = work / "bridge"
+    folder.mkdir()
+    shutil.copy(clip, folder / "bridge.mp4")
+    server, address = start_server(program, folder)
+    try:
+        with Browser(work) as browser:
+            visitor = Visitor(browser.open(address, width=1360, height=800))
+            visitor.click(entry("bridge.mp4"))
+            visitor.wait("document.querySelectorAll('.marker').length >= 5", 30)
+            visitor.click("document.querySelector('.marker.target polygon')")
+            save_picture(visitor.page, pictures / "serve-setup.png")
+            visitor.key("Escape")
+            visitor.click(button("Measure"))
+            visitor.wait(f"{HTML}.dataset.results", 60)
+            visitor.click("document.querySelector('.results .u-over')")
+            visitor.wait(f"{HTML}.dataset.sampleMarkers")
+            visitor.value("document.querySelector('#main').scrollTo(0, 0)")
+            save_picture(visitor.page, pictures / "serve-results.png")
+    finally:
+        stop_server(server)
+
+
+def visit(program, work):
     clip, long_clip, lvdt = make_footage(program, work)
     folder = work / "folder"
     folder.mkdir()
@@ -431,27 +469,23 @@ def visit(program, work, pictures):
             check_live(visitor)
             done("table and live")
             check_hostile(visitor, clip, folder)
-            check_looks(browser, address, pictures)
+            check_looks(browser, address)
             done("looks")
             insist(not browser.errors, f"the browser complains: {browser.errors}")
             outside = [url for url in browser.requests if not url.startswith((address, "blob:" + address, "data:"))]
             insist(not outside, f"the page asks for {outside}")
     finally:
-        server.send_signal(signal.SIGINT)
-        try:
-            server.wait(20)
-        except subprocess.TimeoutExpired:
-            server.kill()
+        stop_server(server)
 
 
 def main():
     program, work = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
-    pictures = pathlib.Path(sys.argv[sys.argv.index("--pictures") + 1]) if "--pictures" in sys.argv else None
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
-    if pictures:
-        pictures.mkdir(parents=True, exist_ok=True)
-    visit(program, work, pictures)
+    if "--pictures" in sys.argv:
+        take_pictures(program, work, pathlib.Path(sys.argv[sys.argv.index("--pictures") + 1]).resolve())
+    else:
+        visit(program, work)
 
 
 if __name__ == "__main__":

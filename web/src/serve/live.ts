@@ -77,6 +77,7 @@ export class LiveView {
     }));
     this.build();
     void this.fillSources();
+    void this.findRunning();
   }
 
   leave(): void {
@@ -154,23 +155,37 @@ export class LiveView {
       this.start.disabled = true;
       try {
         const { id, command } = await post<{ id: string; command?: string }>('/api/live', { source: this.name, arguments: this.options() });
-        this.id = id;
-        if (command) this.command.set(command);
+        this.follow(id, command);
       } finally {
         this.start.disabled = false;
       }
-      this.start.hidden = true;
-      this.stop.hidden = false;
-      this.state.textContent = 'Waits for the reference frame';
-      this.raised.clear();
-      this.hasSamples = false;
-      this.charts.forEach((chart) => chart.remove());
-      this.spectrum?.remove();
-      this.charts = [new GrowingChart('dx', 'dx, right is positive', true, kSpan_s), new GrowingChart('dy', 'dy, up is positive', true, kSpan_s)];
-      this.spectrum = new SpectrumChart('Spectrum of dy, last minute');
-      this.element.querySelector('.curves')!.replaceChildren(...this.charts.map(({ element }) => element), this.spectrum.element);
-      this.wantsPictures = true;
-      void this.showPictures();
+    });
+  }
+
+  // Shows a live run from now on.
+  private follow(id: string, command: string | undefined): void {
+    this.id = id;
+    if (command) this.command.set(command);
+    this.start.hidden = true;
+    this.stop.hidden = false;
+    this.state.textContent = 'Waits for the reference frame';
+    this.raised.clear();
+    this.hasSamples = false;
+    this.charts.forEach((chart) => chart.remove());
+    this.spectrum?.remove();
+    this.charts = [new GrowingChart('dx', 'dx, right is positive', true, kSpan_s), new GrowingChart('dy', 'dy, up is positive', true, kSpan_s)];
+    this.spectrum = new SpectrumChart('Spectrum of dy, last minute');
+    this.element.querySelector('.curves')!.replaceChildren(...this.charts.map(({ element }) => element), this.spectrum.element);
+    this.wantsPictures = true;
+    void this.showPictures();
+  }
+
+  // A live run continues while no page is open. The page that opens next follows it.
+  private async findRunning(): Promise<void> {
+    await attempt(async () => {
+      const { live } = await get<{ live: { id: string; command?: string }[] }>('/api/live');
+      const running = live[live.length - 1];
+      if (running && this.id === undefined) this.follow(running.id, running.command);
     });
   }
 

@@ -11,7 +11,14 @@ const kPicture_ms = 700; // between two pictures
 const kOkStatus = 0;
 
 // Rows of jobs, kept so that a view that opens later shows the whole curve.
-const rows = new Map<string, Map<number, { x: number; hasTime: boolean; rows: { name: string; row: Row }[] }>>();
+interface Frame {
+  x: number;
+  hasTime: boolean;
+  rows: { name: string; row: Row }[];
+}
+
+type Frames = Map<number, Frame>;
+const rows = new Map<string, Frames>();
 const kMaxKept = 20000; // frames of one job
 
 export function keepSamples(): void {
@@ -21,8 +28,8 @@ export function keepSamples(): void {
     for (const [name, list] of Object.entries(marker)) {
       for (const row of list) {
         const [frame, time_s] = row;
-        const known = kept.get(frame) ?? { x: time_s ?? frame, hasTime: time_s !== null, rows: [] };
-        known.rows.push({ name, row });
+        const known: Frame = kept.get(frame) ?? { x: time_s ?? frame, hasTime: time_s !== null, rows: [] };
+        known.rows = [...known.rows.filter((one) => one.name !== name), { name, row }]; // a stream that opens again repeats rows
         kept.set(frame, known);
       }
     }
@@ -46,7 +53,7 @@ export class MeasuringView {
   private readonly command = commandBox();
   private charts: GrowingChart[] = [];
   private readonly stops: (() => void)[] = [];
-  private drawn = 0; // frames in the charts
+  private lastDrawn = -1; // frame
   private notOk = 0;
   private lastPicture = 0;
   private isFetching = false;
@@ -90,17 +97,18 @@ export class MeasuringView {
   private grow(): void {
     const kept = this.id === undefined ? undefined : rows.get(this.id);
     if (!kept || kept.size === 0) return;
-    const all = [...kept.values()];
+    const all = [...kept].filter(([frame]) => frame > this.lastDrawn);
+    if (all.length === 0) return;
     if (this.charts.length === 0) {
-      const { hasTime } = all[0]!;
+      const { hasTime } = all[0]![1];
       this.charts = [new GrowingChart('dx', 'dx, right is positive', hasTime), new GrowingChart('dy', 'dy, up is positive', hasTime)];
       this.element.querySelector('.curves')?.append(...this.charts.map(({ element }) => element));
     }
-    for (const { x, rows: list } of all.slice(this.drawn)) {
+    for (const [frame, { x, rows: list }] of all) {
+      this.lastDrawn = frame;
       this.charts.forEach((chart, k) => chart.add(x, list.map(({ name, row }) => ({ name, value: row[2 + k] as number | null, u: row[4 + k] as number | null, status: row[6] }))));
       if (list.some(({ row }) => row[6] !== kOkStatus)) ++this.notOk;
     }
-    this.drawn = all.length;
   }
 
   private draw(job: Job): void {
@@ -125,7 +133,11 @@ export class MeasuringView {
     if (this.actions.dataset.kind === wanted) return;
     this.actions.dataset.kind = wanted;
     const act = (verb: string): (() => void) => () => void attempt(async () => {
-      await post(`/api/jobs/${encodeURIComponent(job.id)}/${verb}`);
+      const { id } = await post<{ id?: string }>(`/api/jobs/${encodeURIComponent(job.id)}/${verb}`);
+      if (id === undefined || id === this.id) return;
+      this.id = id; // a resumed run is a job of its own
+      const next = jobs.get(id);
+      if (next) this.draw(next);
     });
     this.actions.replaceChildren(...(wanted === 'cancel' ? [button('Stop', act('cancel'), { title: 'The run can be resumed' })]
       : wanted === 'resume' ? [button('Resume', act('resume'), { class: 'primary' }), button('Change the set-up', this.onAgain)]

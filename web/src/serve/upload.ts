@@ -1,5 +1,5 @@
 // Uploads: files and folders that are dropped or chosen go to the server in pieces. A broken upload resumes where it stopped.
-import { get, query, request } from './api';
+import { get, query, Refusal, request } from './api';
 import { button, sayProblem, sizeText } from './parts/parts';
 import { refreshEntries, session } from './store';
 import { el } from '../element';
@@ -7,6 +7,8 @@ import { el } from '../element';
 const kPiece = 8 << 20; // bytes in one request
 const kAttempts = 5; // per piece
 const kPause_ms = 700; // before the next attempt
+const kNameInUse = 409;
+const kMaxNumber = 20; // added to a name in use
 
 interface Upload {
   name: string;
@@ -152,12 +154,19 @@ export class Uploads {
 }
 
 // Writes one file to the server without a row, e.g. the record of another sensor.
-export async function sendFile(file: File): Promise<string> {
-  for (let at = 0; at < file.size;) {
-    const answer = await request(query('/api/upload', { name: file.name, offset: at, size: file.size }),
-      { method: 'POST', body: file.slice(at, at + kPiece), headers: { 'Content-Type': 'application/octet-stream' } });
-    at = ((await answer.json()) as { received: number }).received;
+// A name in use gets a number.
+export async function sendFile(file: File, number = 1): Promise<string> {
+  const name = number === 1 ? file.name : file.name.replace(/(\.[^.]*)?$/, `-${number}$1`);
+  try {
+    for (let at = 0; at < file.size;) {
+      const answer = await request(query('/api/upload', { name, offset: at, size: file.size }),
+        { method: 'POST', body: file.slice(at, at + kPiece), headers: { 'Content-Type': 'application/octet-stream' } });
+      at = ((await answer.json()) as { received: number }).received;
+    }
+  } catch (problem) {
+    if (problem instanceof Refusal && problem.status === kNameInUse && number < kMaxNumber) return sendFile(file, number + 1);
+    throw problem;
   }
-  return file.name;
+  return name;
 }
 
