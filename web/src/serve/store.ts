@@ -62,9 +62,25 @@ function announce<Kind extends keyof Changes>(kind: Kind, change: Changes[Kind])
   [...listeners[kind]].forEach((listener) => listener(change));
 }
 
+let lastEntries = '';
+
 export async function refreshEntries(): Promise<void> {
-  entries = (await get<{ entries: Entry[] }>('/api/entries')).entries;
+  const answer = await (await request('/api/entries')).text();
+  if (answer === lastEntries) return;
+  lastEntries = answer;
+  entries = (JSON.parse(answer) as { entries: Entry[] }).entries;
   announce('entries', undefined);
+}
+
+const kLook_ms = 3000;
+
+// Other programs change the folder without an event.
+function watchFolder(): void {
+  const look = (): void => {
+    if (!document.hidden) void refreshEntries().catch(() => undefined);
+  };
+  setInterval(look, kLook_ms);
+  document.addEventListener('visibilitychange', look);
 }
 
 async function refreshJobs(): Promise<void> {
@@ -93,6 +109,7 @@ export async function connect(): Promise<void> {
   session = await get<Session>('/api/session');
   await refreshEntries();
   await refreshJobs().catch(() => undefined); // the first event brings them again
+  watchFolder();
   let wasOpen = true;
   void watchEvents(onEvent, (isOpen) => {
     announce('connection', isOpen);

@@ -4,7 +4,7 @@ import { attempt, button, card, commandBox, field, say, sayProblem, select } fro
 import { entries, fileAt, refreshEntries } from '../store';
 import { FramePicture, roleWords, type ShownMarker, type Tool } from './picture';
 import { Timeline } from './timeline';
-import { hasChoice, inspectBody, kPitches_mm, measureArguments, nameOf, rememberPitch, roleOf, setupOf, type Setup } from './state';
+import { hasChoice, inspection, kPitches_mm, measureArguments, nameOf, rememberPitch, roleOf, setupOf, siteText, type Setup } from './state';
 import { digitsFor, expanded, plain, sentence } from '../../format';
 import { el } from '../../element';
 
@@ -243,8 +243,8 @@ export class SetupView {
     const { signal } = this.abort;
     this.element.setAttribute('aria-busy', 'true');
     try {
-      this.setup.found = await post<Inspection>('/api/inspect', inspectBody(this.setup, false), signal);
-      this.setup.chosen = hasChoice(this.setup) ? await post<Inspection>('/api/inspect', inspectBody(this.setup, true), signal) : this.setup.found;
+      this.setup.found = await inspection(this.setup, false, signal);
+      this.setup.chosen = await inspection(this.setup, true, signal);
       this.status.textContent = '';
     } catch (problem) {
       if (signal.aborted) return;
@@ -284,7 +284,7 @@ export class SetupView {
     }
     this.expected.replaceChildren(el('table', {}, el('caption', { class: 'quiet' }, 'U of one displacement in mm (k = 2), by noise and codec'),
       el('thead', {}, el('tr', {}, el('th', { scope: 'col' }, 'Target'), el('th', { scope: 'col', class: 'number' }, 'dx'), el('th', { scope: 'col', class: 'number' }, 'dy'))),
-      el('tbody', {}, ...targets.map(({ name, u_dx_mm, u_dy_mm }) => el('tr', {}, el('th', { scope: 'row' }, name), el('td', { class: 'number' }, value(u_dx_mm)), el('td', { class: 'number' }, value(u_dy_mm)))))));
+      el('tbody', {}, ...targets.map(({ name, u_dx_mm, u_dy_mm }) => el('tr', {}, el('th', { scope: 'row' }, nameOf(this.setup, name)), el('td', { class: 'number' }, value(u_dx_mm)), el('td', { class: 'number' }, value(u_dy_mm)))))));
   }
 
   private drawMarkers(): void {
@@ -367,13 +367,11 @@ export class SetupView {
       clearTimeout(this.timer);
       await this.inspect();
     }
-    const { chosen, path } = this.setup;
-    if (!chosen?.site) {
-      say('No site file can be written before the markers are found.', 'bad');
-      return;
-    }
+    const { path } = this.setup;
     await attempt(async () => {
-      const saved = await post<{ path: string }>('/api/site', { path, text: chosen.site });
+      const text = await siteText(this.setup);
+      if (!text) throw new Error('No site file can be written before the markers are found.');
+      const saved = await post<{ path: string }>('/api/site', { path, text });
       this.entry.site = saved.path;
       say(`Saved as ${saved.path}. It can be read and edited as text.`);
       await refreshEntries();

@@ -1,5 +1,5 @@
 // The set-up of one clip, and the options of the command line that state it.
-import type { Box, Entry, FoundMarker, Inspection, Role } from '../api';
+import { post, type Box, type Entry, type FoundMarker, type Inspection, type Role } from '../api';
 
 export interface Range {
   from: number; // frames, half open
@@ -112,6 +112,26 @@ export function inspectBody(setup: Setup, withChoice: boolean): Record<string, u
   if (references.length > 0) body.references = references;
   if (targets.length > 0) body.targets = targets;
   if (ignore.length > 0) body.ignore = ignore;
-  if (setup.names.size > 0) body.names = Object.fromEntries(setup.names);
   return body;
+}
+
+const kKept = 24; // inspections
+const inspections = new Map<string, Inspection>();
+
+// Inspects a frame, or returns the stored result of the same request. Names do not change what is found.
+export async function inspection(setup: Setup, withChoice: boolean, signal?: AbortSignal): Promise<Inspection> {
+  const body = inspectBody(setup, withChoice);
+  const key = JSON.stringify(body);
+  const known = inspections.get(key);
+  if (known) return known;
+  const found = await post<Inspection>('/api/inspect', body, signal);
+  inspections.set(key, found);
+  if (inspections.size > kKept) inspections.delete(inspections.keys().next().value!);
+  return found;
+}
+
+// Returns the text of the site file, with new names.
+export async function siteText(setup: Setup): Promise<string> {
+  if (setup.names.size === 0) return (await inspection(setup, true)).site;
+  return (await post<Inspection>('/api/inspect', { ...inspectBody(setup, true), names: Object.fromEntries(setup.names) })).site;
 }
