@@ -99,6 +99,7 @@ class Lane {
 
   private drag(start: PointerEvent): void {
     if (start.button !== 0 || this.line.count < 2) return;
+    start.preventDefault(); // otherwise selected text would be dragged
     const from = this.frameAt(start);
     this.track.setPointerCapture(start.pointerId);
     const move = (event: PointerEvent): void => {
