@@ -74,7 +74,10 @@ SlurmdTimeout=10
 NodeName={host} NodeAddr=127.0.0.1 CPUs={self.processors} State=UNKNOWN
 PartitionName=main Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """)
-        (self.home / "cgroup.conf").write_text("CgroupAutomount=no\n")
+        # Newer versions require control groups of systemd unless they are disabled. Older ones do not know this value.
+        version = subprocess.run([tool("slurmd"), "-V"], capture_output=True, text=True, check=True).stdout.split()[-1]
+        if int(version.split(".")[0]) >= 23:
+            (self.home / "cgroup.conf").write_text("CgroupPlugin=disabled\n")
 
     def start(self, name, *words):
         log = (self.home / f"{name}.log").open("ab")
