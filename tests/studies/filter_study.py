@@ -19,7 +19,7 @@ SCENES = {"still": TARGET, "sway": TARGET + SWAY}
 # Filters in the time between frames, in the image plane, and in grey levels.
 FILTERS = [
     "null",
-    "hqdn3d=1:1:2:2", "hqdn3d=4:3:6:4.5", "atadenoise", "fftdnoiz=sigma=4:prev=1", "nlmeans=s=3", "vaguedenoiser", "owdenoise", "bm3d=sigma=2", "dctdnoiz=sigma=4",
+    "hqdn3d=1:1:2:2", "hqdn3d=4:3:6:4.5", "atadenoise", "fftdnoiz=sigma=4:prev=1", "nlmeans=s=3", "vaguedenoiser", "dctdnoiz=sigma=4",
     "tmix=frames=2:weights='1 9'", "tmix=frames=2", "tmix=frames=3", "lagfun=decay=0.95", "lagfun=decay=0.5", "tmedian=radius=1", "deflicker", "bwdif", "yadif",
     "mergeplanes=0x00:gray", "median=radius=1", "median=radius=2", "gblur=sigma=1", "avgblur=1", "unsharp=5:5:0.6", "unsharp=7:7:1.5", "cas=0.7", "smartblur=1:0.8:0",
     "scale=iw*3/4:-2:flags=bicubic,scale=1024:512:flags=bicubic", "scale=iw/2:-2:flags=area,scale=1024:512:flags=lanczos",
