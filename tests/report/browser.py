@@ -107,7 +107,7 @@ class Browser:
         elif method == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning", "assert"):
             self.errors.append(" ".join(str(a.get("value", a.get("description"))) for a in parameters["args"]))
         elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
-            self.errors.append(parameters["entry"]["text"])
+            self.errors.append(f'{parameters["entry"]["text"]} {parameters["entry"].get("url", "")}'.strip())
         elif method == "Network.requestWillBeSent":
             self.requests.append(parameters["request"]["url"])
 
