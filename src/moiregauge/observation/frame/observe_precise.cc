@@ -103,8 +103,6 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   } else if (may_have_slipped && !is_whole(*points, *at_rest, print, picture.rounding)) {
     return;
   }
-  if (!covered.any_now && !covered.any_then)
-    *points = fit_in_own_blur(picture.luma, print, *at_rest, *std::move(points));
   seen.occlusion = covered.any_now ? Occlusion::kNow : covered.any_then ? Occlusion::kAtRest : Occlusion::kNone;
   if (may_have_slipped)
     seen.patch =
@@ -191,6 +189,31 @@ void look_for(const GreyPicture& picture, const Reference& reference, const View
   read(picture, reference, view, i, seen);
 }
 
+// Fits the markers of a role again with a template of this frame's blur, where that explains their residual. Returns
+// true if one was fitted so.
+bool fit_in_own_blur(const GreyPicture& picture, const Reference& reference, Role role, Observation& seen) {
+  bool any = false;
+  for (std::size_t i = 0; i < seen.markers.size(); ++i) {
+    MarkerObservation& marker = seen.markers[i];
+    const bool is_read = marker.points && marker.loss == Loss::kNone && marker.occlusion == Occlusion::kNone;
+    if (reference.site.markers[i].role != role || !is_read || !reference.prints[i]) continue;
+    const auto& at_rest = reference.seen.markers[i].points;
+    if (!at_rest) continue;
+    auto fit = fit_in_own_blur(picture.luma, *reference.prints[i], *at_rest, *marker.points);
+    if (!fit) continue;
+    marker.points = *std::move(fit);
+    any = true;
+  }
+  return any;
+}
+
+// A camera that moves during the exposure blurs all gratings. Where only a target is blurred, an average over time
+// inside the camera may be the cause, which delays the target. The larger residual then has to remain in its u.
+void fit_in_own_blur(const GreyPicture& picture, const Reference& reference, Observation& seen) {
+  if (fit_in_own_blur(picture, reference, Role::kReference, seen))
+    (void)fit_in_own_blur(picture, reference, Role::kTarget, seen);
+}
+
 }  // namespace
 
 Observation observe_precise(const GreyPicture& picture, const Reference& reference, const Prediction& prediction) {
@@ -209,6 +232,7 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
       if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
         look_for(picture, reference, view, i, prediction, true, seen.markers[i]);
     }
+    fit_in_own_blur(picture, reference, seen);
     flag_ambiguous_targets(reference, prediction, seen);
     return seen;
   }
@@ -218,6 +242,7 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
   const View view{seen.stage2, reference.lens};
   for (std::size_t i = 0; i < seen.markers.size(); ++i)
     look_for(picture, reference, view, i, prediction, false, seen.markers[i]);
+  fit_in_own_blur(picture, reference, seen);
   flag_ambiguous_targets(reference, prediction, seen);
   return seen;
 }

@@ -7,7 +7,6 @@
 #include "moiregauge/observation/frame/discs_near.h"
 #include "moiregauge/observation/frame/occlusion.h"
 #include "moiregauge/observation/frame/patch_of_points.h"
-#include "moiregauge/observation/print/own_blur.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -35,8 +34,7 @@ std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& refe
     return std::nullopt;
   const CoveredBlocks covered = find_occluded_blocks(picture, print, *reference.seen.markers[i].points, *fit, rows);
   if (covered.any_now || covered.any_then) return std::nullopt;
-  if (rows == Rows::kSome) return *std::move(fit);
-  return fit_in_own_blur(picture.luma, print, *reference.seen.markers[i].points, *std::move(fit));
+  return *std::move(fit);
 }
 
 }  // namespace

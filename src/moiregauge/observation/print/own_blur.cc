@@ -147,11 +147,13 @@ std::optional<TemplateShift> shift_by_phases(const PrintTemplate& then, const Te
   return shift;
 }
 
-PatchFit fit_in_own_blur(const LumaView& luma, const PrintModel& model, const PatchFit& at_rest, PatchFit fit) {
-  if (model.print.order() < 2 || !(fit.sigma > kOtherResidual * at_rest.sigma) || !(at_rest.sigma > 0.0)) return fit;
+std::optional<PatchFit> fit_in_own_blur(const LumaView& luma, const PrintModel& model, const PatchFit& at_rest,
+                                        const PatchFit& fit) {
+  if (model.print.order() < 2 || !(fit.sigma > kOtherResidual * at_rest.sigma) || !(at_rest.sigma > 0.0))
+    return std::nullopt;
   std::optional<PatchFit> better = fit;
   for (int round = 0; round < kRounds && better; ++round) better = fit_with_new_template(luma, model, at_rest, *better);
-  return better && better->sigma < kExplains * fit.sigma ? *std::move(better) : std::move(fit);
+  return better && better->sigma < kExplains * fit.sigma ? better : std::nullopt;
 }
 
 }  // namespace moiregauge::internal

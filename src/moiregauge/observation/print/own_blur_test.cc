@@ -95,7 +95,7 @@ Reading read(const Image<std::uint8_t>& then, const Image<std::uint8_t>& now) {
   out.map = model->correction * *local_map(upright(), print(), {});
   out.at_rest = read_points(then.view(), upright(), print(), {}, *model).value();
   out.first = read_points(now.view(), upright(), print(), {}, *model).value();
-  out.own = fit_in_own_blur(now.view(), *model, out.at_rest, out.first);
+  out.own = fit_in_own_blur(now.view(), *model, out.at_rest, out.first).value_or(out.first);
   return out;
 }
 
