@@ -124,9 +124,9 @@ def local_part(program, clips, work, count):
 
 
 def slurm_part(program, clips, work, count):
-    reason = missing()
-    if reason:
-        print(f"No Slurm cluster could run here: {reason}.\n")
+    absent = missing()
+    if absent:
+        print(f"No Slurm cluster could run here, because programs are not installed: {', '.join(absent)}.\n")
         return
     out = work / "slurm"
     with Cluster(work) as cluster:

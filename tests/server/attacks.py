@@ -100,7 +100,7 @@ def paths():
     get("name with a path", "/api/file?run=.&name=../secret.csv")
     for body in ({"path": "../secret.csv"}, {"path": "link.csv"}, {"path": "/etc/passwd"}, {"path": ""}, {"path": "a.mp4", "site": "[grating]\npitch_mm = 10\n[x]\n"}):
         post(f"inspect {body}", "/api/inspect", body)
-    for path in ("../x", "link", "/tmp/x", ".x", "linked/x.mp4", "up/a.mp4"):
+    for path in ("../x", "link", "/elsewhere/x", ".x", "linked/x.mp4", "up/a.mp4"):
         post(f"site of {path}", "/api/site", {"path": path, "text": "[grating]\npitch_mm = 10\n"})
     post("report outside", "/api/ticket", {"run": "linked", "name": "report.html"})
     post("ticket for another file", "/api/ticket", {"run": "linked", "name": "../../secret.csv"})
@@ -167,7 +167,7 @@ def uploads():
     def upload(name, query, body=b"x", statuses=REFUSED):
         check(f"upload {name}", server.post("/api/upload?" + query, body, headers={"Content-Type": "application/octet-stream"}), statuses)
 
-    for name in ("../x.mp4", "..%2fx.mp4", "/tmp/x.mp4", "%00x.mp4", ".x.mp4", "a/b/c.mp4", "linked/x.mp4", "up/x.mp4", "x.html", "x.js", "x.mgj", "run.json", "x",
+    for name in ("../x.mp4", "..%2fx.mp4", "/elsewhere/x.mp4", "%00x.mp4", ".x.mp4", "a/b/c.mp4", "linked/x.mp4", "up/x.mp4", "x.html", "x.js", "x.mgj", "run.json", "x",
                  "x.mp4%0d%0a", "x" * 250 + ".mp4", ""):
         upload(name[:20], f"name={name}&offset=0&size=1")
     upload("over a clip", "name=a.mp4&offset=0&size=1", statuses=(409,))

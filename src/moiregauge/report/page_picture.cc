@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csetjmp>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
+#include <string>
 
-#include <jpeglib.h>
-
+#include "moiregauge/base/jpeg_bytes.h"
 #include "moiregauge/drawing/surface/surface.h"
 
 namespace moiregauge::internal {
@@ -40,27 +37,8 @@ Surface shrunk_to_page(cairo_surface_t* picture) {
   return page;
 }
 
-// libjpeg reports errors by longjmp. Objects with destructors are here, outside the function that it leaves.
-struct JpegBytes {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  std::jmp_buf out_of_here{};
-  unsigned char* bytes = nullptr;
-  unsigned long size = 0;
-  std::vector<std::uint8_t> row;
-  JpegBytes() = default;
-  JpegBytes(const JpegBytes&) = delete;
-  JpegBytes& operator=(const JpegBytes&) = delete;
-  ~JpegBytes() {
-    jpeg_destroy_compress(&jpeg);
-    std::free(bytes);
-  }
-};
-
-[[noreturn]] void leave(j_common_ptr jpeg) { std::longjmp(static_cast<JpegBytes*>(jpeg->client_data)->out_of_here, 1); }
-
 // Converts Cairo's words 0x00RRGGBB to the three bytes that libjpeg reads.
-void put_rgb(const std::uint8_t* words, std::vector<std::uint8_t>& row) {
+void put_rgb(const std::uint8_t* words, std::span<std::uint8_t> row) {
   for (std::size_t x = 0; x < row.size() / 3; ++x) {
     std::uint32_t word = 0;
     std::memcpy(&word, words + 4 * x, 4);
@@ -68,30 +46,15 @@ void put_rgb(const std::uint8_t* words, std::vector<std::uint8_t>& row) {
   }
 }
 
-bool write_jpeg(cairo_surface_t* page, JpegBytes& out) {
-  out.jpeg.err = jpeg_std_error(&out.errors);
-  out.errors.error_exit = &leave;
-  out.jpeg.client_data = &out;
-  if (setjmp(out.out_of_here) != 0) return false;
-  jpeg_create_compress(&out.jpeg);
-  jpeg_mem_dest(&out.jpeg, &out.bytes, &out.size);
-  out.jpeg.image_width = static_cast<JDIMENSION>(cairo_image_surface_get_width(page));
-  out.jpeg.image_height = static_cast<JDIMENSION>(cairo_image_surface_get_height(page));
-  out.jpeg.input_components = 3;
-  out.jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&out.jpeg);
-  jpeg_set_quality(&out.jpeg, kQuality, TRUE);
-  out.jpeg.optimize_coding = TRUE;
-  jpeg_start_compress(&out.jpeg, TRUE);
+std::string jpeg_of(cairo_surface_t* page) {
   const std::uint8_t* words = cairo_image_surface_get_data(page);
-  const int stride = cairo_image_surface_get_stride(page);
-  while (out.jpeg.next_scanline < out.jpeg.image_height) {
-    put_rgb(words + static_cast<std::ptrdiff_t>(out.jpeg.next_scanline) * stride, out.row);
-    JSAMPROW row = out.row.data();
-    jpeg_write_scanlines(&out.jpeg, &row, 1);
-  }
-  jpeg_finish_compress(&out.jpeg);
-  return true;
+  const std::ptrdiff_t stride = cairo_image_surface_get_stride(page);
+  return jpeg_bytes({.width = cairo_image_surface_get_width(page),
+                     .height = cairo_image_surface_get_height(page),
+                     .components = 3,
+                     .quality = kQuality,
+                     .is_small = true,
+                     .fill = [=](int y, std::span<std::uint8_t> row) { put_rgb(words + y * stride, row); }});
 }
 
 }  // namespace
@@ -103,10 +66,9 @@ std::vector<std::uint8_t> page_picture(std::span<const std::uint8_t> png) {
   if (cairo_surface_status(picture.get()) != CAIRO_STATUS_SUCCESS) return as_it_is();
   const Surface page = shrunk_to_page(picture.get());
   if (cairo_surface_status(page.get()) != CAIRO_STATUS_SUCCESS) return as_it_is();
-  JpegBytes out;
-  out.row.resize(static_cast<std::size_t>(3 * cairo_image_surface_get_width(page.get())));
-  if (!write_jpeg(page.get(), out) || out.size >= png.size()) return as_it_is();
-  return {out.bytes, out.bytes + out.size};
+  const std::string jpeg = jpeg_of(page.get());
+  if (jpeg.empty() || jpeg.size() >= png.size()) return as_it_is();
+  return {jpeg.begin(), jpeg.end()};
 }
 
 }  // namespace moiregauge::internal

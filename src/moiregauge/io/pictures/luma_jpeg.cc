@@ -2,61 +2,15 @@
 #include "moiregauge/io/pictures/luma_jpeg.h"
 
 #include <algorithm>
-#include <csetjmp>
-#include <cstdio>
-#include <cstdlib>
+#include <span>
 #include <vector>
 
-#include <jpeglib.h>
+#include "moiregauge/base/jpeg_bytes.h"
 
 namespace moiregauge::internal {
 namespace {
 
 constexpr int kQuality = 82;  // from 0 to 100; gratings stay sharp at half the bytes of 92 (chosen)
-
-// libjpeg reports errors by longjmp. Objects with destructors are here, outside the function that it leaves.
-struct JpegOutput {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  std::jmp_buf on_error{};
-  unsigned char* bytes = nullptr;
-  unsigned long size = 0;
-  JpegOutput() = default;
-  JpegOutput(const JpegOutput&) = delete;
-  JpegOutput& operator=(const JpegOutput&) = delete;
-  ~JpegOutput() {
-    jpeg_destroy_compress(&jpeg);
-    std::free(bytes);
-  }
-};
-
-[[noreturn]] void jump_on_error(j_common_ptr jpeg) {
-  std::longjmp(static_cast<JpegOutput*>(jpeg->client_data)->on_error, 1);
-}
-
-bool compress(const ImageView<std::uint8_t>& image, JpegOutput& out) {
-  out.jpeg.err = jpeg_std_error(&out.errors);
-  out.errors.error_exit = &jump_on_error;
-  out.jpeg.client_data = &out;
-  if (setjmp(out.on_error) != 0) return false;
-  jpeg_create_compress(&out.jpeg);
-  jpeg_mem_dest(&out.jpeg, &out.bytes, &out.size);
-  out.jpeg.image_width = static_cast<JDIMENSION>(image.width);
-  out.jpeg.image_height = static_cast<JDIMENSION>(image.height);
-  out.jpeg.input_components = 1;
-  out.jpeg.in_color_space = JCS_GRAYSCALE;
-  jpeg_set_defaults(&out.jpeg);
-  jpeg_set_quality(&out.jpeg, kQuality, TRUE);
-  jpeg_start_compress(&out.jpeg, TRUE);
-  while (out.jpeg.next_scanline < out.jpeg.image_height) {
-    const std::uint8_t* first = image.data + static_cast<std::ptrdiff_t>(out.jpeg.next_scanline) * image.stride;
-    // libjpeg does not write to the row, but its interface is not const.
-    JSAMPROW row = const_cast<JSAMPROW>(first);
-    jpeg_write_scanlines(&out.jpeg, &row, 1);
-  }
-  jpeg_finish_compress(&out.jpeg);
-  return true;
-}
 
 }  // namespace
 
@@ -82,9 +36,8 @@ Image<std::uint8_t> shrunk_to_width(const ImageView<std::uint8_t>& image, int ma
 }
 
 std::string luma_jpeg(const ImageView<std::uint8_t>& image) {
-  JpegOutput out;
-  if (!compress(image, out)) return {};
-  return {reinterpret_cast<const char*>(out.bytes), out.size};
+  const auto fill = [&](int y, std::span<std::uint8_t> bytes) { std::ranges::copy(image.row(y), bytes.begin()); };
+  return jpeg_bytes({.width = image.width, .height = image.height, .quality = kQuality, .fill = fill});
 }
 
 }  // namespace moiregauge::internal

@@ -27,8 +27,8 @@ constexpr double kExplains = 0.8;
 constexpr int kRounds = 2;
 constexpr double kFarOff = 0.1;     // pitches: largest shift between both templates. Chosen.
 constexpr double kMinSignal = 3.0;  // amplitude of a harmonic that counts, in u; chosen
-// Highest orders of the harmonics that are used in turn. A phase modulo pi is unique if the shift is known to a quarter
-// of the harmonic's period: 0.1 pitch for two periods. Three harmonics then know it much better.
+// Highest orders of the harmonics that are used in turn. A phase modulo pi is unique if the shift is known to a
+// quarter of the harmonic's period: 0.1 pitch for two periods. Three harmonics then know it much better.
 constexpr std::array kOrders{2, 3, 5, 8, 1 << 20};
 
 struct Phase {

@@ -39,8 +39,8 @@ struct TemplateShift {
                                                            const PrintTemplate& now, const TemplateNoise& noise_now,
                                                            const PatchFitOptions& options);
 
-// Returns the fit by a template with this frame's blur. Light, contrast and fundamentals remain relative to the template
-// of the reference frame.
+// Returns the fit by a template with this frame's blur. Light, contrast and fundamentals remain relative to the
+// reference frame's template.
 // Fails (nothing): the residual of `fit` is that of the reference frame (`at_rest`), or this blur does not explain it.
 [[nodiscard]] std::optional<PatchFit> fit_in_own_blur(const LumaView& luma, const PrintModel& model,
                                                       const PatchFit& at_rest, const PatchFit& fit);
