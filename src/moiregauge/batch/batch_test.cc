@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -227,6 +228,30 @@ TEST(ClipState, ADamagedStateIsNone) {
   for (const char* text : {"", "{", "[]", "{\"finished\":1}", "null"}) {
     put_text(batch.folder.state("a").string(), text);
     EXPECT_FALSE(read_state(batch.folder, "a")) << text;
+  }
+}
+
+// A cluster asks all processes of a task to stop. The clip then continues elsewhere.
+TEST(ClipJob, AProcessThatWasAskedToStopIsNoResult) {
+  SmallBatch batch({"a.mp4"});
+  put(batch.clips[0].input);
+  const std::string program = batch.folder.path.string() + "/program";
+  for (const auto& [signal, is_finished] :
+       std::map<std::string, bool>{{"TERM", false}, {"HUP", false}, {"KILL", true}}) {
+    put(program, "#!/bin/sh\nkill -" + signal + " $$\n");
+    fs::permissions(program, fs::perms::owner_all);
+    auto job = ClipJob::start(program, batch.folder, batch.clips[0], {}, Need::kMeasure);
+    ASSERT_TRUE(job) << job.error();
+    std::optional<ClipState> state;
+    for (int k = 0; k < 500 && !state; ++k) {
+      const auto polled = job->poll();
+      ASSERT_TRUE(polled) << polled.error();
+      state = *polled;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    ASSERT_TRUE(state);
+    EXPECT_EQ(state->is_finished, is_finished) << signal;
+    EXPECT_EQ(need_of(batch.clips[0], {}, *state, false) == Need::kNothing, is_finished) << signal;
   }
 }
 

@@ -2,6 +2,7 @@
 #include "moiregauge/batch/clip_job.h"
 
 #include <cmath>
+#include <csignal>
 #include <utility>
 
 #include <fmt/format.h>
@@ -82,9 +83,12 @@ void ClipJob::conclude(const ChildEnd& end) {
   state_.wall_s = end.wall_s;
   state_.cpu_s = end.cpu_s;
   state_.max_resident_bytes = end.max_resident_bytes;
-  // A clip that ended on its own before it noticed the interrupt is finished.
-  const bool was_stopped = state_.exit_code == static_cast<int>(Exit::kInterrupted) || end.signal != 0;
-  state_.is_finished = !(is_interrupted_ && was_stopped);
+  // A cluster that takes a task back asks all its processes to stop, and those of the clips may end first. A clip that
+  // ended on its own before it noticed the interrupt is finished. So is one that the system ended (SIGKILL).
+  const bool was_asked = state_.exit_code == static_cast<int>(Exit::kInterrupted) || end.signal == SIGTERM ||
+                         end.signal == SIGINT || end.signal == SIGHUP;
+  const bool was_stopped = was_asked || (is_interrupted_ && end.signal != 0);
+  state_.is_finished = (state_.is_timed_out && !is_interrupted_) || !was_stopped;
   if (state_.exit_code == static_cast<int>(Exit::kMeasured)) state_.message.clear();
   if (state_.exit_code != static_cast<int>(Exit::kMeasured) && state_.message.empty()) state_.message = last_line_;
   state_.message = limit_text(state_, folder_.run(clip_.name).string());

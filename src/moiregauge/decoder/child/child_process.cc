@@ -60,11 +60,16 @@ int spawn(pid_t& process, const std::string& program, const ChildFiles& files, s
   posix_spawn_file_actions_addclosefrom_np(&actions, wire::kFirstUnusedFile);
   std::string name = "moiregauge";
   char* words[] = {name.data(), mode.data(), max_pixels.data(), nullptr};
-  // The parent handles an interrupt from the keyboard. The child ends when the parent closes the socket.
+  // The parent handles requests to stop, from the keyboard or to all processes of a service or a cluster's task. The
+  // child ends when the parent closes the socket. A child that ended first would look like a damaged video.
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&blocked, signal);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
   posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setsigmask(&attributes, &blocked);
   const int problem = ::posix_spawn(&process, program.c_str(), &actions, &attributes, words, environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
