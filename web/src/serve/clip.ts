@@ -66,7 +66,10 @@ export class ClipScreen {
   }
 
   private firstStep(): Step {
-    if (this.entry.kind === 'run' || this.entry.state === 'done') return 'results';
+    if (this.entry.kind === 'run') return 'results';
+    const job = jobOf(this.entry, runOf(this.entry.path)); // the entry's state follows it some moments later
+    if (job?.state === 'running' || job?.state === 'queued') return 'measure';
+    if (this.entry.state === 'done') return 'results';
     if (this.entry.state === 'measuring' || this.entry.state === 'queued' || this.entry.state === 'interrupted') return 'measure';
     return 'setup';
   }
