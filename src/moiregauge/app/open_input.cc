@@ -42,10 +42,15 @@ class SlowMotionSource final : public FrameSource {
 
 tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
                                                                   const InputOptions& options) {
+  return open_input_from(0, path, options);
+}
+
+tl::expected<std::unique_ptr<FrameSource>, InputError> open_input_from(long first_frame, const std::string& path,
+                                                                       const InputOptions& options) {
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(path, ignored);
   const bool is_video = !options.sequence && is_file && picture_kind(path) == PictureKind::kNone;
-  auto source = is_video ? open_video(path, options) : open_pictures(path, options);
+  auto source = is_video ? open_video(path, options, {.first_frame = first_frame}) : open_pictures(path, options);
   if (!source || !options.slow_motion) return source;
   return std::make_unique<SlowMotionSource>(*std::move(source), *options.slow_motion);
 }

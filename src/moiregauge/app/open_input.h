@@ -15,4 +15,9 @@ namespace moiregauge::internal {
 [[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_input(const std::string& path,
                                                                                 const InputOptions& options);
 
+// The same, but frames of a video before `first_frame` may be omitted (DecoderOptions::first_frame).
+[[nodiscard]] tl::expected<std::unique_ptr<FrameSource>, InputError> open_input_from(long first_frame,
+                                                                                     const std::string& path,
+                                                                                     const InputOptions& options);
+
 }  // namespace moiregauge::internal

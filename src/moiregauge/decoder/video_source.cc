@@ -53,8 +53,12 @@ InputError error_in(const Record& record, const std::string& path) {
 
 class VideoSource final : public FrameSource {
  public:
-  VideoSource(ChildProcess child, InputInfo info, const InputOptions& options, std::chrono::milliseconds watchdog)
-      : child_(std::move(child)), info_(std::move(info)), fps_(options.fps), watchdog_(watchdog) {}
+  VideoSource(ChildProcess child, InputInfo info, const InputOptions& options, const DecoderOptions& decoder)
+      : child_(std::move(child)),
+        info_(std::move(info)),
+        fps_(options.fps),
+        watchdog_(decoder.watchdog),
+        skippable_(decoder.first_frame) {}
 
   [[nodiscard]] const InputInfo& info() const override { return info_; }
 
@@ -98,9 +102,11 @@ class VideoSource final : public FrameSource {
       }
       ended_ = record->kind == Kind::kEnd;
       if (ended_) return std::optional<Frame>();
-      if (record->kind != Kind::kFrame || record->slot < 0 || record->slot >= slots_ || record->number != number_) {
+      const bool is_next = record->number == number_ || (skippable_ > 0 && is_first_after_skip(record->number));
+      if (record->kind != Kind::kFrame || record->slot < 0 || record->slot >= slots_ || !is_next)
         return break_off(nonsense());
-      }
+      skippable_ = 0;
+      number_ = record->number;
       if (!fps_ && runs_backwards(*record)) {
         return break_off(error_of(
             InputErrorKind::kDamaged,
@@ -118,6 +124,8 @@ class VideoSource final : public FrameSource {
            record.tone_kind >= 0 && record.tone_kind <= static_cast<std::int32_t>(ToneCurve::Kind::kGamma) &&
            record.tone_gamma > 0.0 && record.slots > 0 && record.slots <= wire::kMaxSlots;
   }
+
+  [[nodiscard]] bool is_first_after_skip(std::int64_t number) const { return number >= 0 && number <= skippable_; }
 
   [[nodiscard]] std::string place() const { return fmt::format("{} at frame {}", info_.path, number_); }
   [[nodiscard]] InputError nonsense() const {
@@ -171,6 +179,7 @@ class VideoSource final : public FrameSource {
   InputInfo info_;
   std::optional<double> fps_;
   std::chrono::milliseconds watchdog_;
+  long skippable_;  // before the first frame: the highest number that it may have
   const std::byte* memory_ = nullptr;
   std::size_t slot_bytes_ = 0;
   int slots_ = 0;
@@ -196,13 +205,14 @@ Opened decoded(const std::string& path, const InputOptions& options, const Decod
   }
   if (!S_ISREG(about.st_mode)) return unreadable("the input is not a file", "give a video file");
   if (about.st_size == 0) return unreadable("the video file is empty", "copy it again from the camera");
-  auto child = ChildProcess::start(decoder.child_program, file.number(), options.max_pixels);
+  auto child = ChildProcess::start(decoder.child_program, file.number(), options.max_pixels, wire::kChildMode,
+                                   decoder.first_frame);
   if (!child)
     return unreadable(fmt::format("the video decoder could not be started ({})", child.error()),
                       "free memory or processes");
   InputInfo info;
   info.path = path;
-  auto source = std::make_unique<VideoSource>(std::move(*child), std::move(info), options, decoder.watchdog);
+  auto source = std::make_unique<VideoSource>(std::move(*child), std::move(info), options, decoder);
   if (auto opened = source->open(); !opened) return tl::unexpected(opened.error());
   return std::unique_ptr<FrameSource>(std::move(source));
 }
@@ -237,6 +247,11 @@ tl::expected<std::unique_ptr<FrameSource>, InputError> open_video(const std::str
                                                                   const DecoderOptions& decoder) {
   auto source = decoded(path, options, decoder);
   if (!source || !decoder.in_place || (*source)->info().codec != "rawvideo") return source;
+  if (decoder.first_frame > 0) {  // omitting frames that are read in place saves nothing
+    DecoderOptions from_start = decoder;
+    from_start.first_frame = 0;
+    return open_video(path, options, from_start);
+  }
   auto mapped = map_video(path);
   if (!mapped) return source;
   if (agree(*mapped, **source)) return stored_source(std::move(*mapped), (*source)->info(), options);

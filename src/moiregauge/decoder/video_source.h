@@ -18,6 +18,12 @@ struct DecoderOptions {
   std::string child_program = default_child_program();
   std::chrono::milliseconds watchdog = std::chrono::seconds(10);  // silence after which the child is killed
   bool in_place = true;                                           // false: uncompressed video is decoded too
+  // Frames before this one may be omitted, which is faster. Numbers, times, pixels and quantisers of the others are
+  // those of decoding from the start. The first frame may therefore have any number up to this one. After damage in the
+  // omitted part, numbers can differ where frames are reordered.
+  // Frames that a gradual refresh has not completed are marked damaged. The end of the file is not checked.
+  // Fails in addition: kDamaged, if decoding must begin at the start.
+  long first_frame = 0;
 };
 
 // Opens the luma of a file's video stream: native depth, upright, with the stream's own time stamps.

@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -29,17 +30,23 @@ extern char** environ;
 namespace moiregauge::internal {
 namespace {
 
+// Returns -1 if the text is no number.
+std::int64_t whole_number(std::string_view text) {
+  std::int64_t number = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc{} ? number : -1;
+}
+
 // Runs before main(): glibc passes the program's arguments to constructors. It is in this file so that every program
 // that links start() links it too. It never returns in the child, so none of the program's own code runs there.
 __attribute__((constructor)) void become_the_child(int count, char** words) {
-  if (count != 3) return;
+  if (count != 4) return;
   const std::string_view mode = words[1];
   if (mode != wire::kChildMode && mode != wire::kLiveMode) return;
-  std::int64_t max_pixels = 0;
-  const std::string_view number = words[2];
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), max_pixels);
-  const bool sane = error == std::errc{} && max_pixels > 0 && max_pixels <= wire::kMaxPixels;
-  ::_exit(!sane ? 2 : mode == wire::kLiveMode ? decode_live_child(max_pixels) : decode_child(max_pixels));
+  const std::int64_t max_pixels = whole_number(words[2]), first_frame = whole_number(words[3]);
+  const bool sane = max_pixels > 0 && max_pixels <= wire::kMaxPixels && first_frame >= 0;
+  if (!sane) ::_exit(2);
+  ::_exit(mode == wire::kLiveMode ? decode_live_child(max_pixels) : decode_child(max_pixels, first_frame));
 }
 
 // Returns a copy of the descriptor above the child's fixed numbers, which spawn() assigns one after the other.
@@ -49,8 +56,8 @@ struct ChildFiles {
   int input, memory, socket;
 };
 
-int spawn(pid_t& process, const std::string& program, const ChildFiles& files, std::string mode,
-          std::string max_pixels) {
+// `words`: the child's arguments after its name.
+int spawn(pid_t& process, const std::string& program, const ChildFiles& files, std::array<std::string, 3> words) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -59,7 +66,7 @@ int spawn(pid_t& process, const std::string& program, const ChildFiles& files, s
   posix_spawn_file_actions_adddup2(&actions, files.socket, wire::kSocket);
   posix_spawn_file_actions_addclosefrom_np(&actions, wire::kFirstUnusedFile);
   std::string name = "moiregauge";
-  char* words[] = {name.data(), mode.data(), max_pixels.data(), nullptr};
+  char* arguments[] = {name.data(), words[0].data(), words[1].data(), words[2].data(), nullptr};
   // The parent handles requests to stop, from the keyboard or to all processes of a service or a cluster's task. The
   // child ends when the parent closes the socket. A child that ended first would look like a damaged video.
   sigset_t blocked;
@@ -70,7 +77,7 @@ int spawn(pid_t& process, const std::string& program, const ChildFiles& files, s
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setsigmask(&attributes, &blocked);
-  const int problem = ::posix_spawn(&process, program.c_str(), &actions, &attributes, words, environ);
+  const int problem = ::posix_spawn(&process, program.c_str(), &actions, &attributes, arguments, environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   return problem;
@@ -91,7 +98,8 @@ std::string default_child_program() {
 }
 
 tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& program, int input,
-                                                            std::int64_t max_pixels, const char* mode) {
+                                                            std::int64_t max_pixels, const char* mode,
+                                                            long first_frame) {
   ChildProcess child;
   int ends[2] = {-1, -1};
   child.memory_file_ = ::memfd_create("moiregauge-frames", MFD_CLOEXEC | MFD_ALLOW_SEALING);
@@ -100,7 +108,8 @@ tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& p
   }
   child.socket_ = ends[0];
   const int files[] = {moved_up(input), moved_up(child.memory_file_), moved_up(ends[1])};
-  const int problem = spawn(child.process_, program, {files[0], files[1], files[2]}, mode, std::to_string(max_pixels));
+  const int problem = spawn(child.process_, program, {files[0], files[1], files[2]},
+                            {mode, std::to_string(max_pixels), std::to_string(first_frame)});
   for (const int file : files) ::close(file);
   ::close(ends[1]);
   if (problem == 0) return child;

@@ -30,10 +30,11 @@ namespace moiregauge::internal {
 class ChildProcess {
  public:
   // Starts a child. `input` remains the caller's. The child decodes no image of more than `max_pixels`. `mode`:
-  // wire::kChildMode or wire::kLiveMode. Fails with the reason.
+  // wire::kChildMode or wire::kLiveMode. The child may omit frames before `first_frame`. Fails with the reason.
   [[nodiscard]] static tl::expected<ChildProcess, std::string> start(const std::string& program, int input,
                                                                      std::int64_t max_pixels,
-                                                                     const char* mode = wire::kChildMode);
+                                                                     const char* mode = wire::kChildMode,
+                                                                     long first_frame = 0);
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
   ~ChildProcess();  // kills the child if it is running

@@ -17,6 +17,7 @@
 #include "moiregauge/decoder/child/confinement.h"
 #include "moiregauge/decoder/child/wire.h"
 #include "moiregauge/decoder/headers/stream_tone.h"
+#include "moiregauge/decoder/seek/seek_plan.h"
 #include "moiregauge/decoder/stream/ffmpeg_version.h"
 #include "moiregauge/decoder/stream/luma_plane.h"
 #include "moiregauge/decoder/stream/margin.h"
@@ -42,7 +43,7 @@ struct Shape {
 class Child {
  public:
   explicit Child(std::int64_t max_pixels) : max_pixels_(max_pixels) {}
-  int run(const std::optional<std::string>& unfiltered);
+  int run(const std::optional<std::string>& unfiltered, long first_frame);
   int run_live();
 
  private:
@@ -61,6 +62,9 @@ class Child {
   void send_rest();
   [[nodiscard]] std::optional<VideoProblem> begin(const VideoStream& stream,
                                                   const std::optional<std::string>& unfiltered);
+  [[nodiscard]] std::optional<SeekPlan> plan_for(long first_frame) const;
+  [[nodiscard]] std::optional<VideoProblem> skip(VideoStream& stream, const SeekPlan& plan,
+                                                 const std::optional<std::string>& unfiltered);
   void warn_about_fields(const AVFrame& frame);
   void send_live_frame(const VideoStream& stream);
 
@@ -72,6 +76,7 @@ class Child {
   std::vector<std::byte> upright_;  // the stored image before rotation
   std::int64_t number_ = 0;
   double start_s_ = 0.0;
+  std::optional<std::int64_t> first_time_;  // after a skip: earlier frames are not shown
   DamageMargin<Record> margin_;
   bool warned_fields_ = false;
   bool is_live_ = false;
@@ -293,10 +298,36 @@ int Child::run_live() {
   }
 }
 
-int Child::run(const std::optional<std::string>& unfiltered) {
+// The margin of frames is that of damaged neighbours, so that their marks are the same as without a skip.
+std::optional<SeekPlan> Child::plan_for(long first_frame) const {
+  if (first_frame == 0) return std::nullopt;
+  auto packets = VideoStream::open(wire::kInputFile, max_pixels_);
+  if (!packets) return std::nullopt;  // the same problem comes again
+  return plan_seek((*packets)->note_packets(first_frame), first_frame, DamageMargin<Record>::kFrames);
+}
+
+// Decodes frame 0, which determines the shape and the start of time, and then skips.
+std::optional<VideoProblem> Child::skip(VideoStream& stream, const SeekPlan& plan,
+                                        const std::optional<std::string>& unfiltered) {
+  if (stream.next() != Decoded::kFrame || stream.timestamp() != plan.begin_time)
+    return VideoProblem{InputErrorKind::kDamaged, "frames cannot be skipped", "decode from the start"};
+  if (auto problem = begin(stream, unfiltered)) return problem;
+  start_s_ = stream.time_s();
+  if (!stream.skip_to(plan.packet))
+    return VideoProblem{InputErrorKind::kDamaged, "frames cannot be skipped", "decode from the start"};
+  number_ = plan.first_frame;
+  first_time_ = plan.first_time;
+  return std::nullopt;
+}
+
+int Child::run(const std::optional<std::string>& unfiltered, long first_frame) {
+  const auto plan = plan_for(first_frame);
   auto opened = VideoStream::open(wire::kInputFile, max_pixels_);
   if (!opened) return fail(opened.error());
   VideoStream& stream = **opened;
+  if (plan) {
+    if (const auto problem = skip(stream, *plan, unfiltered)) return fail(*problem);
+  }
   while (true) {
     const Decoded decoded = stream.next();
     if (decoded == Decoded::kEnd && memory_ == nullptr)
@@ -309,14 +340,14 @@ int Child::run(const std::optional<std::string>& unfiltered) {
       break;
     }
     if (decoded == Decoded::kLost) {
-      if (stream.is_place_known() && memory_ != nullptr)
+      if (stream.is_place_known() && memory_ != nullptr && !first_time_)
         send_frame(stream, true);
       else
         margin_.spoil_around();
       continue;
     }
     if (const auto problem = begin(stream, unfiltered)) return fail(*problem);
-    send_frame(stream, false);
+    if (!first_time_ || stream.timestamp() >= *first_time_) send_frame(stream, false);
   }
   send_rest();
   send(Record{});
@@ -325,11 +356,11 @@ int Child::run(const std::optional<std::string>& unfiltered) {
 
 }  // namespace
 
-int decode_child(std::int64_t max_pixels) {
+int decode_child(std::int64_t max_pixels, long first_frame) {
   limit_resources(max_pixels);
   const auto unfiltered = filter_system_calls();
   count_log_errors();
-  return Child(max_pixels).run(unfiltered);
+  return Child(max_pixels).run(unfiltered, first_frame);
 }
 
 int decode_live_child(std::int64_t max_pixels) {

@@ -13,6 +13,7 @@
 #include "moiregauge/decoder/headers/cluster_sums.h"
 #include "moiregauge/decoder/headers/stated_size.h"
 #include "moiregauge/decoder/headers/stream_quantiser.h"
+#include "moiregauge/decoder/seek/seek_plan.h"
 #include "moiregauge/decoder/stream/damage.h"
 #include "moiregauge/decoder/stream/live_address.h"
 #include "moiregauge/run/frame_source.h"
@@ -54,6 +55,12 @@ class VideoStream {
   // if is_place_known().
   [[nodiscard]] Decoded next();
   [[nodiscard]] const AVFrame& frame() const { return *frame_; }
+  // Returns notes of the packets that a plan for frame `wanted` needs, without decoding them. The stream is then used up.
+  [[nodiscard]] std::vector<PacketNote> note_packets(long wanted);
+  // Continues with this packet (SeekPlan). Returns false if it was read before, or does not exist.
+  [[nodiscard]] bool skip_to(std::int64_t packet);
+  // Returns the time of frame() in the stream's own count.
+  [[nodiscard]] std::int64_t timestamp() const { return timestamp_; }
   [[nodiscard]] bool is_place_known() const { return decoder_->has_b_frames == 0; }
   [[nodiscard]] bool damaged() const { return damaged_; }
   [[nodiscard]] const StreamQuantiser& quantiser() const { return quantiser_; }  // for frame()

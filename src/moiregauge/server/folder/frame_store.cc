@@ -14,6 +14,9 @@
 namespace moiregauge::internal {
 namespace {
 
+// Frames further ahead are reached from a key frame. Chosen: a group of pictures rarely has more.
+constexpr long kMaxDecodedAhead = 120;
+
 template <typename Grey>
 Image<Grey> copy_of(const ImageView<Grey>& view) {
   Image<Grey> out(view.width, view.height);
@@ -98,14 +101,32 @@ std::shared_ptr<FrameStore::Reader> FrameStore::reader_of(const std::string& key
 
 tl::expected<std::shared_ptr<const KeptFrame>, std::string> FrameStore::read(Reader& reader, const std::string& path,
                                                                              long number) {
-  const bool is_behind = reader.last && reader.last->number > number;
-  if (!reader.source || reader.is_at_end || is_behind) {
-    auto source = open_input(path, {});
-    if (!source) return tl::unexpected(source.error().message);
-    reader.source = *std::move(source);
+  const auto open = [&](long first) -> tl::expected<void, std::string> {
+    auto source = open_input_from(first, path, {});
+    reader.source = source ? *std::move(source) : nullptr;
     reader.last = nullptr;
     reader.is_at_end = false;
+    reader.has_skipped = first > 0;
+    reader.reached = -1;
+    if (!source) return tl::unexpected(source.error().message);
+    return {};
+  };
+  const bool is_behind = reader.last ? reader.last->number > number : reader.reached >= number;
+  const bool is_far = number > reader.reached + kMaxDecodedAhead;
+  if (!reader.source || reader.is_at_end || is_behind || is_far) {
+    const auto opened = open(number);
+    if (!opened && number == 0) return tl::unexpected(opened.error());
   }
+  if (reader.source) {
+    auto found = read_on(reader, path, number);
+    if (!reader.has_skipped || (found && !(*found)->damaged)) return found;
+  }
+  if (const auto opened = open(0); !opened) return tl::unexpected(opened.error());
+  return read_on(reader, path, number);
+}
+
+tl::expected<std::shared_ptr<const KeptFrame>, std::string> FrameStore::read_on(Reader& reader, const std::string& path,
+                                                                                long number) {
   // One frame more than `number` is decoded, for its quantiser.
   while (!reader.is_at_end) {
     auto next = reader.source->next();
@@ -114,6 +135,7 @@ tl::expected<std::shared_ptr<const KeptFrame>, std::string> FrameStore::read(Rea
       return tl::unexpected(next.error().message);
     }
     reader.is_at_end = !next || !*next;
+    if (!reader.is_at_end) reader.reached = (*next)->number;
     if (!reader.is_at_end && (*next)->number <= number) {
       reader.last = (*next)->number == number ? std::make_shared<KeptFrame>(reader.source->info(), **next) : nullptr;
       continue;
@@ -124,7 +146,7 @@ tl::expected<std::shared_ptr<const KeptFrame>, std::string> FrameStore::read(Rea
       reader.last = std::make_shared<KeptFrame>(reader.source->info(), **next);
     }
     if (!wanted || wanted->number != number) break;
-    keep(reader.key, wanted);
+    if (!(reader.has_skipped && wanted->damaged)) keep(reader.key, wanted);
     return wanted;
   }
   return tl::unexpected(fmt::format("the frame does not exist: {}, frame {}: choose a lower number", path, number));

@@ -49,7 +49,8 @@ struct FrameLimits {
   std::int64_t max_bytes = 400 << 20;  // pixels of kept frames
 };
 
-// Decodes forwards. An earlier frame that is no longer kept is decoded from the start of the clip.
+// Decodes forwards. A frame further away is decoded from a key frame before it. If that fails, or the frame is marked
+// damaged, it is decoded again from the start of the clip, which settles number and mark.
 class FrameStore {
  public:
   explicit FrameStore(const FrameLimits& limits = {}) : limits_(limits) {}
@@ -66,6 +67,8 @@ class FrameStore {
     std::unique_ptr<FrameSource> source;
     std::shared_ptr<KeptFrame> last;  // waits for the quantiser of the next frame
     bool is_at_end = false;
+    bool has_skipped = false;  // it did not begin at the start
+    long reached = -1;         // the last frame that was decoded
   };
   using Kept = std::pair<std::string, std::shared_ptr<const KeptFrame>>;
 
@@ -73,6 +76,9 @@ class FrameStore {
   [[nodiscard]] std::shared_ptr<Reader> reader_of(const std::string& key);
   [[nodiscard]] tl::expected<std::shared_ptr<const KeptFrame>, std::string> read(Reader& reader,
                                                                                  const std::string& path, long number);
+  [[nodiscard]] tl::expected<std::shared_ptr<const KeptFrame>, std::string> read_on(Reader& reader,
+                                                                                    const std::string& path,
+                                                                                    long number);
   void keep(const std::string& key, std::shared_ptr<const KeptFrame> frame);
 
   const FrameLimits limits_;
