@@ -54,6 +54,13 @@ class Tally:
                 lie = lie or (abs(e) > 5 * u and abs(e) > 5e-4)
             self.lies += lie
 
+    def merge(self, other):
+        """Adds the rows of another tally."""
+        self.rows, self.ok, self.lies = self.rows + other.rows, self.ok + other.ok, self.lies + other.lies
+        self.tones += other.tones
+        for axis, pairs in self.pairs.items():
+            pairs += other.pairs[axis]
+
     def columns(self):
         """Returns the ok rows, rms errors, rms u, coverage and lies as cells of a table."""
         both = self.pairs["dx"] + self.pairs["dy"]
