@@ -103,6 +103,22 @@ TEST(GivenCamera, IsAcceptedIfRight) {
   }
 }
 
+// The target is 30 mm behind the plane. Stated as in the plane to 0.01 mm, it would bend the focal length until the
+// parallax of 50 mm of travel agrees.
+TEST(StatedHeight, IsContradictedIfWrongAndNoRowIsOk) {
+  const auto scenario = scenario_of("small-travel-50", 0.0);
+  for (const double height_mm : {-30.0, 0.0}) {
+    test::RunPlan plan{.method = "precise", .frames = 12};
+    plan.site = simulator::site_of(scenario);
+    plan.site->known_to.height_mm = 0.01;
+    plan.site->markers.back().z_mm = height_mm;
+    const auto run = test::measured(scenario, plan);
+    const bool is_wrong = height_mm == 0.0;
+    EXPECT_EQ(notes(run, "no row is trusted: with z_mm"), is_wrong) << height_mm;
+    for (const Sample& s : run.samples) EXPECT_EQ(s.status != Status::kOk, is_wrong) << "frame " << s.frame;
+  }
+}
+
 bool finds(const test::MeasuredRun& run, const std::string& what) {
   for (const std::string& line : run.solution.findings) {
     if (line.find(what) != std::string::npos) return true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ constexpr double kMatters = 1.0;            // least change of a displacement th
 // displacements by more than u it fell by 8500 and more.
 constexpr double kBeyondTemplates = 10.0;
 
-// One side of the likelihood ratio: all parameters free, with one prior of the camera.
+// One side of the likelihood ratio: all parameters free, with one prior.
 struct Side {
   BundleSolution bundle;
   std::vector<FrameFit> fits;
@@ -65,35 +66,50 @@ double most_error_u(const Site& site, const Side& stated, const Side& open) {
 
 }  // namespace
 
-std::optional<CameraContradiction> camera_contradiction(const Site& site, std::span<const BundleFrame> all,
-                                                        const ScenePrior& given, const Calibration& solved) {
+std::optional<PriorRatio> compare_priors(const Site& site, std::span<const BundleFrame> all, const ScenePrior& stated,
+                                         const ScenePrior& wider, const Calibration& solved) {
   std::vector<BundleFrame> frames;
-  for (const std::size_t k : key_frames(all, kMaxTestFrames)) frames.push_back(all[k]);
-  const ScenePrior unknown = with_unknown_lens(given);
-  const Calibration free = calibrate(site, frames, unknown);
+  Side as_solved;
+  for (const std::size_t k : key_frames(all, kMaxTestFrames)) {
+    frames.push_back(all[k]);
+    as_solved.fits.push_back(solved.fits[k]);
+  }
+  as_solved.covariance = scene_covariance(site, solved.fits, stated, kEverything);
+  const Calibration free = calibrate(site, frames, wider);
   if (!free.bundle.scene.solved) return std::nullopt;
   const auto weighed = with_print_error(site, frames, free.print_error);
-  const Side open = solved_side(site, weighed, unknown, {&free.bundle.scene, &solved.bundle.scene});
-  const Side stated = solved_side(site, weighed, given, {&solved.bundle.scene, &free.bundle.scene});
-  if (!open.bundle.scene.solved || !stated.bundle.scene.solved) return std::nullopt;
-  const double fall = stated.bundle.scene.penalised_cost - open.bundle.scene.penalised_cost;
-  const double unit = std::max(1.0, open.bundle.scene.chi2_dof);
-  const double matters = most_error_u(site, stated, open);
-  if (!(fall > kBeyondTemplates * unit * chi2_upper_quantile(kCameraParameters)) || !(matters > kMatters))
+  Side open = solved_side(site, weighed, wider, {&free.bundle.scene, &solved.bundle.scene});
+  const Side closed = solved_side(site, weighed, stated, {&solved.bundle.scene, &free.bundle.scene});
+  if (!open.bundle.scene.solved || !closed.bundle.scene.solved) return std::nullopt;
+  PriorRatio out;
+  out.fall = closed.bundle.scene.penalised_cost - open.bundle.scene.penalised_cost;
+  out.unit = std::max(1.0, open.bundle.scene.chi2_dof);
+  out.error_u = most_error_u(site, closed, open);
+  out.solved_error_u = most_error_u(site, as_solved, open);
+  out.open = std::move(open.bundle);
+  out.covariance = std::move(open.covariance);
+  return out;
+}
+
+std::optional<CameraContradiction> camera_contradiction(const Site& site, std::span<const BundleFrame> all,
+                                                        const ScenePrior& given, const Calibration& solved) {
+  const auto found = compare_priors(site, all, given, with_unknown_lens(given), solved);
+  if (!found || !(found->fall > kBeyondTemplates * found->unit * chi2_upper_quantile(kCameraParameters)) ||
+      !(found->error_u > kMatters))
     return std::nullopt;
   const auto numbers = [](const Camera& c) {
     return std::array<double, kCameraParameters>{c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
   };
-  const auto shown = numbers(open.bundle.scene.camera), said = numbers(given.camera);
+  const auto shown = numbers(found->open.scene.camera), said = numbers(given.camera);
   CameraContradiction worst;
   double most = 0.0;
   for (int k = 0; k < kCameraParameters; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    const double u_shown = std::sqrt(open.covariance(k, k));
+    const double u_shown = std::sqrt(found->covariance(k, k));
     const double off = std::abs(shown[at] - said[at]) / std::hypot(given.u_camera[at], u_shown);
     if (!(off > most)) continue;
     most = off;
-    worst = {at, said[at], given.u_camera[at], shown[at], u_shown, matters};
+    worst = {at, said[at], given.u_camera[at], shown[at], u_shown, found->error_u};
   }
   return worst;
 }

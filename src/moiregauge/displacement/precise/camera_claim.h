@@ -10,6 +10,22 @@
 
 namespace moiregauge::internal {
 
+// Likelihood ratio of a stated prior and a wider one, with everything else free in both cases.
+struct PriorRatio {
+  double fall = 0.0;            // decrease of chi2 and priors with the wider prior
+  double unit = 1.0;            // chi2 per degree of freedom with the wider prior, at least 1
+  double error_u = 0.0;         // largest change of a displacement, in its u
+  double solved_error_u = 0.0;  // the same for the scene as solved, whose model may be smaller
+  BundleSolution open;          // with the wider prior
+  Eigen::MatrixXd covariance;   // covariance of the open scene
+};
+
+// Compares both priors on up to 40 of the key frames and the extremes of the pose.
+// Fails (nothing): one of the priors gives no scene.
+[[nodiscard]] std::optional<PriorRatio> compare_priors(const Site& site, std::span<const BundleFrame> all,
+                                                       const ScenePrior& stated, const ScenePrior& wider,
+                                                       const Calibration& solved);
+
 // A camera that the references contradict.
 struct CameraContradiction {
   std::size_t parameter = 0;  // index in the scene's camera: the most deviating one

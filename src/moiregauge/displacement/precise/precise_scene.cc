@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/precise/camera_claim.h"
+#include "moiregauge/displacement/precise/height_claim.h"
 #include "moiregauge/displacement/precise/reference_fault.h"
 #include "moiregauge/observation/print/overshoot.h"
 
@@ -59,6 +61,7 @@ class SceneSolver {
     out_.print_error = out_.calibration.print_error;
     if (!out_.problem.empty()) return std::move(out_);
     if (reference_.knows_camera() && !out_.doubtful) test_camera();
+    if (!out_.doubtful && !out_.camera_contradicted) test_heights(lossy);
     if (!lossy && !out_.shutter) take_noise_for_what_it_is();
     // The stated u has all parameters free within their priors. A parameter that the footage does not require may still
     // be there.
@@ -164,25 +167,31 @@ class SceneSolver {
                     site_.markers[marker].name, went.mm, went.u_mm));
   }
 
-  // Adds the error of apparent size to the variance of a target's depth. The depth follows from how the size of the
-  // grating changes with distance. The rendering of edges also changes with distance, the same way in all frames. With
-  // rest frames parallax shows the depth, and nothing is added.
+  // Returns the error of a target's depth that follows from the edges of its grating, mm. The depth follows from how the
+  // size of the grating changes with distance. The rendering of edges also changes with distance, the same way in all
+  // frames.
+  [[nodiscard]] double apparent_size_error_mm(std::size_t marker, bool lossy) const {
+    const auto& grating = site_.markers[marker].grating;
+    if (!grating) return 0.0;
+    const double unsharpened_px = reference_.light_per_grey.empty() && !lossy ? kEdgeOfLight : kEdgeOfGrey;
+    const double half_px =
+        0.5 * std::min(grating->width_mm, grating->height_mm) / reference_.view.mm_per_px(grating->centre);
+    const auto& print = reference_.prints[marker];
+    const double edge_px = std::hypot(unsharpened_px, print ? kEdgePerOvershoot * overshoot_of(*print) : 0.0);
+    return out_.calibration.bundle.frames.front().pose.shift[2] * edge_px / half_px;
+  }
+
+  // Adds the error of apparent size to the variance of a target's depth. With rest frames parallax shows the depth, and
+  // nothing is added.
   void allow_for_apparent_size(bool lossy) {
     Scene& scene = out_.calibration.bundle.scene;
-    const bool is_light = reference_.light_per_grey.empty() && !lossy;
-    const double unsharpened_px = is_light ? kEdgeOfLight : kEdgeOfGrey;
-    const double distance_mm = out_.calibration.bundle.frames.front().pose.shift[2];
     for (std::size_t i = 0; i < site_.markers.size(); ++i) {
       const Marker& marker = site_.markers[i];
       if (marker.role != Role::kTarget || !marker.grating) continue;
-      const double half_px = 0.5 * std::min(marker.grating->width_mm, marker.grating->height_mm) /
-                             reference_.view.mm_per_px(marker.grating->centre);
-      const auto& print = reference_.prints[i];
-      const double edge_px = std::hypot(unsharpened_px, print ? kEdgePerOvershoot * overshoot_of(*print) : 0.0);
       const double prior = out_.calibration.prior.u_markers[i].value[MarkerShape::kHeight];
       double& variance = scene.full_covariance(shape_row(i, MarkerShape::kHeight), shape_row(i, MarkerShape::kHeight));
       const double room = std::max(0.0, prior * prior - variance);
-      variance += std::min(room, std::pow(distance_mm * edge_px / half_px, 2));
+      variance += std::min(room, std::pow(apparent_size_error_mm(i, lossy), 2));
     }
   }
 
@@ -193,6 +202,17 @@ class SceneSolver {
     out_.camera_contradicted = true;
     out_.remedy = "measure without --camera, or calibrate it again";
     note(camera_contradiction_note(*found) + ". Remedy: " + out_.remedy);
+  }
+
+  void test_heights(bool lossy) {
+    std::vector<double> u_size_mm;
+    for (std::size_t i = 0; i < site_.markers.size(); ++i) u_size_mm.push_back(apparent_size_error_mm(i, lossy));
+    const auto found = height_contradiction(site_, key_frames_of(out_.frames), prior_, out_.calibration, u_size_mm);
+    if (!found) return;
+    out_.height_contradicted = true;
+    out_.remedy =
+        fmt::format("measure z_mm and pitch_mm of '{}' again, or remove its z_mm", site_.markers[found->marker].name);
+    note(height_contradiction_note(site_, *found) + ". Remedy: " + out_.remedy);
   }
 
   // Reduces the stated noise to the scatter between frames if nothing exceeds noise: no print error, jitter, lossy

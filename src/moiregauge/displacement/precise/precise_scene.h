@@ -31,6 +31,7 @@ struct PreciseScene {
   bool references_verified = false;
   bool doubtful = false;             // one of the references moves, and it is unknown which
   bool camera_contradicted = false;  // the footage contradicts the given camera
+  bool height_contradicted = false;  // the footage contradicts the stated height of a target
   std::vector<std::string> notes;    // warnings for the user
   // Instruction if no row is trusted; empty if no remedy is known.
   std::string remedy;
