@@ -18,7 +18,7 @@ from errors_of_run import Tally, run, with_heights
 LENSES = {"-1 %": -0.0225, "-2 %": -0.0451}
 RIGS = ["rig-0.1x", "rig-1x", "rig-1xyz", "rig-8xyz"]
 HEIGHT_MM = {"small-travel-50": -30.0}  # z of the target, positive in front of the references' plane; 0 on the rigs
-SEEDS = {"rig-8xyz": 16, "small-travel-50": 120}
+SEEDS = {"rig-8xyz": 16, "small-travel-50": 40}
 U_FOCAL_PX = 1.0  # of the calibrated camera
 JOBS = 2  # runs at the same time
 
@@ -80,7 +80,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--frames", type=int, default=20)
-    parser.add_argument("--seeds", type=int, help="runs per row, instead of 6 (rig-8xyz: 16, small-travel-50: 120)")
+    parser.add_argument("--seeds", type=int, help="runs per row, instead of 6 (rig-8xyz: 16, small-travel-50: 40)")
     parser.add_argument("--scenarios", default=",".join([*RIGS, *HEIGHT_MM]))
     options = parser.parse_args()
     program = options.program.resolve()
