@@ -49,6 +49,7 @@ for name, settings, video_filter in (
 
 for name, settings, video_filter, word in (
         ("recursion", MOVING + ["processing.recursion=0.3"], None, "averages over time"),
+        ("small-share", MOVING + ["processing.recursion=0.1"], None, "of the previous frame"),
         ("mean-of-three", MOVING, "tmix=frames=3", "averages over time"),
         ("denoised", MOVING, "hqdn3d=4:3:20:15", "averages over time"),
         ("equalised", MOVING, "histeq", "tone curve has a step"),

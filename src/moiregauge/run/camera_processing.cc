@@ -29,8 +29,10 @@ constexpr double kIndependent = 0.96;
 // limit.
 constexpr double kIndependentMoving = 0.96;
 constexpr double kIndependentMovingLossy = 0.85;
-constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1 that proves averaging, in u
+constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1, or of a share from 0, that proves averaging, in u
 constexpr double kMinValues = 2000.0;
+// Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
+constexpr double kEcho = 0.03;
 // Smallest variance of real grain, grey levels squared. A quiet sensor's variance of 0.1 still leaves 0.05 after
 // rounding to whole grey levels. A lower variance than this limit means that noise was removed.
 constexpr double kNoGrain = 0.003;
@@ -170,6 +172,28 @@ std::optional<ProcessingFault> enlarged_fault(const SlopeSteps& steps, Samples& 
       remedy};
 }
 
+// Returns the share of the previous frame that the gratings show, if it is significant. Otherwise 0.
+double echo_share(const EchoSums& echo) {
+  const auto significant = [](const EchoShare& by) {
+    return by.share > std::max(kEcho, kSureOfGrain * by.u) ? by.share : 0.0;
+  };
+  return std::max(significant(share_by_edges(echo)), significant(share_by_noise(echo)));
+}
+
+// Returns what shows that the camera averages over time. Empty: nothing does.
+std::string averaging_shown(const CameraProcessing& processing, bool is_lossy) {
+  const GrainSums& still = processing.still;
+  if (!is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values)
+    return "its still parts contain no noise";
+  const double share = echo_share(processing.echo);
+  const bool alike_still = is_alike(still, kIndependent);
+  if (!alike_still && !is_alike(processing.moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving))
+    return share > 0.0 ? fmt::format("the gratings show {:.2f} of the previous frame", share) : "";
+  const GrainSums& grain = alike_still ? still : processing.moving;
+  return fmt::format("its noise is alike in successive frames, {:.2f} of independent noise",
+                     grain.one_apart / grain.two_apart);
+}
+
 std::optional<ProcessingFault> stepped_tone_fault(const EdgeGap& gap, Samples& samples) {
   if (gap.all < kMinEdgePixels || static_cast<double>(gap.in_gap) >= kGapShare * static_cast<double>(gap.all))
     return {};
@@ -187,6 +211,7 @@ std::optional<ProcessingFault> stepped_tone_fault(const EdgeGap& gap, Samples& s
 
 void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
   sampler_ = {};
+  echo_ = {};
   placed_.clear();
   is_referred_ = true;
   last_.clear();
@@ -208,7 +233,24 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
   }
 }
 
-void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits) {
+// Adds the gratings of a lossless frame. The errors of a codec follow the image content, as an echo does.
+void ProcessingWatch::listen(const Reference& reference, const Observation& seen, const Frame& frame,
+                             const LightMap& light) {
+  if (!frame.quantiser.whole.is_lossless()) return echo_.interrupt();
+  std::vector<SeenPrint> prints;
+  for (std::size_t i = 0; i < seen.markers.size() && i < reference.prints.size(); ++i) {
+    const MarkerObservation& marker = seen.markers[i];
+    if (!marker.points || !reference.prints[i] || marker.loss != Loss::kNone || marker.occlusion != Occlusion::kNone)
+      continue;
+    prints.push_back({i, &*reference.prints[i], &*marker.points,
+                      reference.light_per_grey.empty() ? 1.0 : reference.light_per_grey[i]});
+  }
+  echo_.add({frame.luma, light.table()}, prints);
+}
+
+void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits,
+                          const LightMap& light) {
+  listen(reference, seen, frame, light);
   // A codec with prediction between frames repeats grain even without noise reduction. Its error has its own part in u.
   const Quantiser& codec = frame.quantiser.whole;
   if (!seen.references_seen || reference.circles.empty() || (codec.predicted && !codec.is_lossless()))
@@ -233,6 +275,7 @@ void ProcessingWatch::repeat(long frame) {
 
 void ProcessingWatch::interrupt() {
   sampler_.interrupt();
+  echo_.interrupt();
   last_.clear();
 }
 
@@ -245,18 +288,8 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   };
   if (distrust_moving(samples, is_repeated) > 0)
     fault = {"", "record without dropped frames, because a repeated frame shows a moving target in the wrong position"};
-  const GrainSums& still = processing.still;
-  const bool has_none = !is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values;
-  const bool alike_still = is_alike(still, kIndependent);
-  if (!has_none && !alike_still &&
-      !is_alike(processing.moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving))
-    return fault;
-  if (distrust_moving(samples, [](long) { return true; }) == 0) return fault;
-  const GrainSums& grain = alike_still ? still : processing.moving;
-  const std::string shown = has_none
-                                ? "its still parts contain no noise"
-                                : fmt::format("its noise is alike in successive frames, {:.2f} of independent noise",
-                                              grain.one_apart / grain.two_apart);
+  const std::string shown = averaging_shown(processing, is_lossy);
+  if (shown.empty() || distrust_moving(samples, [](long) { return true; }) == 0) return fault;
   const std::string remedy = "switch the camera's temporal noise reduction off, or record raw";
   return ProcessingFault{
       fmt::format("moving targets are not trusted: the camera averages over time ({}). Remedy: {}", shown, remedy),

@@ -10,8 +10,10 @@
 #include "moiregauge/image/edge_levels.h"
 #include "moiregauge/image/grain.h"
 #include "moiregauge/image/repeated_pixels.h"
+#include "moiregauge/observation/print/echo.h"
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/run/frame_source.h"
+#include "moiregauge/run/light.h"
 
 namespace moiregauge::internal {
 
@@ -27,6 +29,7 @@ struct CameraProcessing {
   SlopeSteps steps;            // steps at the edges of all gratings in the reference frame
   std::vector<long> repeated;  // numbers of frames that repeat the previous frame
   EdgeGap gap;
+  EchoSums echo;  // the previous frame in the gratings of the current one
 };
 
 // Collects the evidence while frames are read.
@@ -37,17 +40,20 @@ class ProcessingWatch {
   void refer(const Reference& reference, const LumaView& luma);
   [[nodiscard]] bool is_referred() const { return is_referred_; }
   // Adds a measured frame. Call it in frame order.
-  void add(const Reference& reference, const Observation& seen, const Frame& frame, int bits);
+  void add(const Reference& reference, const Observation& seen, const Frame& frame, int bits, const LightMap& light);
   // Adds a frame that repeats the previous one.
   void repeat(long frame);
   // Breaks the sequence of frames, because a frame is damaged or not measured.
   void interrupt();
   [[nodiscard]] CameraProcessing result() const {
-    return {sampler_.still(), sampler_.moving(), steps_, repeated_, gap_};
+    return {sampler_.still(), sampler_.moving(), steps_, repeated_, gap_, echo_.sums()};
   }
 
  private:
+  void listen(const Reference& reference, const Observation& seen, const Frame& frame, const LightMap& light);
+
   GrainSampler sampler_;
+  EchoWatch echo_;
   SlopeSteps steps_;
   EdgeGap gap_;
   std::vector<long> repeated_;

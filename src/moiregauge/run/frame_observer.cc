@@ -173,7 +173,7 @@ void FrameObserver::add(const Frame& frame, const Observation& seen) {
   else if (frame.damaged || !out_.reference)
     processing_.interrupt();
   else
-    processing_.add(*out_.reference, seen, frame, out_.input.bits);
+    processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);
 }
 
 }  // namespace moiregauge::internal

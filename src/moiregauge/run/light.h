@@ -2,7 +2,9 @@
 // Maps grey levels to light before the measurement (image/tone.h).
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "moiregauge/observation/reference/reference.h"
@@ -17,6 +19,8 @@ class LightMap {
   // Returns the image to measure. A mapped image is valid until the next call. `rounding` must be in units of the
   // result.
   [[nodiscard]] GreyPicture picture(const LumaView& luma, double rounding = 0.0);
+  // Returns the light per grey level, in the units of picture(). Empty: grey levels are light.
+  [[nodiscard]] std::span<const std::uint16_t> table() const { return table_; }
   [[nodiscard]] bool maps() const { return !table_.empty(); }
   [[nodiscard]] const Tone& tone() const { return tone_; }
 

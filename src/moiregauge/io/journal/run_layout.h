@@ -49,7 +49,8 @@ template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 
 // Run.
 template <> inline constexpr std::size_t kFields<InputInfo> = 14;
-template <> inline constexpr std::size_t kFields<CameraProcessing> = 5;
+template <> inline constexpr std::size_t kFields<CameraProcessing> = 6;
+template <> inline constexpr std::size_t kFields<EchoSums> = 8;
 template <> inline constexpr std::size_t kFields<GrainSums> = 3;
 template <> inline constexpr std::size_t kFields<SlopeSteps> = 2;
 template <> inline constexpr std::size_t kFields<EdgeGap> = 2;
@@ -82,9 +83,10 @@ template <>
 inline constexpr std::array kAdded<MeasureOptions>{AddedFields{12, 1, 3}, AddedFields{10, 2, 5}, AddedFields{13, 1, 6}};
 inline constexpr int kSinceWidth = 3;
 
-// Version 5: ranges in seconds, slow motion and start time, zero, grey levels at edges, choice of markers.
+// Version 5: ranges in seconds, slow motion and start time, zero, grey levels at edges, choice of markers. Version 7:
+// the previous frame in the gratings.
 template <>
-inline constexpr std::array kAdded<CameraProcessing>{AddedFields{4, 1, 5}, AddedFields{}};
+inline constexpr std::array kAdded<CameraProcessing>{AddedFields{4, 1, 5}, AddedFields{5, 1, 7}};
 template <>
 inline constexpr std::array kAdded<ObserveOptions>{AddedFields{3, 1, 5}, AddedFields{}};
 template <>

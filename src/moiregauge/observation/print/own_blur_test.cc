@@ -14,20 +14,20 @@ namespace {
 using Complex = std::complex<double>;
 using test::crossed_lines, test::print, test::seen, test::Shift, test::shift_of, test::upright;
 
-constexpr int kOrder = 5;
+constexpr int kLineOrder = 5;
 
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
 // Returns lines along both axes, shifted by (x, y) pitches and smeared over `smear` pitches along x.
 PrintTemplate smeared(double x, double y, double smear) {
   std::vector<Complex> series;
-  for (int n = -kOrder; n <= kOrder; ++n) {
-    for (int m = -kOrder; m <= kOrder; ++m) {
+  for (int n = -kLineOrder; n <= kLineOrder; ++n) {
+    for (int m = -kLineOrder; m <= kLineOrder; ++m) {
       const double level = (m == 0) == (n == 0) ? 0.0 : 20.0 / (m * m + n * n);
       series.push_back(level * sinc(m * smear) * std::polar(1.0, kTwoPi * (m * x + n * y)));
     }
   }
-  return {kOrder, series};
+  return {kLineOrder, series};
 }
 
 // A smear over 0.45 pitch inverts the third harmonic. Its phase is then off by pi.
@@ -49,7 +49,7 @@ TEST(OwnBlur, TheInformationOfAShiftIsThatOfItsHarmonics) {
   const auto shift = shift_by_phases(same, {1.0, pixels}, same, {1.0, pixels}, {});
   ASSERT_TRUE(shift);
   double expected = 0.0;
-  for (int m = 1; m <= kOrder; ++m) expected += std::pow(kTwoPi * m, 2) * pixels * std::norm(same.coefficient(m, 0));
+  for (int m = 1; m <= kLineOrder; ++m) expected += std::pow(kTwoPi * m, 2) * pixels * std::norm(same.coefficient(m, 0));
   EXPECT_NEAR(shift->information(0, 0) / expected, 1.0, 1e-9);
 }
 
@@ -57,12 +57,12 @@ TEST(OwnBlur, TheInformationOfAShiftIsThatOfItsHarmonics) {
 TEST(OwnBlur, PhasesThatDisagreeAreReported) {
   const PrintTemplate then = smeared(0.0, 0.0, 0.0);
   std::vector<Complex> series;
-  for (int n = -kOrder; n <= kOrder; ++n) {
-    for (int m = -kOrder; m <= kOrder; ++m)
+  for (int n = -kLineOrder; n <= kLineOrder; ++n) {
+    for (int m = -kLineOrder; m <= kLineOrder; ++m)
       series.push_back(then.coefficient(m, n) * (std::abs(m) == 2 ? std::polar(1.0, 0.4 * m) : 1.0));
   }
   const TemplateNoise noise{1.0, 10000.0};
-  const auto shift = shift_by_phases(then, noise, PrintTemplate(kOrder, series), noise, {});
+  const auto shift = shift_by_phases(then, noise, PrintTemplate(kLineOrder, series), noise, {});
   ASSERT_TRUE(shift);
   EXPECT_GT(shift->chi2_dof, 10.0);
 }

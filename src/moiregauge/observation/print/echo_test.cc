@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/print/echo.h"
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "moiregauge/observation/print/picture_for_tests.h"
+
+namespace moiregauge::internal {
+namespace {
+
+using test::kSide, test::print, test::upright;
+
+constexpr int kFrames = 24;
+using Plane = std::vector<double>;
+
+struct Film {
+  double share = 0.0;     // weight of the previous output, 1
+  double exposure = 0.0;  // relative to the frame interval, 1
+  double texture = 0.0;   // rms of a structure that is printed on the sheet, grey levels
+};
+
+// Position of the sheet, px.
+struct At {
+  double x = 0.0, y = 0.0;
+};
+// `time`: in frames.
+At position(double time, double reach_px) {
+  return {reach_px * std::sin(0.61 * time), 0.7 * reach_px * std::sin(0.43 * time + 1.0)};
+}
+
+// Structure of 12 waves of 3 to 8 px that the sheet carries along.
+class Texture {
+ public:
+  explicit Texture(double rms) {
+    std::mt19937_64 rng(3);
+    std::uniform_real_distribution<double> direction(0.0, kTwoPi), period(3.0, 8.0);
+    for (auto& wave : waves_) {
+      const double angle = direction(rng), k = kTwoPi / period(rng);
+      wave = {k * std::cos(angle), k * std::sin(angle), direction(rng), rms * std::sqrt(2.0 / kWaves)};
+    }
+  }
+  double operator()(double x, double y) const {
+    double sum = 0.0;
+    for (const auto& [kx, ky, phase, size] : waves_) sum += size * std::cos(kx * x + ky * y + phase);
+    return sum;
+  }
+
+ private:
+  static constexpr int kWaves = 12;
+  struct Wave {
+    double kx, ky, phase, size;
+  };
+  std::array<Wave, kWaves> waves_{};
+};
+
+// Renders one frame in light without noise, in steps over the exposure.
+Plane exposed(int frame, double reach_px, const Film& film, const Texture& texture) {
+  const int steps = film.exposure > 0.0 ? 12 : 1;
+  Plane light(std::size_t{kSide} * kSide);
+  for (int k = 0; k < steps; ++k) {
+    const At at = position(frame + film.exposure * ((k + 0.5) / steps - 0.5), reach_px);
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        const double px = x - 0.5 * kSide - at.x, py = 0.5 * kSide - y - at.y;
+        const double grey = test::is_inside(px, py) ? test::crossed_lines(px, py) : test::kPaper;
+        light[static_cast<std::size_t>(y * kSide + x)] += (grey + (film.texture > 0.0 ? texture(px, py) : 0.0)) / steps;
+      }
+    }
+  }
+  return light;
+}
+
+// Sums of a film of a grating that moves by up to `reach_px`. Sensor and memory of the camera hold whole grey levels.
+EchoSums sums_of(double reach_px, const Film& film, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> noise(0.0, test::kNoise);
+  const Texture texture(film.texture);
+  tl::expected<PrintModel, PatchFitFailure> model = tl::unexpected(PatchFitFailure::kNoPattern);
+  EchoWatch watch;
+  Plane last;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    Plane now = exposed(frame, reach_px, film, texture);
+    Image<std::uint8_t> stored(kSide, kSide);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      now[i] = std::round(now[i] + noise(rng));
+      if (!last.empty()) now[i] += film.share * (last[i] - now[i]);
+      stored.at(static_cast<int>(i) % kSide, static_cast<int>(i) / kSide) =
+          static_cast<std::uint8_t>(std::lround(std::clamp(now[i], 0.0, 255.0)));
+    }
+    last = now;
+    const At start = position(0, reach_px), at = position(frame, reach_px);
+    if (!model) model = learn_print(stored.view(), upright(), print(), TemplateUse::kOn);
+    if (!model) return {};
+    const Extent<frame::Board> moved{at.x - start.x, at.y - start.y};
+    const auto fit = read_points(stored.view(), upright(), print(), moved, *model);
+    if (!fit) {
+      ADD_FAILURE() << "frame " << frame;
+      return {};
+    }
+    watch.add({stored.view(), {}}, {{0, &*model, &*fit, 1.0}});
+  }
+  return watch.sums();
+}
+
+// A share s shows the previous frame with s, and earlier ones with s^2 and less. Those add up to s / (1 - s) at most.
+TEST(Echo, EdgesThatMoveShowTheShareOfThePreviousFrame) {
+  for (const double share : {0.1, 0.2}) {
+    for (const double exposure : {0.0, 0.9}) {
+      const EchoShare found = share_by_edges(sums_of(3.0, {share, exposure, 0.0}, 11));
+      EXPECT_GT(found.share, share - 4.0 * found.u) << share << ", exposure " << exposure;
+      EXPECT_LT(found.share, share / (1.0 - share) + 4.0 * found.u) << share << ", exposure " << exposure;
+      EXPECT_GT(found.share, 4.0 * found.u) << share << ", exposure " << exposure;
+    }
+  }
+}
+
+// An exposure smears alike before and after its middle, and a structure of the paper is no echo.
+TEST(Echo, AnExposureAndStructureOfThePaperAreNone) {
+  for (const double exposure : {0.0, 0.9}) {
+    for (const double texture : {0.0, 3.0}) {
+      const EchoShare found = share_by_edges(sums_of(3.0, {0.0, exposure, texture}, 12));
+      EXPECT_LT(std::abs(found.share), 4.0 * found.u + 0.003) << exposure << ", texture " << texture;
+      EXPECT_LT(found.u, 0.02);
+    }
+  }
+}
+
+// At a fifth of a pixel only the noise of the pixels that change shows the share. A fixed part of the residuals does not
+// count. A part that moves with the sheet follows the distances.
+TEST(Echo, TheNoiseOfPixelsThatChangeShowsTheShareOfSlowMovement) {
+  for (const double texture : {0.0, 6.0}) {
+    const EchoShare without = share_by_noise(sums_of(0.25, {0.0, 0.0, texture}, 13));
+    EXPECT_LT(std::abs(without.share), 4.0 * without.u) << texture;
+    EXPECT_LT(without.u, 0.03);
+  }
+  const EchoShare found = share_by_noise(sums_of(0.2, {0.3, 0.0, 0.0}, 13));
+  EXPECT_GT(found.share, 4.0 * found.u);
+  EXPECT_LT(found.share, 0.3 + 4.0 * found.u);
+}
+
+TEST(Echo, AGratingAtRestDecidesNothing) {
+  const EchoSums sums = sums_of(0.005, {0.3, 0.0, 0.0}, 14);
+  EXPECT_TRUE(std::isinf(share_by_edges(sums).u));
+  EXPECT_TRUE(std::isinf(share_by_noise(sums).u));
+}
+
+}  // namespace
+}  // namespace moiregauge::internal
