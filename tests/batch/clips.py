@@ -191,6 +191,27 @@ def check_interrupt(program, work, site):
     return clips
 
 
+def check_measured_elsewhere(program, work, clips):
+    """A batch waits for a clip that a `measure` started by hand is measuring, and then continues it."""
+    out = work / "shared"
+    batch(program, clips / "clip1", "-o", out, "--fps", "10")
+    by_hand = subprocess.Popen([program, "measure", clips / "clip0", "--site", clips / "clip0/site.toml", "--fps", "10", "-o", out / "clip0", "--quiet"],
+                               stderr=subprocess.DEVNULL)
+    while not (out / "clip0.unfinished/run.mgj").exists():
+        insist(by_hand.poll() is None, "measure has begun")
+        time.sleep(0.02)
+    by_hand.send_signal(signal.SIGSTOP)
+    process = subprocess.Popen([program, "batch", clips, "-o", out, "--fps", "10"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(1.0)
+    insist(process.poll() is None and not (out / ".batch/state/clip0.json").exists(), "the batch waits for clip0")
+    by_hand.send_signal(signal.SIGINT)
+    by_hand.send_signal(signal.SIGCONT)
+    stdout, stderr = process.communicate(timeout=120)
+    insist(by_hand.wait(timeout=60) == 130, "the other process is not disturbed")
+    insist(process.returncode == 0 and "(1 finished before)" in stdout and "2 measured" in stdout, f"both clips are measured: {stdout}{stderr}")
+    insist((out / "clip0/displacement.csv").read_bytes() == (work / "reference/clip0/displacement.csv").read_bytes(), "clip0 is as without")
+
+
 def check_limits(program, work, clips):
     out = work / "limited"
     batch(program, clips / "clip0", "-o", out, "--fps", "10", "--time-limit", "0.3s", expected=4)
@@ -214,7 +235,9 @@ def main():
     out, clips = check_hostile(program, work, video, site)
     check_skipped(program, out, clips)
     check_catalogue(program, out)
-    check_limits(program, work, check_interrupt(program, work, site))
+    clips = check_interrupt(program, work, site)
+    check_measured_elsewhere(program, work, clips)
+    check_limits(program, work, clips)
 
 
 if __name__ == "__main__":

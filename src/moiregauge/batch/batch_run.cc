@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/batch/batch_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <list>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "moiregauge/batch/clip_job.h"
+#include "moiregauge/io/run_dir/unfinished_run.h"
 #include "moiregauge/results/summary.h"
 
 namespace moiregauge::internal {
@@ -25,8 +28,9 @@ class BatchLoop {
   }
 
   tl::expected<BatchEnd, std::string> run() {
-    while (next_ < clips_.size() || !jobs_.empty()) {
+    while (next_ < clips_.size() || !jobs_.empty() || may_wait()) {
       progress_.running = jobs_.size();
+      progress_.busy = busy_.size();
       if (!request_.on_progress(progress_) && !is_interrupted_) stop();
       // A failure stops the other clips, but waits for them, so that their states are right.
       if (auto started = start_jobs(); !started) fail(started.error());
@@ -35,11 +39,14 @@ class BatchLoop {
     }
     progress_.running = 0;
     if (problem_) return tl::unexpected(*problem_);
-    return BatchEnd{progress_, is_interrupted_};
+    BatchEnd end{progress_, is_interrupted_, {}};
+    for (const Clip* clip : busy_) end.busy.push_back(clip->name);
+    return end;
   }
 
  private:
   using Step = tl::expected<void, std::string>;
+  using Clock = std::chrono::steady_clock;
 
   void stop() {
     is_interrupted_ = true;
@@ -52,10 +59,36 @@ class BatchLoop {
     stop();
   }
 
+  [[nodiscard]] bool has_place() const { return jobs_.size() < static_cast<std::size_t>(request_.jobs); }
+
+  // Returns true while a busy clip may become free. The patience begins when nothing else is in progress.
+  bool may_wait() {
+    if (busy_.empty() || is_interrupted_) return false;
+    if (!idle_since_) idle_since_ = Clock::now();
+    return Clock::now() - *idle_since_ <= request_.patience;
+  }
+
+  [[nodiscard]] bool is_busy(const Clip& clip) const {
+    return is_measured_elsewhere(place_of_run(request_.folder.run(clip.name).string()));
+  }
+
+  // Returns the next clip to look at, or none. Busy clips come after all others, when they are free.
+  const Clip* next_clip() {
+    if (next_ < clips_.size()) return &clips_[next_++];
+    if (is_interrupted_) return nullptr;
+    const auto free = std::find_if(busy_.begin(), busy_.end(), [this](const Clip* clip) { return !is_busy(*clip); });
+    if (free == busy_.end()) return nullptr;
+    const Clip* clip = *free;
+    busy_.erase(free);
+    return clip;
+  }
+
   // Starts clips until all places are taken. Looks at one finished clip at a time, so that progress is shown.
   Step start_jobs() {
-    while (next_ < clips_.size() && jobs_.size() < static_cast<std::size_t>(request_.jobs)) {
-      const Clip& clip = clips_[next_++];
+    while (has_place()) {
+      const Clip* next = next_clip();
+      if (next == nullptr) return {};
+      const Clip& clip = *next;
       const auto state = read_state(request_.folder, clip.name);
       const Need need = need_of(clip, request_.options, state, request_.retry);
       if (need == Need::kNothing) {
@@ -63,16 +96,24 @@ class BatchLoop {
         progress_.failed += is_failure(*state);
         return {};
       }
+      if (is_busy(clip)) {
+        busy_.push_back(&clip);
+        continue;
+      }
       auto job = ClipJob::start(request_.program, request_.folder, clip, request_.options, need);
       if (!job) return tl::unexpected(job.error());
       jobs_.push_back(*std::move(job));
+      idle_since_.reset();
     }
     return {};
   }
 
   void wait() {
-    const bool has_place = next_ < clips_.size() && jobs_.size() < static_cast<std::size_t>(request_.jobs);
-    if (has_place || jobs_.empty()) return;
+    if (next_ < clips_.size() && has_place()) return;
+    if (jobs_.empty()) {
+      if (!busy_.empty()) std::this_thread::sleep_for(std::min(kProgressInterval, request_.patience));
+      return;
+    }
     std::vector<RunningProgram*> programs;
     for (ClipJob& job : jobs_) programs.push_back(&job.program());
     wait_for_any(programs, kProgressInterval);
@@ -97,6 +138,8 @@ class BatchLoop {
   const std::vector<Clip>& clips_;
   std::size_t next_ = 0;
   std::list<ClipJob> jobs_;
+  std::list<const Clip*> busy_;                    // measured by other processes
+  std::optional<Clock::time_point> idle_since_{};  // busy clips alone are left
   BatchProgress progress_;
   bool is_interrupted_ = false;
   std::optional<std::string> problem_;

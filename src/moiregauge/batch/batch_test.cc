@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names, clips, states, catalogue and page of a batch, without measuring.
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "moiregauge/base/folder_for_tests.h"
 #include "moiregauge/batch/batch_csv.h"
 #include "moiregauge/batch/batch_lock.h"
+#include "moiregauge/batch/batch_run.h"
 #include "moiregauge/batch/catalogue.h"
 #include "moiregauge/batch/clip_job.h"
 #include "moiregauge/batch/collect.h"
@@ -21,6 +23,7 @@
 #include "moiregauge/batch/index_page.h"
 #include "moiregauge/batch/run_name.h"
 #include "moiregauge/batch/slurm_job.h"
+#include "moiregauge/io/run_dir/unfinished_run.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -252,6 +255,94 @@ TEST(ClipJob, AProcessThatWasAskedToStopIsNoResult) {
     ASSERT_TRUE(state);
     EXPECT_EQ(state->is_finished, is_finished) << signal;
     EXPECT_EQ(need_of(batch.clips[0], {}, *state, false) == Need::kNothing, is_finished) << signal;
+  }
+}
+
+// The journal of a run, locked as by another `measure`. flock treats another open file like another process.
+class OtherMeasurement {
+ public:
+  OtherMeasurement(const BatchFolder& folder, const std::string& name) {
+    const std::string journal = folder.run(name).string() + ".unfinished/run.mgj";
+    put(journal);
+    file_ = ::open(journal.c_str(), O_RDWR | O_CLOEXEC);
+    EXPECT_EQ(::flock(file_, LOCK_EX | LOCK_NB), 0);
+  }
+  OtherMeasurement(const OtherMeasurement&) = delete;
+  OtherMeasurement& operator=(const OtherMeasurement&) = delete;
+  ~OtherMeasurement() { end(); }
+  void end() {
+    if (file_ >= 0) ::close(file_);
+    file_ = -1;
+  }
+
+ private:
+  int file_ = -1;
+};
+
+BatchRequest request_with_program(const SmallBatch& batch, const std::string& script) {
+  const std::string program = batch.folder.path.string() + "/program";
+  put(program, "#!/bin/sh\n" + script + "\n");
+  fs::permissions(program, fs::perms::owner_all);
+  for (const Clip& clip : batch.clips) put(clip.input);
+  return {program, batch.folder, {}, 1, false, [](const BatchProgress&) { return true; }, std::chrono::milliseconds(0)};
+}
+
+TEST(BatchRun, AClipThatAnotherProcessMeasuresIsNoFailure) {
+  SmallBatch batch({"a.mp4", "b.mp4"});
+  const BatchRequest request = request_with_program(batch, "exit 0");
+  OtherMeasurement other(batch.folder, "a");
+  const auto first = measure_clips(request, batch.clips);
+  ASSERT_TRUE(first) << first.error();
+  EXPECT_EQ(first->busy, std::vector<std::string>{"a"});
+  EXPECT_EQ(first->progress.ended, 1U);
+  EXPECT_EQ(first->progress.failed, 0U);
+  EXPECT_FALSE(read_state(batch.folder, "a")) << "the other process may be that of another batch, which writes it";
+  other.end();
+  const auto second = measure_clips(request, batch.clips);
+  ASSERT_TRUE(second) << second.error();
+  EXPECT_TRUE(second->busy.empty());
+  EXPECT_EQ(second->progress.ended, 1U) << "without --retry";
+  EXPECT_EQ(second->progress.skipped, 1U);
+}
+
+TEST(BatchRun, AClipThatAnotherProcessFinishesMeanwhileComesLast) {
+  SmallBatch batch({"a.mp4", "b.mp4"});
+  const std::string order = batch.home / "order";
+  BatchRequest request = request_with_program(batch, "echo $2 >> " + order);
+  OtherMeasurement other(batch.folder, "a");
+  request.patience = std::chrono::minutes(1);
+  request.on_progress = [&](const BatchProgress& progress) {
+    if (progress.ended == 1) other.end();
+    return true;
+  };
+  const auto end = measure_clips(request, batch.clips);
+  ASSERT_TRUE(end) << end.error();
+  EXPECT_TRUE(end->busy.empty());
+  EXPECT_EQ(text_of(order), batch.clips[1].input + "\n" + batch.clips[0].input + "\n");
+}
+
+TEST(BatchRun, AFinishedClipNeedsNoLock) {
+  SmallBatch batch({"a.mp4"});
+  const BatchRequest request = request_with_program(batch, "exit 1");
+  batch.finished(batch.clips[0], 0);
+  const OtherMeasurement other(batch.folder, "a");
+  const auto end = measure_clips(request, batch.clips);
+  ASSERT_TRUE(end) << end.error();
+  EXPECT_TRUE(end->busy.empty());
+  EXPECT_EQ(end->progress.skipped, 1U);
+}
+
+// The other process may begin after the batch has looked.
+TEST(ClipJob, AnswerOfMeasureThatTheRunIsInUseIsNoResult) {
+  SmallBatch batch({"a.mp4"});
+  for (const auto& [message, is_finished] :
+       std::map<std::string, bool>{{std::string(kRunInUse) + ": x", false}, {"unknown option: x", true}}) {
+    const BatchRequest request = request_with_program(batch, "echo 'error: " + message + "' >&2; exit 2");
+    ASSERT_TRUE(measure_clips(request, batch.clips));
+    const auto state = read_state(batch.folder, "a");
+    ASSERT_TRUE(state);
+    EXPECT_EQ(state->exit_code, 2);
+    EXPECT_EQ(state->is_finished, is_finished) << message;
   }
 }
 

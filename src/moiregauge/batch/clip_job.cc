@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/io/run_dir/unfinished_run.h"
 #include "moiregauge/results/summary.h"
 
 namespace moiregauge::internal {
@@ -88,7 +89,9 @@ void ClipJob::conclude(const ChildEnd& end) {
   const bool was_asked = state_.exit_code == static_cast<int>(Exit::kInterrupted) || end.signal == SIGTERM ||
                          end.signal == SIGINT || end.signal == SIGHUP;
   const bool was_stopped = was_asked || (is_interrupted_ && end.signal != 0);
-  state_.is_finished = (state_.is_timed_out && !is_interrupted_) || !was_stopped;
+  // Another process began to measure the clip after this batch had looked.
+  const bool is_in_use = state_.exit_code == static_cast<int>(Exit::kUsage) && state_.message.starts_with(kRunInUse);
+  state_.is_finished = (state_.is_timed_out && !is_interrupted_) || !(was_stopped || is_in_use);
   if (state_.exit_code == static_cast<int>(Exit::kMeasured)) state_.message.clear();
   if (state_.exit_code != static_cast<int>(Exit::kMeasured) && state_.message.empty()) state_.message = last_line_;
   state_.message = limit_text(state_, folder_.run(clip_.name).string());

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kQuiet_s = 2.0, kRefresh_s = 0.2;
 constexpr std::size_t kBatchBar = 24;
+constexpr std::size_t kMaxBusy = 5;  // clips that are named
 
 std::string time_text(double seconds) {
   if (seconds < 120.0) return fmt::format("{:.0f} s", seconds);
@@ -56,6 +58,7 @@ std::string batch_line(const BatchProgress& progress, double elapsed_s) {
                                  std::string(kBatchBar - filled, '.'), done, progress.clips);
   if (progress.failed > 0) line += fmt::format(", {} failed", progress.failed);
   line += fmt::format(", {} running", progress.running);
+  if (progress.busy > 0) line += fmt::format(", {} measured by other processes", progress.busy);
   if (progress.ended > 0)
     line += fmt::format(", {} left", time_text(elapsed_s * static_cast<double>(progress.clips - done) /
                                                static_cast<double>(progress.ended)));
@@ -64,8 +67,11 @@ std::string batch_line(const BatchProgress& progress, double elapsed_s) {
 
 BatchLine::BatchLine(bool quiet) : is_wanted_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
 
-BatchLine::~BatchLine() {
+BatchLine::~BatchLine() { clear(); }
+
+void BatchLine::clear() {
   if (is_shown_) fmt::print(stderr, "\r\x1b[K");
+  is_shown_ = false;
 }
 
 void BatchLine::show(const BatchProgress& progress) {
@@ -99,10 +105,25 @@ std::string totals_text(const BatchTotals& totals, std::size_t skipped, const st
                             folder, folder);
 }
 
+std::string busy_text(const std::vector<std::string>& names, const std::string& folder) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxBusy); ++i)
+    text += fmt::format(
+        "warning: {0} is not measured so far: another process is measuring into {1}/{0}.unfinished. Repeat the command "
+        "when it has ended.\n",
+        names[i], folder);
+  if (names.size() > kMaxBusy)
+    text +=
+        fmt::format("warning: {} more clips are not measured so far for the same reason\n", names.size() - kMaxBusy);
+  return text;
+}
+
 Exit exit_of_batch(const BatchTotals& totals) {
   const std::size_t measured = count_of_lamp(totals, Lamp::kMeasured);
   if (measured == totals.clips) return Exit::kMeasured;
-  return measured + count_of_lamp(totals, Lamp::kIncomplete) == 0 ? Exit::kRefused : Exit::kIncomplete;
+  const bool is_hopeless =
+      measured + count_of_lamp(totals, Lamp::kIncomplete) + count_of_lamp(totals, Lamp::kWaiting) == 0;
+  return is_hopeless ? Exit::kRefused : Exit::kIncomplete;
 }
 
 }  // namespace moiregauge::internal::cli

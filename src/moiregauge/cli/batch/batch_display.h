@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "moiregauge/batch/batch_run.h"
 #include "moiregauge/batch/collect.h"
@@ -23,6 +24,7 @@ class BatchLine {
   BatchLine& operator=(const BatchLine&) = delete;
   void show(const BatchProgress& progress);
   void show_text(const std::string& text);
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -32,6 +34,9 @@ class BatchLine {
 
 // Returns the final lines: what was found, the outcomes, and what to do next.
 [[nodiscard]] std::string totals_text(const BatchTotals& totals, std::size_t skipped, const std::string& folder);
+
+// Returns a warning for each of the first few clips that other processes are measuring, and the number of all of them.
+[[nodiscard]] std::string busy_text(const std::vector<std::string>& names, const std::string& folder);
 
 // Returns the exit code of a batch: 0 all clips measured; 4 none; 5 some.
 [[nodiscard]] Exit exit_of_batch(const BatchTotals& totals);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/batch/batch_display.h"
 
+#include <algorithm>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -21,6 +22,8 @@ TEST(BatchDisplay, TheExitCodeIsThatOfAllClips) {
   EXPECT_EQ(exit_of_batch(totals_of({{Lamp::kMeasured, 3}, {Lamp::kWaiting, 1}})), Exit::kIncomplete);
   EXPECT_EQ(exit_of_batch(totals_of({{Lamp::kIncomplete, 2}})), Exit::kIncomplete);
   EXPECT_EQ(exit_of_batch(totals_of({{Lamp::kRefused, 1}, {Lamp::kFailed, 1}})), Exit::kRefused);
+  EXPECT_EQ(exit_of_batch(totals_of({{Lamp::kRefused, 1}, {Lamp::kWaiting, 1}})), Exit::kIncomplete)
+      << "one may still be measured";
 }
 
 TEST(BatchDisplay, TheRemainingTimeCountsOnlyClipsMeasuredNow) {
@@ -30,6 +33,16 @@ TEST(BatchDisplay, TheRemainingTimeCountsOnlyClipsMeasuredNow) {
             "batch [################........] 70/100 clips, 3 failed, 2 running, 60 s left");
   EXPECT_EQ(batch_line({.clips = 4, .skipped = 0, .ended = 0, .failed = 0, .running = 2}, 1.0),
             "batch [........................] 0/4 clips, 2 running");
+}
+
+TEST(BatchDisplay, AClipThatAnotherProcessMeasuresIsNamed) {
+  EXPECT_EQ(busy_text({}, "out"), "");
+  EXPECT_EQ(busy_text({"a"}, "out"),
+            "warning: a is not measured so far: another process is measuring into out/a.unfinished. Repeat the command "
+            "when it has ended.\n");
+  const std::string many = busy_text(std::vector<std::string>(7, "a"), "out");
+  EXPECT_EQ(std::count(many.begin(), many.end(), '\n'), 6);
+  EXPECT_NE(many.find("2 more clips"), std::string::npos);
 }
 
 TEST(BatchDisplay, TheFinalLinesNameOutcomesAndFailures) {

@@ -87,7 +87,12 @@ tl::expected<BatchEnd, std::string> measure_shown(BatchRequest request, const st
     line.show(progress);
     return !interrupted();
   };
-  return measure_clips(request, clips);
+  auto end = measure_clips(request, clips);
+  if (end && !end->is_interrupted) {
+    line.clear();
+    print_note(busy_text(end->busy, request.folder.path.string()));
+  }
+  return end;
 }
 
 int fail_to_measure(const std::string& problem) {

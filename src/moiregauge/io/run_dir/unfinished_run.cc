@@ -47,6 +47,14 @@ bool is_ours(const fs::path& folder) {
 
 }  // namespace
 
+bool is_measured_elsewhere(const RunPlace& place) {
+  const int file = ::open((place.unfinished / kRunFileName).c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);  // also releases the lock
+  return is_locked;
+}
+
 UnfinishedRun::~UnfinishedRun() {
   journal_.reset();  // writes pending records
   if (file_ < 0) return;
@@ -68,9 +76,7 @@ OutputError UnfinishedRun::unwritable(const std::string& why) const {
 }
 
 std::string UnfinishedRun::in_use() const {
-  return fmt::format(
-      "another process is measuring into the output folder: {}.unfinished: wait for it, or choose another with -o",
-      place_.shown);
+  return fmt::format("{}: {}.unfinished: wait for it, or choose another with -o", kRunInUse, place_.shown);
 }
 
 tl::expected<std::optional<UnfinishedRun::Found>, OutputError> UnfinishedRun::find() {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <tl/expected.hpp>
 
@@ -19,6 +20,13 @@ namespace moiregauge::internal {
 
 // Action if an unfinished run is found: fail and change nothing, resume it, or delete it.
 enum class Earlier { kAsk, kResume, kRestart };
+
+// First words of the message of a run that another process is measuring.
+inline constexpr std::string_view kRunInUse = "another process is measuring into the output folder";
+
+// Returns true while another process, or another open file of this one, is measuring into DIR. False on file systems
+// without locks.
+[[nodiscard]] bool is_measured_elsewhere(const RunPlace& place);
 
 class UnfinishedRun : public JournalSink {
  public:
