@@ -4,6 +4,7 @@
     make_seeds.py MOIREGAUGE      # path of the program; writes corpus/<target>/seed-* and no other file
 """
 import pathlib
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -90,6 +91,19 @@ def texts(moiregauge, work):
     put("serve_request", "live", head + '{"source":"camera:Fake_1","arguments":["--pitch","10mm","--alarm","|T1.dy| > 1 mm","--pace","max"]}')
     put("serve_request", "smuggled", head.replace("Content-Type", "Transfer-Encoding") + '{"a":[[[[{"b":"\\ud83d\\ude00","b":1e99}]]]]}')
     put("serve_request", "progress", '{"type":"samples","marker":{"T1":[[0,0,null,0.1,0.01,0.02,0]]}}')
+    options = '{"batch":1,"measure":[{"value":"--fps=10"},{"value_hex":"2d2d63616d6572613d2fff"}],"names_markers":true,"threads":2,'
+    options += '"time_limit_s":1.5,"memory_limit_bytes":4000000000}\n'
+    put("batch_list", "manifest", options + '{"name":"a","input":"/clips/a.mkv","site":"/clips/site.toml"}\n'
+        '{"name":"b-two","input_hex":"2f636c6970732fff2e6d6b76"}\n')
+    put("batch_list", "by-hand", "# spans\n  a.mkv\r\nb c.mkv\n\n..\n.\na.mkv\n")
+    put("batch_query", "peaks", "SELECT run, marker, f1_hz FROM targets WHERE ok = frames ORDER BY f1_hz")
+    put("batch_query", "join", "SELECT r.run, count(*) AS n FROM runs r JOIN peaks USING (run) GROUP BY 1 HAVING n > 0 LIMIT 3;")
+    put("batch_query", "endless", "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT count(*) FROM n")
+    put("batch_query", "change", "ATTACH 'x.db' AS x")
+    with sqlite3.connect(work / "catalogue.sqlite") as database:
+        database.executescript("CREATE TABLE runs (run TEXT PRIMARY KEY, clip TEXT) WITHOUT ROWID; INSERT INTO runs VALUES ('a', 'b');"
+                               "CREATE TABLE warnings (run TEXT, text TEXT); INSERT INTO warnings VALUES ('a', 'c');")
+    put("batch_query", "catalogue", (work / "catalogue.sqlite").read_bytes())
     put("scenario_file", "every-kind", 'base = "small-1xyz"\nframes = 50\n[lens]\nk1 = -0.1\n[rotation.z]\n'
         'knots = [[0, 0], [5, 0.8]]\n[[marker]]\nname = "beam"\nrole = "target"\ngrating_mm = [0, 0]\n'
         'grating_size_mm = [40, 40]\npitch_mm = 10\n[marker.dy]\nknots = [[0, 0], [2, 1]]\n[marker.cover]\nframes = [[2, 4]]\n'

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/batch/manifest.h"
 
+#include <cstdint>
 #include <fstream>
 #include <map>
+#include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,6 +22,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kManifestVersion = 1;
 constexpr std::size_t kMaxLineBytes = std::size_t{1} << 20;
+constexpr double kMaxTimeLimit_s = 1e15;  // so that milliseconds fit into 64 bits
+constexpr std::string_view kNotInNames("./\0", 3);
 
 // JSON holds UTF-8 only, but a path may hold any bytes. Those become hexadecimal digits.
 void put_path(Json& json, const std::string& key, const std::string& path) {
@@ -32,13 +37,27 @@ void put_path(Json& json, const std::string& key, const std::string& path) {
   }
 }
 
+// Throws if the path has a NUL, because the system would end it there.
 std::string path_of(const Json& json, const std::string& key) {
-  if (json.contains(key)) return json.at(key).get<std::string>();
-  const std::string digits = json.value(key + "_hex", "");
   std::string path;
-  for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
-    path += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  if (json.contains(key)) {
+    path = json.at(key).get<std::string>();
+  } else {
+    const std::string digits = json.value(key + "_hex", "");
+    for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
+      path += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  }
+  if (path.find('\0') != std::string::npos) throw std::invalid_argument(key);
   return path;
+}
+
+// Throws unless the value is a whole number from `min` to `max`.
+std::int64_t whole_of(const Json& json, const char* key, std::int64_t min, std::int64_t max) {
+  const Json& value = json.at(key);
+  const bool is_whole =
+      value.is_number_integer() && !(value.is_number_unsigned() && value.get<std::uint64_t>() > INT64_MAX);
+  if (!is_whole || value.get<std::int64_t>() < min || value.get<std::int64_t>() > max) throw std::out_of_range(key);
+  return value.get<std::int64_t>();
 }
 
 std::string clip_line(const Clip& clip) {
@@ -69,13 +88,15 @@ ClipOptions options_of(const Json& json) {
   ClipOptions options;
   for (const Json& argument : json.at("measure")) options.measure.push_back(path_of(argument, "value"));
   options.names_markers = json.at("names_markers").get<bool>();
-  options.threads = json.at("threads").get<int>();
+  options.threads = static_cast<int>(whole_of(json, "threads", 1, INT32_MAX));
   options.time_limit_s = json.at("time_limit_s").get<double>();
-  options.memory_limit_bytes = json.at("memory_limit_bytes").get<std::int64_t>();
+  if (!(options.time_limit_s >= 0.0 && options.time_limit_s <= kMaxTimeLimit_s))
+    throw std::out_of_range("time_limit_s");
+  options.memory_limit_bytes = whole_of(json, "memory_limit_bytes", 0, INT64_MAX);
   return options;
 }
 
-// Reads the lines of a manifest. A name with a dot or slash would lead out of OUT.
+// Reads the lines of a manifest. A name with a dot, slash or NUL would be another folder, or one outside OUT.
 tl::expected<void, std::string> read_lines(const fs::path& path, const std::function<void(ClipOptions)>& see_options,
                                            const std::function<void(const Clip&)>& see) {
   std::ifstream file(path);
@@ -96,7 +117,7 @@ tl::expected<void, std::string> read_lines(const fs::path& path, const std::func
         continue;
       }
       const Clip clip{json.at("name").get<std::string>(), path_of(json, "input"), path_of(json, "site")};
-      if (clip.name.empty() || clip.name.find_first_of("./") != std::string::npos)
+      if (clip.name.empty() || clip.name.find_first_of(kNotInNames) != std::string::npos)
         return failed(fmt::format("line {} has no valid name", number));
       see(clip);
     } catch (const std::exception&) {
