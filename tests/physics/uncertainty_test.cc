@@ -2,6 +2,7 @@
 // Tests that the stated noise equals the scatter of repeated recordings, and that layouts follow their closed forms.
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,44 @@ TEST(Uncertainty, TheStatedNoiseIsTheScatterOfRepeatedRecordings) {
   }
   // 290 degrees of freedom: the relative standard error is 1 / sqrt(580) = 4.2 %. Four of them are allowed.
   EXPECT_NEAR(test::rms(scatter_y) / test::rms(stated_y), 1.0, 0.17);
+}
+
+// Measures a target that moves through all fractions of a pixel. The pitch is 28.99 px, so all lines have the same
+// fraction.
+test::MeasuredRun measured_across_pixels(double psf_px, int median_px) {
+  auto scenario = *simulator::built_in("small-still");
+  scenario.sensor.psf_sigma_px = psf_px;
+  scenario.processing.median_px = median_px;
+  for (auto& marker : scenario.markers) {
+    marker.ink.line_share = 0.35;
+    if (marker.print.role != Role::kTarget) continue;
+    marker.dy = {.knots = {{0.0, 0.0}, {2.0, 0.6}}};
+    marker.dx = {.knots = {{0.0, 0.0}, {2.0, 0.44}}};
+  }
+  scenario.sensor.fps = 10.0;
+  return test::measured(scenario, {.method = "precise", .frames = 20});
+}
+
+// Edges sharper than a pixel fold harmonics. A median filter sharpens the corners of a grating.
+TEST(Uncertainty, CoversErrorsThatRepeatWithEveryPixel) {
+  for (const auto& [psf_px, median_px] : {std::pair{0.4, 0}, {0.7, 5}}) {
+    const auto run = measured_across_pixels(psf_px, median_px);
+    ASSERT_TRUE(run.problem.empty()) << run.problem;
+    EXPECT_GT(test::rms(run.error_y_um), 1.5) << "the noise is 0.4 um";
+    for (std::size_t k = 0; k < run.error_y_um.size(); ++k) {
+      EXPECT_LT(std::abs(run.error_x_um[k]), 3.0 * run.u_x_um[k]) << "PSF " << psf_px << " px, row " << k;
+      EXPECT_LT(std::abs(run.error_y_um[k]), 3.0 * run.u_y_um[k]) << "PSF " << psf_px << " px, row " << k;
+    }
+    EXPECT_TRUE(test::notes(run, "repeats with every pixel")) << psf_px;
+  }
+}
+
+// The noise alone gives 0.9 um.
+TEST(Uncertainty, IsThatOfNoiseBehindAUsualBlur) {
+  const auto run = measured_across_pixels(0.7, 0);
+  ASSERT_TRUE(run.problem.empty()) << run.problem;
+  EXPECT_LT(test::rms(run.u_y_um), 1.1);
+  EXPECT_FALSE(test::notes(run, "repeats with every pixel"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/displacement/layout_advice.h"
+#include "moiregauge/displacement/locking_error.h"
 #include "moiregauge/displacement/precise/apparent_size.h"
 #include "moiregauge/displacement/precise/frames_in_scene.h"
 #include "moiregauge/displacement/precise/precise_prior.h"
@@ -76,6 +77,7 @@ struct SolvedRun {
   BundleFrames seen;
   FrameSeries read;    // the same frames with the codec's error
   bool lossy = false;  // the footage has such an error
+  std::optional<std::string> locking_note;
   PreciseScene scene;
 };
 
@@ -87,6 +89,11 @@ SolvedRun solved_run(const Reference& reference, const Observations& observation
   run.seen = bundle_frames(reference, observations, prior.camera, options,
                            reference.knows_camera() ? kMinForPose : kMinForHomography);
   run.read = with_codec_error(run.seen, codec);
+  // The codec's error depends on the slopes of the grey levels, which follow from the noise. So it comes first.
+  const auto locking = std::make_shared<const LockingError>(reference, run.seen.frames);
+  run.locking_note = locking->note();
+  run.seen.frames = with_locking_error(run.seen.frames, locking);
+  run.read = with_locking_error(run.read, locking);
   if (references_in(reference.site, run.read.front()) < kMinForHomography)
     run.scene.problem = "the reference frame does not give templates of four references";
   else
@@ -111,6 +118,7 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   if (!reference.knows_camera())
     add_to(solution.findings, still_camera_note(*solution.scene, scene.calibration.bundle.frames));
   add_to(solution.notes, weak_axis_note(reference));
+  add_to(solution.notes, run.locking_note);
   add_to(solution.findings, stretched_prints_note(reference.site, scene.calibration));
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration))
     solution.findings.push_back(std::move(line));

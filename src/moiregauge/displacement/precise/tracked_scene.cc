@@ -18,6 +18,8 @@ TrackedScene::TrackedScene(const Reference& reference, std::shared_ptr<const Obs
   const ScenePrior prior = precise_prior(reference_, options_);
   start_camera_ = prior.camera;
   frames_ = bundle_frames(reference_, *keys_, start_camera_, options_, min_references_);
+  locking_ = std::make_shared<const LockingError>(reference_, frames_.frames);
+  frames_.frames = with_locking_error(frames_.frames, locking_);
   if (references_in(reference_.site, frames_.frames.front()) < kMinForHomography) {
     scene_.problem = "the gratings of four references could not be learned from the reference frame";
     return;
@@ -29,6 +31,7 @@ TrackedScene::TrackedScene(const Reference& reference, std::shared_ptr<const Obs
 Samples TrackedScene::measure(const Observation& seen, const std::vector<Extent<frame::Board>>& travel,
                               const std::vector<bool>& is_far) const {
   auto frame = bundle_frame(reference_, seen, start_camera_, travel, min_references_);
+  if (frame && !locking_->is_zero()) frame = locking_->with_error(*std::move(frame));
   if (frame && scene_.excluded) frame->points[*scene_.excluded].reset();
   return measured_->measure_one(seen, frame, is_far);
 }

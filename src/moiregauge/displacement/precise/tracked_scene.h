@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "moiregauge/displacement/bundle_frames.h"
+#include "moiregauge/displacement/locking_error.h"
 #include "moiregauge/displacement/precise/frames_in_scene.h"
 
 namespace moiregauge::internal {
@@ -35,6 +36,7 @@ class TrackedScene {
   std::size_t min_references_;
   Camera start_camera_;
   BundleFrames frames_;
+  std::shared_ptr<const LockingError> locking_;
   PreciseScene scene_;
   std::unique_ptr<const FramesInScene> measured_;
 };
