@@ -27,8 +27,8 @@ struct SeekPlan {
 [[nodiscard]] bool is_enough(const std::vector<PacketNote>& packets, long wanted);
 
 // Returns the plan with the last possible start for frame `wanted` and the `margin` frames before it. All shown frames
-// have the pixels that decoding from the start gives, also if frames after a key frame are shown before it and refer to
-// frames before it (open group of pictures). Such a key frame is reached from the one before.
+// have the pixels that decoding from the start gives. In an open group of pictures, frames after a key frame are shown
+// before it and refer to frames before it. Such a key frame is reached from the one before.
 // Returns nothing where the frames' times do not determine their numbers, or if there is nothing to skip.
 [[nodiscard]] std::optional<SeekPlan> plan_seek(const std::vector<PacketNote>& packets, long wanted, long margin);
 
