@@ -26,6 +26,7 @@ class Browser:
         self.timeout = timeout
         self.errors = []  # error and warning messages of all pages
         self.requests = []  # URLs requested by all pages, except their own files
+        self.paused = []  # requests that the pattern of pause_requests() holds
         self.answers = {}
         self.last = 0
         self.rest = b""
@@ -108,6 +109,8 @@ class Browser:
             self.errors.append(" ".join(str(a.get("value", a.get("description"))) for a in parameters["args"]))
         elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
             self.errors.append(f'{parameters["entry"]["text"]} {parameters["entry"].get("url", "")}'.strip())
+        elif method == "Fetch.requestPaused":
+            self.paused.append(parameters["requestId"])
         elif method == "Network.requestWillBeSent":
             self.requests.append(parameters["request"]["url"])
 
@@ -151,6 +154,24 @@ class Page:
         self.send("Emulation.setEmulatedMedia", features=[
             {"name": "prefers-color-scheme", "value": "dark" if dark else "light"},
             {"name": "prefers-reduced-motion", "value": "reduce" if still else "no-preference"}])
+
+    def pause_requests(self, pattern):
+        """Holds requests whose address matches, until fail_request() or release_requests()."""
+        self.browser.paused.clear()
+        self.send("Fetch.enable", patterns=[{"urlPattern": pattern}])
+
+    def fail_request(self, seconds=20):
+        """Waits for a held request and breaks its connection."""
+        end = time.monotonic() + seconds
+        while not self.browser.paused:
+            if time.monotonic() > end:
+                raise RuntimeError("no request was held")
+            self.value("1")
+        self.send("Fetch.failRequest", requestId=self.browser.paused.pop(0), errorReason="ConnectionReset")
+
+    def release_requests(self):
+        self.browser.paused.clear()
+        self.send("Fetch.disable")
 
     def mouse(self, kind, x, y, modifiers=0, **more):
         self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, modifiers=modifiers, **more)

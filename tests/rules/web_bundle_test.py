@@ -42,9 +42,10 @@ def problems():
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             if FORBIDDEN.search(line):
                 yield f"{path.relative_to(WEB.parent)}:{number}: {FORBIDDEN.search(line).group(0)} writes text as HTML or code: use textContent"
-    colours = [COLOUR.findall((WEB / "src" / name).read_text(encoding="utf-8")) for name in ("page.css", "serve/serve.css")]
-    if colours[0] != colours[1] or len(colours[0]) < 40:
-        yield "web/src/serve/serve.css differs from web/src/page.css in a colour that has a meaning"
+    shared = [COLOUR.findall((WEB / "src" / name).read_text(encoding="utf-8")) for name in ("colours.css", "dark.css")]
+    own = [COLOUR.findall((WEB / "src" / name).read_text(encoding="utf-8")) for name in ("page.css", "plots.css", "serve/serve.css")]
+    if any(own) or min(map(len, shared)) < 20 or [name for name, _ in shared[0]] != [name for name, _ in shared[1]]:
+        yield "a colour that has a meaning is not in both web/src/colours.css and web/src/dark.css, or is elsewhere too"
 
 
 def main():

@@ -27,6 +27,7 @@ from browser import Browser  # noqa: E402
 MAX_CLICKS = 8
 FRAMES = 48
 DELAY_S = 0.35  # the other sensor's clock minus the camera's
+PIECE = 8 << 20  # bytes that the page sends in one request
 HOSTILE = "<img src=x onerror=alert(1)>.mp4"
 HTML = "document.documentElement"
 
@@ -159,6 +160,33 @@ def check_first_use(visitor, clip, folder, program):
     return run
 
 
+def check_resumed_upload(visitor, folder, work):
+    """The connection breaks after the first piece, then the page is closed. Both times the upload resumes where it stopped."""
+    record = work / "record.csv"
+    record.write_text("time_s,mm\n" + "".join(f"{k / 100:.2f},{k % 977 / 1000:.3f}\n" for k in range(800000)), encoding="utf-8")
+    insist(PIECE < record.stat().st_size < 2 * PIECE, "two pieces")
+    page, sent = visitor.page, visitor.page.browser.requests
+    page.pause_requests(f"*/api/upload*offset={PIECE}*")
+    visitor.drop(record)
+    page.fail_request()
+    page.fail_request()
+    insist(not (folder / record.name).exists(), "an upload that is not complete is not in the folder")
+    page.send("Page.reload")
+    page.release_requests()
+    page.wait(f"{HTML}?.dataset.state === 'ready'")
+    before = len(sent)
+    visitor.drop(record)
+    end = time.monotonic() + 30
+    while not (folder / record.name).exists():
+        insist(time.monotonic() < end, "the upload ends")
+        page.value("1")
+    offsets = [int(found[1]) for url in sent[before:] if (found := re.search(r"/api/upload\?.*offset=(\d+)", url))]
+    insist(offsets == [PIECE], f"only the second piece is sent again: {offsets}")
+    insist((folder / record.name).read_bytes() == record.read_bytes(), "the upload is the file")
+    visitor.wait("!document.querySelector('.uploads li')")
+    (folder / record.name).unlink()
+
+
 def check_markers(visitor, folder, program):
     visitor.click("document.querySelector('#tab-setup')")
     visitor.wait("document.querySelectorAll('.marker').length >= 5 && !document.querySelector('[aria-busy]')")
@@ -224,6 +252,7 @@ def check_queue(visitor, long_clip, folder):
     visitor.click(button("Stop"))
     visitor.click(button("Resume"))
     visitor.click(entry("second.mp4"))
+    visitor.wait("document.querySelector('.clip-head h2').textContent === 'second.mp4'")
     visitor.click(button("Stop"))
     visitor.wait(button("Resume"))
     visitor.wait(f"({entry('long.mp4')}.querySelector('.state.done'))", 60)
@@ -362,6 +391,10 @@ def check_looks(browser, address):
                     visitor.click(entry("bridge.mp4"))
                 visitor.click(f"document.querySelector('#tab-{step}')")
                 visitor.wait(ready)
+                if (step, width) == ("results", 390):
+                    inner = visitor.value("(() => { const t = document.querySelector('.headline .wide'); return [t.scrollWidth - t.clientWidth, t.querySelectorAll('td').length,"
+                                          " [...t.querySelectorAll('td')].every((c) => c.getBoundingClientRect().right <= innerWidth && getComputedStyle(c, '::before').content.length > 2)]; })()")
+                    insist(inner[0] <= 0 and inner[1] >= 6 and inner[2], f"the table of results needs no sideways scroll, and each value has its heading: {inner}")
                 overhang = visitor.value("document.querySelector('#main').scrollWidth - document.querySelector('#main').clientWidth")
                 insist(overhang <= 0, f"{step} at {width} px: {overhang} px overhang")
     visitor.click("document.querySelector('#theme')")
@@ -472,10 +505,12 @@ def visit(program, work):
             check_live(visitor)
             done("table and live")
             check_hostile(visitor, clip, folder)
+            check_resumed_upload(visitor, folder, work)
+            done("resumed upload")
             check_looks(browser, address)
             done("looks")
-            # Chromium logs every refusal. A live source has no picture before its first frame, and its run none before it ends.
-            errors = [text for text in browser.errors if "/api/live-frame" not in text and "/api/thumbnail" not in text]
+            # Chromium logs every refusal, and the connection that check_resumed_upload() breaks. A live source has no picture before its first frame, and its run none before it ends.
+            errors = [text for text in browser.errors if not any(part in text for part in ("/api/live-frame", "/api/thumbnail", "ERR_CONNECTION_RESET"))]
             insist(not errors, f"the browser complains: {errors}")
             outside = [url for url in browser.requests if not url.startswith((address, "blob:" + address, "data:"))]
             insist(not outside, f"the page asks for {outside}")

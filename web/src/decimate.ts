@@ -1,34 +1,35 @@
 // A million samples on a thousand pixels: the lowest and the highest of every pixel's samples, found quickly.
 
-const kBlock = 128;
+const kFan = 16; // blocks of 16 values, of 256, and so on
+const kGroup = 4; // pixels that share the points of a curve without a line: points are wider than a pixel
 
-// Values with the extremes of every block of 128, made when they are first needed.
+interface Extremes {
+  lows: Float64Array;
+  highs: Float64Array;
+}
+
+// Returns the extremes of every block of 16. Comparisons with NaN are false, so gaps are passed over.
+function blocksOf({ lows, highs }: Extremes): Extremes {
+  const blocks = Math.ceil(lows.length / kFan);
+  const out = { lows: new Float64Array(blocks).fill(Infinity), highs: new Float64Array(blocks).fill(-Infinity) };
+  for (let i = 0; i < lows.length; ++i) {
+    const b = (i / kFan) | 0;
+    if (lows[i]! < out.lows[b]!) out.lows[b] = lows[i]!;
+    if (highs[i]! > out.highs[b]!) out.highs[b] = highs[i]!;
+  }
+  return out;
+}
+
+// Values with the extremes of their blocks, of blocks of blocks, and so on. They are made when they are first needed.
 export class Curve {
-  private lows?: Float64Array;
-  private highs?: Float64Array;
-  constructor(readonly values: Float64Array) {}
-
-  private makeBlocks(): void {
-    const blocks = Math.ceil(this.values.length / kBlock);
-    this.lows = new Float64Array(blocks);
-    this.highs = new Float64Array(blocks);
-    for (let b = 0; b < blocks; ++b) {
-      const [low, high] = this.scan(b * kBlock, Math.min(this.values.length, (b + 1) * kBlock));
-      this.lows[b] = low;
-      this.highs[b] = high;
-    }
+  private readonly levels: Extremes[];
+  constructor(readonly values: Float64Array) {
+    this.levels = [{ lows: values, highs: values }];
   }
 
-  private scan(from: number, to: number): [number, number] {
-    let low = Infinity;
-    let high = -Infinity;
-    const { values } = this;
-    for (let i = from; i < to; ++i) {
-      const v = values[i]!; // comparisons with NaN are false: gaps are passed over
-      if (v < low) low = v;
-      if (v > high) high = v;
-    }
-    return [low, high];
+  private level(k: number): Extremes {
+    this.levels[k] ??= blocksOf(this.level(k - 1));
+    return this.levels[k]!;
   }
 
   // Returns true if all values are gaps.
@@ -39,18 +40,24 @@ export class Curve {
 
   // Returns the lowest and highest value in [from, to); Infinity and -Infinity if all are gaps.
   extremes(from: number, to: number): [number, number] {
-    if (to - from < 4 * kBlock) return this.scan(from, to);
-    if (!this.lows) this.makeBlocks();
-    const first = Math.ceil(from / kBlock);
-    const last = Math.floor(to / kBlock);
-    let [low, high] = this.scan(from, first * kBlock);
-    const [lowEnd, highEnd] = this.scan(last * kBlock, to);
-    low = Math.min(low, lowEnd);
-    high = Math.max(high, highEnd);
-    for (let b = first; b < last; ++b) {
-      if (this.lows![b]! < low) low = this.lows![b]!;
-      if (this.highs![b]! > high) high = this.highs![b]!;
+    let low = Infinity;
+    let high = -Infinity;
+    const scan = ({ lows, highs }: Extremes, begin: number, end: number): void => {
+      for (let i = begin; i < end; ++i) {
+        if (lows[i]! < low) low = lows[i]!;
+        if (highs[i]! > high) high = highs[i]!;
+      }
+    };
+    let k = 0;
+    for (; to - from >= 2 * kFan; ++k) {
+      const first = Math.ceil(from / kFan);
+      const last = Math.floor(to / kFan);
+      scan(this.level(k), from, first * kFan);
+      scan(this.level(k), last * kFan, to);
+      from = first;
+      to = last;
     }
+    scan(this.level(k), from, to);
     return [low, high];
   }
 }
@@ -69,24 +76,30 @@ export function firstAtLeast(x: Float64Array, value: number): number {
   return low;
 }
 
+// A curve to draw; `isPoints`: without a line.
+export interface DrawnCurve {
+  curve: Curve;
+  isPoints?: boolean;
+}
+
 // Returns the points of `curves` to draw between min and max, with one more sample on each side. Many samples are reduced to
-// two points per pixel. A pixel without samples is a gap.
-export function drawn(x: Float64Array, curves: Curve[], min: number, max: number, pixels: number): [number[], ...Drawn[]] {
+// two points per pixel, or per group of pixels without a line. A pixel without samples is a gap.
+export function drawn(x: Float64Array, curves: DrawnCurve[], min: number, max: number, pixels: number): [number[], ...Drawn[]] {
   const from = Math.max(0, firstAtLeast(x, min) - 1);
   const to = Math.min(x.length, firstAtLeast(x, max) + 2);
   const count = to - from;
   if (count <= 3 * pixels) {
-    const all = curves.map(({ values }) => Array.from(values.subarray(from, to), (v) => (Number.isNaN(v) ? null : v)));
+    const all = curves.map(({ curve }) => Array.from(curve.values.subarray(from, to), (v) => (Number.isNaN(v) ? null : v)));
     return [Array.from(x.subarray(from, to)), ...all];
   }
   const xs: number[] = [];
   const ys: Drawn[] = curves.map(() => []);
+  const startOf = (p: number): number => from + Math.floor((count * Math.min(p, pixels)) / pixels);
   for (let p = 0; p < pixels; ++p) {
-    const start = from + Math.floor((count * p) / pixels);
-    const end = from + Math.floor((count * (p + 1)) / pixels);
-    xs.push(x[start]!, x[(start + end) >> 1]!);
-    curves.forEach((curve, c) => {
-      const [low, high] = curve.extremes(start, end);
+    const start = startOf(p);
+    xs.push(x[start]!, x[(start + startOf(p + 1)) >> 1]!);
+    curves.forEach(({ curve, isPoints = false }, c) => {
+      const [low, high] = !isPoints ? curve.extremes(start, startOf(p + 1)) : p % kGroup === 0 ? curve.extremes(start, startOf(p + kGroup)) : [1, 0];
       ys[c]!.push(low <= high ? low : null, low <= high ? high : null);
     });
   }

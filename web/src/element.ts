@@ -47,3 +47,22 @@ export function table(caption: string, head: string[], rows: (string | Cell)[][]
   return el('div', { class: 'wide', tabindex: '0', role: 'region', 'aria-label': caption },
     el('table', {}, el('caption', {}, caption), el('thead', {}, top), el('tbody', {}, ...rows.map(line))));
 }
+
+// Lets a table become one block per row on a phone (`.stacked` in serve.css): every cell then shows its column's heading.
+// The roles keep it a table for screen readers whatever its layout is.
+export function stacked(box: HTMLElement): HTMLElement {
+  const found = box.querySelector('table')!;
+  const heads = [...found.querySelectorAll('thead th')].map(({ textContent }) => textContent ?? '');
+  box.classList.add('stacked');
+  found.setAttribute('role', 'table');
+  found.querySelectorAll('thead, tbody').forEach((part) => part.setAttribute('role', 'rowgroup'));
+  found.querySelectorAll('thead th').forEach((head) => head.setAttribute('role', 'columnheader'));
+  found.querySelectorAll('tr').forEach((row) => {
+    row.setAttribute('role', 'row');
+    row.querySelectorAll('td, th[scope=row]').forEach((cell, k) => {
+      cell.setAttribute('role', k === 0 ? 'rowheader' : 'cell');
+      cell.setAttribute('data-label', heads[k] ?? '');
+    });
+  });
+  return box;
+}

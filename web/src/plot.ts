@@ -1,6 +1,6 @@
 // One plot of curves over the abscissa of its group: drawn when it comes into view, redrawn when zoom, theme or width change.
 import uPlot from 'uplot';
-import { Curve, drawn, firstAtLeast } from './decimate';
+import { Curve, drawn, firstAtLeast, type DrawnCurve } from './decimate';
 import { csvText, fileName, save, type CsvColumn } from './download';
 import { el } from './element';
 import { isPrinting, kColour, kFirstLine, onPaper, theme } from './theme';
@@ -262,7 +262,8 @@ export class Plot {
 
   private data(pixels: number): uPlot.AlignedData {
     const { x, zoom, hasAllPoints } = this.plan;
-    const curves = this.shown().flatMap((line) => [line.curve, ...(hasBand(line) ? [line.band!.low, line.band!.high] : []), ...(line.notOk ? [line.notOk] : [])]);
+    const curves = this.shown().flatMap((line): DrawnCurve[] => [{ curve: line.curve },
+      ...(hasBand(line) ? [{ curve: line.band!.low }, { curve: line.band!.high }] : []), ...(line.notOk ? [{ curve: line.notOk, isPoints: true }] : [])]);
     return drawn(x, curves, zoom.min, zoom.max, hasAllPoints ? kAllPoints : Math.max(100, Math.floor(pixels))) as uPlot.AlignedData;
   }
 

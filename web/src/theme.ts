@@ -11,7 +11,7 @@ export interface Theme {
   band: string[];
 }
 
-// One colour, one meaning (page.css).
+// One colour, one meaning (colours.css).
 export const kColour = { x: 0, y: 1, reference: 2, target: 3, camera: 4, other: 5 } as const;
 
 // Lines of one plot that differ in nothing but their name, such as targets: colours kFirstLine to kFirstLine + kLines - 1,

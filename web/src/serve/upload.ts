@@ -8,6 +8,7 @@ const kPiece = 8 << 20; // bytes in one request
 const kAttempts = 5; // per piece
 const kPause_ms = 700; // before the next attempt
 const kNameInUse = 409;
+const kFinal = [400, kNameInUse, 413, 422]; // refusals that another attempt cannot change
 const kMaxNumber = 20; // added to a name in use
 
 interface Upload {
@@ -139,6 +140,11 @@ export class Uploads {
       return true;
     } catch (problem) {
       if (signal.aborted) return false;
+      sayProblem(problem);
+      if (problem instanceof Refusal && kFinal.includes(problem.status)) {
+        text.textContent = 'refused';
+        return false;
+      }
       text.textContent = 'stopped';
       const again = button('Resume', () => {
         again.remove();
@@ -147,7 +153,6 @@ export class Uploads {
         });
       }, { class: 'small' });
       element.append(again);
-      sayProblem(problem);
       return false;
     }
   }

@@ -71,6 +71,8 @@ bool is_upload_name(std::string_view name) {
 }
 
 tl::expected<std::string, UploadFailure> UploadFolder::part_path(std::string_view name, std::int64_t size) const {
+  if (std::ranges::count(name, '/') > 1)
+    return upload_failure(422, fmt::format("a folder in a folder is not received: {}: drop the inner folder", name));
   if (!is_upload_name(name))
     return upload_failure(422, "the name is not that of a clip, image or table: the upload: rename the file");
   const std::string_view parent = folder_part(name);

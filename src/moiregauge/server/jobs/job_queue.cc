@@ -14,11 +14,12 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll(50);
-constexpr milliseconds kPublish(100);             // at most ten events a second for each job
-constexpr std::size_t kMaxWaiting = 200;          // commands
-constexpr std::size_t kMaxKept = 300;             // jobs that have ended
-constexpr std::size_t kMaxSampleBytes = 2 << 20;  // for each job
-constexpr std::size_t kMaxLiveLine = 64 << 10;    // bytes
+constexpr milliseconds kPublish(100);                   // at most ten events a second for each job
+constexpr std::size_t kMaxWaiting = 200;                // commands
+constexpr std::size_t kMaxKept = 300;                   // jobs that have ended
+constexpr std::size_t kMaxSampleBytes = 2 << 20;        // for each job
+constexpr std::size_t kMaxLiveSampleBytes = 512 << 10;  // more than the last minute of a few targets
+constexpr std::size_t kMaxLiveLine = 64 << 10;          // bytes
 
 bool is_live(const Job& job) { return job.command.action == "live"; }
 bool has_progress(const Job& job) {
@@ -219,15 +220,17 @@ void JobQueue::take_live_line(Task& task, std::string line) {
       "live", fmt::format("{{\"id\":\"{}\",\"state\":\"running\",\"line\":{}}}", task.job.id, task.job.live_line)));
 }
 
-// Keeps every second event of a long run, so that the curve of a page that opens later is coarse but whole.
+// Keeps every second event of a long run, so that the curve of a page that opens later is coarse but whole. A page shows
+// only the last minute of a live source.
 void JobQueue::keep_samples(Task& task, const std::string& event) {
   options_.publish(event);
   task.samples.push_back(event);
   task.sample_bytes += event.size();
-  if (task.sample_bytes <= kMaxSampleBytes) return;
+  if (task.sample_bytes <= (is_live(task.job) ? kMaxLiveSampleBytes : kMaxSampleBytes)) return;
   std::vector<std::string> half;
   task.sample_bytes = 0;
-  for (std::size_t i = 0; i < task.samples.size(); i += 2) {
+  const std::size_t first = is_live(task.job) ? task.samples.size() / 2 : 0, step = is_live(task.job) ? 1 : 2;
+  for (std::size_t i = first; i < task.samples.size(); i += step) {
     task.sample_bytes += task.samples[i].size();
     half.push_back(std::move(task.samples[i]));
   }

@@ -1,5 +1,6 @@
 // Curves that grow while something is measured: dx and dy of all targets with their band, redrawn at most ten times a second.
-import uPlot from 'uplot';
+import type uPlot from 'uplot';
+import { SmallPlot, type SmallPlan } from './small_plot';
 import { el } from '../../element';
 import { expanded } from '../../format';
 import { kFirstLine, kLines, theme } from '../../theme';
@@ -22,24 +23,19 @@ interface Curve {
 
 export class GrowingChart {
   readonly element: HTMLElement;
-  private readonly box = el('div', { class: 'canvas' });
   private readonly keys = el('ul', { class: 'keys' });
+  private readonly plot: SmallPlot;
   private x: number[] = [];
   private curves: Curve[] = [];
-  private chart?: uPlot;
   private timer?: ReturnType<typeof setTimeout>;
   private stride = 1; // every stride-th sample is kept
   private seen = 0;
-  private readonly resized: ResizeObserver;
 
   // `span_s`: only the last part of the record is shown.
   constructor(private readonly axis: Axis, title: string, private readonly hasTime: boolean, private readonly span_s?: number) {
-    this.box.setAttribute('role', 'img');
-    this.box.setAttribute('aria-label', title);
-    this.element = el('figure', { class: 'plot growing' }, el('figcaption', {}, el('span', { class: 'title' }, title), this.keys), this.box);
-    this.box.style.minHeight = `${kHeight}px`;
-    this.resized = new ResizeObserver(() => this.chart?.setSize({ width: this.box.clientWidth, height: kHeight }));
-    this.resized.observe(this.box);
+    this.plot = new SmallPlot(title, kHeight, this.keys);
+    this.element = this.plot.element;
+    this.element.classList.add('growing');
   }
 
   get samples(): number {
@@ -48,15 +44,12 @@ export class GrowingChart {
 
   remove(): void {
     clearTimeout(this.timer);
-    this.resized.disconnect();
-    this.chart?.destroy();
-    this.element.remove();
+    this.plot.remove();
   }
 
   // Draws again in the colours of the theme.
   remake(): void {
-    this.chart?.destroy();
-    this.chart = undefined;
+    this.plot.clear();
     this.later();
   }
 
@@ -124,10 +117,7 @@ export class GrowingChart {
   }
 
   private draw(): void {
-    if (this.curves.length === 0 || this.box.clientWidth === 0) return;
-    if (!this.chart) this.make();
-    else this.chart.setData(this.data());
-    this.element.dataset.samples = String(this.x.length);
+    if (this.curves.length > 0 && this.plot.draw(this.data(), () => this.plan())) this.element.dataset.samples = String(this.x.length);
   }
 
   // One target has the colour of its axis, several have the colours of lines that differ by name.
@@ -135,9 +125,9 @@ export class GrowingChart {
     return this.curves.length === 1 ? (this.axis === 'dx' ? 0 : 1) : kFirstLine + (k % kLines);
   }
 
-  private make(): void {
-    const { ink, grid, series: colours, band, paper } = theme();
-    const series: uPlot.Series[] = [{}];
+  private plan(): SmallPlan {
+    const { series: colours, band, paper } = theme();
+    const series: uPlot.Series[] = [];
     const bands: uPlot.Band[] = [];
     const hasBands = this.curves.length <= kBandsFor;
     this.curves.forEach(({ name }, k) => {
@@ -146,19 +136,13 @@ export class GrowingChart {
       if (hasBands) {
         const edge: uPlot.Series = { stroke: 'transparent', width: 0, points: { show: false } };
         series.push(edge, { ...edge });
-        bands.push({ series: [series.length - 1, series.length - 2], fill: band[colour]! });
+        bands.push({ series: [series.length, series.length - 1], fill: band[colour]! });
       }
       series.push({ label: `${name}, not ok`, width: 0, paths: () => null, points: { show: true, size: 5, width: 1.25, stroke: colours[5]!, fill: paper } });
     });
     this.keys.replaceChildren(...this.curves.map(({ name }, k) => el('li', { style: `--colour: var(--series-${this.colour(k) + 1})` }, name)),
       ...(hasBands ? [el('li', { class: 'band', style: `--colour: var(--series-${this.curves.length === 1 ? this.colour(0) + 1 : 6})` }, 'U (k = 2)')] : []),
       el('li', { class: 'hollow', style: '--colour: var(--series-6)' }, 'not ok'));
-    const axis = { stroke: ink, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1, size: 4 }, font: '12px system-ui, sans-serif', labelFont: '12px system-ui, sans-serif', labelSize: 18, labelGap: 0 };
-    const minus = (splits: number[]): string[] => splits.map((value) => String(Number(value.toPrecision(9))).replace('-', '\u2212'));
-    this.chart = new uPlot({
-      width: this.box.clientWidth, height: kHeight, legend: { show: false }, series, bands, padding: [8, 12, 0, 0],
-      scales: { x: { time: false } }, cursor: { show: false },
-      axes: [{ ...axis, label: this.hasTime ? 'Time (s)' : 'Frame', size: 40, values: (_u, splits) => minus(splits) }, { ...axis, label: 'mm', size: 60, values: (_u, splits) => minus(splits) }],
-    }, this.data(), this.box);
+    return { abscissa: this.hasTime ? 'Time (s)' : 'Frame', ordinate: 'mm', series, bands };
   }
 }

@@ -107,7 +107,7 @@ export function showBlob(image: HTMLImageElement, blob: Blob): Promise<void> {
   });
 }
 
-const thumbnails = new Map<string, string>();
+const thumbnails = new Map<string, { key: string; url: string }>(); // by address; a newer one replaces the last
 const waiting: (() => Promise<void>)[] = [];
 let running = 0;
 const kAtOnce = 2; // requests for small pictures at the same time
@@ -125,20 +125,20 @@ function pump(): void {
 // A small picture that is requested when it comes into view. `key` changes when the file does.
 export function thumbnail(address: string, key: string): HTMLElement {
   const image = el('img', { alt: '', class: 'thumbnail' });
-  const known = thumbnails.get(key);
-  if (known) {
-    image.src = known;
-    return image;
-  }
-  image.classList.add('empty');
+  const known = thumbnails.get(address);
+  if (known) image.src = known.url;
+  else image.classList.add('empty');
+  if (known?.key === key) return image;
   const seen = new IntersectionObserver((found) => {
     if (!found.some((one) => one.isIntersecting)) return;
     seen.disconnect();
     waiting.push(async () => {
       try {
         const url = URL.createObjectURL(await (await request(address)).blob());
-        thumbnails.set(key, url);
+        const before = thumbnails.get(address);
+        thumbnails.set(address, { key, url });
         image.src = url;
+        if (before) URL.revokeObjectURL(before.url);
         image.classList.remove('empty');
       } catch {
         // A clip without a picture keeps the grey box.

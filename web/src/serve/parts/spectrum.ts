@@ -1,5 +1,6 @@
 // Amplitude spectrum of the last minute of one curve, under a Hann window. For orientation: the report's spectra have uncertainties.
-import uPlot from 'uplot';
+import type uPlot from 'uplot';
+import { SmallPlot } from './small_plot';
 import { el } from '../../element';
 import { theme } from '../../theme';
 
@@ -31,39 +32,30 @@ export function amplitudes(t: number[], y: number[], frequencies: number[]): num
 
 export class SpectrumChart {
   readonly element: HTMLElement;
-  private readonly box = el('div', { class: 'canvas' });
   private readonly peak = el('output', { class: 'readout' });
+  private readonly plot: SmallPlot;
   private t: number[] = [];
   private y: number[] = [];
-  private chart?: uPlot;
   private readonly timer: ReturnType<typeof setInterval>;
-  private readonly resized: ResizeObserver;
 
   constructor(private readonly title: string) {
-    this.box.setAttribute('role', 'img');
-    this.box.setAttribute('aria-label', title);
-    this.box.style.minHeight = `${kHeight}px`;
-    this.element = el('figure', { class: 'plot' }, el('figcaption', {}, el('span', { class: 'title' }, title), this.peak), this.box);
+    this.plot = new SmallPlot(title, kHeight, this.peak);
+    this.element = this.plot.element;
     this.timer = setInterval(() => this.draw(), kRedraw_ms);
-    this.resized = new ResizeObserver(() => this.chart?.setSize({ width: this.box.clientWidth, height: kHeight }));
-    this.resized.observe(this.box);
   }
 
   remove(): void {
     clearInterval(this.timer);
-    this.resized.disconnect();
-    this.chart?.destroy();
-    this.element.remove();
+    this.plot.remove();
   }
 
   remake(): void {
-    this.chart?.destroy();
-    this.chart = undefined;
+    this.plot.clear();
     this.draw();
   }
 
   add(time: number, value: number | null, name: string): void {
-    this.box.setAttribute('aria-label', `${this.title} of ${name}`);
+    this.plot.describe(`${this.title} of ${name}`);
     if (value === null) return;
     this.t.push(time);
     this.y.push(value);
@@ -75,7 +67,7 @@ export class SpectrumChart {
   }
 
   private draw(): void {
-    if (this.t.length < kLeast || this.box.clientWidth === 0) return;
+    if (this.t.length < kLeast) return;
     const span = this.t[this.t.length - 1]! - this.t[0]!;
     if (!(span > 0)) return;
     const top = (this.t.length - 1) / span / 2;
@@ -83,17 +75,9 @@ export class SpectrumChart {
     const amplitude = amplitudes(this.t, this.y, frequencies);
     const highest = amplitude.indexOf(Math.max(...amplitude));
     this.peak.textContent = `highest at ${frequencies[highest]!.toFixed(2)} Hz, resolution ${(2 / span).toFixed(2)} Hz`;
-    const data = [frequencies, amplitude] as uPlot.AlignedData;
-    if (this.chart) {
-      this.chart.setData(data);
-      return;
-    }
-    const { ink, grid, series } = theme();
-    const axis = { stroke: ink, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1, size: 4 }, font: '12px system-ui, sans-serif', labelFont: '12px system-ui, sans-serif', labelSize: 18, labelGap: 0 };
-    this.chart = new uPlot({
-      width: this.box.clientWidth, height: kHeight, legend: { show: false }, padding: [8, 12, 0, 0], scales: { x: { time: false } }, cursor: { show: false },
-      series: [{}, { label: 'amplitude', stroke: series[1]!, width: 1.5, points: { show: false } }],
-      axes: [{ ...axis, label: 'Frequency (Hz)', size: 40 }, { ...axis, label: 'mm', size: 60 }],
-    }, data, this.box);
+    this.plot.draw([frequencies, amplitude] as uPlot.AlignedData, () => ({
+      abscissa: 'Frequency (Hz)', ordinate: 'mm',
+      series: [{ label: 'amplitude', stroke: theme().series[1]!, width: 1.5, points: { show: false } }],
+    }));
   }
 }

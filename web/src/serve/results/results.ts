@@ -9,7 +9,7 @@ import { loadRun, rangeOf, type RunData, type TargetData } from './run_data';
 import { statuses } from './statuses';
 import { displacement, valueText } from '../../displacement';
 import { nameFilesAfter } from '../../download';
-import { el, table, type Cell } from '../../element';
+import { el, stacked, table, type Cell } from '../../element';
 import { brief, digitsFor, expanded, plain, sentence } from '../../format';
 import { forget, plots, strips } from '../../registry';
 import { Strip } from '../../strip';
@@ -102,8 +102,8 @@ export class ResultsView {
     const length = scale?.to != null && scale.distance_mm !== null ? `${scale.from} to ${scale.to}: ${plain(scale.distance_mm, 1)} mm.` : '';
     const references = summary.references_verified ? 'No reference moved.' : 'References were not checked against each other: this needs six.';
     return el('section', { class: 'card headline' }, el('h3', {}, kWords[summary.exit_code] ?? 'Stopped'),
-      rows.length > 0 && table('Movement in mm since the reference frame; dx to the right, dy up; U with k = 2',
-        ['Target', 'dx, peak to peak', 'U', 'dy, peak to peak', 'U', 'Vibration (Hz)', 'Rows ok'], rows),
+      rows.length > 0 && stacked(table('Movement in mm since the reference frame; dx to the right, dy up; U with k = 2',
+        ['Target', 'dx, peak to peak', 'U', 'dy, peak to peak', 'U', 'Vibration (Hz)', 'Rows ok'], rows)),
       el('p', { class: 'quiet' }, [length, references, `Method ${summary.method}.`].filter((text) => text !== '').join(' ')));
   }
 
