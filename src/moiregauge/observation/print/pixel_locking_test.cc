@@ -12,8 +12,8 @@
 namespace moiregauge::internal {
 namespace {
 
-constexpr int kLinePitch = 29;  // px
-constexpr int kLineOrder = 13;  // pitch / 2.2
+constexpr int kLinePitch = 29;     // px
+constexpr int kLockingOrder = 13;  // pitch / 2.2
 
 // Returns the grey level of a pixel at x px from the middle of a dark line. The pixel averages a blurred edge.
 double line_pixel(double x, double half_width, double psf) {
@@ -29,8 +29,8 @@ double line_pixel(double x, double half_width, double psf) {
 // Returns the largest error (px) of a shift that is fitted to the pixels of one pitch. The template comes from the
 // pixels of the unshifted line.
 double largest_shift_error(double half_width, double psf) {
-  std::vector<std::complex<double>> series(kLineOrder + 1);
-  for (int m = 1; m <= kLineOrder; ++m) {
+  std::vector<std::complex<double>> series(kLockingOrder + 1);
+  for (int m = 1; m <= kLockingOrder; ++m) {
     for (int n = 0; n < kLinePitch; ++n)
       series[static_cast<std::size_t>(m)] +=
           line_pixel(n, half_width, psf) * std::polar(1.0 / kLinePitch, -kTwoPi * m * n / kLinePitch);
@@ -41,7 +41,7 @@ double largest_shift_error(double half_width, double psf) {
     for (int n = 0; n < kLinePitch; ++n) mean += line_pixel(n - shift, half_width, psf) / kLinePitch;
     for (int n = 0; n < kLinePitch; ++n) {
       double level = mean, slope = 0.0;
-      for (int m = 1; m <= kLineOrder; ++m) {
+      for (int m = 1; m <= kLockingOrder; ++m) {
         const double k = kTwoPi * m / kLinePitch;
         const auto c = series[static_cast<std::size_t>(m)] * std::polar(2.0, k * (n - shift));
         level += c.real(), slope += k * c.imag();
@@ -55,8 +55,8 @@ double largest_shift_error(double half_width, double psf) {
 
 PrintModel lines_template(double half_width, double psf) {
   PrintModel model;
-  model.print =
-      testing::template_of(kLineOrder, [&](double x, double) { return line_pixel(kLinePitch * x, half_width, psf); });
+  model.print = testing::template_of(kLockingOrder,
+                                     [&](double x, double) { return line_pixel(kLinePitch * x, half_width, psf); });
   model.options.along_y = false;
   model.window = {{0.0, 0.0}, 2.0, 2.0};
   return model;
