@@ -6,12 +6,12 @@
 
 #include <Eigen/Cholesky>
 
-#include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
 namespace {
 
 constexpr int kPixels = 20000;           // per grating and frame; chosen
+constexpr int kFramePixels = 60000;      // of all gratings of a frame, which bounds the time. Chosen.
 constexpr std::size_t kMoments = 4;      // lags of one to three frames
 constexpr double kReplaced_px = 2.0;     // movement from which on other pixels are used. Chosen.
 constexpr double kMargin_px = 3.0;       // more than that, so that all pixels stay inside the window
@@ -30,6 +30,7 @@ constexpr double kDecidedByEdges = 0.003, kDecidedByNoise = 0.008;
 constexpr double kDecidingFrames = 12.0;
 constexpr int kMostFrames = 400;  // with movement, examined in vain. Chosen.
 
+constexpr double kUnknowns = 2.0;  // of the noise: beta, s
 constexpr int kNuisances = 16;
 using Row = Eigen::Matrix<double, kNuisances + 1, 1>;
 using Normal = Eigen::Matrix<double, kNuisances + 1, kNuisances + 1>;
@@ -75,23 +76,13 @@ bool is_inside(PrintPoint p, const PatchWindow& w) {
   return std::abs(p.x - w.centre.x) <= w.half_x && std::abs(p.y - w.centre.y) <= w.half_y;
 }
 
-// Predicts the grey level of a pixel as the fit does, without width of lines.
-class PredictedGrey {
- public:
-  PredictedGrey(const PrintModel& model, const PatchFit& fit) : print_(model.print), fit_(fit) {
-    for (std::size_t a = 0; a < 2; ++a) blur_[a] = (fit.gain[0] - fit.fundamental[a]) / (kTwoPi * kTwoPi);
-  }
-  double operator()(int x, int y, PrintPoint p) const {
-    const PrintLevel level = print_.at(p);
-    const auto [background, contrast] = fit_.light_and_contrast({double(x), double(y)});
-    return background + contrast * level.t + blur_[0] * level.dxx + blur_[1] * level.dyy;
-  }
-
- private:
-  const PrintTemplate& print_;
-  const PatchFit& fit_;
-  std::array<double, 2> blur_{};
-};
+// Returns the image of the window's centre, linearly about the middle of the nine points, px.
+ImagePoint centre_of(const PatchFit& fit, const PatchWindow& window) {
+  const auto along_x = fit.image[5] - fit.image[3], along_y = fit.image[7] - fit.image[1];
+  const double x = (window.centre.x - fit.print[4].x) / (fit.print[5].x - fit.print[3].x);
+  const double y = (window.centre.y - fit.print[4].y) / (fit.print[7].y - fit.print[1].y);
+  return {fit.image[4].x + x * along_x.x + y * along_y.x, fit.image[4].y + x * along_x.y + y * along_y.y};
+}
 
 // Returns the columns that the fit has, and those of the movement: even, then odd.
 Row row_of(const PrintTemplate& print, PrintPoint now, PrintPoint before, PrintPoint at) {
@@ -123,7 +114,7 @@ EchoShare share_by_noise(const EchoSums& sums) {
   const double beta = (ss * sums.right[0] - bs * sums.right[1]) / determinant;
   const double share = (bb * sums.right[1] - bs * sums.right[0]) / determinant;
   const double squares = sums.squares - beta * sums.right[0] - share * sums.right[1];
-  const double freedom = sums.equations - double(kEchoUnknowns);
+  const double freedom = sums.equations - kUnknowns;
   const double few = enlargement_of_few(freedom);
   // The noise of the products is known. What exceeds it is known by their scatter only.
   const double variance = 1.0 + few * few * std::max(0.0, squares / freedom - 1.0);
@@ -141,40 +132,48 @@ bool is_decided(const EchoSums& sums) {
 
 void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& prints) {
   if (is_decided(sums_) || examined_ >= kMostFrames) return;
+  std::vector<bool> is_seen(tracks_.size());
   FrameShare share;
-  std::vector<Track> next;
-  bool any = false;
+  std::size_t pixels = 0;
   for (const SeenPrint& print : prints) {
-    if (next.size() <= print.marker) next.resize(print.marker + 1);
-    Track& track = next[print.marker];
-    if (print.marker < tracks_.size()) track = std::move(tracks_[print.marker]);
-    Moment now{map_of(*print.fit, print.model->window), {}, {}, {}};
-    now.centre = now.map.inverse()(print.model->window.centre);
-    if (track.moments.empty() || length(now.centre - track.placed) > kReplaced_px)
-      place(print.model->window, now, track);
-    const bool moved = std::any_of(track.moments.begin(), track.moments.end(),
-                                   [&](const Moment& then) { return length(now.centre - then.centre) > kMoves_px; });
-    if (moved) predict(picture, print, track, now);
-    track.moments.insert(track.moments.begin(), std::move(now));
-    if (track.moments.size() > kMoments) track.moments.pop_back();
-    if (!moved) continue;
-    any = true;
+    if (tracks_.size() <= print.marker) tracks_.resize(print.marker + 1), is_seen.resize(print.marker + 1);
+    Track& track = tracks_[print.marker];
+    if (pixels >= kFramePixels) break;
+    is_seen[print.marker] = true;
+    if (!follow(picture, print, track)) continue;
+    pixels += track.pixels.size();
     add_edges(print, track, share);
     add_noise(print.step, track);
   }
-  tracks_ = std::move(next);
-  examined_ += any;
-  if (!(share.weight > 1.0 / (kMaxShareError * kMaxShareError))) return;
-  const double found = std::clamp(share.weighted / share.weight, -1.0, 1.0);
-  const double weight = 1.0 / (1.0 / share.weight + kAlikeError * kAlikeError);
-  sums_.weights += weight, sums_.squared_weights += weight * weight;
-  sums_.shares += weight * found, sums_.squared_shares += weight * found * found;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (!is_seen[i]) tracks_[i].moments.clear();
+  }
+  examined_ += pixels > 0;
+  add_share(share);
+}
+
+bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Track& track) {
+  const PatchWindow& window = print.model->window;
+  Moment now{centre_of(*print.fit, window), {}, {}, {}};
+  const bool moved = std::any_of(track.moments.begin(), track.moments.end(),
+                                 [&](const Moment& then) { return length(now.centre - then.centre) > kMoves_px; });
+  if (moved) {
+    now.map = map_of(*print.fit, window);
+    if (track.pixels.empty() || length(now.centre - track.placed) > kReplaced_px)
+      place(picture.luma, window, now, track);
+    predict(picture, print, track, now);
+  }
+  track.moments.insert(track.moments.begin(), std::move(now));
+  if (track.moments.size() > kMoments) track.moments.pop_back();
+  return moved;
 }
 
 // Chooses the pixels of the window. Residuals at other pixels are dropped.
-void EchoWatch::place(const PatchWindow& window, const Moment& now, Track& track) {
-  const PixelBox box = box_round(now.map.inverse(), window);
-  const double area = double(box.x1 - box.x0 + 1) * double(box.y1 - box.y0 + 1);
+void EchoWatch::place(const LumaView& luma, const PatchWindow& window, const Moment& now, Track& track) {
+  const PixelBox whole = box_round(now.map->inverse(), window);
+  const PixelBox box{std::max(0, whole.x0), std::max(0, whole.y0), std::min(width_of(luma) - 1, whole.x1),
+                     std::min(height_of(luma) - 1, whole.y1)};
+  const double area = std::max(1.0, double(box.x1 - box.x0 + 1) * double(box.y1 - box.y0 + 1));
   const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / kPixels))));
   const double pitch_px = std::sqrt(area / (4.0 * window.half_x * window.half_y));
   const double margin = kMargin_px / pitch_px;
@@ -183,31 +182,44 @@ void EchoWatch::place(const PatchWindow& window, const Moment& now, Track& track
   track.placed = now.centre;
   for (int y = box.y0; y <= box.y1; y += step) {
     for (int x = box.x0; x <= box.x1; x += step) {
-      if (is_inside(now.map(ImagePoint{double(x), double(y)}), inner)) track.pixels.push_back({x, y});
+      if (is_inside((*now.map)(ImagePoint{double(x), double(y)}), inner)) track.pixels.push_back({x, y});
     }
   }
   for (Moment& moment : track.moments) moment.residuals.clear(), moment.predicted.clear();
 }
 
+// Predicts the grey levels as the fit does, without width of lines.
 void EchoWatch::predict(const LightPicture& picture, const SeenPrint& print, const Track& track, Moment& now) {
-  const PredictedGrey predicted(*print.model, *print.fit);
+  const PatchFit& fit = *print.fit;
+  const std::array<double, 2> blur = blur_of(fit);
   now.predicted.reserve(track.pixels.size()), now.residuals.reserve(track.pixels.size());
   std::visit(
       [&](const auto& luma) {
         for (const Pixel& pixel : track.pixels) {
           const auto grey = luma.at(pixel.x, pixel.y);
           const double light = picture.light.empty() ? double(grey) : double(picture.light[grey]);
-          const double at = predicted(pixel.x, pixel.y, now.map(ImagePoint{double(pixel.x), double(pixel.y)}));
-          now.predicted.push_back(at), now.residuals.push_back(light - at);
+          const ImagePoint at{double(pixel.x), double(pixel.y)};
+          const PrintLevel level = print.model->print.at((*now.map)(at));
+          const auto [background, contrast] = fit.light_and_contrast(at);
+          const double predicted = background + contrast * level.t + blur[0] * level.dxx + blur[1] * level.dyy;
+          now.predicted.push_back(predicted), now.residuals.push_back(light - predicted);
         }
       },
       picture.luma);
 }
 
+void EchoWatch::add_share(const FrameShare& share) {
+  if (!(share.weight > 1.0 / (kMaxShareError * kMaxShareError))) return;
+  const double found = std::clamp(share.weighted / share.weight, -1.0, 1.0);
+  const double weight = 1.0 / (1.0 / share.weight + kAlikeError * kAlikeError);
+  sums_.weights += weight, sums_.squared_weights += weight * weight;
+  sums_.shares += weight * found, sums_.squared_shares += weight * found * found;
+}
+
 void EchoWatch::add_edges(const SeenPrint& print, const Track& track, FrameShare& share) {
   if (track.moments.size() < 2) return;
   const Moment &now = track.moments[0], &before = track.moments[1];
-  if (!(length(now.centre - before.centre) > kVisible_px)) return;
+  if (!before.map || !(length(now.centre - before.centre) > kVisible_px)) return;
   const PatchWindow& window = print.model->window;
   const auto to_window = window_from_print(window);
   Normal normal = Normal::Zero();
@@ -216,7 +228,7 @@ void EchoWatch::add_edges(const SeenPrint& print, const Track& track, FrameShare
   int count = 0;
   for (std::size_t i = 0; i < track.pixels.size(); ++i) {
     const ImagePoint at{double(track.pixels[i].x), double(track.pixels[i].y)};
-    const PrintPoint here = now.map(at), there = before.map(at);
+    const PrintPoint here = (*now.map)(at), there = (*before.map)(at);
     if (!is_inside(there, window) || !is_inside({2.0 * here.x - there.x, 2.0 * here.y - there.y}, window)) continue;
     const auto in_window = to_window(here);
     const Row row = row_of(print.model->print, here, there, {in_window.x, in_window.y});
@@ -229,8 +241,8 @@ void EchoWatch::add_edges(const SeenPrint& print, const Track& track, FrameShare
   const Eigen::LDLT<Normal, Eigen::Lower> solver(normal);
   const Row x = solver.solve(right);
   const double sigma2 = std::max(0.0, squares - right.dot(x)) / (count - kNuisances - 1);
-  const double odd =
-      solver.solve(Row::Unit(kNuisances))(kNuisances);  // variance of the odd column's factor over sigma2
+  // Variance of the odd column's factor over sigma2.
+  const double odd = solver.solve(Row::Unit(kNuisances))(kNuisances);
   const double gain = print.fit->gain[0];
   if (!(sigma2 > 0.0 && odd > 0.0 && gain > 0.0)) return;
   const double weight = gain * gain / (4.0 * sigma2 * odd);

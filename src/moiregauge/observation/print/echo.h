@@ -20,6 +20,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,15 +28,13 @@
 
 namespace moiregauge::internal {
 
-inline constexpr std::size_t kEchoUnknowns = 2;  // beta (1/px^2), s
-
 // Sums over the frames of a recording.
 struct EchoSums {
   // Share of the previous frame by the edges, one value per frame: sums of the weights w, of w^2, w s and w s^2.
   double weights = 0.0, squared_weights = 0.0, shares = 0.0, squared_shares = 0.0;
   // Weighted normal equations of beta and s by the noise, lower triangle by rows. alpha is eliminated.
   std::array<double, 3> normal{};
-  std::array<double, kEchoUnknowns> right{};
+  std::array<double, 2> right{};
   double squares = 0.0, equations = 0.0;
 };
 
@@ -66,7 +65,7 @@ struct LightPicture {
 // Collects the sums. The effort ends when one test is decided.
 class EchoWatch {
  public:
-  // Adds the gratings of the next frame. Their windows must lie inside the image.
+  // Adds the gratings of the next frame.
   void add(const LightPicture& picture, const std::vector<SeenPrint>& prints);
   // Interrupts the sequence: the next frame has no predecessors.
   void interrupt() { tracks_.clear(); }
@@ -76,11 +75,11 @@ class EchoWatch {
   struct Pixel {
     int x = 0, y = 0;
   };
-  // A grating in one frame.
+  // A grating in one frame. At rest it has its centre only.
   struct Moment {
-    PrintFromImage map;
-    ImagePoint centre;                         // px
-    std::vector<double> residuals, predicted;  // per pixel, light; empty: the grating did not move
+    ImagePoint centre;  // px
+    std::optional<PrintFromImage> map;
+    std::vector<double> residuals, predicted;  // per pixel, light
   };
   struct Track {
     std::vector<Pixel> pixels;
@@ -90,10 +89,14 @@ class EchoWatch {
   struct FrameShare {
     double weight = 0.0, weighted = 0.0;
   };
-  static void place(const PatchWindow& window, const Moment& now, Track& track);
+  static void place(const LumaView& luma, const PatchWindow& window, const Moment& now, Track& track);
   static void predict(const LightPicture& picture, const SeenPrint& print, const Track& track, Moment& now);
+  // Adds a grating to its track. Returns true if it moved within the track.
+  static bool follow(const LightPicture& picture, const SeenPrint& print, Track& track);
   static void add_edges(const SeenPrint& print, const Track& track, FrameShare& share);
   void add_noise(double step, const Track& track);
+
+  void add_share(const FrameShare& share);
 
   std::vector<Track> tracks_;  // per marker
   EchoSums sums_;

@@ -21,8 +21,8 @@ constexpr int kMinPixels = 30;
 PatchModel model_of(const PatchFit& fit, const PrintFromImage& map, const PatchWindow& window) {
   PatchModel model{map, window};
   model.light = fit.light, model.contrast = fit.gain;
-  // By patch_fit.cc, fundamental = contrast - (2 pi)^2 blur.
-  for (std::size_t a = 0; a < 2; ++a) model.shape[a] = (fit.gain[0] - fit.fundamental[a]) / (kTwoPi * kTwoPi);
+  const auto blur = blur_of(fit);
+  std::copy(blur.begin(), blur.end(), model.shape.begin());
   return model;
 }
 
@@ -38,6 +38,13 @@ double median_of(const PrintMisses& m) {
 }
 
 }  // namespace
+
+std::array<double, 2> blur_of(const PatchFit& fit) {
+  std::array<double, 2> blur{};
+  // By patch_fit.cc, fundamental = contrast - (2 pi)^2 blur.
+  for (std::size_t a = 0; a < 2; ++a) blur[a] = (fit.gain[0] - fit.fundamental[a]) / (kTwoPi * kTwoPi);
+  return blur;
+}
 
 PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
                                const PrintTemplate& print, int row_step) {

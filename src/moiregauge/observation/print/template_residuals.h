@@ -20,6 +20,9 @@ struct PrintMisses {
   std::array<double, kAllMissBlocks> mean_square{};  // grey levels^2
   std::array<int, kAllMissBlocks> pixels{};
 };
+// Returns the change of blur along X and Y that a fit found, times its contrast, pitch^2.
+[[nodiscard]] std::array<double, 2> blur_of(const PatchFit& fit);
+
 // Returns the residuals of a fit in every row_step-th row. All are zero if its points determine no homography.
 [[nodiscard]] PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const PatchWindow& window,
                                              const PrintTemplate& print, int row_step = 1);
