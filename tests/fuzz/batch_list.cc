@@ -2,7 +2,7 @@
 // Input: any text as a list of clips, by hand (`batch @FILE`) and as `batch` writes it (.batch/clips.jsonl, and the
 // manifest of a Slurm job). A slash in a list by hand becomes `_`, so that a trial never reads folders of the computer.
 // Requires: clips of a list are below its folder, sorted and distinct. A name of a manifest is that of a folder in OUT.
-// What was read is the same after writing and reading, and an error is one line.
+// A list is the same after it is written and read again, and an error is one line.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

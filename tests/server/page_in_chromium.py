@@ -2,126 +2,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """Uses the page of `moiregauge serve` in headless Chromium, with the mouse and the keyboard of a visitor.
 
-    page_in_chromium.py MOIREGAUGE WORK [--pictures DIR]
+    page_in_chromium.py MOIREGAUGE WORK
 
 A new user drops a clip and reaches its report with at most eight clicks and without typing. The numbers are those of the
 command that the page shows, byte for byte. Then come markers, areas, zero and rest, the queue, results, channels,
 another sensor, solving again, exports, the table of runs, and the live page. Both themes, 390 px and 1600 px, the tab
 order, names for screen readers, and names of files that look like HTML are checked.
-
-With --pictures it only takes the two pictures of docs/desk.md (tools/serve-pictures).
 """
-import csv
 import json
 import pathlib
 import re
 import shutil
-import signal
-import subprocess
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "report"))
-from browser import Browser  # noqa: E402
+from page_looks import check_access, check_looks
+from visitor import (COMMAND, DELAY_S, FRAMES, HTML, Browser, Visitor, button, call, entry, insist, labelled, make_footage, start_server,
+                     stop_server)
 
 MAX_CLICKS = 8
-FRAMES = 48
-DELAY_S = 0.35  # the other sensor's clock minus the camera's
 PIECE = 8 << 20  # bytes that the page sends in one request
 HOSTILE = "<img src=x onerror=alert(1)>.mp4"
-HTML = "document.documentElement"
-
-
-def insist(truth, what):
-    if not truth:
-        raise SystemExit(f"wrong: {what}")
-
-
-def call(program, *arguments, cwd=None):
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, errors="replace", check=False, cwd=cwd)
-    insist(done.returncode == 0, f"{arguments}: exit {done.returncode}\n{done.stderr}")
-    return done.stdout
-
-
-class Visitor:
-    """A visitor of one page: counts clicks and keys. Elements are JavaScript expressions."""
-
-    def __init__(self, page):
-        self.page = page
-        self.clicks = self.keys = 0
-
-    def value(self, expression):
-        return self.page.value(expression)
-
-    def wait(self, condition, seconds=20):
-        self.page.wait(f"Boolean({condition})", seconds)
-
-    def box(self, element):
-        self.wait(element)
-        self.value(f"{element}.scrollIntoView({{block: 'center', behavior: 'instant'}})")
-        found = self.value(f"(() => {{ const r = {element}.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; }})()")
-        insist(found[2] > 0 and found[3] > 0, f"{element} is visible")
-        return found
-
-    def click(self, element):
-        self.wait(f"{element} && !{element}.disabled")
-        left, top, width, height = self.box(element)
-        self.press(left + width / 2, top + height / 2)
-
-    def press(self, x, y):
-        self.clicks += 1
-        self.page.mouse("mouseMoved", x, y)
-        self.page.mouse("mousePressed", x, y, button="left", clickCount=1, buttons=1)
-        self.page.mouse("mouseReleased", x, y, button="left", clickCount=1)
-
-    def drag(self, element, start, end):
-        """From one point to another, as shares of the element's width and height."""
-        left, top, width, height = self.box(element)
-        points = [(left + x * width, top + y * height) for x, y in (start, end)]
-        self.page.mouse("mouseMoved", *points[0])
-        self.page.mouse("mousePressed", *points[0], button="left", clickCount=1, buttons=1)
-        for share in (0.4, 0.8, 1.0):
-            self.page.mouse("mouseMoved", *(a + share * (b - a) for a, b in zip(*points)), button="left", buttons=1)
-        self.page.mouse("mouseReleased", *points[1], button="left", clickCount=1)
-
-    def drop(self, *files, at=(300, 300)):
-        data = {"items": [], "files": [str(path) for path in files], "dragOperationsMask": 1}
-        for kind in ("dragEnter", "dragOver", "drop"):
-            self.page.send("Input.dispatchDragEvent", type=kind, x=at[0], y=at[1], data=data)
-
-    def key(self, key):
-        self.keys += 1
-        code = {"Tab": 9, "Enter": 13, "ArrowRight": 39, "Escape": 27}.get(key, 0)
-        text = {"text": "\r"} if key == "Enter" else {}
-        self.page.send("Input.dispatchKeyEvent", type="keyDown", key=key, code=key, windowsVirtualKeyCode=code, **text)
-        self.page.send("Input.dispatchKeyEvent", type="keyUp", key=key, code=key, windowsVirtualKeyCode=code)
-
-    def type_into(self, element, text):
-        """Replaces the text of a field and leaves the field."""
-        self.value(f"({element}.focus(), {element}.select())")
-        self.page.send("Input.insertText", text=text)
-        self.value(f"{element}.blur()")
-
-    def choose(self, element, value):
-        self.wait(element)
-        self.value(f"(() => {{ const s = {element}; s.value = {json.dumps(value)}; s.dispatchEvent(new Event('change')); }})()")
-
-
-def button(text, inside="document"):
-    return f"[...{inside}.querySelectorAll('button')].find((b) => b.textContent === {json.dumps(text)} && b.offsetParent)"
-
-
-def labelled(label):
-    return f"document.querySelector('[aria-label={json.dumps(label)}]')"
-
-
-def entry(path):
-    return f"[...document.querySelectorAll('.entries button')].find((b) => b.dataset.path === {json.dumps(path)})"
-
-
 TEXT = "document.body.innerText"
 INSPECTED = f"Number({HTML}.dataset.inspected ?? 0)"
-COMMAND = "document.querySelector('.setup .command code').textContent"
 
 
 def after_inspection(visitor, act):
@@ -129,9 +32,6 @@ def after_inspection(visitor, act):
     before = visitor.value(INSPECTED)
     act()
     visitor.wait(f"{INSPECTED} > {before} && !document.querySelector('[aria-busy]')")
-
-
-# ---------------------------------------------------------------------------------------------------------------- steps
 
 
 def check_first_use(visitor, clip, folder, program):
@@ -344,65 +244,6 @@ def check_live(visitor):
     visitor.wait("/Ended/.test(document.querySelector('.live-state h3').textContent)", 30)
 
 
-NAMELESS = """[...document.querySelectorAll('button, input, select, textarea, [role=img], [tabindex="0"]')].filter((e) => e.offsetParent !== null || e.namespaceURI.endsWith('svg'))
-  .filter((e) => !(e.textContent.trim() || e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || e.closest('label')?.textContent.trim()))
-  .map((e) => e.outerHTML.slice(0, 120))"""
-
-
-def check_access(visitor):
-    """Every control has a name, and the keyboard reaches it in the order of the page."""
-    insist(not visitor.value(NAMELESS), f"controls without a name: {visitor.value(NAMELESS)}")
-    insist(visitor.value("[...document.querySelectorAll('img')].every((i) => i.hasAttribute('alt'))"), "images have alternative texts")
-    visitor.value("(document.activeElement?.blur(), window.getSelection()?.removeAllRanges(), document.querySelector('.skip').focus())")
-    reached = []
-    for _ in range(14):
-        visitor.key("Tab")
-        reached.append(visitor.value("(() => { const a = document.activeElement; const r = a.getBoundingClientRect();"
-                                     " return [(a.getAttribute('aria-label') || a.textContent).trim().slice(0, 40), a.matches(':focus-visible') && getComputedStyle(a).outlineStyle]; })()"))
-    insist(len({name for name, _ in reached}) >= 10, f"Tab moves through the page: {reached}")
-    insist(all(ring == "solid" for _, ring in reached), f"the focus is visible: {reached}")
-
-
-def luminance(colour):
-    parts = [int(colour[k:k + 2], 16) / 255 for k in (1, 3, 5)]
-    red, green, blue = (part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts)
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-
-def check_contrast(visitor, theme):
-    """WCAG 2.1: 4.5 for text on cards, panels and the page."""
-    colours = visitor.value(f"Object.fromEntries(['ink', 'ink-soft', 'good', 'bad', 'link', 'card', 'back', 'panel', 'action', 'action-ink', 'fair']"
-                            f".map((name) => [name, getComputedStyle({HTML}).getPropertyValue('--' + name).trim()]))")
-    pairs = [(ink, paper) for ink in ("ink", "ink-soft", "good", "bad", "link", "fair") for paper in ("card", "back", "panel")] + [("action-ink", "action")]
-    for ink, paper in pairs:
-        light, dark = sorted([luminance(colours[ink]), luminance(colours[paper])], reverse=True)
-        insist((light + 0.05) / (dark + 0.05) >= 4.5, f"{theme}: {ink} on {paper} has too little contrast")
-
-
-def check_looks(browser, address):
-    """Light and dark, 1600 px and 390 px: nothing overhangs, and the switch overrules the system."""
-    for width, height in ((1600, 950), (390, 844)):
-        for theme in ("light", "dark"):
-            visitor = Visitor(browser.open(address, width=width, height=height, dark=theme == "dark"))
-            insist(visitor.value(f"{HTML}.dataset.theme") == theme, f"{theme} as the system")
-            check_contrast(visitor, theme)
-            for step, ready in (("setup", "document.querySelectorAll('.marker').length >= 5"), ("results", "document.querySelector('.results .u-over')")):
-                if step == "setup":
-                    visitor.click(entry("bridge.mp4"))
-                visitor.click(f"document.querySelector('#tab-{step}')")
-                visitor.wait(ready)
-                if (step, width) == ("results", 390):
-                    inner = visitor.value("(() => { const t = document.querySelector('.headline .wide'); return [t.scrollWidth - t.clientWidth, t.querySelectorAll('td').length,"
-                                          " [...t.querySelectorAll('td')].every((c) => c.getBoundingClientRect().right <= innerWidth && getComputedStyle(c, '::before').content.length > 2)]; })()")
-                    insist(inner[0] <= 0 and inner[1] >= 6 and inner[2], f"the table of results needs no sideways scroll, and each value has its heading: {inner}")
-                overhang = visitor.value("document.querySelector('#main').scrollWidth - document.querySelector('#main').clientWidth")
-                insist(overhang <= 0, f"{step} at {width} px: {overhang} px overhang")
-    visitor.click("document.querySelector('#theme')")
-    insist(visitor.value(f"{HTML}.dataset.theme") == "light", "the switch overrules the system")
-    visitor.click("document.querySelector('#theme')")
-    visitor.click("document.querySelector('#theme')")
-
-
 def check_hostile(visitor, clip, folder):
     """A file's name that looks like HTML stays text."""
     shutil.copy(clip, folder / HOSTILE)
@@ -412,69 +253,6 @@ def check_hostile(visitor, clip, folder):
     insist(visitor.value("document.querySelector('.clip-head h2').textContent") == HOSTILE, "the name is shown as it is")
     insist(visitor.value("document.querySelectorAll('img[onerror], img[src=x]').length") == 0, "and makes no element")
     insist(HOSTILE in visitor.value(COMMAND), "the command quotes it")
-
-
-def make_footage(program, work):
-    made = work / "made"
-    call(program, "simulate", "small-still", "--frames", FRAMES, "--quiet", "--codec", "x264", "--quality", 18, "--set", "marker.mid.dy.amplitude=0.5",
-         "--set", "marker.mid.dy.frequency_hz=1.1", "-o", made)
-    clip = work / "bridge.mp4"
-    shutil.copy(made / "video.mp4", clip)
-    long_clip = work / "long.mp4"
-    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-stream_loop", "79", "-i", clip, "-c", "copy", str(long_clip)], check=True)
-    with (made / "truth.csv").open(encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["marker"] == "mid"]
-    lvdt = work / "lvdt.csv"
-    lvdt.write_text("time_s,mm\n" + "".join(f"{float(row['time_s']) + DELAY_S:.4f},{float(row['dy_mm']):.5f}\n" for row in rows), encoding="utf-8")
-    return clip, long_clip, lvdt
-
-
-def start_server(program, folder):
-    server = subprocess.Popen([program, "serve", str(folder), "--port", "0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    address = server.stdout.readline().strip()
-    insist(address.startswith("http://127.0.0.1:"), f"the server prints its address: {address}")
-    return server, address
-
-
-def stop_server(server):
-    server.send_signal(signal.SIGINT)
-    try:
-        server.wait(20)
-    except subprocess.TimeoutExpired:
-        server.kill()
-
-
-def save_picture(page, path):
-    """Saves what is visible with 256 colours."""
-    time.sleep(1.0)
-    raw = path.with_suffix(".raw.png")
-    page.screenshot(raw, whole=False)
-    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", str(raw), "-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse=dither=none", str(path)], check=True)
-    raw.unlink()
-
-
-def take_pictures(program, work, pictures):
-    clip, _, _ = make_footage(program, work)
-    folder = work / "bridge"
-    folder.mkdir()
-    shutil.copy(clip, folder / "bridge.mp4")
-    server, address = start_server(program, folder)
-    try:
-        with Browser(work) as browser:
-            visitor = Visitor(browser.open(address, width=1360, height=800))
-            visitor.click(entry("bridge.mp4"))
-            visitor.wait("document.querySelectorAll('.marker').length >= 5", 30)
-            visitor.click("document.querySelector('.marker.target polygon')")
-            save_picture(visitor.page, pictures / "serve-setup.png")
-            visitor.key("Escape")
-            visitor.click(button("Measure"))
-            visitor.wait(f"{HTML}.dataset.results", 60)
-            visitor.click("document.querySelector('.results .u-over')")
-            visitor.wait(f"{HTML}.dataset.sampleMarkers")
-            visitor.value("document.querySelector('#main').scrollTo(0, 0)")
-            save_picture(visitor.page, pictures / "serve-results.png")
-    finally:
-        stop_server(server)
 
 
 def visit(program, work):
@@ -522,10 +300,7 @@ def main():
     program, work = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
-    if "--pictures" in sys.argv:
-        take_pictures(program, work, pathlib.Path(sys.argv[sys.argv.index("--pictures") + 1]).resolve())
-    else:
-        visit(program, work)
+    visit(program, work)
 
 
 if __name__ == "__main__":

@@ -19,20 +19,19 @@ import time
 
 import numpy
 
-import page_in_chromium as page_test
-from browser import Browser
+from visitor import Browser, Visitor, button, call, labelled, start_server, stop_server
 
 FPS = 42
-CLIP_FRAMES = 84  # of the loop
+CLIP_FRAMES = 84  # in one loop
 STEP_S = 10.0
-MAX_RISE = 0.05  # of the mean, from the first quarter to the end
-WARM_UP = 0.25  # of the time
+MAX_RISE = 0.05  # relative to the mean, from the first quarter to the end
+WARM_UP = 0.25  # share of the time
 MIB = 2.0 ** 20
 
 
 def make_clip(program, work, seconds):
     made = work / "made"
-    page_test.call(program, "simulate", "small-still", "--frames", CLIP_FRAMES, "--quiet", "--codec", "x264", "--quality", 18, "--set", f"sensor.fps={FPS}",
+    call(program, "simulate", "small-still", "--frames", CLIP_FRAMES, "--quiet", "--codec", "x264", "--quality", 18, "--set", f"sensor.fps={FPS}",
                    "--set", "marker.mid.dy.amplitude=0.5", "--set", "marker.mid.dy.frequency_hz=1.0", "-o", made)
     clip = work / "folder" / "camera.mp4"
     clip.parent.mkdir()
@@ -68,10 +67,10 @@ def descendants(process):
 
 
 def start_live(visitor, clip):
-    visitor.click(page_test.button("Live"))
+    visitor.click(button("Live"))
     visitor.wait(f"document.querySelector('option[value=\"{clip.name}\"]')")
-    visitor.choose(page_test.labelled("Source"), clip.name)
-    visitor.click(page_test.button("Start"))
+    visitor.choose(labelled("Source"), clip.name)
+    visitor.click(button("Start"))
     visitor.wait("Number(document.querySelector('.live').dataset.frames ?? 0) > 10", 60)
 
 
@@ -114,11 +113,11 @@ def main():
     work.mkdir(parents=True)
     seconds = 60.0 * words.minutes
     clip = make_clip(program, work, seconds + 60.0)
-    server, address = page_test.start_server(program, clip.parent)
+    server, address = start_server(program, clip.parent)
     times, readings = [], []
     try:
         with Browser(work) as browser:
-            visitor = page_test.Visitor(browser.open(address, width=1600, height=950))
+            visitor = Visitor(browser.open(address, width=1600, height=950))
             visitor.page.send("Network.disable")  # the inspector would keep every answer
             start_live(visitor, clip)
             begin = time.monotonic()
@@ -130,9 +129,9 @@ def main():
                 if len(times) % 6 == 0:
                     print(f"{times[-1] / 60:4.0f} min", ", ".join(f"{name} {value / MIB:.1f} MiB" for name, value in readings[-1].items() if name != "page nodes"), file=sys.stderr, flush=True)
             rows = int(visitor.value("document.querySelector('.live').dataset.frames")) - shown
-            visitor.click(page_test.button("Stop"))
+            visitor.click(button("Stop"))
     finally:
-        page_test.stop_server(server)
+        stop_server(server)
         shutil.rmtree(work, ignore_errors=True)
     print(f"{times[-1] / 60:.0f} min, {rows} rows came ({rows / times[-1]:.1f} per second)\n")
     return 0 if judged(times, readings) and rows > 0 else 1

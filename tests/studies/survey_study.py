@@ -19,7 +19,7 @@ LENSES = {"-1 %": -0.0225, "-2 %": -0.0451}
 RIGS = ["rig-0.1x", "rig-1x", "rig-1xyz", "rig-8xyz"]
 HEIGHT_MM = {"small-travel-50": -30.0}  # z of the target, positive in front of the references' plane; 0 on the rigs
 SEEDS = {"rig-8xyz": 16, "small-travel-50": 40}
-U_FOCAL_PX = 1.0  # of the calibrated camera
+U_FOCAL_PX = 1.0  # standard uncertainty of the calibrated focal length
 JOBS = 2  # runs at the same time
 
 

@@ -6,12 +6,11 @@
 
 #include <Eigen/Cholesky>
 
-
 namespace moiregauge::internal {
 namespace {
 
 constexpr int kPixels = 20000;           // per grating and frame; chosen
-constexpr int kFramePixels = 60000;      // of all gratings of a frame, which bounds the time. Chosen.
+constexpr int kFramePixels = 60000;      // over all gratings of a frame; bounds the time. Chosen.
 constexpr std::size_t kMoments = 4;      // lags of one to three frames
 constexpr double kReplaced_px = 2.0;     // movement from which on other pixels are used. Chosen.
 constexpr double kMargin_px = 3.0;       // more than that, so that all pixels stay inside the window
@@ -30,7 +29,7 @@ constexpr double kDecidedByEdges = 0.003, kDecidedByNoise = 0.008;
 constexpr double kDecidingFrames = 12.0;
 constexpr int kMostFrames = 400;  // with movement, examined in vain. Chosen.
 
-constexpr double kUnknowns = 2.0;  // of the noise: beta, s
+constexpr double kUnknowns = 2.0;  // beta and s
 constexpr int kNuisances = 16;
 using Row = Eigen::Matrix<double, kNuisances + 1, 1>;
 using Normal = Eigen::Matrix<double, kNuisances + 1, kNuisances + 1>;
