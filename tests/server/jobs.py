@@ -94,9 +94,29 @@ def results_are_those_of_the_command():
     late = [row for row in grown if row[0] > FRAMES // 2 and row[6] == 0 and row[3] is not None]
     far = [row for row in late if abs(row[3] - float(final[int(row[0])][4])) > 5 * float(final[int(row[0])][6])]
     insist(late and len(far) <= 0.02 * len(late), f"{len(far)} of {len(late)} provisional values are off")
+    views_hold_references(server, [data for _, data in events.of("view") if data["id"] == started["id"]])
     shown(server)
     code, text = server.stop()
     insist(code == 0, text)
+
+
+def views_hold_references(server, views):
+    """The homography of a frame maps the circles of the references to their places in the reference frame."""
+    def circles(frame):
+        markers = server.get(f"/api/run-markers?run=bridge-moiregauge&frame={frame}").json["markers"]
+        return {known["name"]: (known["circle"]["x"], known["circle"]["y"]) for known in markers if "circle" in known}
+
+    insist(len(views) >= 3, f"{len(views)} views")
+    at_rest, moved = circles(0), 0.0
+    for view in (views[1], views[len(views) // 2], views[-1]):
+        a, b, c, d, e, f, g, h, i = view["reference_from_frame"]
+        for name, (x, y) in circles(view["frame"]).items():
+            w = g * x + h * y + i
+            still = ((a * x + b * y + c) / w, (d * x + e * y + f) / w)
+            # The map has no lens distortion, and circles in compressed frames have errors of some hundredths of a pixel.
+            insist(max(abs(still[k] - at_rest[name][k]) for k in (0, 1)) < 0.5, f"{name} in frame {view['frame']}: {still}, not {at_rest[name]}")
+            moved = max(moved, abs(x - at_rest[name][0]), abs(y - at_rest[name][1]))
+    insist(moved > 5.0, f"the camera moved the circles by {moved:.1f} px only")
 
 
 def shown(server):

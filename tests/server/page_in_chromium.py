@@ -137,6 +137,16 @@ def check_areas_and_times(visitor):
     insist("--zero" not in visitor.value(COMMAND), "removed again")
 
 
+def check_picture(visitor):
+    """The picture beside the curves has no camera motion, unless it is wanted as filmed."""
+    image = "document.querySelector('.picture-window img')"
+    visitor.wait(f"{image}.naturalWidth > 0 && {image}.style.transform.startsWith('matrix3d')")
+    corners = visitor.value(f"(() => {{ const a = {image}.getBoundingClientRect(), b = {image}.parentElement.getBoundingClientRect(); return [a.left - b.left, a.top - b.top, a.right - b.right]; }})()")
+    insist(max(map(abs, corners)) < 1.0, f"the picture of a camera at rest is in its place: {corners} px")
+    visitor.click("document.querySelector('.side-picture input')")
+    visitor.wait(f"{image}.style.transform === '' && /as filmed/.test(document.querySelector('.side-picture figcaption').textContent)")
+
+
 def check_queue(visitor, long_clip, folder):
     """Two clips queue. The first is stopped and resumed."""
     shutil.copy(long_clip, folder / "long.mp4")
@@ -149,6 +159,7 @@ def check_queue(visitor, long_clip, folder):
     visitor.wait("/waiting/.test(document.querySelector('.queue').textContent)")
     visitor.click(entry("long.mp4"))
     visitor.wait("/of \\d+ frames/.test(document.querySelector('.facts')?.textContent)")
+    check_picture(visitor)
     visitor.click(button("Stop"))
     visitor.click(button("Resume"))
     visitor.click(entry("second.mp4"))

@@ -33,7 +33,10 @@ void ProvisionalSamples::add(const Frame& frame, int bits, const Reference* refe
     follower_->replay(seen);  // keeps the continuity
     return;
   }
-  on_samples_(reference_->site, follower_->add(seen));
+  const std::vector<Sample> samples = follower_->add(seen);
+  ProvisionalFrame known{seen.frame, reference_->site, samples, std::nullopt};
+  if (seen.references_seen) known.reference_from_frame = reference_->seen.stage2 * seen.stage2.inverse();
+  on_samples_(known);
   const auto end = Clock::now();
   next_sample_ = end + std::min<Clock::duration>(kRestAfterSample * (end - begin), kMaxRest);
 }

@@ -5,15 +5,27 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "moiregauge/displacement/sample.h"
+#include "moiregauge/geometry/homography.h"
 #include "moiregauge/live/scene_follower.h"
 #include "moiregauge/run/frame_sink.h"
 
 namespace moiregauge::internal {
 
-using OnSamples = std::function<void(const Site& site, const std::vector<Sample>& samples)>;
+// A frame with its provisional samples.
+struct ProvisionalFrame {
+  long frame;
+  const Site& site;
+  const std::vector<Sample>& samples;
+  // Map from image points (px) of this frame to those of the reference frame, by the references. It includes no lens
+  // distortion, so it is for pictures only. Nothing: the references are not seen.
+  std::optional<Homography<frame::Ideal, frame::Ideal>> reference_from_frame;
+};
+
+using OnSamples = std::function<void(const ProvisionalFrame&)>;
 
 // Follows the observations as a live run does. Frames before the reference frame have no samples. In a fast run, some
 // later ones have none either, so that the samples take a bounded share of the time.

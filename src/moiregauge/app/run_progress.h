@@ -9,8 +9,7 @@
 
 namespace moiregauge::internal {
 
-struct Sample;
-struct Site;
+struct ProvisionalFrame;
 
 enum class Stage { kMeasuring, kSolving, kDrawingVideo };
 
@@ -26,7 +25,7 @@ struct RunCallbacks {
   std::function<bool(const RunProgress&)> on_progress;  // called after each frame; false stops the run, resumable
   std::function<void(const std::string&)> on_note;      // a line for the user, without its end
   // Receives provisional samples of a frame while it is measured, before its on_progress.
-  std::function<void(const Site&, const std::vector<Sample>&)> on_samples{};
+  std::function<void(const ProvisionalFrame&)> on_samples{};
 
   [[nodiscard]] bool may_continue(const RunProgress& progress) const { return !on_progress || on_progress(progress); }
   void note(const std::string& line) const {

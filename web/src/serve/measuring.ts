@@ -2,7 +2,7 @@
 import { picture, post, query, type Entry, type Job } from './api';
 import { attempt, button, commandBox, showBlob } from './parts/parts';
 import { GrowingChart } from './parts/chart';
-import { jobs, on, type Row } from './store';
+import { jobs, on, type Row, type ViewEvent } from './store';
 import { duration } from '../format';
 import { el } from '../element';
 
@@ -37,6 +37,12 @@ export function keepSamples(): void {
   });
 }
 
+// Returns a homography of image points as a CSS transform of an image that is shown at `scale`.
+function transformOf([a, b, c, d, e, f, g, h, i]: number[], scale: number): string {
+  const columns = [a!, d!, 0, g! / scale, b!, e!, 0, h! / scale, 0, 0, 1, 0, c! * scale, f! * scale, 0, i!];
+  return `matrix3d(${columns.map((value) => (value / i!).toFixed(12)).join(',')})`;
+}
+
 // The newest measurement of a clip.
 export function jobOf(entry: Entry, run: string): Job | undefined {
   return [...jobs.values()].reverse().find((job) => job.action === 'measure' && (job.run === run || job.run === entry.run));
@@ -49,6 +55,9 @@ export class MeasuringView {
   private readonly facts = el('p', { class: 'facts' });
   private readonly actions = el('div', { class: 'row' });
   private readonly image = el('img', { class: 'small-picture', alt: 'The frame that was measured last' });
+  private readonly isStill = el('input', { type: 'checkbox', checked: '' });
+  private readonly pictureNote = el('figcaption', { class: 'quiet' });
+  private view: ViewEvent | undefined;
   private readonly log = el('pre', { class: 'log', tabindex: '0', 'aria-label': 'Messages' });
   private readonly command = commandBox();
   private charts: GrowingChart[] = [];
@@ -66,6 +75,12 @@ export class MeasuringView {
       this.draw(job);
       if (wasRunning && job.state === 'done') this.onDone();
     }));
+    this.stops.push(on('view', (event) => {
+      if (event.id === this.id) this.view = event;
+    }));
+    this.isStill.addEventListener('change', () => {
+      this.lastPicture = 0;
+    });
     this.stops.push(on('samples', (event) => {
       if (event.id === this.id) this.grow();
     }));
@@ -88,7 +103,9 @@ export class MeasuringView {
       return;
     }
     this.element.replaceChildren(el('div', { class: 'progress-card card' }, el('div', { class: 'progress-head' }, this.state, this.actions), this.bar, this.facts, this.command.element),
-      el('div', { class: 'growing-row' }, el('div', { class: 'curves card' }), el('figure', { class: 'card side-picture' }, this.image, el('figcaption', { class: 'quiet' }, 'Provisional values. The final ones follow when all frames are measured.'))),
+      el('div', { class: 'growing-row' }, el('div', { class: 'curves card' }), el('div', {},
+        el('figure', { class: 'card side-picture' }, el('div', { class: 'picture-window' }, this.image), el('label', { class: 'check' }, this.isStill, 'Without the camera\u2019s motion'), this.pictureNote),
+        el('p', { class: 'quiet' }, 'Values are provisional. The final ones follow when all frames are measured.'))),
       el('details', { class: 'card' }, el('summary', {}, 'Messages'), this.log));
     this.grow();
     this.draw(job);
@@ -150,8 +167,12 @@ export class MeasuringView {
     this.isFetching = true;
     this.lastPicture = performance.now();
     try {
-      const shown = await picture(query('/api/frame', { path: this.entry.path, frame: Math.max(0, frame - 1), max_width: 480 }));
+      const view = this.view ?? { frame: Math.max(0, frame - 1), reference_from_frame: null };
+      const shown = await picture(query('/api/frame', { path: this.entry.path, frame: view.frame, max_width: 480 }));
       await showBlob(this.image, shown.blob);
+      const map = this.isStill.checked ? view.reference_from_frame : null;
+      this.image.style.transform = map ? transformOf(map, this.image.clientWidth / shown.width) : '';
+      this.pictureNote.textContent = `Frame ${view.frame}${map ? ', references in their places' : this.isStill.checked ? ', as filmed: the references are not seen' : ', as filmed'}`;
     } catch {
       // The next event tries again.
     }

@@ -8,6 +8,13 @@ export interface SamplesEvent {
   marker: Record<string, Row[]>;
 }
 
+// The newest measured frame of a job, and the homography from its image points (px) to those of the reference frame.
+export interface ViewEvent {
+  id: string;
+  frame: number;
+  reference_from_frame: number[] | null; // rows; null: the references are not seen
+}
+
 export interface LiveEvent {
   id: string;
   state: string;
@@ -41,6 +48,7 @@ interface Changes {
   entries: void;
   job: Job;
   samples: SamplesEvent;
+  view: ViewEvent;
   live: LiveEvent;
   connection: boolean;
 }
@@ -49,7 +57,7 @@ export let session: Session = { version: '', folder: '', limits: { upload_bytes:
 export let entries: Entry[] = [];
 export const jobs = new Map<string, Job>();
 const listeners: { [Kind in keyof Changes]: Set<(change: Changes[Kind]) => void> } = {
-  entries: new Set(), job: new Set(), samples: new Set(), live: new Set(), connection: new Set(),
+  entries: new Set(), job: new Set(), samples: new Set(), view: new Set(), live: new Set(), connection: new Set(),
 };
 
 // Calls `listener` on every change of this kind until the returned function is called.
@@ -98,6 +106,7 @@ const kCalm_ms = 200; // a burst of changes is one refresh
 function onEvent(kind: string, data: unknown): void {
   if (kind === 'job') setJob(data as Job);
   else if (kind === 'samples') announce('samples', data as SamplesEvent);
+  else if (kind === 'view') announce('view', data as ViewEvent);
   else if (kind === 'live') announce('live', data as LiveEvent);
   else if (kind === 'entries') {
     clearTimeout(refreshing);

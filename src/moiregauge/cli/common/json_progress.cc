@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/common/json_progress.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "moiregauge/app/provisional_samples.h"
 #include "moiregauge/cli/common/interrupt.h"
 #include "moiregauge/cli/common/terminal_text.h"
 #include "moiregauge/site/site.h"
@@ -24,6 +27,15 @@ const char* word_for(Stage stage) {
   return "measuring";
 }
 
+std::string view_line(const ProvisionalFrame& frame) {
+  std::string map = "null";
+  if (frame.reference_from_frame) {
+    const Matrix3 rows = frame.reference_from_frame->matrix().transpose();  // Eigen stores columns
+    map = fmt::format("[{:.9g}]", fmt::join(rows.data(), rows.data() + rows.size(), ","));
+  }
+  return fmt::format("{{\"type\":\"view\",\"frame\":{},\"reference_from_frame\":{}}}\n", frame.frame, map);
+}
+
 }  // namespace
 
 JsonProgress::JsonProgress(Samples samples) {
@@ -35,7 +47,7 @@ JsonProgress::JsonProgress(Samples samples) {
     print_note(fmt::format("{{\"type\":\"note\",\"text\":{}}}\n", json_text_of(note)));
   };
   if (samples == Samples::kProvisional)
-    callbacks_.on_samples = [this](const Site& site, const std::vector<Sample>& all) { keep(site, all); };
+    callbacks_.on_samples = [this](const ProvisionalFrame& frame) { keep(frame); };
 }
 
 JsonProgress::~JsonProgress() { write(); }
@@ -46,8 +58,9 @@ void JsonProgress::show(const RunProgress& progress) {
   write();
 }
 
-void JsonProgress::keep(const Site& site, const std::vector<Sample>& samples) {
-  for (const Sample& sample : samples) rows_.keep(site.markers[sample.marker].name, sample);
+void JsonProgress::keep(const ProvisionalFrame& frame) {
+  for (const Sample& sample : frame.samples) rows_.keep(frame.site.markers[sample.marker].name, sample);
+  view_ = view_line(frame);
 }
 
 void JsonProgress::write() {
@@ -55,7 +68,7 @@ void JsonProgress::write() {
   const auto [stage, done, expected, waiting] = *latest_;
   print_note(fmt::format("{{\"type\":\"progress\",\"stage\":\"{}\",\"done\":{},\"expected\":{}}}\n", word_for(stage),
                          done, expected >= 0 ? std::to_string(expected) : "null"));
-  print_note(rows_.take());
+  print_note(rows_.take() + std::exchange(view_, ""));
   latest_.reset();
   stage_ = stage;
   written_ = Clock::now();

@@ -27,12 +27,13 @@ class JsonProgress {
  private:
   using Clock = std::chrono::steady_clock;
   void show(const RunProgress& progress);
-  void keep(const Site& site, const std::vector<Sample>& samples);
+  void keep(const ProvisionalFrame& frame);
   void write();
 
   RunCallbacks callbacks_;
   std::optional<RunProgress> latest_;  // not written yet
   SampleLines rows_;                   // not written yet
+  std::string view_;                   // line of the newest frame; empty: written
   std::optional<Stage> stage_;         // written last
   Clock::time_point written_ = {};
 };

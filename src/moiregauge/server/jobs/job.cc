@@ -23,6 +23,11 @@ long whole_number(const nlohmann::json& json, const char* key, long otherwise) {
   return found != json.end() && found->is_number_integer() ? found->get<long>() : otherwise;
 }
 
+bool is_matrix_or_null(const nlohmann::json& json) {
+  return json.is_null() || (json.is_array() && json.size() == 9 &&
+                            std::ranges::all_of(json, [](const nlohmann::json& value) { return value.is_number(); }));
+}
+
 }  // namespace
 
 const char* word_for(JobState state) {
@@ -95,6 +100,11 @@ ChildLine read_child_line(std::string_view line) {
   } else if (type == "samples" && json.contains("marker") && json["marker"].is_object()) {
     out.kind = ChildLine::Kind::kSamples;
     out.samples = dumped(json["marker"]);
+  } else if (type == "view" && json.contains("reference_from_frame") &&
+             is_matrix_or_null(json["reference_from_frame"])) {
+    out.kind = ChildLine::Kind::kView;
+    out.frame = whole_number(json, "frame", -1);
+    out.view = dumped(json["reference_from_frame"]);
   } else if (type == "note" && json.contains("text") && json["text"].is_string()) {
     out.text = json["text"];
   }

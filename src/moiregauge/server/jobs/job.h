@@ -41,10 +41,12 @@ struct Job {
 
 // Meaning of a line that a child wrote to stderr.
 struct ChildLine {
-  enum class Kind { kMessage, kProgress, kSamples } kind = Kind::kMessage;
+  enum class Kind { kMessage, kProgress, kSamples, kView } kind = Kind::kMessage;
   std::string text;     // a message
   std::string samples;  // JSON object: rows by marker
+  std::string view;     // JSON array of nine numbers: map of image points to the reference frame; null: unknown
   std::string stage;
+  long frame = -1;  // frame number of `view`
   long done = 0, expected = -1;
 };
 // Reads a line of --progress json, or any other message. Never fails: what it does not know is a message.

@@ -51,7 +51,11 @@ TEST(ChildLine, WhatIsNoProgressIsAMessage) {
   EXPECT_EQ(read_child_line(R"({"type":"progress","stage":"solving","done":3,"expected":null})").done, 3);
   EXPECT_EQ(read_child_line(R"({"type":"note","text":"a \"b\""})").text, "a \"b\"");
   EXPECT_EQ(read_child_line(R"({"type":"samples","marker":{"T1":[[0,null]]}})").samples, R"({"T1":[[0,null]]})");
-  for (const char* line : {"", "error: a: b: c", R"({"type":"samples"})", R"({"type":)", R"({"type":"x"})"})
+  EXPECT_EQ(read_child_line(R"({"type":"view","frame":7,"reference_from_frame":[1,0,2,0,1,3,0,0,1]})").view,
+            "[1,0,2,0,1,3,0,0,1]");
+  EXPECT_EQ(read_child_line(R"({"type":"view","frame":7,"reference_from_frame":null})").frame, 7);
+  for (const char* line : {"", "error: a: b: c", R"({"type":"samples"})", R"({"type":)", R"({"type":"x"})",
+                           R"({"type":"view","frame":7})", R"({"type":"view","reference_from_frame":[1,"<b>"]})"})
     EXPECT_EQ(read_child_line(line).kind, ChildLine::Kind::kMessage) << line;
 }
 

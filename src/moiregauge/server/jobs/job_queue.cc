@@ -211,6 +211,10 @@ void JobQueue::take_line(Task& task, std::string_view line) {
       keep_samples(task,
                    event_text("samples", fmt::format("{{\"id\":\"{}\",\"marker\":{}}}", task.job.id, read.samples)));
       break;
+    case ChildLine::Kind::kView:  // not kept for pages that open later: the next one comes soon
+      options_.publish(event_text("view", fmt::format("{{\"id\":\"{}\",\"frame\":{},\"reference_from_frame\":{}}}",
+                                                      task.job.id, read.frame, read.view)));
+      break;
   }
 }
 
