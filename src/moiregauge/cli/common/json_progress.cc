@@ -46,8 +46,7 @@ JsonProgress::JsonProgress(Samples samples) {
   callbacks_.on_note = [](const std::string& note) {
     print_note(fmt::format("{{\"type\":\"note\",\"text\":{}}}\n", json_text_of(note)));
   };
-  if (samples == Samples::kProvisional)
-    callbacks_.on_samples = [this](const ProvisionalFrame& frame) { keep(frame); };
+  if (samples == Samples::kProvisional) callbacks_.on_samples = [this](const ProvisionalFrame& frame) { keep(frame); };
 }
 
 JsonProgress::~JsonProgress() { write(); }
