@@ -13,6 +13,7 @@ import json
 import pathlib
 import re
 import shutil
+import subprocess
 import sys
 import time
 
@@ -85,6 +86,20 @@ def check_resumed_upload(visitor, folder, work):
     insist((folder / record.name).read_bytes() == record.read_bytes(), "the upload is the file")
     visitor.wait("!document.querySelector('.uploads li')")
     (folder / record.name).unlink()
+
+
+def check_dropped_folder(visitor, clip, folder, work):
+    """A folder of photographs is one entry. What cannot be stored is named."""
+    photographs = work / "photographs"
+    (photographs / "inner").mkdir(parents=True)
+    subprocess.run(["ffmpeg", "-loglevel", "error", "-i", str(clip), "-frames:v", "12", str(photographs / "p%02d.png")], check=True)
+    shutil.copy(photographs / "p01.png", photographs / "inner" / "p01.png")
+    visitor.drop(photographs)
+    visitor.wait(f"{entry('photographs')} && document.querySelector('.clip-head h2').textContent === 'photographs'", 30)
+    visitor.wait("document.querySelectorAll('.marker').length >= 5 && !document.querySelector('[aria-busy]')", 30)
+    made, stored = sorted(photographs.glob("*.png")), sorted((folder / "photographs").iterdir())
+    insist([path.read_bytes() for path in made] == [path.read_bytes() for path in stored], f"all photographs are stored: {stored}")
+    insist("a folder in a folder is not received" in visitor.value(TEXT), "the page says why the inner folder is missing")
 
 
 def check_markers(visitor, folder, program):
@@ -294,12 +309,13 @@ def visit(program, work):
             check_live(visitor)
             done("table and live")
             check_hostile(visitor, clip, folder)
+            check_dropped_folder(visitor, clip, folder, work)
             check_resumed_upload(visitor, folder, work)
-            done("resumed upload")
+            done("uploads")
             check_looks(browser, address)
             done("looks")
-            # Chromium logs every refusal, and the connection that check_resumed_upload() breaks. A live source has no picture before its first frame, and its run none before it ends.
-            errors = [text for text in browser.errors if not any(part in text for part in ("/api/live-frame", "/api/thumbnail", "ERR_CONNECTION_RESET"))]
+            # Chromium logs every refusal, the inner folder of check_dropped_folder() too, and the connection that check_resumed_upload() breaks. A live source has no picture before its first frame, and its run none before it ends.
+            errors = [text for text in browser.errors if not any(part in text for part in ("/api/live-frame", "/api/thumbnail", "photographs%2Finner", "ERR_CONNECTION_RESET"))]
             insist(not errors, f"the browser complains: {errors}")
             outside = [url for url in browser.requests if not url.startswith((address, "blob:" + address, "data:"))]
             insist(not outside, f"the page asks for {outside}")
