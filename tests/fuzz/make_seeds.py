@@ -116,6 +116,8 @@ def texts(moiregauge, work):
     put("displacement_csv", "quoted", 'frame,time_s,marker,dx_mm,dy_mm,u_dx_mm,u_dy_mm,status,more\n0,0.0,"a ""b"", c",0,0,0,0,ok,1\n2,NaN,b,NaN,1,NaN,1,lost,\n')
     put("reference_csv", "semicolons", "\0Logger\nt;mm\n0,0;1,5\n0,1;-2e-3\n")
     put("reference_csv", "quoted", '\1# logger\n"t","mm"\n"0","1,5"\n"0,1",NaN\n')
+    put("reference_csv", "dates", "\0t;mm\n31.12.2026 23:59:59,50;1\n1.1.2027 0:00:00,25;2\n")
+    put("reference_csv", "milliseconds", "\0Time [ms],mm\n10,1\n20,2\n")
     put("reference_csv", "tabs", "\2n\tmm\n1\t+4\n2\t\n3\t.5\n")
     put("run_json", "whole", '{"schema":1,"input":{"path":"a.mkv","sha256":"0a1b","frames":2,"fps":null},"warnings":["\\u00e9"]}')
     put("run_file", "two-stage", b"\0" + (work / "run/run.mgj").read_bytes()[16:])

@@ -12,6 +12,7 @@
 #include "moiregauge/base/length_text.h"
 #include "moiregauge/drawing/figures/figure_comparison.h"
 #include "moiregauge/io/run_dir/file_set.h"
+#include "moiregauge/io/tables/time_cell.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -26,8 +27,10 @@ tl::expected<void, RunFailure> check_compare_args(const CompareArgs& args) {
   const auto wrong = [](const std::string& message) { return cannot_compare(Exit::kUsage, message); };
   if (args.rate_hz && !(*args.rate_hz > 0.0 && std::isfinite(*args.rate_hz)))
     return wrong(fmt::format("the rate is not positive: --rate {}: give it in Hz, e.g. --rate 100", *args.rate_hz));
-  if (args.rate_hz && !args.time_column.empty())
-    return wrong("--rate and --time-column exclude each other: compare: give one of them");
+  if (args.rate_hz && !(args.time_column.empty() && args.time_unit.empty()))
+    return wrong("--rate excludes --time-column and --time-unit: compare: give one of them");
+  if (!args.time_unit.empty() && !seconds_of_unit(args.time_unit))
+    return wrong(fmt::format("the unit is unknown: --time-unit {}: use s, ms, us, min or h", args.time_unit));
   if (args.scale && !(*args.scale != 0.0 && std::isfinite(*args.scale)))
     return wrong(fmt::format("the factor is zero or infinite: --scale {}: give another factor", *args.scale));
   if (args.sign != 1 && args.sign != -1)
@@ -52,14 +55,15 @@ tl::expected<double, RunFailure> reference_factor(const CompareArgs& args, const
   return factor * *unit_mm;
 }
 
-tl::expected<Series, RunFailure> reference_of(const CompareArgs& args) {
+tl::expected<ReferenceRecord, RunFailure> reference_of(const CompareArgs& args) {
   ReferenceColumns columns;
   columns.rate_hz = args.rate_hz;
   if (!args.time_column.empty()) columns.time = args.time_column;
+  columns.time_unit = args.time_unit;
   columns.value = !args.column.empty() ? args.column : args.rate_hz ? "1" : "2";
-  auto series = read_reference_csv(args.reference, columns);
-  if (series) return *std::move(series);
-  return cannot_compare(series.error().is_usage ? Exit::kUsage : Exit::kInputUnreadable, series.error().message);
+  auto record = read_reference_csv(args.reference, columns);
+  if (record) return *std::move(record);
+  return cannot_compare(record.error().is_usage ? Exit::kUsage : Exit::kInputUnreadable, record.error().message);
 }
 
 std::vector<NamedBytes> files_of_comparison(const ComparedRun& run) {
@@ -85,11 +89,14 @@ tl::expected<ComparedRun, RunFailure> run_compare(const CompareArgs& args, const
   const Channel& channel = run->channels.front();
   const auto factor = reference_factor(args, channel);
   if (!factor) return tl::unexpected(factor.error());
-  for (double& value : reference->value) value *= *factor;
-  auto comparison = compare_records(run->series.front(), *reference, args.offset_s);
+  for (double& value : reference->series.value) value *= *factor;
+  auto comparison = compare_records(run->series.front(), reference->series, args.offset_s);
   if (!comparison)
     return cannot_compare(Exit::kInputUnreadable, fmt::format("{}: {}: {}", comparison.error().what, args.reference,
                                                               comparison.error().remedy));
+  if (!reference->time_unit.empty())
+    comparison->warnings.push_back(fmt::format(
+        "note: times of the reference are in {}, as its header says. --time-unit sets another", reference->time_unit));
   ComparedRun out{
       *std::move(comparison), {args.solve.run, args.reference, channel.text, channel.unit, *factor}, "", "", run->exit};
   out.folder = args.output.empty() ? (std::filesystem::path(args.solve.run) / "comparison").string() : args.output;

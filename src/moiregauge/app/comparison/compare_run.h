@@ -18,6 +18,7 @@ struct CompareArgs {
   std::string reference;    // CSV file
   std::string channel;      // expression, or "NAME = EXPRESSION"
   std::string time_column;  // empty: 1
+  std::string time_unit;    // s, ms, us, min or h; empty: by the header, otherwise s
   std::string column;       // empty: 2, or 1 with a rate
   std::optional<double> rate_hz;
   std::string unit;  // the reference's; empty: that of the channel

@@ -17,11 +17,11 @@ namespace moiregauge::internal::cli {
 namespace {
 
 constexpr double kPercent = 100.0;
+constexpr int kComparedDecimals = 9;
 
 std::string estimate_line(const char* name, const Estimate& estimate, double scale, const std::string& unit) {
-  constexpr int kMaxDecimals = 9;
   const double expanded = kComparisonCoverage * estimate.u * scale;
-  const int decimals = expanded > 0.0 ? decimals_for(expanded, kMaxDecimals) : kMaxDecimals;
+  const int decimals = expanded > 0.0 ? decimals_for(expanded, kComparedDecimals) : kComparedDecimals;
   return fmt::format("  {:<16}{:>14.{}f} +- {:<10.{}f}{}\n", name, scale * estimate.value + 0.0, decimals, expanded,
                      decimals, unit);
 }
@@ -39,10 +39,14 @@ std::string comparison_text(const ComparedRun& run) {
                      : fmt::format("  {:<16}{:>14} (fixed: the record does not determine it)\n", "clock rate", 0);
   text += estimate_line("slope", a.slope, 1.0, "moiregauge by reference");
   text += estimate_line("bias", a.bias, 1.0, unit + ": moiregauge minus reference");
-  text += fmt::format("  {:<16}{:>14.6g} {} rms about the bias\n", "difference", c.rms_difference, unit);
-  text +=
-      fmt::format("  {:<16}{:>14.6g} to {:.6g} {} (95 % of rows)\n", "agreement", c.lower_limit, c.upper_limit, unit);
-  text += fmt::format("  {:<16}{:>14.6g} {} rms\n", "u of moiregauge", c.rms_u, unit);
+  const auto decimals = [](double value) {
+    return value > 0.0 ? decimals_for(value, kComparedDecimals) : kComparedDecimals;
+  };
+  const int fine = decimals(c.rms_difference);
+  text += fmt::format("  {:<16}{:>14.{}f} {} rms about the bias\n", "difference", c.rms_difference, fine, unit);
+  text += fmt::format("  {:<16}{:>14.{}f} to {:.{}f} {} (95 % of rows)\n", "agreement", c.lower_limit, fine,
+                      c.upper_limit, fine, unit);
+  text += fmt::format("  {:<16}{:>14.{}f} {} rms\n", "u of moiregauge", c.rms_u, decimals(c.rms_u), unit);
   text += fmt::format("  {:<16}{:>14.1f} % of rows (95 % if u is the whole difference)\n", "coverage of U",
                       kPercent * c.coverage);
   text += c.explained >= 1.0
@@ -71,8 +75,10 @@ int run_compare_command(const CompareArgs& args) {
 
 void add_reference_options(CLI::App& command, CompareArgs& args) {
   command.add_option("--column", args.column, "column of the values: number from 1, or name [2]")->type_name("NAME");
-  command.add_option("--time-column", args.time_column, "column of the times in s: number from 1, or name [1]")
+  command.add_option("--time-column", args.time_column, "column of the times: number from 1, or name [1]")
       ->type_name("NAME");
+  command.add_option("--time-unit", args.time_unit, "unit of the times [by the column's name, otherwise s]")
+      ->type_name("s|ms|us|min|h");
   command.add_option("--rate", args.rate_hz, "rate of the rows, if there is no column of times")->type_name("HZ");
   command.add_option("--unit", args.unit, "unit of the values [mm]")->type_name("mm|cm|m|um|in");
   command.add_option("--sign", args.sign, "-1: the axes of both sensors are opposite")->type_name("1|-1");

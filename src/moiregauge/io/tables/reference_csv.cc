@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "moiregauge/base/plain_file.h"
+#include "moiregauge/io/tables/time_cell.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -83,6 +84,7 @@ class ReferenceParser {
   ReferenceParser(const std::string& path, const ReferenceColumns& columns) : path_(path), columns_(columns) {
     value_ = number_of_column(columns.value);
     if (!columns.rate_hz) time_ = number_of_column(columns.time);
+    second_ = seconds_of_unit(columns.time_unit).value_or(1.0);
   }
 
   tl::expected<void, ReferenceMistake> take(const std::string& line, std::size_t number) {
@@ -93,12 +95,16 @@ class ReferenceParser {
     return has_columns() && !(series_.value.empty() && is_header(cells)) ? take_row(cells) : take_header(cells);
   }
 
-  tl::expected<Series, ReferenceMistake> finish() {
-    if (!series_.value.empty()) return std::move(series_);
+  tl::expected<ReferenceRecord, ReferenceMistake> finish() {
+    if (!series_.value.empty())
+      return ReferenceRecord{std::move(series_), columns_.time_unit.empty() ? named_unit_ : ""};
     if (const auto missing = missing_column()) return unknown_column(*missing);
     return file_mistake("the reference has no row of numbers", path_, "choose another column with --column");
   }
 
+  [[nodiscard]] tl::unexpected<ReferenceMistake> is_utf16() const {
+    return file_mistake("the reference is UTF-16 text", path_, "save it as CSV in UTF-8");
+  }
   [[nodiscard]] tl::unexpected<ReferenceMistake> too_long(std::size_t number) const {
     return file_mistake("a line of the reference is too long", fmt::format("{}:{}", path_, number),
                         "give a CSV file with one row per line");
@@ -122,12 +128,15 @@ class ReferenceParser {
                                                              shown(name), path_, known)});
   }
 
-  // A header line has no number in any chosen column.
+  // A header line has neither a value nor a time in the chosen columns.
   [[nodiscard]] bool is_header(const Cells& cells) const {
     const auto is_number = [&](std::size_t i) {
       return i < cells.size() && !cells[i].empty() && real_in(cells[i]).has_value();
     };
-    return !is_number(*value_) && (columns_.rate_hz || !is_number(*time_));
+    const auto is_time = [&](std::size_t i) {
+      return is_number(i) || (i < cells.size() && clock_time(cells[i]).has_value());
+    };
+    return !is_number(*value_) && (columns_.rate_hz || !is_time(*time_));
   }
 
   tl::expected<void, ReferenceMistake> take_header(const Cells& cells) {
@@ -147,8 +156,38 @@ class ReferenceParser {
       if (!place && found != cells.end()) place = static_cast<std::size_t>(found - cells.begin());
     };
     find(columns_.value, value_);
-    if (!columns_.rate_hz) find(columns_.time, time_);
+    if (columns_.rate_hz) return {};
+    find(columns_.time, time_);
+    if (time_ && *time_ < cells.size()) take_time_unit(cells[*time_]);
     return {};
+  }
+
+  void take_time_unit(const std::string& name) {
+    const auto unit = time_unit_in(name);
+    if (!unit || !columns_.time_unit.empty()) return;
+    second_ = *seconds_of_unit(*unit);
+    named_unit_ = second_ == 1.0 ? "" : *unit;
+  }
+
+  // Returns the time of a row in s.
+  tl::expected<double, ReferenceMistake> time_of(const Cells& cells) {
+    if (columns_.rate_hz) return static_cast<double>(series_.value.size()) / *columns_.rate_hz;
+    if (*time_ < cells.size()) {
+      if (const auto clock = clock_time(cells[*time_])) return since_first_row(*clock);
+    }
+    const auto stamp = cell_of(cells, *time_);
+    if (!stamp) return stamp;
+    return second_ * *stamp;
+  }
+
+  // A time of day that falls by more than half a day has passed midnight.
+  double since_first_row(const ClockTime& clock) {
+    constexpr double kDay_s = 86400.0;
+    if (series_.time_s.empty()) first_row_s_ = clock.seconds;
+    double seconds = clock.seconds - first_row_s_;
+    if (clock.has_date || series_.time_s.empty()) return seconds;
+    while (seconds < series_.time_s.back() - 0.5 * kDay_s) seconds += kDay_s;
+    return seconds;
   }
 
   tl::expected<void, ReferenceMistake> take_row(const Cells& cells) {
@@ -157,17 +196,12 @@ class ReferenceParser {
                           "give a part of it, or fewer samples per second");
     const auto value = cell_of(cells, *value_);
     if (!value) return tl::unexpected(value.error());
-    double time = 0.0;
-    if (columns_.rate_hz) {
-      time = static_cast<double>(series_.value.size()) / *columns_.rate_hz;
-    } else {
-      const auto stamp = cell_of(cells, *time_);
-      if (!stamp) return tl::unexpected(stamp.error());
-      time = *stamp;
-    }
+    const auto stamp = time_of(cells);
+    if (!stamp) return tl::unexpected(stamp.error());
+    const double time = *stamp;
     const std::string where = fmt::format("{}:{}", path_, line_);
     if (!std::isfinite(time))
-      return file_mistake("a row of the reference has no time", where, "give times in seconds, or --rate HZ");
+      return file_mistake("a row of the reference has no time", where, "give a time in each row, or --rate HZ");
     if (!series_.time_s.empty() && !(time > series_.time_s.back()))
       return file_mistake(
           fmt::format("the times of the reference do not increase ({} after {})", time, series_.time_s.back()), where,
@@ -197,13 +231,16 @@ class ReferenceParser {
   char separator_ = 0;
   std::size_t line_ = 0, headers_ = 0;
   std::vector<std::string> names_;
+  double second_ = 1.0;     // s per unit of a time
+  std::string named_unit_;  // by the header, unless s
+  double first_row_s_ = 0.0;
   Series series_;
 };
 
 }  // namespace
 
-tl::expected<Series, ReferenceMistake> parse_reference_csv(std::istream& csv, const std::string& path,
-                                                           const ReferenceColumns& columns) {
+tl::expected<ReferenceRecord, ReferenceMistake> parse_reference_csv(std::istream& csv, const std::string& path,
+                                                                    const ReferenceColumns& columns) {
   ReferenceParser parser(path, columns);
   std::string line;
   std::size_t number = 1;
@@ -218,6 +255,7 @@ tl::expected<Series, ReferenceMistake> parse_reference_csv(std::istream& csv, co
       continue;
     }
     if (is_first_byte && line.rfind("\xEF\xBB\xBF", 0) == 0) line.erase(0, 3);  // byte-order mark
+    if (is_first_byte && (line.rfind("\xFF\xFE", 0) == 0 || line.rfind("\xFE\xFF", 0) == 0)) return parser.is_utf16();
     is_first_byte = false;
     if (const auto taken = parser.take(line, number); !taken) return tl::unexpected(taken.error());
     line.clear();
@@ -226,7 +264,8 @@ tl::expected<Series, ReferenceMistake> parse_reference_csv(std::istream& csv, co
   return parser.finish();
 }
 
-tl::expected<Series, ReferenceMistake> read_reference_csv(const std::string& path, const ReferenceColumns& columns) {
+tl::expected<ReferenceRecord, ReferenceMistake> read_reference_csv(const std::string& path,
+                                                                   const ReferenceColumns& columns) {
   std::error_code error;
   const std::string kind = kind_unless_plain(path);
   std::ifstream file;
