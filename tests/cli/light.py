@@ -106,4 +106,13 @@ run, rows, ok = samples(work / "surveyed-out", clip / "truth.csv")
 runs.insist(ok == 19, f"surveyed: {ok} of 19 rows are ok")
 runs.insist(lies(rows) == 0, f"surveyed: {lies(rows)} values off by more than 5 u")
 runs.insist(rms(rows, "dy") < 0.002, f"surveyed: dy off by {1e3 * rms(rows, 'dy'):.2f} um rms")
+
+# 3. Edges sharper than the pixels are asymmetric without a tone curve. A grey video without a tag stays linear.
+for psf in (0.4, 0.6):
+    clip, out = work / f"sharp-{psf}", work / f"sharp-{psf}-out"
+    runs.simulate(program, clip, "small-1x", 4, "--set", f"sensor.psf_sigma_px={psf}", "--codec", "ffv1")
+    runs.run([program, "measure", clip / "video.mkv", "--site", clip / "site.toml", "--quiet", "-o", out])
+    run, rows, ok = samples(out, clip / "truth.csv")
+    runs.insist(run["input"]["tone"] == "linear", f"PSF of {psf} px: {run['input']['tone']}")
+    runs.insist(ok == 3 and lies(rows) == 0, f"PSF of {psf} px: {ok} of 3 rows are ok, {lies(rows)} lies")
 sys.exit(0)

@@ -72,7 +72,7 @@ bool shows_light(const Reference& reference, int bits) {
   return exponent && !differs(*exponent);
 }
 
-std::optional<Tone> contradicting_tone(const Reference& reference, const Tone& mapped_by, int bits) {
+std::optional<ShownTone> contradicting_tone(const Reference& reference, const Tone& mapped_by, int bits) {
   const auto samples = samples_of(reference, mapped_by.curve.is_linear() ? std::exp2(bits) - 1.0 : kMaxLight);
   ToneCurve as_measured = mapped_by.curve;
   if (!as_measured.is_linear()) as_measured = {};
@@ -85,7 +85,7 @@ std::optional<Tone> contradicting_tone(const Reference& reference, const Tone& m
   tone.curve.is_full_range = mapped_by.curve.is_full_range;
   if (!differs(*gamma)) tone.curve = {.is_full_range = mapped_by.curve.is_full_range};
   if (tone.curve == mapped_by.curve || (tone.curve.is_linear() && mapped_by.curve.is_linear())) return std::nullopt;
-  return tone;
+  return ShownTone{tone, std::abs(std::log(exponent->value))};
 }
 
 std::vector<double> light_per_grey(const Reference& reference, const LumaView& stored, const LumaView& light) {

@@ -35,9 +35,14 @@ class LightMap {
 // if they determine no curve.
 [[nodiscard]] bool shows_light(const Reference& reference, int bits);
 
+struct ShownTone {
+  Tone tone;
+  double deviation = 0.0;  // |ln e| of the exponent e that still makes the edges symmetric
+};
+
 // Returns the tone curve that the grating edges of the reference frame show, if it contradicts `mapped_by`. Returns
 // nothing if the edges agree with `mapped_by` or determine no curve. Model: light is a power of the grey level.
-[[nodiscard]] std::optional<Tone> contradicting_tone(const Reference& reference, const Tone& mapped_by, int bits);
+[[nodiscard]] std::optional<ShownTone> contradicting_tone(const Reference& reference, const Tone& mapped_by, int bits);
 
 // Returns the light levels per grey level at every marker of the reference frame. It is the ratio of the standard
 // deviations in both images there.
