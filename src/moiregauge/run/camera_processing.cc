@@ -31,6 +31,8 @@ constexpr double kIndependentMoving = 0.96;
 constexpr double kIndependentMovingLossy = 0.85;
 constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1, or of a share from 0, that proves averaging, in u
 constexpr double kMinValues = 2000.0;
+// A codec with coarse steps leaves one coefficient of a block, which the values of a tile share.
+constexpr double kValuesOfBlock = 32.0;
 // Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
 constexpr double kEcho = 0.03;
 // Smallest variance of real grain, grey levels squared. A quiet sensor's variance of 0.1 still leaves 0.05 after
@@ -117,10 +119,10 @@ bool is_still(const std::vector<std::vector<ImagePoint>>& last) {
          largest_distance(last[0], last[2]) < kStill_px;
 }
 
-// Returns true if the noise of consecutive frames is correlated.
-bool is_alike(const GrainSums& grain, double independent) {
+// Returns true if the noise of consecutive frames is correlated. `values`: those that are independent.
+bool is_alike(const GrainSums& grain, double independent, double values) {
   if (grain.values < kMinValues) return false;
-  const double limit = std::min(independent, 1.0 - kSureOfGrain * std::sqrt(2.0 / grain.values));
+  const double limit = std::min(independent, 1.0 - kSureOfGrain * std::sqrt(2.0 / values));
   return grain.one_apart < limit * grain.two_apart;
 }
 
@@ -186,8 +188,10 @@ std::string averaging_shown(const CameraProcessing& processing, bool is_lossy) {
   if (!is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values)
     return "its still parts contain no noise";
   const double share = echo_share(processing.echo);
-  const bool alike_still = is_alike(still, kIndependent);
-  if (!alike_still && !is_alike(processing.moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving))
+  const double still_values = is_lossy ? still.values / kValuesOfBlock : still.values;
+  const bool alike_still = is_alike(still, kIndependent, still_values);
+  if (!alike_still &&
+      !is_alike(processing.moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving, processing.moving.values))
     return share > 0.0 ? fmt::format("the gratings show {:.2f} of the previous frame", share) : "";
   const GrainSums& grain = alike_still ? still : processing.moving;
   return fmt::format("its noise is alike in successive frames, {:.2f} of independent noise",

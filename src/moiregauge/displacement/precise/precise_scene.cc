@@ -8,9 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/displacement/precise/camera_claim.h"
 #include "moiregauge/displacement/precise/height_claim.h"
 #include "moiregauge/displacement/precise/reference_fault.h"
+#include "moiregauge/observation/frame/slipped_circle.h"
 #include "moiregauge/observation/print/overshoot.h"
 
 namespace moiregauge::internal {
@@ -133,10 +135,11 @@ class SceneSolver {
   void report_doubt(const ReferenceVerdict& verdict) {
     out_.doubtful = true;
     const bool slips_later = verdict.since && *verdict.since > reference_.seen.frame;
-    out_.remedy = slips_later
-                      ? fmt::format("measure the frames before the movement with --frames {}:{}, or use six references",
-                                    reference_.seen.frame, *verdict.since)
-                      : "use six references, which show the one that moves";
+    const bool has_six = references_in(site_, out_.frames.front()) >= kMinReferencesForSlip;
+    const std::string lasting = has_six ? "fasten the references" : "use six references, which show the one that moves";
+    out_.remedy = slips_later ? fmt::format("measure the frames before the movement with --frames {}:{}, or {}",
+                                            reference_.seen.frame, *verdict.since, lasting)
+                              : lasting;
     note(fmt::format("no row is trusted: one of the references moves{}, and the layout does not show which. Remedy: {}",
                      verdict.since ? fmt::format(" from frame {} on", *verdict.since) : "", out_.remedy));
   }
