@@ -98,32 +98,6 @@ TEST(Grain, IsSeenInFlatTilesOfASceneThatMoves) {
   }
 }
 
-// Paper texture of 1 grey level that jumps once, in frame 4 of 9. Two of seven triples see it in one of their intervals,
-// where the ratio of their noise is 0.85.
-TEST(Grain, AJumpOfTheSceneIsNoCorrelation) {
-  std::vector<PixelPosition> tiles;
-  for (int y = 0; y + kGrainTile <= kSide; y += kGrainTile) {
-    for (int x = 0; x + kGrainTile <= kSide; x += kGrainTile) tiles.push_back({x, y});
-  }
-  GrainSampler sampler(tiles);
-  std::mt19937 random(8);
-  std::normal_distribution<double> normal;
-  Image<double> texture(kSide, kSide);
-  for (int n = 0; n < 9; ++n) {
-    Image<std::uint8_t> stored(kSide, kSide);
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
-        if (n == 0 || n == 4) texture.at(x, y) = normal(random);
-        stored.at(x, y) = static_cast<std::uint8_t>(std::lround(120.0 + texture.at(x, y) + kSigma * normal(random)));
-      }
-    }
-    sampler.add(stored.view(), 255, false);
-  }
-  const GrainSums& sums = sampler.moving();
-  ASSERT_GT(sums.values, 50000);  // 4 u of the ratio: 0.025
-  EXPECT_NEAR(sums.one_apart / sums.two_apart, 1.0, 0.025);
-}
-
 TEST(Grain, ClippedTilesAreExcluded) {
   Image<std::uint8_t> white(kSide, kSide, 255);
   GrainSampler sampler({{0, 0}, {8, 8}});

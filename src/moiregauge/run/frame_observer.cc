@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/image/upper_bits.h"
+#include "moiregauge/observation/frame/patch_of_points.h"
 #include "moiregauge/observation/reference/reference_by_gratings.h"
 #include "moiregauge/run/codec.h"
 
@@ -49,6 +50,15 @@ constexpr int kMaxToneRounds = 5;
 // Largest share of the deviation that a round leaves. A template of grey levels shows at least 0.4 of a tone curve, so
 // that 0.6 are left, and some noise. With edges sharper than the pixels, 0.86 to 1 are left.
 constexpr double kMaxLeft = 0.75;
+// Share of clipped pixels from which clipping itself makes edges asymmetric. The rounds then need not get better. Chosen.
+constexpr double kMaxClipped = 0.01;
+
+// Returns true if white or black is clipped in a grating of the reference frame.
+bool is_clipped(const Reference& reference, const Frame& frame, int bits) {
+  return std::ranges::any_of(reference.seen.markers, [&](const MarkerObservation& marker) {
+    return marker.points && clipped_share({frame.luma, bits}, *marker.points) > kMaxClipped;
+  });
+}
 
 }  // namespace
 
@@ -87,7 +97,7 @@ bool FrameObserver::follow_shown_tone(const Frame& frame) {
   for (int round = 0; round < kMaxToneRounds && !options_.tone; ++round) {
     const auto shown = contradicting_tone(*out_.reference, light_.tone(), out_.input.bits);
     if (!shown) break;
-    const bool helps = shown->deviation < kMaxLeft * deviation;
+    const bool helps = shown->deviation < kMaxLeft * deviation || is_clipped(*out_.reference, frame, out_.input.bits);
     const Tone next = helps ? shown->tone : before;
     before = light_.tone();
     deviation = shown->deviation;
