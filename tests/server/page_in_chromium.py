@@ -153,7 +153,7 @@ def check_areas_and_times(visitor):
 
 
 def check_picture(visitor):
-    """The picture beside the curves has no camera motion, unless it is wanted as filmed."""
+    """The picture next to the curves has no camera motion, unless it is wanted as filmed."""
     image = "document.querySelector('.picture-window img')"
     visitor.wait(f"{image}.naturalWidth > 0 && {image}.style.transform.startsWith('matrix3d')")
     corners = visitor.value(f"(() => {{ const a = {image}.getBoundingClientRect(), b = {image}.parentElement.getBoundingClientRect(); return [a.left - b.left, a.top - b.top, a.right - b.right]; }})()")

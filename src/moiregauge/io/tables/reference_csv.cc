@@ -172,9 +172,12 @@ class ReferenceParser {
   // Returns the time of a row in s.
   tl::expected<double, ReferenceMistake> time_of(const Cells& cells) {
     if (columns_.rate_hz) return static_cast<double>(series_.value.size()) / *columns_.rate_hz;
-    if (*time_ < cells.size()) {
-      if (const auto clock = clock_time(cells[*time_])) return since_first_row(*clock);
-    }
+    const auto clock = *time_ < cells.size() ? clock_time(cells[*time_]) : std::nullopt;
+    if (series_.value.empty()) first_row_ = clock;
+    if (clock && first_row_ && clock->has_date == first_row_->has_date) return since_first_row(*clock);
+    if (first_row_)
+      return file_mistake("a row of the reference has another form of time than the first",
+                          fmt::format("{}:{}", path_, line_), "correct the line");
     const auto stamp = cell_of(cells, *time_);
     if (!stamp) return stamp;
     return second_ * *stamp;
@@ -183,11 +186,10 @@ class ReferenceParser {
   // A time of day that falls by more than half a day has passed midnight.
   double since_first_row(const ClockTime& clock) {
     constexpr double kDay_s = 86400.0;
-    if (series_.time_s.empty()) first_row_s_ = clock.seconds;
-    double seconds = clock.seconds - first_row_s_;
+    const double seconds = clock.seconds - first_row_->seconds;
     if (clock.has_date || series_.time_s.empty()) return seconds;
-    while (seconds < series_.time_s.back() - 0.5 * kDay_s) seconds += kDay_s;
-    return seconds;
+    const double behind = series_.time_s.back() - 0.5 * kDay_s - seconds;
+    return seconds + kDay_s * std::max(0.0, std::ceil(behind / kDay_s));
   }
 
   tl::expected<void, ReferenceMistake> take_row(const Cells& cells) {
@@ -231,9 +233,9 @@ class ReferenceParser {
   char separator_ = 0;
   std::size_t line_ = 0, headers_ = 0;
   std::vector<std::string> names_;
-  double second_ = 1.0;     // s per unit of a time
-  std::string named_unit_;  // by the header, unless s
-  double first_row_s_ = 0.0;
+  double second_ = 1.0;                 // s per unit of a time
+  std::string named_unit_;              // by the header, unless s
+  std::optional<ClockTime> first_row_;  // none: times are numbers
   Series series_;
 };
 

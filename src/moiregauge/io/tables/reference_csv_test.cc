@@ -82,6 +82,8 @@ TEST(ReferenceCsv, AMistakeIsNamedWithItsLine) {
         Case{"0;1.2,3\n", {}, false, "is no number"}, Case{"0,inf\n", {}, false, "is no number"},
         Case{"t,x\n11/12/2026 10:00:00,1\n0,1\n", {}, false, "is no number"},
         Case{"2026-02-30 10:00:00,1\n", {}, false, "is no number"}, Case{"10:60:00,1\n", {}, false, "is no number"},
+        Case{"0,1\n10:00:00,2\n", {}, false, "is no number"}, Case{"10:00:00,1\n1e18,2\n", {}, false, "another form"},
+        Case{"2026-11-25 10:00:00,1\n10:00:01,2\n", {}, false, "another form"},
         Case{"10:00:02,1\n10:00:01,2\n", {}, false, "do not increase"},
         Case{"\xFF\xFE"
              "1",
