@@ -2,6 +2,7 @@
 #include "textbook_chain.h"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 
 #include <opencv2/imgproc.hpp>

@@ -3,6 +3,8 @@
 // Requires: a valid orientation, and a readable image or an error message.
 #include "moiregauge/io/pictures/jpeg_reader.h"
 
+#include <algorithm>
+
 #include "moiregauge/io/pictures/exif_orientation.h"
 #include "tests/fuzz/picture_trial.h"
 

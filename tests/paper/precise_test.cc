@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the paper's cases with `precise` and an unknown lens: only the noise of the pixels remains.
 #include <cmath>
+#include <cstdio>
 
 #include <gtest/gtest.h>
 

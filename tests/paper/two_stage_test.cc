@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the paper's cases with an ideal lens: the accuracy of the published method when its model is right.
 #include <cmath>
+#include <tuple>
 
 #include <gtest/gtest.h>
 

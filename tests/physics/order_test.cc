@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests that the outline gives the fringe order of a target in every frame, for slow and fast movement.
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 

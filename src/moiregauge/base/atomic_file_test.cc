@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <iterator>
+
 #include "moiregauge/base/atomic_file.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/image/edge_levels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>

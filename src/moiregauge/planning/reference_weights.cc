@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/planning/reference_weights.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/report/packed_columns.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <zlib.h>

@@ -3,6 +3,8 @@
 // images.
 #include "moiregauge/camera/genicam/genicam_source.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <set>
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/cli/help/completion.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

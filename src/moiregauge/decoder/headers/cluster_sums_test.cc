@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/decoder/headers/cluster_sums.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads AVI files with one stream of uncompressed video. RIFF chunks have a name, a length and that number of bytes
 // (OpenDML files contain several RIFFs). Frames follow one another, so the index is not needed.
+#include <algorithm>
 #include <numeric>
 
 #include "moiregauge/decoder/stored/stored_video.h"

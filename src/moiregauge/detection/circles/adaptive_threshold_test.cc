@@ -2,6 +2,7 @@
 #include "moiregauge/detection/circles/adaptive_threshold.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>

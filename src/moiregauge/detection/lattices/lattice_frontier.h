@@ -3,6 +3,7 @@
 // empty cells would take time proportional to the number of points to the power of 1.5.
 #pragma once
 
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <utility>

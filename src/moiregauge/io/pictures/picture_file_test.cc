@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/io/pictures/picture_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>

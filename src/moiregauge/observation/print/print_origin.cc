@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/observation/print/print_origin.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/phase/fit/patch_fit.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/phase/fit/patch_pass.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <random>

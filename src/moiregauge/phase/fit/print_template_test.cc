@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/phase/fit/print_template.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

@@ -2,6 +2,7 @@
 // Processing of one image after the camera's tone curve and before storage.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
