@@ -94,15 +94,25 @@ PartitionName=main Nodes={host} Default=YES MaxTime=INFINITE State=UP
     def steps(self):
         """Returns the processes that slurmd started, one for each running task."""
         done = subprocess.run(["pgrep", "slurmstepd"], capture_output=True, text=True, check=False)
-        mine = []
-        for word in done.stdout.split():
-            try:
-                environment = pathlib.Path(f"/proc/{word}/environ").read_bytes()
-            except OSError:
-                continue
-            if str(self.home).encode() in environment:
-                mine.append(int(word))
-        return mine
+        return [step for step in map(int, done.stdout.split()) if self.is_mine(step)]
+
+    def is_mine(self, process):
+        """Returns true if a process, or one below it, has this cluster in its environment. Newer steps clear their own."""
+        try:
+            if str(self.home).encode() in pathlib.Path(f"/proc/{process}/environ").read_bytes():
+                return True
+        except OSError:
+            return False
+        return any(map(self.is_mine, children(process)))
+
+    def wait_for_steps(self, count, seconds):
+        """Waits until so many tasks run, and returns their processes."""
+        deadline = time.time() + seconds
+        while len(steps := self.steps()) < count:
+            if time.time() > deadline:
+                raise RuntimeError(f"{len(steps)} of {count} tasks run: {self.jobs()}")
+            time.sleep(0.1)
+        return steps
 
     def task_of(self, step):
         """Returns the job number of a task, e.g. 2, from the step's title `slurmstepd: [2.batch]`."""
@@ -164,18 +174,22 @@ PartitionName=main Nodes={host} Default=YES MaxTime=INFINITE State=UP
         shutil.rmtree(self.munge, ignore_errors=True)
 
 
-def kill_children(process):
+def children(process):
     done = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True, check=False)
-    for child in done.stdout.split():
-        kill_tree(int(child))
+    return list(map(int, done.stdout.split()))
+
+
+def kill_children(process):
+    for child in children(process):
+        kill_tree(child)
 
 
 def kill_tree(process):
     """Kills a process and all below it."""
-    done = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True, check=False)
+    below = children(process)
     try:
         os.kill(process, 9)
     except ProcessLookupError:
         pass
-    for child in done.stdout.split():
-        kill_tree(int(child))
+    for child in below:
+        kill_tree(child)

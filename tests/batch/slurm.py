@@ -11,7 +11,6 @@ import pathlib
 import shutil
 import subprocess
 import sys
-import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from clips import batch, make_clip  # noqa: E402
@@ -48,9 +47,7 @@ def main():
         insist("error: Slurm did not accept the job: sbatch (" in refused.stderr and "partition" in refused.stderr, refused.stderr)
         done = submitted(program, cluster, clips, out, "--chunk", "2", "--jobs", "2")
         insist(f"{CLIPS + 1} of them to measure" in done.stdout and "with 4 tasks" in done.stdout, done.stdout)
-        while len(cluster.steps()) < 2:
-            time.sleep(0.1)
-        killed, requeued = cluster.steps()[:2]
+        killed, requeued = cluster.wait_for_steps(2, seconds=60)[:2]
         kill_children(killed)  # for Slurm the task has failed, so it is not started again
         subprocess.run(["scontrol", "requeue", cluster.task_of(requeued)], env=cluster.environment, check=True)  # as after the loss of a node
         cluster.wait(120)

@@ -115,7 +115,8 @@ INSTANTIATE_TEST_SUITE_P(
         SeekCase{"OpenGroupsInMatroska", "a.mkv", "-c:v libx264 -x264-params open-gop=1:bframes=3:min-keyint=12"},
         SeekCase{"OpenGroupsOfHevc", "a.mp4",
                  "-c:v libx265 -x265-params log-level=none:open-gop=1:bframes=3:min-keyint=12"},
-        SeekCase{"VariableFrameRate", "a.mp4", "-c:v libx264 -bf 2", true, kSteps},
+        // Without an edit list, whose end ffmpeg 7 places before the last frame.
+        SeekCase{"VariableFrameRate", "a.mp4", "-c:v libx264 -bf 2 -use_editlist 0", true, kSteps},
         SeekCase{"VariableFrameRateInMatroska", "a.mkv", "-c:v libx264 -bf 2", true, kSteps},
         SeekCase{"GradualRefresh", "a.mp4", "-c:v libx264 -x264-params intra-refresh=1:bframes=0", false, "null", true},
         SeekCase{"OneKeyFrame", "a.mp4", "-c:v libx264 -bf 2 -x264-params keyint=infinite:scenecut=0", false},
