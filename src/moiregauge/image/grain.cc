@@ -119,6 +119,32 @@ void keep_flat(std::vector<std::array<TilePixels, 3>>& tiles) {
   tiles.resize(kept);
 }
 
+// Squared residuals of a tile's three pairs of frames.
+struct PairResiduals {
+  double newer = 0.0, older = 0.0;  // frames one apart
+  double two_apart = 0.0;
+  [[nodiscard]] double largest() const { return std::max({newer, older, two_apart}); }
+  [[nodiscard]] double smallest() const { return std::min({newer, older, two_apart}); }
+};
+
+// Removes tiles that something covered or uncovered within the three frames. A step at the first or at the last frame
+// has half of its square in the frames one apart, as an average over time has. Behind a codec, residuals of independent
+// frames differ as much, because it keeps or changes whole coefficients.
+void remove_changed(std::vector<PairResiduals>& tiles) {
+  // An average over time doubles residuals at most, and those of a tile scatter by a quarter. Tiles of usual residuals
+  // stay in any case.
+  constexpr double kChange = 3.0;
+  if (tiles.empty()) return;
+  std::vector<double> largest;
+  for (const PairResiduals& tile : tiles) largest.push_back(tile.largest());
+  const auto middle = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 2);
+  std::nth_element(largest.begin(), middle, largest.end());
+  const double usual = *middle;
+  std::erase_if(tiles, [usual](const PairResiduals& tile) {
+    return tile.largest() > std::max(kChange * tile.smallest(), usual);
+  });
+}
+
 }  // namespace
 
 void GrainSampler::place(std::vector<PixelPosition> tiles) {
@@ -126,7 +152,8 @@ void GrainSampler::place(std::vector<PixelPosition> tiles) {
   interrupt();
 }
 
-void GrainSampler::add(const LumaView& luma, int white, bool is_still) {
+void GrainSampler::add(const LumaView& luma, int white, GrainConditions conditions) {
+  const bool is_still = conditions.is_still;
   std::rotate(frames_.begin(), frames_.begin() + 2, frames_.end());
   auto& newest = frames_[0];
   newest.clear();
@@ -151,19 +178,23 @@ void GrainSampler::add(const LumaView& luma, int white, bool is_still) {
       whole.push_back(tile);
   }
   if (!is_still) keep_flat(whole);
-  GrainSums& sums = is_still ? still_ : moving_;
+  std::vector<PairResiduals> tiles;
   for (const auto& tile : whole) {
     if (is_still) {
       const Detrending detrended(tile);
-      sums.one_apart += 0.5 * (detrended.rest(tile[0], tile[1]) + detrended.rest(tile[1], tile[2]));
-      sums.two_apart += detrended.rest(tile[0], tile[2]);
-      sums.values += kInnerPixels - kParameters;
+      tiles.push_back({detrended.rest(tile[0], tile[1]), detrended.rest(tile[1], tile[2]), detrended.rest(tile[0], tile[2])});
     } else {
-      sums.one_apart +=
-          0.5 * kIndependentOfLaplacian * (rest_of_laplacian(tile[0], tile[1]) + rest_of_laplacian(tile[1], tile[2]));
-      sums.two_apart += kIndependentOfLaplacian * rest_of_laplacian(tile[0], tile[2]);
-      sums.values += kIndependentOfLaplacian * kInnerPixels;
+      tiles.push_back({rest_of_laplacian(tile[0], tile[1]), rest_of_laplacian(tile[1], tile[2]),
+                       rest_of_laplacian(tile[0], tile[2])});
     }
+  }
+  if (conditions.is_lossless) remove_changed(tiles);
+  GrainSums& sums = is_still ? still_ : moving_;
+  const double weight = is_still ? 1.0 : kIndependentOfLaplacian;
+  for (const PairResiduals& tile : tiles) {
+    sums.one_apart += 0.5 * weight * (tile.newer + tile.older);
+    sums.two_apart += weight * tile.two_apart;
+    sums.values += is_still ? kInnerPixels - kParameters : kIndependentOfLaplacian * kInnerPixels;
   }
 }
 

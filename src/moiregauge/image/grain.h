@@ -31,6 +31,12 @@ struct GrainSums {
   double values = 0.0;     // degrees of freedom: pixels minus fitted parameters
 };
 
+// Properties of a recording at one frame.
+struct GrainConditions {
+  bool is_still = false;     // the scene moved by at most 0.1 px in this frame and the last two
+  bool is_lossless = false;  // no codec changed the grain
+};
+
 // Samples the grain of tiles at fixed positions in the image.
 class GrainSampler {
  public:
@@ -39,10 +45,10 @@ class GrainSampler {
   explicit GrainSampler(std::vector<PixelPosition> tiles) : tiles_(std::move(tiles)) {}
   // Continues at other positions, with a new sequence.
   void place(std::vector<PixelPosition> tiles);
-  // Adds a frame. It is evaluated together with the last two, unless the sequence was interrupted. If the scene moved
-  // by more than 0.1 px in these three, only flat tiles count, in sums of their own. Tiles that touch black (0) or
-  // `white` are excluded, because clipping removes grain.
-  void add(const LumaView& luma, int white, bool is_still);
+  // Adds a frame. It is evaluated together with the last two, unless the sequence was interrupted. If the scene moved,
+  // only flat tiles count, in sums of their own. Tiles that touch black (0) or `white` are excluded, because clipping
+  // removes grain. Without a codec, tiles are excluded that something covers or uncovers.
+  void add(const LumaView& luma, int white, GrainConditions conditions);
   // Interrupts the sequence: the next frame has no predecessors.
   void interrupt() { filled_ = 0; }
   [[nodiscard]] const GrainSums& still() const { return still_; }

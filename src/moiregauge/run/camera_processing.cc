@@ -270,7 +270,7 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
   }
   last_.insert(last_.begin(), std::move(centres));
   if (last_.size() > 3) last_.pop_back();
-  sampler_.add(frame.luma, (1 << bits) - 1, is_still(last_));
+  sampler_.add(frame.luma, (1 << bits) - 1, {.is_still = is_still(last_), .is_lossless = codec.is_lossless()});
 }
 
 void ProcessingWatch::repeat(long frame) {
