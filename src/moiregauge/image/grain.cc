@@ -182,7 +182,8 @@ void GrainSampler::add(const LumaView& luma, int white, GrainConditions conditio
   for (const auto& tile : whole) {
     if (is_still) {
       const Detrending detrended(tile);
-      tiles.push_back({detrended.rest(tile[0], tile[1]), detrended.rest(tile[1], tile[2]), detrended.rest(tile[0], tile[2])});
+      tiles.push_back(
+          {detrended.rest(tile[0], tile[1]), detrended.rest(tile[1], tile[2]), detrended.rest(tile[0], tile[2])});
     } else {
       tiles.push_back({rest_of_laplacian(tile[0], tile[1]), rest_of_laplacian(tile[1], tile[2]),
                        rest_of_laplacian(tile[0], tile[2])});
