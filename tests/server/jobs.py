@@ -4,50 +4,19 @@
     jobs.py MOIREGAUGE WORK
 """
 import hashlib
-import json
 import shlex
 import shutil
 import struct
 import subprocess
-import threading
 import time
 
-from serving import Server, insist, make_clip, start
+from serving import Events, Server, insist, make_clip, start
 
 program, work, folder = start()
 LOOPS = 6  # a fast machine then still measures for longer than the first scene takes
 FRAMES = 240 * LOOPS
 make_clip(program, folder, "bridge.mp4", FRAMES // LOOPS, LOOPS)
 make_clip(program, folder, "sub/short.mp4", 20)
-
-
-class Events(threading.Thread):
-    """Collects the events of a server with their times."""
-
-    def __init__(self, server):
-        super().__init__(daemon=True)
-        self.link = server.connect(60)
-        self.link.sendall(f"GET /api/events HTTP/1.1\r\nHost: {server.host}\r\nX-Moiregauge-Token: {server.token}\r\n\r\n".encode())
-        self.events = []
-        self.start()
-
-    def run(self):
-        rest = b""
-        while True:
-            try:
-                piece = self.link.recv(1 << 16)
-            except OSError:
-                return
-            if not piece:
-                return
-            *blocks, rest = (rest + piece).split(b"\n\n")
-            for block in blocks:
-                lines = block.decode().split("\n")
-                if len(lines) == 2 and lines[0].startswith("event: "):
-                    self.events.append((time.monotonic(), lines[0][7:], json.loads(lines[1][6:])))
-
-    def of(self, kind):
-        return [(when, data) for when, name, data in list(self.events) if name == kind]
 
 
 def files(run):

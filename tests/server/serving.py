@@ -9,6 +9,7 @@ import socket
 import ssl
 import subprocess
 import sys
+import threading
 import time
 
 
@@ -17,11 +18,11 @@ def insist(condition, message):
         sys.exit(message)
 
 
-def make_clip(program, folder, name, frames, loops=1):
+def make_clip(program, folder, name, frames, loops=1, threads=2):
     """Renders a clip with known movement, and repeats it. H.264, so it is decoded."""
     made = folder.parent / (name + ".simulated")
     subprocess.run([program, "simulate", "small-1x", "--frames", str(frames), "--markers-only", "--codec", "x264", "--quality", "12",
-                    "--quiet", "-o", made], check=True)
+                    "--threads", str(threads), "--quiet", "-o", made], check=True)
     (folder / name).parent.mkdir(parents=True, exist_ok=True)
     subprocess.run(["ffmpeg", "-loglevel", "error", "-stream_loop", str(loops - 1), "-i", made / "video.mp4", "-c", "copy", folder / name], check=True)
     shutil.rmtree(made)
@@ -100,6 +101,35 @@ class Server:
                     return known
             time.sleep(0.05)
         sys.exit(f"job {job} did not reach {states}")
+
+
+class Events(threading.Thread):
+    """Collects the events of a server with their times."""
+
+    def __init__(self, server):
+        super().__init__(daemon=True)
+        self.link = server.connect(60)
+        self.link.sendall(f"GET /api/events HTTP/1.1\r\nHost: {server.host}\r\nX-Moiregauge-Token: {server.token}\r\n\r\n".encode())
+        self.events = []
+        self.start()
+
+    def run(self):
+        rest = b""
+        while True:
+            try:
+                piece = self.link.recv(1 << 16)
+            except OSError:
+                return
+            if not piece:
+                return
+            *blocks, rest = (rest + piece).split(b"\n\n")
+            for block in blocks:
+                lines = block.decode().split("\n")
+                if len(lines) == 2 and lines[0].startswith("event: "):
+                    self.events.append((time.monotonic(), lines[0][7:], json.loads(lines[1][6:])))
+
+    def of(self, kind):
+        return [(when, data) for when, name, data in list(self.events) if name == kind]
 
 
 def receive(link, until_closed=False):

@@ -127,9 +127,9 @@ struct PairResiduals {
   [[nodiscard]] double smallest() const { return std::min({newer, older, two_apart}); }
 };
 
-// Removes tiles that something covered or uncovered within the three frames. A step at the first or at the last frame
-// has half of its square in the frames one apart, as an average over time has. Behind a codec, residuals of independent
-// frames differ as much, because it keeps or changes whole coefficients.
+// Removes tiles that something covered or uncovered within the three frames. Such a step counts half in the frames one
+// apart, and an average over time looks the same. Behind a codec, residuals of independent frames differ as much,
+// because it keeps or changes whole coefficients.
 void remove_changed(std::vector<PairResiduals>& tiles) {
   // An average over time doubles residuals at most, and those of a tile scatter by a quarter. Tiles of usual residuals
   // stay in any case.

@@ -2,7 +2,9 @@
 // One connection of the server and what it is waiting for.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -20,6 +22,13 @@ enum class ConnectionState {
   kStreaming,  // sends events until the peer closes
   kDraining,   // has sent its last answer and discards what still comes
 };
+
+// Returns the time on the clock of Connection::deadline_ms.
+[[nodiscard]] inline std::int64_t now_ms() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+inline constexpr std::int64_t kNever_ms = std::numeric_limits<std::int64_t>::max();
 
 struct Connection {
   Connection(std::unique_ptr<ByteChannel> bytes, std::uint64_t number) : channel(std::move(bytes)), id(number) {}

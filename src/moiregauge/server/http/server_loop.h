@@ -30,29 +30,33 @@ class HttpServer::Loop {
  private:
   using Finished = std::pair<std::uint64_t, Answer>;
 
+  // server_loop.cc: accepts connections, serves what is ready, and closes what is overdue.
   void wait_for_events();
   void accept_all();
   void add(int socket);
   void make_room();
-  void collect_answers();
-  void send_events();
+  void settle(std::uint64_t id, bool is_open);
+  void watch(Connection& c);
   void close_overdue();
-
-  // Each returns false if the connection has ended.
+  // Each bool function returns false if the connection has ended.
   [[nodiscard]] bool step(Connection& c, std::uint32_t events);
+
+  // server_requests.cc: receives requests and gives them to the workers.
   [[nodiscard]] bool receive(Connection& c);
   [[nodiscard]] bool discard(Connection& c);
   [[nodiscard]] bool advance(Connection& c);
   [[nodiscard]] bool begin_body(Connection& c, std::size_t length_of_head);
   [[nodiscard]] bool submit(Connection& c);
+  void release_body(Connection& c);
+
+  // server_answers.cc: sends answers and events.
+  void collect_answers();
   [[nodiscard]] bool begin_answer(Connection& c, Answer answer);
   [[nodiscard]] bool refuse(Connection& c, Answer answer);
-  [[nodiscard]] bool begin_stream(Connection& c, const Answer& answer);
   [[nodiscard]] bool send(Connection& c);
-  void release_body(Connection& c);
-  void settle(std::uint64_t id, bool is_open);
-  void watch(Connection& c);
+  [[nodiscard]] bool begin_stream(Connection& c, const Answer& answer);
   [[nodiscard]] std::size_t streams() const;
+  void send_events();
 
   ListenSocket listening_;
   std::unique_ptr<TlsContext> tls_;

@@ -81,6 +81,8 @@ std::string job_json(const Job& job) {
   return dumped(json);
 }
 
+std::string preview_name(const Job& job) { return fmt::format(".moiregauge-preview-{}.jpg", job.id); }
+
 std::string event_text(std::string_view name, std::string_view data) {
   return fmt::format("event: {}\ndata: {}\n\n", name, data);
 }

@@ -32,6 +32,8 @@ struct Job {
 
 // Returns a job as JSON.
 [[nodiscard]] std::string job_json(const Job& job);
+// Returns the name of the file with the newest picture of a live source. Hidden, so that no address of the page shows it.
+[[nodiscard]] std::string preview_name(const Job& job);
 // Returns an event of the stream. `data` is JSON without line ends.
 [[nodiscard]] std::string event_text(std::string_view name, std::string_view data);
 // Returns the command line for a shell: "moiregauge measure clip.mp4 --pitch 10mm".

@@ -14,6 +14,7 @@
 
 #include "moiregauge/base/child_process.h"
 #include "moiregauge/server/jobs/job.h"
+#include "moiregauge/server/jobs/kept_samples.h"
 
 namespace moiregauge::internal {
 
@@ -53,11 +54,15 @@ class JobQueue {
     Clock::time_point begin{}, published{};
     bool is_changed = false;
     bool is_cancelled = false;
-    std::string output;                  // unfinished line of stdout
-    std::vector<std::string> samples{};  // events, for pages that open later
-    std::size_t sample_bytes = 0;
+    std::string output;  // unfinished line of stdout
+    KeptSamples samples;
   };
 
+  [[nodiscard]] std::string next_id() { return std::to_string(++last_id_); }
+  void forget_old();
+  void publish_entries() const;
+
+  // job_queue_thread.cc: the thread that runs the commands.
   void work(const std::stop_token& stop);
   void start_waiting();
   void start(Task& task);
@@ -65,12 +70,9 @@ class JobQueue {
   void collect(Task& task);
   void take_line(Task& task, std::string_view line);
   void take_live_line(Task& task, std::string line);
+  void keep_samples(Task& task, std::string event);
   void finish(Task& task, const ChildEnd& end);
-  void keep_samples(Task& task, const std::string& event);
   void publish_changes();
-  void publish_entries() const;
-  [[nodiscard]] std::string next_id() { return std::to_string(++last_id_); }
-  void forget_old();
   void end_all();
 
   const QueueOptions options_;
