@@ -37,6 +37,11 @@ struct Level {
   V edge;               // tx^2 + ty^2
 };
 
+// Distances from the nearest node, nodes.
+struct FromNode {
+  V x, y;
+};
+
 // Evaluates the table of nodes as PrintTemplate::at does.
 struct Table {
   const std::int32_t* words;
@@ -88,13 +93,26 @@ struct Table {
   // Returns the node's index in the period.
   HWY_INLINE V node_of(V whole) const { return hn::Sub(whole, hn::Mul(side, hn::Floor(hn::Mul(whole, per_side)))); }
 
-  HWY_INLINE Level at(V x, V y) const {
-    const Float d;
+  // Stores each lane's node, as an index of `words`, and returns the position relative to it.
+  HWY_INLINE FromNode find(V x, V y, std::int32_t* at_node) const {
     const Whole di;
-    const V i = hn::Round(x), j = hn::Round(y), u = hn::Sub(x, i), v = hn::Sub(y, j);
-    const auto node = hn::ConvertTo(di, hn::Mul(plus(node_of(i), node_of(j), wide), words_per_node));
+    const V i = hn::Round(x), j = hn::Round(y);
+    hn::Store(hn::ConvertTo(di, hn::Mul(plus(node_of(i), node_of(j), wide), words_per_node)), di, at_node);
+    return {hn::Sub(x, i), hn::Sub(y, j)};
+  }
+
+  HWY_INLINE Level at(V x, V y) const {
     alignas(64) std::int32_t at_node[kBlockWidth];
-    hn::Store(node, di, at_node);
+    const FromNode from = find(x, y, at_node);
+    // The indices are then loaded one by one. GCC would extract each from the vector instead, with three times as many
+    // instructions.
+    __asm__ volatile("" : "+m"(at_node));
+    return at(at_node, from);
+  }
+
+  HWY_INLINE Level at(const std::int32_t* at_node, const FromNode& from) const {
+    const Float d;
+    const V u = from.x, v = from.y;
     hn::Vec<Whole> words_of[PrintNodes::kWords];
     nodes_of(at_node, words_of);
     V a[2 * PrintNodes::kWords];

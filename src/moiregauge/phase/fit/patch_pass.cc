@@ -107,8 +107,8 @@ HWY_INLINE void add_blocks(V left, Mask in, V u, V v, int lane, LaneSums& sums) 
 }
 
 // Returns the lanes inside the window.
-HWY_INLINE auto lanes_inside(const Patch& patch, const Positions& at) {
-  return hn::Le(hn::Max(hn::Abs(at.u), hn::Abs(at.v)), patch.one);
+HWY_INLINE auto lanes_inside(const Patch& patch, V u, V v) {
+  return hn::Le(hn::Max(hn::Abs(u), hn::Abs(v)), patch.one);
 }
 
 HWY_INLINE Level level_at(const Patch& patch, const Positions& at) {
@@ -129,7 +129,7 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
                          Registers<kSum>& sums) {
   const Float d;
   const Positions at(patch, row, dx);
-  const auto in = hn::And(there, lanes_inside(patch, at));
+  const auto in = hn::And(there, lanes_inside(patch, at.u, at.v));
   if (hn::AllFalse(d, in)) return 0;
   const Level l = level_at(patch, at);
   const V gain = patch.gain(at.u, at.v);
@@ -174,43 +174,64 @@ struct Tiling {
   const ImageView<Grey>& picture;
 };
 
-// Adds a row of a tile and returns the number of pixels inside the window.
-template <Sum kSum, bool kAllInside, typename Grey>
-HWY_INLINE int add_tile_row(const Tiling<Grey>& t, int x, int y, int row, int lane, TileRows& rows,
-                            PendingColumns& columns) {
+// Positions of a tile's pixels. They are computed for all rows first: a node's index is then in memory, not on its way
+// to it, when it is read.
+struct TilePositions {
+  alignas(64) LaneRow u[kTileRows], v[kTileRows], per_z[kTileRows], x[kTileRows], y[kTileRows];
+  alignas(64) std::int32_t node[kTileRows][kBlockWidth];
+
+  // `dx`: distances of the lanes from the middle pixel, px.
+  HWY_INLINE void put(const Patch& patch, int row, const Row& at_row, V dx) {
+    const Float d;
+    const Positions at(patch, at_row, dx);
+    const FromNode from =
+        patch.table.find(plus(patch.x0, at.u, patch.half_x), plus(patch.y0, at.v, patch.half_y), node[row]);
+    hn::Store(at.u, d, u[row]), hn::Store(at.v, d, v[row]), hn::Store(at.per_z, d, per_z[row]);
+    hn::Store(from.x, d, x[row]), hn::Store(from.y, d, y[row]);
+  }
+};
+
+// Adds a row of a tile and returns the number of pixels inside the window. `in_box`: lanes inside the box.
+template <Sum kSum, bool kAllInside, typename Grey, typename Mask>
+HWY_INLINE int add_tile_row(const Tiling<Grey>& t, const Grey* pixels, const TilePositions& at, Mask in_box, int row,
+                            TileRows& rows, PendingColumns& columns) {
   const Float d;
-  Grey beyond[kBlockWidth];
-  const V grey = greys(pixels_from(t.picture, x, y, beyond) + lane);
-  const V dx = hn::Iota(d, static_cast<float>(x - t.job.x + lane));
-  const Positions at(t.patch, Row(t.job, static_cast<float>(y - t.job.y)), dx);
-  const auto in =
-      hn::And(hn::Le(dx, hn::Set(d, static_cast<float>(t.job.box.x1 - t.job.x))), lanes_inside(t.patch, at));
+  const V u = hn::Load(d, at.u[row]), v = hn::Load(d, at.v[row]);
+  const auto in = hn::And(in_box, lanes_inside(t.patch, u, v));
   if (!kAllInside && hn::AllFalse(d, in)) {
     rows.put_none(row);
     return 0;
   }
-  const Level l = level_at(t.patch, at);
-  const V gain = t.patch.gain(at.u, at.v);
-  V left = hn::Sub(grey, t.patch.shown(at.u, at.v, l, gain)), inside = t.patch.one;
-  int pixels = kLanes;
+  const Level l = t.patch.table.at(at.node[row], {hn::Load(d, at.x[row]), hn::Load(d, at.y[row])});
+  const V gain = t.patch.gain(u, v);
+  V left = hn::Sub(greys(pixels), t.patch.shown(u, v, l, gain)), inside = t.patch.one;
+  int count = kLanes;
   if constexpr (!kAllInside) {
     left = hn::IfThenElseZero(in, left), inside = hn::IfThenElseZero(in, inside);
-    pixels = static_cast<int>(hn::CountTrue(d, in));
+    count = static_cast<int>(hn::CountTrue(d, in));
   }
-  rows.put(row, left, gain, at.per_z, l);
-  if constexpr (kSum == Sum::kNormal) columns.put(inside, scaled(t.patch, l, gain), at.u, at.v);
-  return pixels;
+  rows.put(row, left, gain, hn::Load(d, at.per_z[row]), l);
+  if constexpr (kSum == Sum::kNormal) columns.put(inside, scaled(t.patch, l, gain), u, v);
+  return count;
 }
 
 // Adds a tile to the sums of its strip and returns the number of pixels inside the window.
 template <Sum kSum, bool kAllInside, typename Grey>
 HWY_INLINE int add_rows(const Tiling<Grey>& t, int x, int y, const RowSpan<kAllInside>& span, int lane, StripSums& sums,
                         LaneSums& lanes) {
+  const V dx = hn::Iota(Float(), static_cast<float>(x - t.job.x + lane));
+  TilePositions at;
+  for (int row = 0; row < span.count(); ++row)
+    at.put(t.patch, row, Row(t.job, static_cast<float>(y + row - t.job.y)), dx);
+  const auto in_box = hn::Le(dx, hn::Set(Float(), static_cast<float>(t.job.box.x1 - t.job.x)));
   TileRows rows;
   PendingColumns columns;
+  Grey beyond[kBlockWidth];
   int pixels = 0;
-  for (int row = 0; row < span.count(); ++row)
-    pixels += add_tile_row<kSum, kAllInside>(t, x, y + row, row, lane, rows, columns);
+  for (int row = 0; row < span.count(); ++row) {
+    const Grey* from = pixels_from(t.picture, x, y + row, beyond) + lane;
+    pixels += add_tile_row<kSum, kAllInside>(t, from, at, in_box, row, rows, columns);
+  }
   add_tile_sums(rows, span, lane, sums);
   if constexpr (kSum == Sum::kNormal) add_pending(columns, lane, lanes);
   return pixels;
