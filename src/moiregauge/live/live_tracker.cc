@@ -7,6 +7,7 @@
 
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/live/clocks.h"
+#include "moiregauge/run/codec.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -75,6 +76,8 @@ std::optional<PublishedFrame> LiveTracker::measure(const LiveFrame& frame, LiveS
   const auto seen = run_.measure_frame(frame.frame, [&source] { return source.is_frame_whole(); });
   if (!seen) return std::nullopt;
   if (has_follower(*seen)) out.rows = follower_->add(*seen);
+  is_lossy_ = is_lossy_ || is_lossy(*seen);
+  doubt_.apply(run_.processing(doubt_.first_frame()), is_lossy_, out.rows);
   if (!seen->references_seen) out.problem = seen->reference_problem;
   if (log_.reference) describe_markers(*seen);
   ++health_.frames;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "moiregauge/live/processing_doubt.h"
 #include "moiregauge/live/rate_window.h"
 #include "moiregauge/live/scene_follower.h"
 #include "moiregauge/run/live_source.h"
@@ -52,6 +53,8 @@ class LiveTracker {
   Measurement log_;
   ObservingRun run_;  // refers to `log_`
   std::unique_ptr<SceneFollower> follower_;
+  ProcessingDoubt doubt_;
+  bool is_lossy_ = false;
   RateWindow rates_;
   LiveHealth health_;
   long lost_starting_ = 0;

@@ -120,6 +120,30 @@ Quantiser CodecHistory::at(std::size_t n, std::size_t marker) const {
 
 Quantiser CodecHistory::in_reference_frame(std::size_t marker) const { return then_[marker]; }
 
+std::vector<Quantiser> CodecHistory::of_next(const Reference& reference, const Observation& seen) const {
+  const std::size_t markers = std::min(is_target_.size(), seen.markers.size());
+  const std::size_t all = steps_.size() / std::max<std::size_t>(1, is_target_.size());
+  std::vector<Quantiser> out(is_target_.size());
+  for (std::size_t i = 0; i < markers; ++i) {
+    const Quantiser& own = seen.markers[i].quantiser;
+    out[i] = {reference.step_of(i, own), own.predicted};
+    for (std::size_t n = all - std::min(all, kRoundAbout); n < all; ++n)
+      out[i].step = std::max(out[i].step, static_cast<double>(steps_[n * is_target_.size() + i].step));
+  }
+  return out;
+}
+
+BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,
+                             const std::vector<Quantiser>& quantisers) {
+  BundleFrame out = frame;
+  for (std::size_t i = 0; i < out.points.size() && i < quantisers.size(); ++i) {
+    if (!out.points[i] || quantisers[i].is_lossless()) continue;
+    const auto u = codec_u_pitches(*out.points[i], quantisers[i], codec.lag_of(i));
+    out.points[i]->information = widened(out.points[i]->information, u);
+  }
+  return out;
+}
+
 BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,
                              std::optional<std::size_t> observation) {
   BundleFrame out = frame;

@@ -41,6 +41,8 @@ class CodecHistory {
   // Returns the quantiser at a marker in the n-th observation.
   [[nodiscard]] Quantiser at(std::size_t n, std::size_t marker) const;
   [[nodiscard]] Quantiser in_reference_frame(std::size_t marker) const;
+  // Returns the quantisers of a frame after these observations, by marker. The frames after it are not known.
+  [[nodiscard]] std::vector<Quantiser> of_next(const Reference& reference, const Observation& seen) const;
   // A target's movement is its own. Frame 0 is always a key frame, which does not lag.
   [[nodiscard]] Lag lag_of(std::size_t marker) const { return is_target_[marker] ? Lag::kOwn : Lag::kShared; }
   [[nodiscard]] Lag lag_in_reference_frame(std::size_t marker) const {
@@ -63,6 +65,9 @@ class CodecHistory {
 // once in common. `observation`: its index; nothing for the reference frame.
 [[nodiscard]] BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,
                                            std::optional<std::size_t> observation);
+// Does the same for a frame after the observations of `codec`. `quantisers`: by marker.
+[[nodiscard]] BundleFrame with_codec_error(const BundleFrame& frame, const CodecHistory& codec,
+                                           const std::vector<Quantiser>& quantisers);
 
 // Returns the error of a raster reading, mm along the board's axes. Its slope follows from the modulation of the
 // fundamental.

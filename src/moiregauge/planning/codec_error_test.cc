@@ -132,6 +132,18 @@ TEST(CodecError, TheMeanOfAReadingHasTheUncertaintyOfNoiseAndLag) {
             wide.points[1]->information.trace());  // a reference lags with the others
 }
 
+TEST(CodecError, AFollowingFrameHasTheErrorOfAFrameWithin) {
+  BundleFrame frame;
+  frame.points = {patch(10.0), patch(10.0)};
+  const auto reference = reference_of_two();
+  const auto all = observations({10.0, 10.0, 10.0});
+  const CodecHistory codec(reference, all);
+  const BundleFrame within = with_codec_error(frame, codec, 2);
+  const BundleFrame next = with_codec_error(frame, codec, codec.of_next(reference, all.back()));
+  for (const std::size_t i : {0U, 1U}) EXPECT_EQ(next.points[i]->information, within.points[i]->information) << i;
+  EXPECT_LT(next.points[1]->information.trace(), frame.points[1]->information.trace());
+}
+
 TEST(CodecError, LosslessFootageKeepsItsBits) {
   BundleFrame frame;
   frame.points = {patch(10.0), patch(3.0)};
@@ -151,6 +163,19 @@ TEST(CodecHistory, OneCoarseFrameDoesNotAffectALongRun) {
   const CodecHistory codec(reference_of_two(), observations(steps));
   EXPECT_EQ(codec.at(50, 1).step, 8.0);
   EXPECT_EQ(codec.at(110, 1).step, 80.0);
+}
+
+TEST(CodecHistory, ASkippedNextFrameHasTheLargestStepShortlyBeforeIt) {
+  const auto reference = reference_of_two();
+  const CodecHistory codec(reference, observations({2.0, 20.0, 2.0}));
+  EXPECT_EQ(codec.of_next(reference, observations({2.0}).front())[1].step, 20.0);
+  EXPECT_EQ(codec.of_next(reference, observations({30.0}).front())[1].step, 30.0);
+}
+
+TEST(CodecHistory, ALosslessNextFrameStaysLossless) {
+  const auto reference = reference_of_two();
+  const auto all = observations({0.0, 0.0});
+  EXPECT_TRUE(CodecHistory(reference, all).of_next(reference, all.back())[1].is_lossless());
 }
 
 TEST(CodecHistory, AnUnknownStepCountsAsAUsualOne) {

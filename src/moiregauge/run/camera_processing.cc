@@ -51,9 +51,7 @@ constexpr double kMinJump = 0.08;  // smallest step counted, as a share of the g
 constexpr double kGapShare = 0.08;
 constexpr long kMinEdgePixels = 200;  // 0.28 of them scatter by 0.032
 
-// Longest lag of an average over time, in samples (chosen), and the movement within it that is significant, in u.
-constexpr std::size_t kLagRows = 8;
-constexpr double kMoves = 2.5;
+constexpr double kMoves = 2.5;  // significant movement within the longest lag, in u (chosen)
 
 void add_tiles(PixelRectangle at, int width, int height, std::vector<PixelPosition>& all) {
   const auto inside = [](double v, int most) { return static_cast<int>(std::clamp(v, 0.0, double(most))); };
@@ -130,7 +128,7 @@ bool is_alike(const GrainSums& grain, double independent, double values) {
 // Returns true if a target moves significantly within a few samples.
 bool moves_quickly(const std::vector<Sample*>& rows) {
   for (std::size_t n = 0; n < rows.size(); ++n) {
-    for (std::size_t k = n + 1; k < std::min(rows.size(), n + 1 + kLagRows); ++k) {
+    for (std::size_t k = n + 1; k < std::min(rows.size(), n + 1 + kLagSamples); ++k) {
       const auto went = rows[k]->displacement - rows[n]->displacement;
       const double u_x = std::max(rows[n]->u.x, rows[k]->u.x), u_y = std::max(rows[n]->u.y, rows[k]->u.y);
       if (std::abs(went.x) > kMoves * u_x || std::abs(went.y) > kMoves * u_y) return true;
@@ -271,6 +269,11 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
   last_.insert(last_.begin(), std::move(centres));
   if (last_.size() > 3) last_.pop_back();
   sampler_.add(frame.luma, (1 << bits) - 1, {.is_still = is_still(last_), .is_lossless = codec.is_lossless()});
+}
+
+CameraProcessing ProcessingWatch::result(long since) const {
+  const auto first = std::ranges::lower_bound(repeated_, since);
+  return {sampler_.still(), sampler_.moving(), steps_, {first, repeated_.end()}, gap_, echo_.sums()};
 }
 
 void ProcessingWatch::repeat(long frame) {

@@ -45,9 +45,8 @@ class ProcessingWatch {
   void repeat(long frame);
   // Breaks the sequence of frames, because a frame is damaged or not measured.
   void interrupt();
-  [[nodiscard]] CameraProcessing result() const {
-    return {sampler_.still(), sampler_.moving(), steps_, repeated_, gap_, echo_.sums()};
-  }
+  // `since`: repeated frames with a smaller number are excluded.
+  [[nodiscard]] CameraProcessing result(long since = 0) const;
 
  private:
   void listen(const Reference& reference, const Observation& seen, const Frame& frame, const LightMap& light);
@@ -61,6 +60,9 @@ class ProcessingWatch {
   std::vector<std::vector<ImagePoint>> last_;  // px, centres of the references in up to three frames, newest first
   std::vector<ImagePoint> placed_;             // px, centres at which the tiles were placed
 };
+
+// Longest lag of an average over time, in samples (chosen).
+inline constexpr std::size_t kLagSamples = 8;
 
 // Reason why samples lost their status `ok`, and the remedy.
 struct ProcessingFault {

@@ -57,11 +57,13 @@ double rounding_of(const Reference& reference, const Observation& seen) {
   return rounding_of_step(step);
 }
 
+bool is_lossy(const Observation& seen) {
+  return std::ranges::any_of(seen.markers, [](const MarkerObservation& m) { return !m.quantiser.is_lossless(); });
+}
+
 bool is_lossy(const Observations& observations) {
   for (const Observation& seen : observations) {
-    for (const MarkerObservation& marker : seen.markers) {
-      if (!marker.quantiser.is_lossless()) return true;
-    }
+    if (is_lossy(seen)) return true;
   }
   return false;
 }

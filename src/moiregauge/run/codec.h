@@ -28,7 +28,8 @@ void note_quantisers(const QuantiserMap& quantiser, const Site& site, const Came
 // Returns the same for markers whose quantisers are stored in `seen`.
 [[nodiscard]] double rounding_of(const Reference& reference, const Observation& seen);
 
-// Returns true if a codec lost information in any of these frames.
+// Returns true if a codec lost information in this frame, or in any of these frames.
+[[nodiscard]] bool is_lossy(const Observation& seen);
 [[nodiscard]] bool is_lossy(const Observations& observations);
 
 // Returns a note on the effect of compression for the user. Returns nothing for uncompressed and lossless input.

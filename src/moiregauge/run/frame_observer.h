@@ -34,7 +34,7 @@ class FrameObserver {
   void keep_picture(const Frame& frame);
 
   [[nodiscard]] const std::vector<std::string>& reference_notes() const { return reference_notes_; }
-  [[nodiscard]] CameraProcessing processing() const { return processing_.result(); }
+  [[nodiscard]] CameraProcessing processing(long since = 0) const { return processing_.result(since); }
   // Returns true if no other frame can be the reference frame either.
   [[nodiscard]] bool cannot_succeed() const { return cannot_succeed_; }
 

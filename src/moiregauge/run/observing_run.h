@@ -40,7 +40,7 @@ class ObservingRun {
   void stop();
 
   [[nodiscard]] const std::vector<std::string>& reference_notes() const { return observer_.reference_notes(); }
-  [[nodiscard]] CameraProcessing processing() const { return observer_.processing(); }
+  [[nodiscard]] CameraProcessing processing(long since = 0) const { return observer_.processing(since); }
   [[nodiscard]] bool cannot_succeed() const { return observer_.cannot_succeed(); }
   [[nodiscard]] bool may_continue() const { return journal_ == nullptr || journal_->good(); }
 

@@ -35,6 +35,7 @@ class TrackedScene {
   SolveOptions options_;
   std::size_t min_references_;
   Camera start_camera_;
+  std::shared_ptr<const CodecHistory> codec_;
   BundleFrames frames_;
   std::shared_ptr<const LockingError> locking_;
   PreciseScene scene_;

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/live/processing_doubt.h"
+
+#include <gtest/gtest.h>
+
+namespace moiregauge::internal {
+namespace {
+
+// One sample of a target with u = 1 um.
+Samples at(long frame, double x_mm) {
+  Sample sample;
+  sample.frame = frame;
+  sample.displacement = {x_mm, 0.0};
+  sample.u = {0.001, 0.001};
+  sample.status = Status::kOk;
+  return {sample};
+}
+
+// Evidence that frames repeat the one before them.
+CameraProcessing repeated(std::vector<long> frames) {
+  CameraProcessing processing;
+  processing.repeated = std::move(frames);
+  return processing;
+}
+
+// Returns the status of frame n at the positions `x_mm`. All frames from `first` on are repeated.
+std::vector<Status> status_of(const std::vector<double>& x_mm, long first) {
+  ProcessingDoubt doubt;
+  std::vector<Status> out;
+  std::vector<long> frames;
+  for (std::size_t n = 0; n < x_mm.size(); ++n) {
+    const auto frame = static_cast<long>(n);
+    if (frame >= first) frames.push_back(frame);
+    Samples samples = at(frame, x_mm[n]);
+    doubt.apply(repeated(frames), false, samples);
+    out.push_back(samples.front().status);
+  }
+  return out;
+}
+
+TEST(ProcessingDoubt, AMovingTargetIsUntrustedInARepeatedFrame) {
+  const auto status = status_of({0.0, 0.1, 0.2, 0.3}, 2);
+  EXPECT_EQ(status, (std::vector{Status::kOk, Status::kOk, Status::kUntrusted, Status::kUntrusted}));
+}
+
+TEST(ProcessingDoubt, AStillTargetStaysOk) {
+  EXPECT_EQ(status_of(std::vector(12, 0.5), 1), std::vector(12, Status::kOk));
+}
+
+TEST(ProcessingDoubt, ATargetThatStoppedIsTrustedAgainAfterTheLongestLag) {
+  std::vector<double> x_mm(2 + 2 * kLagSamples, 1.0);
+  x_mm[0] = 0.0;  // moves between frames 0 and 1 only
+  const auto status = status_of(x_mm, 0);
+  EXPECT_EQ(status[1], Status::kUntrusted);
+  EXPECT_EQ(status[kLagSamples], Status::kUntrusted);
+  EXPECT_EQ(status[kLagSamples + 1], Status::kOk);
+}
+
+TEST(ProcessingDoubt, OldRepeatedFramesNeedNotBeKept) {
+  ProcessingDoubt doubt;
+  EXPECT_EQ(doubt.first_frame(), 0);
+  for (long frame = 100; frame < 150; ++frame) {
+    Samples samples = at(frame, 0.0);
+    doubt.apply({}, false, samples);
+  }
+  EXPECT_EQ(doubt.first_frame(), 150 - static_cast<long>(kLagSamples));
+}
+
+TEST(ProcessingDoubt, PixelsRepeatedByEnlargingConcernAllSamples) {
+  CameraProcessing processing;
+  processing.steps.all = processing.steps.repeated = 1'000'000;
+  ProcessingDoubt doubt;
+  Samples samples = at(1, 0.0);
+  doubt.apply(processing, false, samples);
+  EXPECT_EQ(samples.front().status, Status::kUntrusted);
+}
+
+}  // namespace
+}  // namespace moiregauge::internal
