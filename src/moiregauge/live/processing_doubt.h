@@ -19,7 +19,7 @@ class ProcessingDoubt {
   [[nodiscard]] long first_frame() const;
 
  private:
-  std::deque<Samples> last_;  // of the frames before, as measured
+  std::deque<Samples> last_;  // previous frames, as measured
 };
 
 }  // namespace moiregauge::internal

@@ -54,6 +54,7 @@ class SceneSolver {
   PreciseScene solved(bool lossy) {
     solve();
     if (is_solved() && !judged_) leave_out_what_moves();
+    if (is_solved() && out_.excluded) test_the_rest(*out_.excluded);
     const ShutterTest& shutter = out_.calibration.shutter;
     out_.rolls = shutter.chi2_dof > kRollingChi2 && shutter.share > kRollingShare;
     if (!is_solved())
@@ -113,7 +114,6 @@ class SceneSolver {
     out_.frames = std::move(rest);
     out_.excluded = at_once_->moved;
     out_.calibration = std::move(calibration);
-    report_movement(*at_once_->moved);
     return true;
   }
 
@@ -129,7 +129,14 @@ class SceneSolver {
     out_.excluded = verdict.moved;
     out_.shutter.reset();
     solve();
-    if (is_solved()) report_movement(*verdict.moved);
+  }
+
+  // Reports the excluded reference. If another one still seems to move, the wrong one may have been excluded.
+  void test_the_rest(std::size_t excluded) {
+    const ReferenceVerdict verdict = tested();
+    if (!verdict.moved && !verdict.doubtful) return report_movement(excluded);
+    out_.references_verified = false;
+    report_doubt(verdict);
   }
 
   void report_doubt(const ReferenceVerdict& verdict) {

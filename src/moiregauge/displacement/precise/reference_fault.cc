@@ -25,8 +25,8 @@ constexpr double kClearlyMoves = 3.0;
 
 struct Suspect {
   std::size_t marker = 0;
-  double fall = 0.0;  // fall of chi2, in units of the variance of unit weight
-  long since = 0;     // first frame after the step
+  double fall = 0.0;          // fall of chi2, in units of the variance of unit weight
+  std::optional<long> since;  // first frame after the step
 };
 
 // Returns the reference with the largest `fall` of chi2 and the fall of the next one. Nothing if the largest is below
@@ -39,7 +39,6 @@ std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<st
     if (best != nullptr && !(fall(slip) > fall(*best))) continue;
     best = &slip;
     first.marker = marker;
-    first.since = slip.first;
   }
   if (best == nullptr || !(fall(*best) > least * best->unit())) return std::nullopt;
   double second = 0.0;
@@ -50,13 +49,14 @@ std::optional<std::pair<Suspect, double>> suspect(const std::vector<std::pair<st
   return std::pair(first, second);
 }
 
-// Returns, among references with a step, the one that leaves the least chi2, and its lead over any other, in units of
-// its own variance. A large step bends the scene of every other suspect, whose own step may then look larger still.
+// Returns, among references that step or move otherwise, the one that leaves the least chi2. The number is its lead over
+// any other, in units of its own variance. A large movement bends the scene of every other suspect, whose own step may
+// then look larger still.
 std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<std::size_t, ReferenceSlip>>& slips) {
   const std::pair<std::size_t, ReferenceSlip>* best = nullptr;
   for (const auto& one : slips) {
     const ReferenceSlip& slip = one.second;
-    if (!(slip.step_fall > kSlips * slip.unit())) continue;
+    if (!(slip.fall() > kSlips * slip.unit())) continue;
     if (best == nullptr || slip.left() < best->second.left()) best = &one;
   }
   if (best == nullptr) return std::nullopt;
@@ -64,9 +64,9 @@ std::optional<std::pair<Suspect, double>> slipped(const std::vector<std::pair<st
   for (const auto& [marker, slip] : slips) {
     if (marker != best->first) second = std::min(second, slip.left());
   }
-  const double unit = best->second.unit();
-  return std::pair(Suspect{best->first, best->second.step_fall / unit, best->second.first},
-                   (second - best->second.left()) / unit);
+  const ReferenceSlip& slip = best->second;
+  const auto since = slip.is_step() ? std::optional(slip.first) : std::nullopt;
+  return std::pair(Suspect{best->first, slip.fall() / slip.unit(), since}, (second - slip.left()) / slip.unit());
 }
 
 BundleSolution solved_with_all(const Site& site, std::vector<BundleFrame> frames, const ScenePrior& prior,

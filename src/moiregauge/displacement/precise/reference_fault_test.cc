@@ -64,5 +64,21 @@ TEST(ReferenceFault, OneOfTwoNeighboursThatOnlyVerifyEachOtherIsNotNamed) {
   EXPECT_EQ(verdict_on(0.02).moved, kMoving) << "a lead of 55, seed " << kFootageSeed;
 }
 
+// A reference creeps by 0.5 mm over 24 frames. A step leaves residuals of up to 0.12 mm, 200 u. Free in every frame, it
+// leaves noise, as no other reference does.
+TEST(ReferenceFault, OneOfSixThatCreepsIsNamedWithoutAFrame) {
+  constexpr std::size_t kCreeps = 1;
+  const Recording truth{.site = rig_of_six(), .camera = lens(-0.0225), .angles = swinging(4.0)};
+  const Footage run = footage_of(truth, 24, [](std::size_t marker, int frame) -> Extent<frame::Board> {
+    return {0.0, marker == kCreeps ? 0.5 * frame / 23.0 : 0.0};
+  });
+  const ScenePrior prior = prior_of(truth);
+  const Scene start = solve_bundle(truth.site, run.frames, prior, kRadialLens).scene;
+  const ReferenceVerdict verdict = test_references(truth.site, test::series_of(run.frames), prior, start, false);
+  EXPECT_EQ(verdict.moved, kCreeps) << "seed " << kFootageSeed;
+  EXPECT_FALSE(verdict.doubtful) << "seed " << kFootageSeed;
+  EXPECT_FALSE(verdict.since) << "frame " << *verdict.since;
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

@@ -60,12 +60,19 @@ double chi2_about(const Way& way, const Eigen::LLT<Eigen::MatrixXd>& root, std::
   return (b - a * x).squaredNorm();
 }
 
+// Returns chi2 that noise alone exceeds once in 10^8 when every frame has its own position.
+double cost_of_free_path(long rows) { return 0.5 * kOwnPlace * static_cast<double>(rows); }
+
 }  // namespace
+
+bool ReferenceSlip::is_step() const { return free_fall - step_fall <= cost_of_free_path(free_rows); }
+
+double ReferenceSlip::left() const { return chi2 + std::min(free_fall - step_fall, cost_of_free_path(free_rows)); }
 
 double ReferenceSlip::unit() const {
   const double scene = dof > 0 ? chi2 / static_cast<double>(dof) : 1.0;
   const long left = free_rows - 2;
-  const double about = left > 0 ? (free_fall - step_fall) / static_cast<double>(left) : 1.0;
+  const double about = left > 0 && is_step() ? (free_fall - step_fall) / static_cast<double>(left) : 1.0;
   return std::max({1.0, scene, about});
 }
 

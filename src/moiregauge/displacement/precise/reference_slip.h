@@ -18,8 +18,13 @@ struct ReferenceSlip {
   double step_fall = 0.0;  // fall of that chi2 by one lasting step (two unknowns)
   long first = 0;          // first frame after the step
 
-  // Returns chi2 after the step. Among several references with a step, the one that explains more leaves less.
-  [[nodiscard]] double left() const { return chi2 + free_fall - step_fall; }
+  // Returns false if the path is no step: a position of its own in each frame explains more. It costs as much chi2 as
+  // noise alone exceeds once in 10^8.
+  [[nodiscard]] bool is_step() const;
+  // Returns chi2 after the step or the free path. Among several references, the one that explains more leaves less.
+  [[nodiscard]] double left() const;
+  // Returns the fall of chi2 by the step or the free path.
+  [[nodiscard]] double fall() const { return chi2 + free_fall - left(); }
   // Returns the variance of unit weight, at least 1. It exceeds 1 if the scene does not hold, or if the path after the
   // step exceeds noise.
   [[nodiscard]] double unit() const;
