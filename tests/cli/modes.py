@@ -71,7 +71,7 @@ for number, lines in sets[2:]:
 # With channels, both are written. Without a peak there is no shape, and no universal file of other modes stays.
 run("derive", work / "out", "--modes", "--channel", "d = mid.dy - W.dy", "-o", work / "d.csv")
 insist((work / "d.csv").exists() and (work / "modes.uff").exists(), "files next to the table")
-run("measure", work / "run/frames", "--site", work / "run/site.toml", "--fps", 10, "--frames", "0:12", "-o", work / "short", "--quiet")
+run("measure", work / "run/frames", "--site", work / "run/site.toml", "--targets", "mid,W,E", "--fps", 10, "--frames", "0:12", "-o", work / "short", "--quiet")
 done = run("derive", work / "short", "--modes")
 insist("no mode shape" in done.stderr and not (work / "short/modes.uff").exists(), done.stderr)
 run("solve", work / "out", "--method", "two-stage", "-o", work / "two-stage", "--quiet")
