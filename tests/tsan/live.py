@@ -128,7 +128,8 @@ def all_outlets_until_ctrl_c():
     # The broker is absent at first, present for a while, and then away again.
     broker = subprocess.Popen(["mosquitto", "-p", str(mqtt)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     atexit.register(broker.kill)
-    live.until(lambda: live.newest()["scenes"] >= 2, "the second scene")
+    published = live.newest()["frames"]
+    live.until(lambda: live.newest()["frames"] >= published + 50, "50 frames with a broker")
     live.until(lambda: list((work / "outlets-alarms").glob("*.mkv")), "a recording of an alarm")
     broker.kill()
     broker.wait()
