@@ -145,8 +145,8 @@ tl::expected<LiveStore::Found, RunFailure> LiveStore::earlier_segments() {
   return found;
 }
 
-// Opens a segment that was not finished, and finishes it in the background. Returns its observations.
-tl::expected<ObservationLog, RunFailure> LiveStore::take_kept(long number) {
+// Opens a segment that was not finished, and adds it to `kept_segments`. Returns its observations.
+tl::expected<ObservationLog, RunFailure> LiveStore::take_kept(long number, std::vector<Ended>& kept_segments) {
   const RunPlace place = place_of_run(folder_of(number));
   MeasureOptions options = measure_;
   const auto kept = recover_run((place.unfinished / kRunFileName).string());
@@ -159,7 +159,7 @@ tl::expected<ObservationLog, RunFailure> LiveStore::take_kept(long number) {
   if (!overlay.empty()) overlay_ = std::move(overlay);
   SegmentEnd end = end_();
   end.log.input = log->input;
-  finish_later(std::move(segment), std::move(end));
+  kept_segments.emplace_back(std::move(segment), std::move(end));
   return *std::move(log);
 }
 
@@ -190,9 +190,10 @@ tl::expected<ObservationLog, RunFailure> LiveStore::open_segments() {
   const auto found = earlier_segments();
   if (!found) return Failed(found.error());
   ObservationLog last;
+  std::vector<Ended> kept;
   number_ = found->finished.empty() ? 0 : found->finished.back();
   for (const long number : found->unfinished) {
-    auto log = take_kept(number);
+    auto log = take_kept(number, kept);
     if (!log) return log;
     if (!log->reference) continue;  // it had no frames, and its folder was removed
     last = *std::move(log);
@@ -205,6 +206,8 @@ tl::expected<ObservationLog, RunFailure> LiveStore::open_segments() {
     overlay_ = bytes_of(fs::path(folder_of(found->finished.back())) / "overlay.png");
   }
   if (last.reference) continue_from(last);
+  // Not earlier: their tasks read the overlay, which each of them may bring.
+  for (auto& [segment, end] : kept) finish_later(std::move(segment), std::move(end));
   auto segment = new_segment(++number_);
   if (!segment) return Failed(failure_of(segment.error()));
   current_ = *std::move(segment);
@@ -246,7 +249,7 @@ void LiveStore::begin_frame(double time_s) {
 }
 
 void LiveStore::finish_later(Segment segment, SegmentEnd end) {
-  const auto shared = std::make_shared<std::pair<Segment, SegmentEnd>>(std::move(segment), std::move(end));
+  const auto shared = std::make_shared<Ended>(std::move(segment), std::move(end));
   tasks_->add([this, shared] {
     complete(*shared->first, shared->second);
     (void)::malloc_trim(0);  // the solver's memory would stay in the heap for days

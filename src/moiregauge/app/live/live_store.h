@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "moiregauge/app/live/live_segment.h"
@@ -69,11 +70,12 @@ class LiveStore final : public JournalSink, public Publisher {
 
  private:
   using Segment = std::unique_ptr<LiveSegment>;
+  using Ended = std::pair<Segment, SegmentEnd>;
   struct Found;
   [[nodiscard]] tl::expected<ObservationLog, RunFailure> open_single();
   [[nodiscard]] tl::expected<ObservationLog, RunFailure> open_segments();
   [[nodiscard]] tl::expected<Found, RunFailure> earlier_segments();
-  [[nodiscard]] tl::expected<ObservationLog, RunFailure> take_kept(long number);
+  [[nodiscard]] tl::expected<ObservationLog, RunFailure> take_kept(long number, std::vector<Ended>& kept_segments);
   [[nodiscard]] tl::expected<ObservationLog, RunFailure> take_finished(long number) const;
   [[nodiscard]] std::string folder_of(long number) const;
   [[nodiscard]] tl::expected<Segment, OutputError> new_segment(long number);
