@@ -106,7 +106,7 @@ PartitionName=main Nodes={host} Default=YES MaxTime=INFINITE State=UP
         return any(map(self.is_mine, children(process)))
 
     def wait_for_steps(self, count, seconds):
-        """Waits until so many tasks run, and returns their processes."""
+        """Waits until `count` tasks run, and returns their processes."""
         deadline = time.time() + seconds
         while len(steps := self.steps()) < count:
             if time.time() > deadline:

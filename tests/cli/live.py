@@ -127,7 +127,7 @@ insist(numbers == sorted(set(numbers)) and numbers[-1] == FRAMES - 1, "rows of l
 insist(len(rows(work / "killed")) == len(set(numbers) | {int(row[0]) for row in rows(work / "killed")}), "a row is in live.csv only")
 
 # A camera (a pipe in real time) that is started again: numbers and zero continue, and time follows the host's clock.
-# From version 6.1 on, ffmpeg reads the first half second at once, as no camera does, unless told otherwise.
+# From version 6.1 on, ffmpeg reads the first half second at once by default. No camera does that.
 ffmpeg_help = subprocess.run(["ffmpeg", "-hide_banner", "-h", "long"], capture_output=True, text=True, check=True).stdout
 AT_ONCE = ["-readrate_initial_burst", "0.001"] if "readrate_initial_burst" in ffmpeg_help else []
 FEED = ["ffmpeg", "-nostdin", "-loglevel", "error", "-re", *AT_ONCE, "-framerate", str(FPS), "-i", str(scene / "%06d.png"),

@@ -136,19 +136,24 @@ class SceneSolver {
     const ReferenceVerdict verdict = tested();
     if (!verdict.moved && !verdict.doubtful) return report_movement(excluded);
     out_.references_verified = false;
-    report_doubt(verdict);
+    report_doubt(verdict, fmt::format("reference '{}' moves, and without it another one still seems to",
+                                      site_.markers[excluded].name));
   }
 
-  void report_doubt(const ReferenceVerdict& verdict) {
+  // `what`: for the note; nothing if the verdict says all.
+  void report_doubt(const ReferenceVerdict& verdict, std::string what = {}) {
     out_.doubtful = true;
     const bool slips_later = verdict.since && *verdict.since > reference_.seen.frame;
-    const bool has_six = references_in(site_, out_.frames.front()) >= kMinReferencesForSlip;
+    // As read, because one may be excluded.
+    const bool has_six = references_in(site_, read_.front()) >= kMinReferencesForSlip;
     const std::string lasting = has_six ? "fasten the references" : "use six references, which show the one that moves";
     out_.remedy = slips_later ? fmt::format("measure the frames before the movement with --frames {}:{}, or {}",
                                             reference_.seen.frame, *verdict.since, lasting)
                               : lasting;
-    note(fmt::format("no row is trusted: one of the references moves{}, and the layout does not show which. Remedy: {}",
-                     verdict.since ? fmt::format(" from frame {} on", *verdict.since) : "", out_.remedy));
+    if (what.empty())
+      what = fmt::format("one of the references moves{}, and the layout does not show which",
+                         verdict.since ? fmt::format(" from frame {} on", *verdict.since) : "");
+    note(fmt::format("no row is trusted: {}. Remedy: {}", what, out_.remedy));
   }
 
   // The test uses the model that all references together selected. It need not be the final model to find a fault.

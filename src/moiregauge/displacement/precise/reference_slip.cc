@@ -60,7 +60,7 @@ double chi2_about(const Way& way, const Eigen::LLT<Eigen::MatrixXd>& root, std::
   return (b - a * x).squaredNorm();
 }
 
-// Returns chi2 that noise alone exceeds once in 10^8 when every frame has its own position.
+// Returns the fall of chi2 that justifies a separate position in every frame.
 double cost_of_free_path(long rows) { return 0.5 * kOwnPlace * static_cast<double>(rows); }
 
 }  // namespace

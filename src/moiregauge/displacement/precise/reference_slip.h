@@ -18,8 +18,7 @@ struct ReferenceSlip {
   double step_fall = 0.0;  // fall of that chi2 by one lasting step (two unknowns)
   long first = 0;          // first frame after the step
 
-  // Returns false if the path is no step: a position of its own in each frame explains more. It costs as much chi2 as
-  // noise alone exceeds once in 10^8.
+  // Returns false if the path is no step: a separate position in each frame explains more. Each costs 40 in chi2.
   [[nodiscard]] bool is_step() const;
   // Returns chi2 after the step or the free path. Among several references, the one that explains more leaves less.
   [[nodiscard]] double left() const;
