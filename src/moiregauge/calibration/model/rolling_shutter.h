@@ -29,7 +29,8 @@ struct Shutter {
 // Solves path, readout time and scene in turn, at most ten rounds and a last one to full convergence. A smoothing
 // spline through the poses (smooth_path) yields rates, which correct the points to frame time. The frames' own points
 // inflate the process noise per component: vibrations above half the frame rate look slow in the poses.
-// Fails (problem is not empty): too few frames for a motion, or no scene could be solved.
+// Fails (problem is not empty): too few frames for a motion, no scene could be solved, or no readout time explains the
+// frames.
 //
 // `frames`: as read, the reference frame first. Without time stamps the frame number counts as seconds.
 // `key`: indices of the frames for the scene, with the reference frame.
