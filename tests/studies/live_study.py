@@ -4,7 +4,7 @@
 
     live_study.py --program MOIREGAUGE [--seeds N] [--frames 161] [--pace 2] [--scenarios still,sway] [--keep FOLDER]
 
-Prints a table with one row per scenario, and a last one for all.
+Prints a table with one row per scenario.
 """
 import argparse
 import concurrent.futures
@@ -128,12 +128,6 @@ class Tally:
         self.steps.append(largest_step(published, final))
         self.ratios.append(median_ratio(published, final))
 
-    def merge(self, other):
-        self.frames += other.frames
-        for mine, theirs in ((self.published, other.published), (self.final, other.final), (self.steps, other.steps),
-                             (self.ratios, other.ratios)):
-            mine += theirs
-
     def columns(self):
         ratios = [ratio for ratio in self.ratios if not math.isnan(ratio)]
         ratio = f"{statistics.median(ratios):.2f}" if ratios else "-"
@@ -195,7 +189,6 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path, help="folder in which clips and runs remain")
     options = parser.parse_args()
     options.program = options.program.resolve()
-    every = Tally()
     print("| scenario | sequences | frames | provisional: ok | within 1.96 u | lies | largest error / u | largest step / u | u / final u | "
           "final: ok | within 1.96 u | lies | largest error / u |")
     print("|---|---|---|---|---|---|---|---|---|---|---|---|---|")
@@ -205,8 +198,6 @@ def main():
             for result in pool.map(lambda seed: one(options, name, seed), range(1, 1 + options.seeds)):
                 tally.add(*result)
         print(f"| {name} | {tally.columns()}", flush=True)
-        every.merge(tally)
-    print(f"| all | {every.columns()}")
 
 
 main()
