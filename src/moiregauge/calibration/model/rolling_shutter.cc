@@ -166,8 +166,8 @@ class RollingShutterSolver {
     return std::move(out_);
   }
 
-  // Returns true if the search is stuck: the frames contradict the scene as in the first round, with a readout time at its
-  // limit or not above its u. A creeping reference does this, and each round then costs twenty times as much.
+  // Returns true if the search is stuck: the frames contradict the scene as in the first round, and the readout time is not
+  // clear. A creeping reference does this. Each round then costs twenty times as much.
   [[nodiscard]] bool is_stuck(int round, double first_chi2_dof) const {
     const double chi2_dof = out_.calibration.shutter.chi2_dof;
     return !is_given_ && round >= kFairTrial && !is_clear(out_) &&
