@@ -23,7 +23,6 @@ JOBS = 2  # runs at the same time
 SWAY = [f"rotation.{axis}.{key}={value}" for axis, hertz, phase in (("x", 0.31, 0), ("y", 0.23, 60), ("z", 0.17, 120))
         for key, value in (("amplitude", 0.4), ("frequency_hz", hertz), ("phase_deg", phase))]
 PUSHED = ["rotation.x.knots=[[8, 0], [8.1, 0.6]]", "rotation.y.knots=[[8, 0], [8.1, -0.4]]", "shift.x.knots=[[8, 0], [8.1, 3]]"]
-TWO_TARGETS = ["marker.E.role=target", "marker.E.dx.amplitude=0.8", "marker.E.dx.frequency_hz=0.4", "marker.NE.dy.knots=[[0, 0]]"]
 VIDEOS = {"x264": "video.mp4", "mjpeg": "video.mkv"}
 
 # Name: footage of the simulator, and its settings.
@@ -44,7 +43,6 @@ SCENARIOS = {
     "knocked, 4 references": ("small-still", [*SWAY, "marker.NE.dy.knots=[[8, 0], [8.1, 0.3]]"]),
     "creeping, 6 references": ("small-six-slip", ["marker.NE.dy.knots=[[2, 0], [16, 1]]"]),
     "creeping, 4 references": ("small-1xyz", ["marker.NE.dy.knots=[[2, 0], [16, 1]]"]),
-    "two targets": ("small-six-slip", TWO_TARGETS),
     "fast target": ("small-walk", []),
     "target off the plane": ("small-travel-5", []),
     "telephone tone": ("small-1xyz", ["processing.tone=s-curve:0.3", "processing.sharpen=0.6"]),
