@@ -58,3 +58,9 @@ for name, settings, video_filter, word in (
     ok, untrusted, lies, said = measured(name, settings, video_filter, expected=4)
     runs.insist(ok <= 1 and lies == 0 and word in said, f"{name}: {ok} ok, {lies} wrong\n{said}")
     print(name, ok, untrusted, lies)
+
+# Skipped frames hide a small share.
+SKIPPED = "a camera that averages over time may remain undetected"
+skips = runs.run([program, "measure", work / "small-share/video.mkv", "--site", work / "small-share/site.toml", "--frames", "0:40:2",
+                  "-o", work / "skips"]).stderr
+runs.insist(SKIPPED in skips, skips)

@@ -118,10 +118,13 @@ bool is_still(const std::vector<std::vector<ImagePoint>>& last) {
          largest_distance(last[0], last[2]) < kStill_px;
 }
 
+// Returns u of the grain ratio of independent frames. `values`: those that are independent.
+double u_of_ratio(double values) { return std::sqrt(2.0 / values); }
+
 // Returns true if the noise of consecutive frames is correlated. `values`: those that are independent.
 bool is_alike(const GrainSums& grain, double independent, double values) {
   if (grain.values < kMinValues) return false;
-  const double limit = std::min(independent, 1.0 - kSureOfGrain * std::sqrt(2.0 / values));
+  const double limit = std::min(independent, 1.0 - kSureOfGrain * u_of_ratio(values));
   return grain.one_apart < limit * grain.two_apart;
 }
 
@@ -173,28 +176,41 @@ std::optional<ProcessingFault> enlarged_fault(const SlopeSteps& steps, Samples& 
       remedy};
 }
 
-// Returns the share of the previous frame that the gratings show, if it is significant. Otherwise 0.
-double echo_share(const EchoSums& echo) {
+// Returns the share of the previous frame that the gratings show, if it is significant.
+std::optional<EchoShare> echo_share(const EchoSums& echo) {
   const auto significant = [](const EchoShare& by) {
-    return by.share > std::max(kEcho, kSureOfGrain * by.u) ? by.share : 0.0;
+    return by.share > std::max(kEcho, kSureOfGrain * by.u) ? by : EchoShare{};
   };
-  return std::max(significant(share_by_edges(echo)), significant(share_by_noise(echo)));
+  const EchoShare by = std::max(significant(share_by_edges(echo)), significant(share_by_noise(echo)),
+                                [](const EchoShare& a, const EchoShare& b) { return a.share < b.share; });
+  return by.share > 0.0 ? std::optional(by) : std::nullopt;
 }
 
-// Returns what shows that the camera averages over time. Empty: nothing does.
-std::string averaging_shown(const CameraProcessing& processing, bool is_lossy) {
-  const GrainSums& still = processing.still;
+struct Averaging {
+  std::string shown;   // what shows it
+  std::string remedy;  // imperative
+};
+
+// Returns what shows that the camera averages over time. Nothing: nothing does.
+std::optional<Averaging> averaging_shown(const CameraProcessing& processing, bool is_lossy) {
+  const std::string remedy = "switch the camera's temporal noise reduction off, or record raw";
+  const GrainSums &still = processing.still, &moving = processing.moving;
   if (!is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values)
-    return "its still parts contain no noise";
-  const double share = echo_share(processing.echo);
+    return Averaging{"its still parts contain no noise", remedy};
   const double still_values = is_lossy ? still.values / kValuesOfBlock : still.values;
   const bool alike_still = is_alike(still, kIndependent, still_values);
-  if (!alike_still &&
-      !is_alike(processing.moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving, processing.moving.values))
-    return share > 0.0 ? fmt::format("the gratings show {:.2f} of the previous frame", share) : "";
-  const GrainSums& grain = alike_still ? still : processing.moving;
-  return fmt::format("its noise is alike in successive frames, {:.2f} of independent noise",
-                     grain.one_apart / grain.two_apart);
+  if (alike_still || is_alike(moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving, moving.values)) {
+    const GrainSums& grain = alike_still ? still : moving;
+    return Averaging{
+        fmt::format("its noise is alike in successive frames, {:.2f} of independent noise, u {:.2g}",
+                    grain.one_apart / grain.two_apart, u_of_ratio(alike_still ? still_values : moving.values)),
+        remedy};
+  }
+  // Slow movement in one direction can look like a small share, other movement per frame does not.
+  if (const auto by = echo_share(processing.echo))
+    return Averaging{fmt::format("the gratings show {:.3f} of the previous frame, u {:.3f}", by->share, by->u),
+                     remedy + "; if it was off, halve the camera's frame rate"};
+  return {};
 }
 
 std::optional<ProcessingFault> stepped_tone_fault(const EdgeGap& gap, Samples& samples) {
@@ -296,12 +312,11 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   };
   if (distrust_moving(samples, is_repeated) > 0)
     fault = {"", "record without dropped frames, because a repeated frame shows a moving target in the wrong position"};
-  const std::string shown = averaging_shown(processing, is_lossy);
-  if (shown.empty() || distrust_moving(samples, [](long) { return true; }) == 0) return fault;
-  const std::string remedy = "switch the camera's temporal noise reduction off, or record raw";
-  return ProcessingFault{
-      fmt::format("moving targets are not trusted: the camera averages over time ({}). Remedy: {}", shown, remedy),
-      remedy};
+  const auto averaging = averaging_shown(processing, is_lossy);
+  if (!averaging || distrust_moving(samples, [](long) { return true; }) == 0) return fault;
+  return ProcessingFault{fmt::format("moving targets are not trusted: the camera averages over time ({}). Remedy: {}",
+                                     averaging->shown, averaging->remedy),
+                         averaging->remedy};
 }
 
 }  // namespace moiregauge::internal

@@ -269,6 +269,12 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
                                : "no row is ok (" + list + ")";
 }
 
+// The frames between the selected ones hold the previous frame that an average adds. In every second frame a share of
+// 0.1 is not found.
+constexpr char kStepNote[] =
+    "note: a camera that averages over time may remain undetected, because STEP in --frames skips frames. Measure all "
+    "frames once";
+
 tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
                                                   const OnProgress& on_progress, RunHooks doors) {
   Measurement out;
@@ -288,6 +294,7 @@ tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const M
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
     out.input = (*source)->info();
   }
+  if (options.frames.step > 1) out.notes.emplace_back(kStepNote);
   conclude_log(run.processing(), static_cast<long>(out.observations.size()), out);
   return out;
 }
