@@ -4,6 +4,7 @@
     jobs.py MOIREGAUGE WORK
 """
 import hashlib
+import re
 import shlex
 import shutil
 import struct
@@ -92,6 +93,9 @@ def shown(server):
     """What the page shows of a run is in its files."""
     entry = {known["path"]: known for known in server.get("/api/entries").json["entries"]}
     insist(entry["bridge.mp4"]["run"] == "bridge-moiregauge" and entry["bridge.mp4"]["state"] == "done" and "mm peak to peak" in entry["bridge.mp4"]["headline"], entry)
+    # Value and U end at the same decimal.
+    shown = re.search(r"[0-9]+\.([0-9]+) mm peak to peak, U = [0-9]+\.([0-9]+) mm", entry["bridge.mp4"]["headline"])
+    insist(shown and len(shown[1]) == len(shown[2]), entry)
     answer = server.get("/api/series?run=bridge-moiregauge&marker=T1")
     names, count = answer.headers["x-columns"].split(","), int(answer.headers["x-rows"])
     values = struct.unpack(f"<{len(names) * count}d", answer.body)

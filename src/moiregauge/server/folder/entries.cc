@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "moiregauge/base/rounded_text.h"
 #include "moiregauge/server/folder/confined_folder.h"
 
 namespace moiregauge::internal {
@@ -63,10 +64,11 @@ std::string headline_of(const EntryJson& json, const Movements& movements) {
     if (found == movements.end()) continue;
     const MarkerMovement& range = found->second;
     for (const auto& [axis, movement] : {std::pair{"dx", range.dx_mm()}, std::pair{"dy", range.dy_mm()}}) {
-      if (!(movement > largest)) continue;
+      const double expanded = 2.0 * number_at(target, fmt::format("u_{}_mm", axis).c_str());
+      if (!(movement > largest) || !std::isfinite(expanded)) continue;
       largest = movement;
-      const double u = number_at(target, fmt::format("u_{}_mm", axis).c_str());
-      text = fmt::format("{}: {} {:.3g} mm peak to peak, U = {:.2g} mm (k = 2)", found->first, axis, movement, 2.0 * u);
+      text = fmt::format("{}: {} {:.{}f} mm peak to peak, U = {:.{}f} mm (k = 2)", found->first, axis, movement,
+                         decimals_for(expanded), expanded, decimals_for(expanded));
     }
   }
   return text;
