@@ -20,6 +20,21 @@ constexpr double kPrintedCirclePx = 0.03;
 // pitch is the limit; the rest is margin. Chosen.
 constexpr double kOrderLimit = 0.4;
 
+// Least movement along the lines of a grating that u includes, pitches. A much larger one uncovers the end of the
+// lines, which occlusion shows. Chosen.
+constexpr double kAlongLines = 0.1;
+
+// The board axis along lines that are parallel to it within 1.5 deg, and the one across them.
+struct LinesAxes {
+  double BoardExtent::*along;
+  double BoardExtent::*across;
+};
+std::optional<LinesAxes> axes_of_lines(BoardExtent direction) {
+  if (std::abs(direction.x) > kUpright) return LinesAxes{&BoardExtent::x, &BoardExtent::y};
+  if (std::abs(direction.y) > kUpright) return LinesAxes{&BoardExtent::y, &BoardExtent::x};
+  return std::nullopt;
+}
+
 }  // namespace
 
 BoardExtent noise_mm(const RasterPlan& plan, const PatchReading& patch) {
@@ -52,6 +67,33 @@ Status sharpness(const PatchReading& then, const PatchReading& now, double clipp
 
 Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now) {
   return is_bent(plan, then, now) ? Status::kPartlyCovered : sharpness(then, now);
+}
+
+BoardExtent with_movement_along_lines(const Grating& grating, BoardExtent displacement) {
+  const auto lines = direction_of_lines(grating);
+  const auto axes = lines ? axes_of_lines(*lines) : std::nullopt;
+  if (axes) displacement.*axes->along = std::hypot(kAlongLines * grating.pitch_mm, displacement.*axes->across);
+  return displacement;
+}
+
+void add_movement_along_lines(const Grating& grating, double u_rotation_rad, Sample& sample) {
+  const auto lines = direction_of_lines(grating);
+  if (!lines) return;
+  const auto axes = axes_of_lines(*lines);
+  if (!axes) {
+    sample.displacement = {kNotMeasured, kNotMeasured};
+    return;
+  }
+  const double moved = with_movement_along_lines(grating, sample.displacement).*axes->along;
+  double& part = sample.budget.axis.*axes->across;
+  part = std::hypot(part, moved * std::hypot((*lines).*axes->across, u_rotation_rad));
+  sample.displacement.*axes->along = kNotMeasured;
+}
+
+void withhold_unshown_axes(Sample& sample) {
+  for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
+    if (std::isnan(sample.displacement.*axis)) sample.u.*axis = kNotMeasured;
+  }
 }
 
 std::vector<bool> references_in_doubt(const Reference& reference, const Observation& seen) {

@@ -27,6 +27,16 @@ namespace moiregauge::internal {
 // Returns kPartlyCovered for a bent phase field, otherwise the result of `sharpness`.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 
+// Returns the displacement with an assumed movement along the lines of a grating of lines, which does not show it: a
+// tenth of the pitch and the movement across the lines together (root of the sum of squares), mm. Others are unchanged.
+[[nodiscard]] Extent<frame::Board> with_movement_along_lines(const Grating& grating, Extent<frame::Board> displacement);
+// Adds the part of this movement that appears across the lines to budget.axis, because the lines are not parallel to a
+// board axis. The axis along them becomes NaN; both do if the lines are oblique to both. `u_rotation_rad`: u of the
+// grating's angle. Other gratings are unchanged.
+void add_movement_along_lines(const Grating& grating, double u_rotation_rad, Sample& sample);
+// Removes u along axes whose displacement is NaN.
+void withhold_unshown_axes(Sample& sample);
+
 // Returns true for reference gratings whose lattice line is uncertain, one per site marker. They are more than 0.4
 // pitch from the position that the circles imply.
 [[nodiscard]] std::vector<bool> references_in_doubt(const Reference& reference, const Observation& seen);

@@ -32,11 +32,40 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
   return false;
 }
 
+using RasterWay = std::array<double, 2>;  // mm or pitches along the raster's axes
+
+// Standard uncertainty of the phase per missing share of the grating, rad. Blank paper (level p) instead of the grating
+// (mean m, amplitude a) changes the phase by 2 (p - m) / a sin(...) + sin(...), both of unknown phase. A binary grating
+// has (p - m) / a = pi / 4.
+const double kPhasePerMissing = std::sqrt((0.25 * kPi * kPi + 1.0) / 2.0);
+
+// Returns the standard uncertainty of a displacement along one raster axis, after which the fixed window holds less of
+// the grating, mm. Model: beyond the clearance, n raster pixels at the edge of the window show blank paper. The weights
+// of one averaged pixel form a triangle of half width T, of which n^2 / (2 T^2) is then missing at the edge of the
+// averaged region (R pixels), and less further inside. The missing share is the mean over the region.
+double window_error_mm(const RasterPlan& plan, double along_mm) {
+  const auto cube = [](double v) { return v * v * v; };
+  const double n = std::max(0.0, (std::abs(along_mm) - plan.clearance_mm) / plan.step_mm);
+  const double period = plan.sampling_pitch_px, region = plan.region_px;
+  const double missing = (cube(n) - cube(std::max(0.0, n - region))) / (6.0 * period * period * region);
+  return kPhasePerMissing * std::min(1.0, missing) * plan.pitch_mm / kTwoPi;
+}
+
+// Adds this part to the budget.
+void add_window_error(const RasterPlan& plan, const RasterWay& along, Sample& sample) {
+  const double c = std::cos(plan.angle_rad), s = std::sin(plan.angle_rad);
+  const double u0 = window_error_mm(plan, along[0]), u1 = window_error_mm(plan, along[1]);
+  sample.budget.model = {std::hypot(c * u0, s * u1), std::hypot(s * u0, c * u1)};
+}
+
 // Unwraps the phase of one target over time: every reading gets the fringe order nearest to the last one. A step of
 // more than a quarter pitch leaves the order open from there on, because the target may also have moved the other way.
 class UnwrappedPhase {
  public:
-  explicit UnwrappedPhase(const RasterPlan& plan) : plan_(plan) {}
+  UnwrappedPhase(const Reference& reference, std::size_t target)
+      : plan_(reference.plans[target]),
+        marker_(reference.site.markers[target]),
+        u_rotation_rad_(reference.site.known_to.rotation_rad) {}
   void follow(Sample& sample) {
     // If the camera moves, the target's own motion is unknown. As published, it is read within half a pitch.
     if (!has_numbers(sample.status) || sample.status == Status::kCameraMoved) return;
@@ -57,20 +86,24 @@ class UnwrappedPhase {
     }
     sample.displacement =
         sample.displacement + board_from_raster(plan_, whole[0] * plan_.pitch_mm, whole[1] * plan_.pitch_mm);
+    add_window_error(plan_, along, sample);
+    add_movement_along_lines(*marker_.grating, u_rotation_rad_, sample);
+    sample.u = hypot3(sample.u, sample.budget.model, sample.budget.axis);
+    withhold_unshown_axes(sample);
     if (!is_open && !is_open_) return;
     sample.status = Status::kOrderUnproven;
     sample.displacement = sample.u = {kNotMeasured, kNotMeasured};
   }
 
  private:
-  using RasterWay = std::array<double, 2>;  // mm or pitches along the raster's axes
-
   // Returns the fringe orders that bring a wrapped reading nearest to `last`.
   [[nodiscard]] RasterWay whole_pitches(const RasterWay& wrapped, const RasterWay& last) const {
     return {std::round((last[0] - wrapped[0]) / plan_.pitch_mm), std::round((last[1] - wrapped[1]) / plan_.pitch_mm)};
   }
 
   const RasterPlan& plan_;
+  const Marker& marker_;
+  double u_rotation_rad_;
   RasterWay last_{};              // mm
   RasterWay last_whole_print_{};  // mm: of the last reading without an occlusion
   bool is_open_ = false;
@@ -85,7 +118,7 @@ void follow_orders(const Reference& reference, std::size_t target, Samples& samp
   }
   std::reverse(before.begin(), before.end());
   for (const auto& way : {before, after}) {
-    UnwrappedPhase phase(reference.plans[target]);
+    UnwrappedPhase phase(reference, target);
     for (Sample* sample : way) phase.follow(*sample);
   }
 }
@@ -106,6 +139,7 @@ void measure_phase(const Reference& reference, const Observation& seen, const Co
   }
   sample.u = hypot3(sample.budget.noise, sample.budget.reference_frame, sample.budget.codec);
   sample.status = moved ? Status::kCameraMoved : quality(plan, then, now);
+  withhold_unshown_axes(sample);
 }
 
 }  // namespace

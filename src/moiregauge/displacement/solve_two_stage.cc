@@ -103,11 +103,13 @@ void measure_against_references(const RunEvidence& run, const Observation& seen,
       hypot3({kappa * e.x, kappa * e.y}, through_references(weights, unexplained), parallax_bound(reference, seen, i));
   budget.codec = codec_part(run, n, seen, i, weights);
   const BoardExtent noise = hypot3(hypot3(budget.noise, budget.references, budget.reference_frame), budget.codec, {});
-  sample.u = hypot3(noise, budget.model, {});
+  add_movement_along_lines(*reference.site.markers[i].grating, reference.site.known_to.rotation_rad, sample);
+  sample.u = hypot3(noise, budget.model, budget.axis);
   const double floor = kNoiseFloorPitches * plan.pitch_mm;
   const bool beyond =
       budget.model.x > kUntrusted * std::max(noise.x, floor) || budget.model.y > kUntrusted * std::max(noise.y, floor);
   sample.status = beyond ? Status::kUntrusted : quality(plan, then, now.patch);
+  withhold_unshown_axes(sample);
 }
 
 }  // namespace

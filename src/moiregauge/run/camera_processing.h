@@ -39,16 +39,20 @@ class ProcessingWatch {
   // circles. Resets all but the repeated frames.
   void refer(const Reference& reference, const LumaView& luma);
   [[nodiscard]] bool is_referred() const { return is_referred_; }
-  // Adds a measured frame. Call it in frame order.
+  // Adds a measured frame. Call it in frame order. A frame whose predecessor was not added starts a new sequence.
   void add(const Reference& reference, const Observation& seen, const Frame& frame, int bits, const LightMap& light);
   // Adds a frame that repeats the previous one.
   void repeat(long frame);
   // Breaks the sequence of frames, because a frame is damaged or not measured.
   void interrupt();
+  // Returns true if the tests need the skipped frames after the last added one. They do not if nothing moves, or if they
+  // are finished.
+  [[nodiscard]] bool needs_skipped_frames() const;
   // `since`: repeated frames with a smaller number are excluded.
   [[nodiscard]] CameraProcessing result(long since = 0) const;
 
  private:
+  void note_movement(const Observation& seen);
   void listen(const Reference& reference, const Observation& seen, const Frame& frame, const LightMap& light);
 
   GrainSampler sampler_;
@@ -57,6 +61,11 @@ class ProcessingWatch {
   EdgeGap gap_;
   std::vector<long> repeated_;
   bool is_referred_ = false;
+  std::optional<long> newest_;                 // number of the last added frame
+  std::vector<ImagePoint> markers_;            // px, in the last added frame; NaN: not seen
+  bool moves_ = false;                         // a marker moved since the frame added before
+  bool is_testable_ = false;                   // the codec of the last added frame leaves grain
+  long added_ = 0;                             // frames with movement
   std::vector<std::vector<ImagePoint>> last_;  // px, centres of the references in up to three frames, newest first
   std::vector<ImagePoint> placed_;             // px, centres at which the tiles were placed
 };

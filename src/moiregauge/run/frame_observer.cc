@@ -167,6 +167,13 @@ Observation FrameObserver::observe(const Frame& frame) {
   const std::size_t markers = site_of(out_, options_).markers.size();
   if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
   if (!out_.reference && !refer_to(frame)) return unmeasured(frame, markers, out_.refusal);
+  // Track and solve rounded values only, so that a resumed or repeated solution has the same bits.
+  const Observation seen = out_.observations.rounded(look_at(frame));
+  (void)follower_->follow(*out_.reference, seen);
+  return seen;
+}
+
+Observation FrameObserver::look_at(const Frame& frame) {
   const Observation& where = last_ && last_->references_seen ? *last_ : out_.reference->seen;
   // Skipped blocks may report a smaller step than the one that applied, so the coarsest step so far counts.
   const double now = rounding_of(frame.quantiser, *out_.reference, where);
@@ -176,9 +183,6 @@ Observation FrameObserver::observe(const Frame& frame) {
   seen.frame = frame.number;
   seen.time_s = frame.time_s;
   note_quantisers(frame.quantiser, out_.reference->site, out_.reference->lens, seen);
-  // Track and solve rounded values only, so that a resumed or repeated solution has the same bits.
-  seen = out_.observations.rounded(seen);
-  (void)follower_->follow(*out_.reference, seen);
   return seen;
 }
 
@@ -197,6 +201,15 @@ void FrameObserver::add(const Frame& frame, const Observation& seen) {
     processing_.interrupt();
   else
     processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);
+  observes_skipped_ = processing_.needs_skipped_frames();
+}
+
+void FrameObserver::pass_skipped(const Frame& frame, const std::function<bool()>& is_whole) {
+  const bool is_repeated = repeats_.repeats(frame.luma);
+  if (!observes_skipped_ || is_repeated || frame.damaged || !out_.reference) return processing_.interrupt();
+  const Observation seen = look_at(frame);
+  if (!is_whole()) return processing_.interrupt();
+  processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);
 }
 
 }  // namespace moiregauge::internal

@@ -2,6 +2,7 @@
 // Observation of one recording, frame by frame: makes the reference frame, maps grey levels to light, tracks the markers.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ class FrameObserver {
   void skip(const Observation& seen);
   // Takes the observation as final: later frames are compared with it.
   void add(const Frame& frame, const Observation& seen);
+  // Takes a frame that is not selected. It is observed only if the tests of camera processing need it.
+  void pass_skipped(const Frame& frame, const std::function<bool()>& is_whole);
   // Keeps the image of the reference frame, if `frame` is it.
   void keep_picture(const Frame& frame);
 
@@ -43,6 +46,8 @@ class FrameObserver {
   bool follow_shown_tone(const Frame& frame);
   bool refer_in_light(const Frame& frame);
   [[nodiscard]] Tone stated_tone() const;
+  // Returns what is seen in a frame, which is not damaged, with the current prediction.
+  [[nodiscard]] Observation look_at(const Frame& frame);
 
   const MeasureOptions& options_;
   Measurement& out_;
@@ -53,6 +58,7 @@ class FrameObserver {
   double rounding_ = 0.0;  // largest so far, grey levels or light levels
   RepeatedFrames repeats_;
   ProcessingWatch processing_;
+  bool observes_skipped_ = false;  // up to the next selected frame
   bool cannot_succeed_ = false;
 };
 

@@ -90,9 +90,13 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
     const Frame& now = **frame;
     frames = now.number + 1;
     if (selector.is_past(now.number, now.time_s)) break;
-    if (!selector.holds(now.number, now.time_s)) continue;
+    const auto is_whole = [&source] { return source.is_frame_whole(); };
+    if (!selector.holds(now.number, now.time_s)) {
+      if (!out.observations.empty()) run.pass_skipped(now, is_whole);
+      continue;
+    }
     if (!run.is_kept())
-      (void)run.measure_frame(now, [&source] { return source.is_frame_whole(); });
+      (void)run.measure_frame(now, is_whole);
     else if (!run.pass_over(now))
       return tl::unexpected(not_the_same(source.info().path));
     if (!out.contradiction.empty()) return {};
@@ -269,12 +273,6 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
                                : "no row is ok (" + list + ")";
 }
 
-// The frames between the selected ones hold the previous frame that an average adds. In every second frame a share of
-// 0.1 is not found.
-constexpr char kStepNote[] =
-    "note: a camera that averages over time may remain undetected, because STEP in --frames skips frames. Measure all "
-    "frames once";
-
 tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const MeasureOptions& options,
                                                   const OnProgress& on_progress, RunHooks doors) {
   Measurement out;
@@ -294,7 +292,6 @@ tl::expected<Measurement, InputError> observe_all(const OpenInput& open, const M
     if (auto done = measure_all(**source, options, run, out, on_progress); !done) return tl::unexpected(done.error());
     out.input = (*source)->info();
   }
-  if (options.frames.step > 1) out.notes.emplace_back(kStepNote);
   conclude_log(run.processing(), static_cast<long>(out.observations.size()), out);
   return out;
 }

@@ -28,6 +28,11 @@ class ObservingRun {
   // Fails (nothing): the frame contradicts the options (out.contradiction).
   std::optional<Observation> measure_frame(const Frame& frame, const std::function<bool()>& is_whole);
 
+  // Takes a frame between the selected ones.
+  void pass_skipped(const Frame& frame, const std::function<bool()>& is_whole) {
+    observer_.pass_skipped(frame, is_whole);
+  }
+
   // Returns true if the unfinished run has observed the next selected frame.
   [[nodiscard]] bool is_kept() const { return passed_ < kept_.size(); }
   // Returns the number of the next frame that the unfinished run observed. Requires is_kept().

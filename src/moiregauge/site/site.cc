@@ -2,6 +2,7 @@
 #include "moiregauge/site/site.h"
 
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace moiregauge::internal {
@@ -19,6 +20,13 @@ constexpr std::array<std::pair<Pattern, const char*>, 8> kPatternWords{{
 }};
 
 }  // namespace
+
+std::optional<Extent<frame::Board>> direction_of_lines(const Grating& grating) {
+  const double c = std::cos(grating.angle_rad), s = std::sin(grating.angle_rad);
+  if (grating.pattern == Pattern::kLinesX) return Extent<frame::Board>{-s, c};
+  if (grating.pattern == Pattern::kLinesY) return Extent<frame::Board>{c, s};
+  return std::nullopt;
+}
 
 const char* word_for(Pattern pattern) {
   for (const auto& [value, word] : kPatternWords) {

@@ -51,6 +51,9 @@ struct Site {
   KnownTo known_to;
 };
 
+// Returns the direction of a grating's lines on the board, which it does not show (length 1). Nothing: it shows both axes.
+[[nodiscard]] std::optional<Extent<frame::Board>> direction_of_lines(const Grating& grating);
+
 // Return the word of a pattern in site.toml and run.json ("grid", "lines-x", ...), and the pattern of a word.
 [[nodiscard]] const char* word_for(Pattern pattern);
 [[nodiscard]] std::optional<Pattern> pattern_named(const std::string& word);

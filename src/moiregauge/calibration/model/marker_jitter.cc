@@ -57,7 +57,7 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
   for (std::size_t k = 0; k < seen.size(); ++k) {
     const std::size_t i = seen[k];
     const auto row = static_cast<Eigen::Index>(2 * k);
-    const PatchResidual patch(*frame.points[i], *site.markers[i].grating);
+    const PatchResidual patch(*frame.points[i], site.markers[i]);
     auto design = patch.design(camera, scene.markers[i], pose, fit.shift[i]);
     const Shift18 q = basis_of(design.middleCols<2>(PatchColumn::kShape));
     if (frame.rows) {

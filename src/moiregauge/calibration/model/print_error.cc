@@ -45,14 +45,15 @@ struct Whitened {
   }
 };
 
-Whitened whitened(const BundleFrame& frame, std::size_t i, const Grating& grating, const Scene& scene,
+Whitened whitened(const BundleFrame& frame, std::size_t i, const Marker& marker, const Scene& scene,
                   const FrameFit& fit) {
-  const PatchResidual residual(*frame.points[i], grating);
+  const PatchResidual residual(*frame.points[i], marker);
   Vector18 r = residual.design(numbers_of(scene), scene.markers[i], TurnedPose(fit.pose), fit.shift[i])
                    .col(PatchColumn::kResidual);
   const Matrix18& root = residual.root();
   if (frame.rows) r += root * (frame.rows->by_marker[i].leftCols<kMotionParameters>() * fit.motion);
-  const Matrix18 error = root * covariance_of(1.0, 1.0) * root.transpose() / (grating.pitch_mm * grating.pitch_mm);
+  const Matrix18 error =
+      root * covariance_of(1.0, 1.0) * root.transpose() / (marker.grating->pitch_mm * marker.grating->pitch_mm);
   const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(error);
   const Vector18 along = eigen.eigenvectors().transpose() * r;
   return {along.cwiseAbs2(), eigen.eigenvalues().cwiseMax(0.0)};
@@ -99,7 +100,7 @@ double print_error_mm(const Site& site, const Scene& scene, std::span<const Bund
     dof += static_cast<double>(fits[k].dof);
     for (std::size_t i = 0; i < site.markers.size(); ++i) {
       if (!frames[k].points[i] || !site.markers[i].grating) continue;
-      patches.push_back(whitened(frames[k], i, *site.markers[i].grating, scene, fits[k]));
+      patches.push_back(whitened(frames[k], i, site.markers[i], scene, fits[k]));
       pitch = std::max(pitch, site.markers[i].grating->pitch_mm);
     }
   }

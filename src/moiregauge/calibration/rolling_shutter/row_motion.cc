@@ -155,7 +155,7 @@ BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFram
   const Sides sides(place, reference);
   for (std::size_t i = 0; i < seen.points.size(); ++i) {
     if (!seen.points[i] || !site.markers[i].grating) continue;
-    const PatchResidual patch(*seen.points[i], *site.markers[i].grating);
+    const PatchResidual patch(*seen.points[i], site.markers[i]);
     for (std::size_t n = 0; n < kPatchPoints; ++n) {
       const double share = share_of_row(seen.points[i]->image[n], scene.camera, run), delay = share * readout_s;
       const auto board = patch.board(scene.stretch, scene.markers[i], seen.shift[i], n);

@@ -47,13 +47,13 @@ struct Bundle::Footage {
       for (std::size_t i = 0; i < site.markers.size(); ++i) {
         if (!frames[k].points[i] || !site.markers[i].grating) continue;
         const bool shifts = site.markers[i].role != Role::kReference && !frames[k].at_rest;
-        patches.push_back({k, i, shifts, PatchResidual(*frames[k].points[i], *site.markers[i].grating)});
+        patches.push_back({k, i, shifts, PatchResidual(*frames[k].points[i], site.markers[i])});
         if (frames[k].rows) {
           patches.back().rows = std::make_shared<const BundlePatch::Rows>(BundlePatch::Rows{
               patches.back().residual.root() * frames[k].rows->by_marker[i].leftCols<kMotionParameters>(),
               frames[k].rows->information});
         }
-        rows += PatchResidual::kSize - (shifts ? 2 : 0);
+        rows += patches.back().residual.rank() - (shifts ? 2 : 0);
       }
       rows -= 6;
     }

@@ -41,8 +41,9 @@ NormalCase footage() {
         fit.image[n] = {image[0], image[1]};
       }
       fit.information = 1e6 * PatchInformation::Identity();
-      f.patches.push_back(
-          {k, i, i + 1 == kMarkers, PatchResidual(fit, {centre, 30.0, 30.0, 10.0, 0.0, Pattern::kGrid})});
+      Marker marker;
+      marker.grating = Grating{centre, 30.0, 30.0, 10.0, 0.0, Pattern::kGrid};
+      f.patches.push_back({k, i, i + 1 == kMarkers, PatchResidual(fit, marker)});
     }
   }
   for (int index = 0; index < kScene; ++index) {

@@ -194,7 +194,7 @@ Unknowns start(FrameFit& fit, const Site& site, const BundleFrame& frame) {
   out.patches.resize(markers);
   for (std::size_t i = 0; i < markers; ++i) {
     if (!frame.points[i] || !site.markers[i].grating) continue;
-    out.patches[i].emplace(*frame.points[i], *site.markers[i].grating);
+    out.patches[i].emplace(*frame.points[i], site.markers[i]);
     out.references += site.markers[i].role == Role::kReference;
     fit.shift[i] = {0, 0};
     if (site.markers[i].role == Role::kReference || frame.at_rest) continue;
@@ -259,7 +259,7 @@ Normal equations_of(FrameFit& fit, const Unknowns& unknowns, const Scene& scene,
     if (want != Want::kStep) add_scene(n, design, shift, want);
     fit.chi2[i] = design.frame.col(FrameColumn::kResidual).squaredNorm();
     fit.chi2_sum += fit.chi2[i];
-    fit.dof += kRows;
+    fit.dof += patch->rank();
     const auto by_shift = design.frame.middleCols<2>(FrameColumn::kShift);
     fit.own_information[i] = by_shift.transpose() * by_shift;
   }

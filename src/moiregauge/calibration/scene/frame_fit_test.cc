@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "moiregauge/calibration/scene/patch_residual.h"
+#include "moiregauge/units/units.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -66,7 +67,7 @@ DenseDesign dense_design(const FittedScene& s, const FrameFit& fit) {
   DenseDesign d{Eigen::MatrixXd::Zero(rows, size), Eigen::MatrixXd::Zero(rows, scene_parameters(s.site.markers.size())),
                 Eigen::MatrixXd::Zero(rows, 1), Eigen::MatrixXd::Zero(size, size)};
   for (std::size_t i = 0; i < s.site.markers.size(); ++i) {
-    const PatchResidual patch(*s.frame.points[i], *s.site.markers[i].grating);
+    const PatchResidual patch(*s.frame.points[i], s.site.markers[i]);
     const auto design = patch.design(numbers_of(s.scene), s.scene.markers[i], TurnedPose(fit.pose), fit.shift[i]);
     const Eigen::Index row = PatchResidual::kSize * static_cast<Eigen::Index>(i);
     d.own.block<PatchResidual::kSize, 6>(row, 0) = design.middleCols<6>(PatchColumn::kPose);
@@ -114,6 +115,34 @@ TEST(FrameFit, EqualsTheSolutionOfAllUnknownsTogether) {
     if (!is_rolling) continue;
     EXPECT_LT(difference(fit.by_readout, -covariance * d.own.transpose() * d.readout), kRounding);
   }
+}
+
+// A grating of lines at 0.3 deg to the board's x does not show movement along them. Its own reading error of 1e-3 pitch
+// is the only error left. Without the residual along the lines, the weak information of the perspective moves it by
+// metres, and 0.3 deg of that appear across the lines.
+TEST(FrameFit, ATargetOfLinesStaysStillAlongThem) {
+  FittedScene s = scene_with(1, false);
+  Marker& target = s.site.markers.back();
+  target.grating->pattern = Pattern::kLinesY;
+  target.grating->angle_rad = 0.3 * kPi / 180.0;
+  s.frame.points.back()->information.topLeftCorner<kPatchPoints, kPatchPoints>().setZero();
+  const CommonNumbers camera = numbers_of(s.scene);
+  const double c = std::cos(target.grating->angle_rad), sn = std::sin(target.grating->angle_rad);
+  for (std::size_t n = 0; n < kPatchPoints; ++n) {
+    const double x = 10.0 * (static_cast<double>(n % 3) - 1.0), y = 10.0 * (static_cast<double>(n / 3) - 1.0);
+    const BoardPoint at = target.grating->centre;
+    const auto image = projected(camera.data(), s.frame.pose.turn.data(),
+                                 std::array<double, 3>{at.x + c * x - sn * y, at.y + sn * x + c * y + 0.7, 0.0});
+    s.frame.points.back()->image[n] = {image[0], image[1]};
+  }
+  const FrameFit fit = fit_frame(s.site, s.scene, s.frame);
+  ASSERT_TRUE(fit.ok);
+  EXPECT_EQ(fit.dof, 4 * 18 + 10 - 6 - 2);
+  const auto& moved = fit.shift.back();
+  const double across = std::sqrt(fit.variance(fit.shift_row.back() + 1));
+  EXPECT_LT(across, 0.03);  // 1e-3 pitch is 0.01 mm; the references leave as much again, at the edge of their area
+  EXPECT_NEAR(moved.y, 0.7, 4.0 * across);
+  EXPECT_NEAR(moved.x, 0.0, 4.0 * 10.0 * kStillAlongLines);
 }
 
 // Numbers that a fit for samples keeps.

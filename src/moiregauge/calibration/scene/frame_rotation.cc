@@ -51,7 +51,7 @@ std::vector<TargetPatch> target_patches(const Site& site, const Scene& scene, co
   const TurnedPose pose(fit.pose);
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     if (fit.shift_row[i] < 0) continue;
-    const PatchResidual patch(*frame.points[i], *site.markers[i].grating);
+    const PatchResidual patch(*frame.points[i], site.markers[i]);
     TargetPatch target;
     target.marker = i;
     target.design = patch.design(camera, scene.markers[i], pose, fit.shift[i]);

@@ -8,6 +8,9 @@
 namespace moiregauge::internal {
 namespace {
 
+// Pivot of the information that is rounding only, relative to the largest. The curvature of a field has 1e-4.
+constexpr double kRounding = 1e-12;
+
 using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
@@ -109,21 +112,28 @@ TurnedPose::TurnedPose(const Pose& pose)
   left += one_less_cos * k + less_sin * kk;
 }
 
-PatchResidual::PatchResidual(const PatchFit& fit, const Grating& grating)
+PatchResidual::PatchResidual(const PatchFit& fit, const Marker& marker)
     : image_(fit.image),
       print_(fit.print),
-      x_mm_(grating.centre.x),
-      y_mm_(grating.centre.y),
-      angle_rad_(grating.angle_rad),
-      pitch_mm_(grating.pitch_mm),
+      x_mm_(marker.grating->centre.x),
+      y_mm_(marker.grating->centre.y),
+      angle_rad_(marker.grating->angle_rad),
+      pitch_mm_(marker.grating->pitch_mm),
       pitches_per_px_(print_per_image(fit)) {
   // Pivoting puts an axis that the grating does not show last, with zero weight.
   const Eigen::LDLT<PatchInformation> ldlt(fit.information);
   PatchInformation upper = ldlt.matrixU();
   upper = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal() * upper;
+  rank_ = static_cast<int>((ldlt.vectorD().array() > kRounding * ldlt.vectorD().maxCoeff()).count());
   root_ = upper;
   const auto& swaps = ldlt.transpositionsP().indices();  // rows in this order, so columns in the opposite one
   for (Eigen::Index k = swaps.size(); k-- > 0;) root_.col(k).swap(root_.col(swaps(k)));
+  const auto lines = direction_of_lines(*marker.grating);
+  if (!lines || marker.role != Role::kTarget || rank_ > kLinesRow) return;
+  const double per_u = 1.0 / (kStillAlongLines * pitch_mm_);
+  along_lines_ = {per_u * lines->x, per_u * lines->y};
+  root_.row(kLinesRow).setZero();
+  ++rank_;
 }
 
 PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
@@ -163,7 +173,16 @@ PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const Mark
 
 PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const MarkerShape& shape,
                                             const TurnedPose& pose, Extent<frame::Board> shift) const {
-  return root_.lazyProduct(off(common, shape, pose, shift));
+  Design all = root_.lazyProduct(off(common, shape, pose, shift));
+  const int place = PatchColumn::kShape + MarkerShape::kX;
+  all(kLinesRow, place) += along_lines_[0], all(kLinesRow, place + 1) += along_lines_[1];
+  all(kLinesRow, PatchColumn::kResidual) += moved_along_lines(shape, shift);
+  return all;
+}
+
+double PatchResidual::moved_along_lines(const MarkerShape& shape, Extent<frame::Board> shift) const {
+  return along_lines_[0] * (shape.value[MarkerShape::kX] + shift.x) +
+         along_lines_[1] * (shape.value[MarkerShape::kY] + shift.y);
 }
 
 PatchResidual::FrameDesign PatchResidual::frame_design(const CommonNumbers& common, const MarkerShape& shape,
@@ -172,7 +191,10 @@ PatchResidual::FrameDesign PatchResidual::frame_design(const CommonNumbers& comm
   FrameDesign used;
   used << all.middleCols<6>(PatchColumn::kPose), all.middleCols<2>(PatchColumn::kShape + MarkerShape::kX),
       all.col(PatchColumn::kResidual);
-  return root_.lazyProduct(used);  // matrices this small are faster without blocks
+  FrameDesign out = root_.lazyProduct(used);  // matrices this small are faster without blocks
+  out(kLinesRow, FrameColumn::kShift) += along_lines_[0], out(kLinesRow, FrameColumn::kShift + 1) += along_lines_[1];
+  out(kLinesRow, FrameColumn::kResidual) += moved_along_lines(shape, shift);
+  return out;
 }
 
 PatchResidual::Vector PatchResidual::residual(const CommonNumbers& common, const MarkerShape& shape, const Pose& pose,

@@ -40,6 +40,10 @@ std::array<T, 2> projected(const T* camera, const T* pose, const std::array<T, 3
   return {camera[0] * xd + camera[1], camera[0] * yd + camera[2]};
 }
 
+// Standard uncertainty of a target's movement along its lines, pitches. It only fixes the coordinate: the samples' u has
+// the part of an unknown movement. Chosen.
+inline constexpr double kStillAlongLines = 1e-3;
+
 using CommonNumbers = std::array<double, kCommonParameters>;  // f cx cy k1 k2 p1 p2 k3, stretch
 [[nodiscard]] CommonNumbers numbers_of(const Camera& camera, double stretch);
 [[nodiscard]] CommonNumbers numbers_of(const Scene& scene);
@@ -62,13 +66,14 @@ struct PatchColumn {
 };
 
 // Whitened residual of one grating in one frame. Its squared length is chi2. The degrees of freedom are the rank of the
-// information.
+// information. A target of lines has one more residual: its movement along the lines is zero within kStillAlongLines.
+// Otherwise tiny errors of rotation and lens would move it along its lines by metres.
 class PatchResidual {
  public:
   static constexpr int kSize = 2 * kPatchPoints;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Design = Eigen::Matrix<double, kSize, PatchColumn::kColumns>;
-  PatchResidual(const PatchFit& fit, const Grating& grating);
+  PatchResidual(const PatchFit& fit, const Marker& marker);
 
   template <typename T>
   bool operator()(const T* common, const T* shape, const T* pose, const T* shift, T* residual) const {
@@ -90,6 +95,7 @@ class PatchResidual {
       residual[i] = T(0.0);
       for (int j = 0; j < kSize; ++j) residual[i] += root_(i, j) * off[static_cast<std::size_t>(j)];
     }
+    residual[kLinesRow] += T(along_lines_[0]) * (shape[0] + shift[0]) + T(along_lines_[1]) * (shape[1] + shift[1]);
     return true;
   }
   // Overload for a reference, which has no shift.
@@ -121,17 +127,27 @@ class PatchResidual {
 
   // Returns the whitening matrix: root^T root is the information matrix.
   [[nodiscard]] const Eigen::Matrix<double, kSize, kSize>& root() const { return root_; }
+  // Returns the degrees of freedom: the rank of the information.
+  [[nodiscard]] int rank() const { return rank_; }
 
  private:
   // Returns the design matrix before it is whitened.
+  // Row of the residual along the lines. The information of lines has no part in it.
+  static constexpr int kLinesRow = kSize - 1;
   [[nodiscard]] Design off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
                            Extent<frame::Board> shift) const;
+
+  // Returns the movement along the lines over its u.
+  [[nodiscard]] double moved_along_lines(const MarkerShape& shape, Extent<frame::Board> shift) const;
 
   std::array<ImagePoint, kPatchPoints> image_;
   std::array<PrintPoint, kPatchPoints> print_;
   double x_mm_, y_mm_, angle_rad_, pitch_mm_;
   std::array<Eigen::Matrix2d, kPatchPoints> pitches_per_px_;
   Eigen::Matrix<double, kSize, kSize> root_;
+  int rank_ = 0;
+  // Direction of the lines, 1/mm: per u of the movement. Zero for other patterns and references.
+  std::array<double, 2> along_lines_{};
 };
 
 }  // namespace moiregauge::internal

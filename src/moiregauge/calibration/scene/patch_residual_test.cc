@@ -14,7 +14,12 @@ using Autodiff = ceres::AutoDiffCostFunction<PatchResidual, kSize, kCommonParame
 template <int kColumns>
 using RowMajor = Eigen::Matrix<double, kSize, kColumns, Eigen::RowMajor>;
 
-const Grating kGrating{{120.0, -35.0}, 40.0, 40.0, 10.0, 0.05, Pattern::kGrid};
+Marker marker_of(Pattern pattern) {
+  Marker marker;
+  marker.role = Role::kTarget;
+  marker.grating = Grating{{120.0, -35.0}, 40.0, 40.0, 10.0, 0.05, pattern};
+  return marker;
+}
 const CommonNumbers kCommon{3478.0, 2059.0, 494.0, -0.04, 0.01, 4e-4, -3e-4, 2e-3, 0.01};
 const MarkerShape kSomeShape{{0.3, -0.2, 0.004, 6e-4, 2.0}};
 const Extent<frame::Board> kShift{0.7, -1.1};
@@ -35,10 +40,10 @@ PatchFit patch(int rank) {
   return fit;
 }
 
-TEST(PatchResidual, HasTheDerivativesThatCeresFinds) {
+void expect_derivatives_of_ceres(Pattern pattern, int rank) {
   for (const double angle : {0.0, 1e-9, 0.02, 0.099, 0.101, 0.8}) {
     const Pose pose{{0.6 * angle, -0.75 * angle, 0.28 * angle}, {4.0, -7.0, 1200.0}};
-    const PatchResidual residual(patch(kSize), kGrating);
+    const PatchResidual residual(patch(rank), marker_of(pattern));
     const auto design = residual.design(kCommon, kSomeShape, TurnedPose(pose), kShift);
     const std::array<double, 6> place{pose.turn[0], pose.turn[1], pose.turn[2], 4.0, -7.0, 1200.0};
     const std::array<double, 2> moved{kShift.x, kShift.y};
@@ -65,10 +70,17 @@ TEST(PatchResidual, HasTheDerivativesThatCeresFinds) {
   }
 }
 
+TEST(PatchResidual, HasTheDerivativesThatCeresFinds) {
+  expect_derivatives_of_ceres(Pattern::kGrid, kSize);
+  expect_derivatives_of_ceres(Pattern::kLinesX, kPatchPoints);
+  expect_derivatives_of_ceres(Pattern::kLinesY, kPatchPoints);
+}
+
 TEST(PatchResidual, TheRootFitsInformationOfAnyRank) {
   for (const int rank : {0, 3, 9, kSize}) {
     const PatchFit fit = patch(rank);
-    const PatchResidual residual(fit, kGrating);
+    const PatchResidual residual(fit, marker_of(Pattern::kGrid));
+    EXPECT_EQ(residual.rank(), rank);
     const auto& root = residual.root();
     EXPECT_LE((root.transpose() * root - fit.information).norm(), 1e-9 * fit.information.norm()) << "rank " << rank;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/precise/frames_in_scene.h"
 
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -15,24 +16,30 @@ namespace {
 // Largest noise of an axis that the grating shows; beyond it the axis is NaN. Chosen.
 constexpr double kShownWithin = 0.25;  // pitches
 
-void fill(Sample& sample, const Grating& grating, const FramesInScene::SolvedFrame& frame, const FrameFit& then) {
+// Returns the noise of a displacement.
+Extent<frame::Board> noise_of(const Budget& b) { return hypot3(b.noise, b.references, b.reference_frame); }
+
+void fill(Sample& sample, const Marker& marker, const FramesInScene::SolvedFrame& frame, const FrameFit& then,
+          double rotation_rad) {
   const std::size_t i = sample.marker;
   if (!frame.budget || std::isnan(then.shift[i].x)) {
     sample.status = Status::kLost;
     return;
   }
   sample.displacement = frame.now.shift[i] - then.shift[i];
-  sample.budget = frame.by_noise.now.ok
-                      ? frame.budget->budget(frame.by_noise.now, frame.by_noise.then, i, sample.displacement)
-                      : frame.budget->budget(i, sample.displacement);
+  Grating grating = *marker.grating;
+  grating.angle_rad += rotation_rad;
+  const auto moved = with_movement_along_lines(grating, sample.displacement);
+  sample.budget = frame.by_noise.now.ok ? frame.budget->budget(frame.by_noise.now, frame.by_noise.then, i, moved)
+                                        : frame.budget->budget(i, moved);
+  add_movement_along_lines(grating, 0.0, sample);
   sample.u = total(sample.budget);
   // Only noise decides this: far from the reference frame u is mostly that of scale and axis.
-  const auto& b = sample.budget;
-  const auto by_noise_alone = hypot3(b.noise, b.references, b.reference_frame);
+  const auto noise = noise_of(sample.budget);
   for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
-    if (!(by_noise_alone.*axis < kShownWithin * grating.pitch_mm))
-      sample.displacement.*axis = sample.u.*axis = kNotMeasured;
+    if (!(noise.*axis < kShownWithin * grating.pitch_mm)) sample.displacement.*axis = kNotMeasured;
   }
+  withhold_unshown_axes(sample);
 }
 
 // Adds the uncertainty of the target's own motion between the time of its rows and the frame time.
@@ -64,7 +71,8 @@ Sample FramesInScene::sample_of(const Observation& seen, std::size_t marker, con
   sample.status = precise_status(reference_, seen, marker, frame.now, solved_.shutter ? kRollingChi2 : kUntrustedChi2);
   const bool unproven = is_far && seen.markers[marker].order == Order::kUnproven;
   if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
-  if (has_numbers(sample.status)) fill(sample, *site_.markers[marker].grating, frame, budget_.then());
+  if (has_numbers(sample.status))
+    fill(sample, site_.markers[marker], frame, budget_.then(), scene_.markers[marker].value[MarkerShape::kRotation]);
   return sample;
 }
 

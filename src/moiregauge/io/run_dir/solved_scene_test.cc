@@ -55,8 +55,8 @@ TEST(SolvedScene, ProjectionBySolvedShapesEqualsProjectionByTheSolvedSite) {
     double then[PatchResidual::kSize], now[PatchResidual::kSize];
     MarkerShape rest;
     rest.value[MarkerShape::kHeight] = after.markers[i].z_mm.value();
-    PatchResidual(fit, *before.markers[i].grating)(camera, s.markers[i].value.data(), pose, then);
-    PatchResidual(fit, *after.markers[i].grating)(camera, rest.value.data(), pose, now);
+    PatchResidual(fit, before.markers[i])(camera, s.markers[i].value.data(), pose, then);
+    PatchResidual(fit, after.markers[i])(camera, rest.value.data(), pose, now);
     for (int k = 0; k < PatchResidual::kSize; ++k) EXPECT_NEAR(then[k], now[k], 1e-9) << before.markers[i].name;
   }
 }

@@ -129,8 +129,10 @@ bool is_decided(const EchoSums& sums) {
 
 }  // namespace
 
+bool EchoWatch::is_finished() const { return is_decided(sums_) || examined_ >= kMostFrames; }
+
 void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& prints) {
-  if (is_decided(sums_) || examined_ >= kMostFrames) return;
+  if (is_finished()) return;
   std::vector<bool> is_seen(tracks_.size());
   FrameShare share;
   std::size_t pixels = 0;

@@ -69,6 +69,8 @@ class EchoWatch {
   void add(const LightPicture& picture, const std::vector<SeenPrint>& prints);
   // Interrupts the sequence: the next frame has no predecessors.
   void interrupt() { tracks_.clear(); }
+  // Returns true if further frames change nothing.
+  [[nodiscard]] bool is_finished() const;
   [[nodiscard]] const EchoSums& sums() const { return sums_; }
 
  private:

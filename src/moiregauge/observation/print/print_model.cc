@@ -63,6 +63,8 @@ constexpr double kStrip = 0.05;        // pitches
 constexpr double kSameAsInside = 1.6;  // rms residual of a strip relative to that of the window
 constexpr double kMaxBeyond = 0.6;     // pitches beyond the stated size
 
+constexpr double kShareOfLines = 0.9;  // length of the window relative to that of lines
+
 struct Side {
   int axis;     // 0: x, 1: y
   double sign;  // +1 or -1
@@ -181,15 +183,16 @@ class Learning {
     if (!print) return tl::unexpected(Failure::kTooFewPixels);
     const double px = print->slope_power_x(), py = print->slope_power_y();
     PatchFitOptions options;
-    options.along_x = px > kNoSlope * py;
-    options.along_y = py > kNoSlope * px;
+    const Axes shown = axes_of(*grating_);
+    options.along_x = shown.x && px > kNoSlope * py;
+    options.along_y = shown.y && py > kNoSlope * px;
+    if (!options.along_x || !options.along_y) print = only_along(*print, options.along_x);
     options.has_width = !in_light_ && print->order() > 1;
     model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}, {}, 0.0};
     auto fitted = fit_patch(*luma_, map_, window_, model_->print, options);
     if (!fitted) return tl::unexpected(fitted.error());
     fit_ = std::move(fitted->fit);
     model_->at_rest = std::move(fitted->at_rest);
-    if (!options.along_x || !options.along_y) return 0.0;
     const auto better = corrected(*fit_);
     if (!better) return 0.0;
     double moved = 0.0;
@@ -212,10 +215,14 @@ class Learning {
     return {};
   }
 
+  // Extends the window over the grating. The window cannot follow movement along lines, so its ends stay inside them.
   void grow() {
+    const PatchWindow before = window_;
     window_ = std::visit(
         [&](const auto& picture) { return grown(picture, map_, window_, *fit_, model_->print, *grating_, pixel_); },
         *luma_);
+    if (!model_->options.along_x) window_.half_x = std::max(before.half_x, kShareOfLines * window_.half_x);
+    if (!model_->options.along_y) window_.half_y = std::max(before.half_y, kShareOfLines * window_.half_y);
   }
 
   // Reduces the window to whole pitches.

@@ -141,11 +141,6 @@ PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const R
   return pixel_noise(luma, bits, x0, y0, x1 - x0, y1 - y0);
 }
 
-// Smallest cosine of the angle between a board axis and the normal of the lines, at 1.5 deg. Lines show movement across
-// themselves only. At 1.5 deg, 0.026 of the movement along them appears as movement along that axis. Beyond this limit
-// neither axis is known. A grating is mounted to 0.3 deg. Chosen.
-constexpr double kUpright = 0.99966;
-
 // Returns u of the slope of a plane fitted to the means of `cells` cells along a side of n points.
 // Model: u sqrt(12 / (1 - 1 / cells^2)) / n, for a mean over all cells with uncertainty u.
 double slope_uncertainty(double u_mean, double side, int cells) {

@@ -50,6 +50,10 @@ inline constexpr double kStretchedLattice = 0.003;  // relative
 [[nodiscard]] bool is_bent(const RasterPlan& plan, const PatchReading& then, const PatchReading& now,
                            double lag_mm = 0.0);
 
+// Smallest cosine of the angle between a board axis and the normal of the lines, at 1.5 deg. Lines show movement across
+// themselves only. At 1.5 deg, 0.026 of the movement along them appears as movement along that axis. Beyond this limit
+// neither axis is known. A grating is mounted to 0.3 deg. Chosen.
+inline constexpr double kUpright = 0.99966;
 // Returns false for lines oblique to both board axes, which measure neither dx nor dy.
 [[nodiscard]] bool shows_an_axis(const RasterPlan& plan);
 

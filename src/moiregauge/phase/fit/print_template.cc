@@ -186,6 +186,15 @@ Complex PrintTemplate::coefficient(int m, int n) const {
   return series_[index_of(order_, m, n)];
 }
 
+PrintTemplate only_along(const PrintTemplate& print, bool is_x) {
+  std::vector<Complex> series;
+  for (int n = -print.order(); n <= print.order(); ++n) {
+    for (int m = -print.order(); m <= print.order(); ++m)
+      series.push_back((is_x ? n : m) == 0 ? print.coefficient(m, n) : 0.0);
+  }
+  return {print.order(), series};
+}
+
 int highest_order(double pitch_px) { return std::max(1, static_cast<int>(std::floor(pitch_px / 2.2))); }
 
 }  // namespace moiregauge::internal
