@@ -27,8 +27,9 @@ namespace moiregauge::internal {
 // Returns kPartlyCovered for a bent phase field, otherwise the result of `sharpness`.
 [[nodiscard]] Status quality(const RasterPlan& plan, const PatchReading& then, const PatchReading& now);
 
-// Returns the displacement with an assumed movement along the lines of a grating of lines, which does not show it: a
-// tenth of the pitch and the movement across the lines together (root of the sum of squares), mm. Others are unchanged.
+// Returns the displacement with an assumed movement along the lines of a grating of lines, mm. The grating does not show
+// it. It is the root of the sum of squares of a tenth of the pitch and of the movement across the lines. Displacements of
+// other gratings are unchanged.
 [[nodiscard]] Extent<frame::Board> with_movement_along_lines(const Grating& grating, Extent<frame::Board> displacement);
 // Adds the part of this movement that appears across the lines to budget.axis, because the lines are not parallel to a
 // board axis. The axis along them becomes NaN; both do if the lines are oblique to both. `u_rotation_rad`: u of the

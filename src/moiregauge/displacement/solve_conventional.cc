@@ -34,15 +34,15 @@ bool camera_moved(const Reference& reference, const Observation& seen) {
 
 using RasterWay = std::array<double, 2>;  // mm or pitches along the raster's axes
 
-// Standard uncertainty of the phase per missing share of the grating, rad. Blank paper (level p) instead of the grating
-// (mean m, amplitude a) changes the phase by 2 (p - m) / a sin(...) + sin(...), both of unknown phase. A binary grating
-// has (p - m) / a = pi / 4.
+// Standard uncertainty of the phase per missing share of the grating, rad. Instead of the grating (mean m, amplitude a)
+// there is blank paper of level p. It changes the phase by 2 (p - m) / a sin(...) + sin(...), both of unknown phase. A
+// binary grating has (p - m) / a = pi / 4.
 const double kPhasePerMissing = std::sqrt((0.25 * kPi * kPi + 1.0) / 2.0);
 
-// Returns the standard uncertainty of a displacement along one raster axis, after which the fixed window holds less of
-// the grating, mm. Model: beyond the clearance, n raster pixels at the edge of the window show blank paper. The weights
-// of one averaged pixel form a triangle of half width T, of which n^2 / (2 T^2) is then missing at the edge of the
-// averaged region (R pixels), and less further inside. The missing share is the mean over the region.
+// Returns the standard uncertainty of a displacement along one raster axis, from the part of the fixed window that the
+// grating has left, mm. Model: beyond the clearance, n raster pixels at the edge of the window show blank paper. The
+// weights of one averaged pixel form a triangle of half width T. At the edge of the averaged region (R pixels),
+// n^2 / (2 T^2) of it is missing, and less further inside. The missing share is the mean over the region.
 double window_error_mm(const RasterPlan& plan, double along_mm) {
   const auto cube = [](double v) { return v * v * v; };
   const double n = std::max(0.0, (std::abs(along_mm) - plan.clearance_mm) / plan.step_mm);
