@@ -89,7 +89,6 @@ class UnwrappedPhase {
     add_window_error(plan_, along, sample);
     add_movement_along_lines(*marker_.grating, u_rotation_rad_, sample);
     sample.u = hypot3(sample.u, sample.budget.model, sample.budget.axis);
-    withhold_unshown_axes(sample);
     if (!is_open && !is_open_) return;
     sample.status = Status::kOrderUnproven;
     sample.displacement = sample.u = {kNotMeasured, kNotMeasured};

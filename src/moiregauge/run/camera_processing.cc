@@ -52,7 +52,6 @@ constexpr double kGapShare = 0.08;
 constexpr long kMinEdgePixels = 200;  // 0.28 of them scatter by 0.032
 
 constexpr double kMoved_px = 0.03;  // movement of a marker from which on an average matters. Chosen.
-constexpr long kMostAdded = 400;    // frames with movement, after which skipped ones are not observed. Chosen.
 
 constexpr double kMoves = 2.5;  // significant movement within the longest lag, in u (chosen)
 
@@ -270,31 +269,25 @@ void ProcessingWatch::listen(const Reference& reference, const Observation& seen
   echo_.add({frame.luma, light.table()}, prints);
 }
 
-// Notes whether the markers moved since the frame added before.
-void ProcessingWatch::note_movement(const Observation& seen) {
+bool ProcessingWatch::needs_skipped_frames(const Observation& seen) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<ImagePoint> markers(seen.markers.size(), ImagePoint{nan, nan});
-  moves_ = false;
+  bool moves = false;
   for (std::size_t i = 0; i < markers.size(); ++i) {
     const MarkerObservation& marker = seen.markers[i];
     if (marker.points) markers[i] = marker.points->image[4];
     // Methods other than `precise` read the patch only.
-    moves_ |= !marker.points && marker.patch.valid;
-    moves_ |= i < markers_.size() && length(markers[i] - markers_[i]) > kMoved_px;
+    moves |= !marker.points && marker.patch.valid;
+    moves |= i < markers_.size() && length(markers[i] - markers_[i]) > kMoved_px;
   }
-  added_ += moves_;
   markers_ = std::move(markers);
-}
-
-bool ProcessingWatch::needs_skipped_frames() const {
-  return moves_ && is_testable_ && !echo_.is_finished() && added_ < kMostAdded;
+  return moves && is_testable_ && !echo_.is_finished();
 }
 
 void ProcessingWatch::add(const Reference& reference, const Observation& seen, const Frame& frame, int bits,
                           const LightMap& light) {
   if (newest_ && frame.number != *newest_ + 1) interrupt();
   newest_ = frame.number;
-  note_movement(seen);
   is_testable_ = !frame.quantiser.whole.predicted || frame.quantiser.whole.is_lossless();
   listen(reference, seen, frame, light);
   // A codec with prediction between frames repeats grain even without noise reduction. Its error has its own part in u.

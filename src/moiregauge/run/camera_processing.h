@@ -45,14 +45,13 @@ class ProcessingWatch {
   void repeat(long frame);
   // Breaks the sequence of frames, because a frame is damaged or not measured.
   void interrupt();
-  // Returns true if the tests need the skipped frames after the last added one. They do not if nothing moves, or if they
-  // are finished.
-  [[nodiscard]] bool needs_skipped_frames() const;
+  // Returns true if the tests need the skipped frames after the selected frame `seen`. They do not if no marker moved since
+  // the selected frame of the last call, or if they are finished.
+  [[nodiscard]] bool needs_skipped_frames(const Observation& seen);
   // `since`: repeated frames with a smaller number are excluded.
   [[nodiscard]] CameraProcessing result(long since = 0) const;
 
  private:
-  void note_movement(const Observation& seen);
   void listen(const Reference& reference, const Observation& seen, const Frame& frame, const LightMap& light);
 
   GrainSampler sampler_;
@@ -62,10 +61,8 @@ class ProcessingWatch {
   std::vector<long> repeated_;
   bool is_referred_ = false;
   std::optional<long> newest_;                 // number of the last added frame
-  std::vector<ImagePoint> markers_;            // px, in the last added frame; NaN: not seen
-  bool moves_ = false;                         // a marker moved since the frame added before
+  std::vector<ImagePoint> markers_;            // px, in the last call of needs_skipped_frames; NaN: not seen
   bool is_testable_ = false;                   // the codec of the last added frame leaves grain
-  long added_ = 0;                             // frames with movement
   std::vector<std::vector<ImagePoint>> last_;  // px, centres of the references in up to three frames, newest first
   std::vector<ImagePoint> placed_;             // px, centres at which the tiles were placed
 };

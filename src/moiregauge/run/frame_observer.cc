@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -52,6 +53,9 @@ constexpr int kMaxToneRounds = 5;
 constexpr double kMaxLeft = 0.75;
 // Share of clipped pixels from which clipping itself makes edges asymmetric. The rounds then need not get better. Chosen.
 constexpr double kMaxClipped = 0.01;
+
+// Skipped frames that are observed at most. Chosen.
+constexpr long kMostSkipped = 400;
 
 // Returns true if white or black is clipped in a grating of the reference frame.
 bool is_clipped(const Reference& reference, const Frame& frame, int bits) {
@@ -201,12 +205,15 @@ void FrameObserver::add(const Frame& frame, const Observation& seen) {
     processing_.interrupt();
   else
     processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);
-  observes_skipped_ = processing_.needs_skipped_frames();
+  is_after_selected_ = true;
 }
 
 void FrameObserver::pass_skipped(const Frame& frame, const std::function<bool()>& is_whole) {
   const bool is_repeated = repeats_.repeats(frame.luma);
+  if (std::exchange(is_after_selected_, false))
+    observes_skipped_ = skipped_ < kMostSkipped && last_ && processing_.needs_skipped_frames(*last_);
   if (!observes_skipped_ || is_repeated || frame.damaged || !out_.reference) return processing_.interrupt();
+  ++skipped_;
   const Observation seen = look_at(frame);
   if (!is_whole()) return processing_.interrupt();
   processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);

@@ -58,7 +58,9 @@ class FrameObserver {
   double rounding_ = 0.0;  // largest so far, grey levels or light levels
   RepeatedFrames repeats_;
   ProcessingWatch processing_;
-  bool observes_skipped_ = false;  // up to the next selected frame
+  bool is_after_selected_ = false;  // no skipped frame came since the last selected one
+  bool observes_skipped_ = false;   // up to the next selected frame
+  long skipped_ = 0;                // skipped frames that were observed
   bool cannot_succeed_ = false;
 };
 

@@ -64,6 +64,14 @@ std::array<Matrix2d, kPatchPoints> print_per_image(const PatchFit& fit) {
   return out;
 }
 
+// Returns the information without the coordinate along the lines. Runs of older versions have noise there.
+PatchInformation across_lines(PatchInformation information, Pattern pattern) {
+  const Eigen::Index along = pattern == Pattern::kLinesY ? 0 : kPatchPoints;
+  information.middleRows<kPatchPoints>(along).setZero();
+  information.middleCols<kPatchPoints>(along).setZero();
+  return information;
+}
+
 // Image of a point in camera coordinates, with its derivatives by the point and by the camera.
 struct Projection {
   Vector2d image;
@@ -121,18 +129,18 @@ PatchResidual::PatchResidual(const PatchFit& fit, const Marker& marker)
       pitch_mm_(marker.grating->pitch_mm),
       pitches_per_px_(print_per_image(fit)) {
   // Pivoting puts an axis that the grating does not show last, with zero weight.
-  const Eigen::LDLT<PatchInformation> ldlt(fit.information);
+  const auto lines = direction_of_lines(*marker.grating);
+  const Eigen::LDLT<PatchInformation> ldlt(lines ? across_lines(fit.information, marker.grating->pattern)
+                                                 : fit.information);
   PatchInformation upper = ldlt.matrixU();
   upper = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal() * upper;
   rank_ = static_cast<int>((ldlt.vectorD().array() > kRounding * ldlt.vectorD().maxCoeff()).count());
   root_ = upper;
   const auto& swaps = ldlt.transpositionsP().indices();  // rows in this order, so columns in the opposite one
   for (Eigen::Index k = swaps.size(); k-- > 0;) root_.col(k).swap(root_.col(swaps(k)));
-  const auto lines = direction_of_lines(*marker.grating);
-  if (!lines || marker.role != Role::kTarget || rank_ > kLinesRow) return;
+  if (!lines || marker.role != Role::kTarget) return;
   const double per_u = 1.0 / (kStillAlongLines * pitch_mm_);
   along_lines_ = {per_u * lines->x, per_u * lines->y};
-  root_.row(kLinesRow).setZero();
   ++rank_;
 }
 

@@ -131,12 +131,11 @@ class PatchResidual {
   [[nodiscard]] int rank() const { return rank_; }
 
  private:
-  // Returns the design matrix before it is whitened.
   // Row of the residual along the lines. The information of lines has no part in it.
   static constexpr int kLinesRow = kSize - 1;
+  // Returns the design matrix before it is whitened.
   [[nodiscard]] Design off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
                            Extent<frame::Board> shift) const;
-
   // Returns the movement along the lines over its u.
   [[nodiscard]] double moved_along_lines(const MarkerShape& shape, Extent<frame::Board> shift) const;
 

@@ -186,7 +186,7 @@ class Learning {
     const Axes shown = axes_of(*grating_);
     options.along_x = shown.x && px > kNoSlope * py;
     options.along_y = shown.y && py > kNoSlope * px;
-    if (!options.along_x || !options.along_y) print = only_along(*print, options.along_x);
+    if (!options.along_x || !options.along_y) print = averaged_along_lines(*print, options.along_x);
     options.has_width = !in_light_ && print->order() > 1;
     model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}, {}, 0.0};
     auto fitted = fit_patch(*luma_, map_, window_, model_->print, options);

@@ -186,11 +186,11 @@ Complex PrintTemplate::coefficient(int m, int n) const {
   return series_[index_of(order_, m, n)];
 }
 
-PrintTemplate only_along(const PrintTemplate& print, bool is_x) {
+PrintTemplate averaged_along_lines(const PrintTemplate& print, bool changes_along_x) {
   std::vector<Complex> series;
   for (int n = -print.order(); n <= print.order(); ++n) {
     for (int m = -print.order(); m <= print.order(); ++m)
-      series.push_back((is_x ? n : m) == 0 ? print.coefficient(m, n) : 0.0);
+      series.push_back((changes_along_x ? n : m) == 0 ? print.coefficient(m, n) : 0.0);
   }
   return {print.order(), series};
 }

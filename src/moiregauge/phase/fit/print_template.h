@@ -83,9 +83,9 @@ class PrintTemplate {
   std::array<double, 2> slope_power_{};
 };
 
-// Returns the template of lines: its mean along them, which removes the noise of their length. `is_x`: its levels change
-// along x, otherwise along y.
-[[nodiscard]] PrintTemplate only_along(const PrintTemplate& print, bool is_x);
+// Returns the template of a grating of lines: its mean along them. `changes_along_x`: its levels change along x,
+// otherwise along y.
+[[nodiscard]] PrintTemplate averaged_along_lines(const PrintTemplate& print, bool changes_along_x);
 
 // Returns the highest order that pixels resolve at this pitch, at least 1. Beyond P / 2.2, harmonics fold onto lower
 // ones.
