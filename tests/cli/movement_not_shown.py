@@ -28,6 +28,7 @@ def checked(clip, method, axes, largest_u):
                 worst, widest = max(worst, error), max(widest, u)
         ok += status == "ok"
     runs.insist(ok >= 12 and widest < largest_u, f"{out}: {ok} rows ok, u up to {widest} mm")
+    runs.insist(("it was not measured" in (out / "report.html").read_text()) == (len(axes.split()) < 2), f"{out}: report of an axis not shown")
     print(clip.name, method, ok, f"ok, error up to {worst:.5f} mm, u up to {widest:.5f} mm")
 
 

@@ -49,6 +49,9 @@ function extremesText(values: Float64Array): string {
   return low > high ? 'No row was measured.' : `From ${brief(low)} to ${brief(high)} mm over ${values.length} frames. Every number is in displacement.csv.`;
 }
 
+// Lines show no movement along themselves. Then only the reference frame, which is zero by definition, has a value.
+const isMeasured = (values: Float64Array): boolean => values.length <= 1 || values.filter((v) => !Number.isNaN(v)).length > 1;
+
 type Curves = Pick<Line, 'curve' | 'band' | 'notOk'>;
 
 function curvesOf(target: Target, axis: Axis, columns: Float64Array[]): Curves {
@@ -60,9 +63,10 @@ function curvesOf(target: Target, axis: Axis, columns: Float64Array[]): Curves {
 
 function alone(of: Report, target: Target, curves: Curves[], columns: Float64Array[], abscissa: Abscissa): HTMLElement {
   const status = columns[target.rows.status]!;
-  const two = kAxes.map((axis, a) => {
+  const parts = kAxes.map((axis, a) => {
     const value = columns[target.rows[axis.d]]!;
     const u = columns[target.rows[axis.u]]!;
+    if (!isMeasured(value)) return el('p', { class: 'note' }, `${axis.key} was not measured.`);
     return new Plot({
       title: axis.title, fullTitle: `${target.name}: ${axis.title}`, name: `${target.name}-${axis.key}`,
       abscissa: abscissa.label, ordinate: 'mm', x: abscissa.x, zoom: abscissa.zoom,
@@ -72,8 +76,8 @@ function alone(of: Report, target: Target, curves: Curves[], columns: Float64Arr
       description: extremesText(value),
     });
   });
-  plots.push(...two);
-  return el('div', { class: 'target' }, el('h3', {}, target.name), ...two.map(({ element }) => element));
+  plots.push(...parts.filter((part) => part instanceof Plot));
+  return el('div', { class: 'target' }, el('h3', {}, target.name), ...parts.map((part) => (part instanceof Plot ? part.element : part)));
 }
 
 // All targets in one plot per axis, with boxes to choose them.

@@ -215,8 +215,13 @@ AxisSpectrum spectrum_of(const Series& series) {
 std::vector<TargetSpectra> spectra_of(const Samples& samples, const std::vector<TargetSummary>& targets) {
   std::vector<TargetSpectra> spectra;
   for (const TargetSummary& target : targets) {
-    spectra.push_back({spectrum_of(series_of(samples, target.marker, &Extent<frame::Board>::x)),
-                       spectrum_of(series_of(samples, target.marker, &Extent<frame::Board>::y))});
+    const auto along = [&](double Extent<frame::Board>::*axis) {
+      AxisSpectrum spectrum = spectrum_of(series_of(samples, target.marker, axis));
+      // Lines, for example, show one axis only.
+      if (!spectrum.refusal.empty() && std::isnan(target.u.*axis)) spectrum.refusal = "it was not measured";
+      return spectrum;
+    };
+    spectra.push_back({along(&Extent<frame::Board>::x), along(&Extent<frame::Board>::y)});
   }
   return spectra;
 }
