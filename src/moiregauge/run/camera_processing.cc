@@ -292,7 +292,7 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
   listen(reference, seen, frame, light);
   // A codec with prediction between frames repeats grain even without noise reduction. Its error has its own part in u.
   const Quantiser& codec = frame.quantiser.whole;
-  if (!seen.references_seen || reference.circles.empty() || !is_testable_) return interrupt();
+  if (!seen.references_seen || reference.circles.empty() || !is_testable_) return interrupt_grain();
   std::vector<ImagePoint> centres = reference_centres(reference, seen);
   const View view{seen.stage2, reference.lens};
   const double reach = kAnchor * reference.diameter_px(reference.circles.front(), view);
@@ -317,8 +317,12 @@ void ProcessingWatch::repeat(long frame) {
 }
 
 void ProcessingWatch::interrupt() {
-  sampler_.interrupt();
   echo_.interrupt();
+  interrupt_grain();
+}
+
+void ProcessingWatch::interrupt_grain() {
+  sampler_.interrupt();
   last_.clear();
 }
 

@@ -48,11 +48,14 @@ class ProcessingWatch {
   // Returns true if the tests need the skipped frames after the selected frame `seen`. They do not if no marker moved since
   // the selected frame of the last call, or if they are finished.
   [[nodiscard]] bool needs_skipped_frames(const Observation& seen);
+  // Returns true if fits of templates in further frames can contribute to the result.
+  [[nodiscard]] bool needs_templates() const { return !echo_.is_finished(); }
   // `since`: repeated frames with a smaller number are excluded.
   [[nodiscard]] CameraProcessing result(long since = 0) const;
 
  private:
   void listen(const Reference& reference, const Observation& seen, const Frame& frame, const LightMap& light);
+  void interrupt_grain();
 
   GrainSampler sampler_;
   EchoWatch echo_;

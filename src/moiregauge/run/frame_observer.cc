@@ -80,6 +80,7 @@ bool FrameObserver::refer_to(const Frame& frame) {
     if (!refer_in_light(frame) || !follow_shown_tone(frame)) return false;
   }
   out_.notes.insert(out_.notes.end(), reference_notes_.begin(), reference_notes_.end());
+  learn_templates(frame);
   return true;
 }
 
@@ -163,7 +164,10 @@ bool FrameObserver::refer_in_light(const Frame& frame) {
 
 void FrameObserver::keep_picture(const Frame& frame) {
   if (frame.number != out_.reference->seen.frame) return;
-  if (!processing_.is_referred()) processing_.refer(*out_.reference, frame.luma);
+  if (!processing_.is_referred()) {  // a resumed run
+    processing_.refer(*out_.reference, frame.luma);
+    learn_templates(frame);
+  }
   out_.picture = KeptPicture{upper_bits(frame.luma, out_.input.bits)};
 }
 
@@ -204,7 +208,7 @@ void FrameObserver::add(const Frame& frame, const Observation& seen) {
   else if (frame.damaged || !out_.reference)
     processing_.interrupt();
   else
-    processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);
+    watch(frame, seen);
   is_after_selected_ = true;
 }
 
@@ -216,7 +220,26 @@ void FrameObserver::pass_skipped(const Frame& frame, const std::function<bool()>
   ++skipped_;
   const Observation seen = look_at(frame);
   if (!is_whole()) return processing_.interrupt();
-  processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);
+  watch(frame, seen);
+}
+
+// Lossy frames are not tested, so that no templates are learned for them.
+void FrameObserver::learn_templates(const Frame& frame) {
+  if (options_.method->prepare == nullptr && frame.quantiser.whole.is_lossless())
+    templates_.refer(light_.picture(frame.luma), *out_.reference);
+}
+
+void FrameObserver::watch(const Frame& frame, const Observation& seen) {
+  Observation with_templates;
+  const Reference* reference = nullptr;
+  if (templates_.is_ready() && processing_.needs_templates()) {
+    with_templates = seen;
+    reference = templates_.fit(light_.picture(frame.luma), with_templates);
+  }
+  if (reference != nullptr)
+    processing_.add(*reference, with_templates, frame, out_.input.bits, light_);
+  else
+    processing_.add(*out_.reference, seen, frame, out_.input.bits, light_);
 }
 
 }  // namespace moiregauge::internal

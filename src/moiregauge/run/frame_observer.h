@@ -11,6 +11,7 @@
 #include "moiregauge/run/light.h"
 #include "moiregauge/run/measure.h"
 #include "moiregauge/run/repeated_frames.h"
+#include "moiregauge/run/template_reader.h"
 
 namespace moiregauge::internal {
 
@@ -48,6 +49,9 @@ class FrameObserver {
   [[nodiscard]] Tone stated_tone() const;
   // Returns what is seen in a frame, which is not damaged, with the current prediction.
   [[nodiscard]] Observation look_at(const Frame& frame);
+  // Passes a measured frame to the tests of camera processing.
+  void watch(const Frame& frame, const Observation& seen);
+  void learn_templates(const Frame& frame);
 
   const MeasureOptions& options_;
   Measurement& out_;
@@ -58,6 +62,7 @@ class FrameObserver {
   double rounding_ = 0.0;  // largest so far, grey levels or light levels
   RepeatedFrames repeats_;
   ProcessingWatch processing_;
+  TemplateReader templates_;        // for methods that read none
   bool is_after_selected_ = false;  // no skipped frame came since the last selected one
   bool observes_skipped_ = false;   // up to the next selected frame
   long skipped_ = 0;                // skipped frames that were observed

@@ -51,6 +51,9 @@ inline constexpr std::size_t kMinForHomography = 4, kMinForPose = 3;
 // that cannot be learned stays empty.
 void learn_prints(const GreyPicture& picture, Reference& reference);
 
+// Fits the learned templates in a frame that another method read.
+void fit_templates(const GreyPicture& picture, const Reference& reference, Observation& seen);
+
 // Reads a frame by tracking, or by detection where tracking fails, and fits every template to the raw pixels. Steps and
 // limits are in docs/methods/precise/frame-reading.md.
 [[nodiscard]] Observation observe_precise(const GreyPicture& picture, const Reference& reference,

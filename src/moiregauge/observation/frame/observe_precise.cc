@@ -157,6 +157,11 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
   }
 }
 
+void fit_templates(const GreyPicture& picture, const Reference& reference, Observation& seen) {
+  const View view{seen.stage2, reference.lens};
+  for (std::size_t i = 0; i < seen.markers.size(); ++i) read(picture, reference, view, i, seen.markers[i]);
+}
+
 namespace {
 
 // Tracks a target. Returns false if it is not at its predicted position, or not in the fringe order of its outline.
