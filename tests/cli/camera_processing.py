@@ -64,7 +64,12 @@ for clip, options, expected, word in (
         ("small-share", ("--frames", "0:40:2"), 4, "of the previous frame"),
         ("small-share", ("--frames", "0:40:7"), 4, "of the previous frame"),
         ("recursion", ("--frames", "0:40:2", "--method", "two-stage"), 4, "averages over time"),
-        ("as-it-is", ("--frames", "0:40:2"), 0, "20 of 20")):
+        ("as-it-is", ("--frames", "0:40:2"), 0, "20 of 20"),
+        # Methods that read no templates use them for this test alone.
+        ("small-share", ("--method", "two-stage"), 4, "of the previous frame"),
+        ("small-share", ("--method", "conventional"), 4, "of the previous frame"),
+        ("as-it-is", ("--method", "two-stage"), 0, "40 of 40"),
+        ("as-it-is", ("--method", "conventional"), 0, "40 of 40")):
     out = work / "-".join(["skips", clip, *options])
     ran = runs.run([program, "measure", work / clip / "video.mkv", "--site", work / clip / "site.toml", *options, "-o", out], expected)
     runs.insist(word in ran.stdout + ran.stderr, f"{clip} {options}: {ran.stderr}")
