@@ -65,6 +65,7 @@ def results_are_those_of_the_command():
     far = [row for row in late if abs(row[3] - float(final[int(row[0])][4])) > 5 * float(final[int(row[0])][6])]
     insist(late and len(far) <= 0.02 * len(late), f"{len(far)} of {len(late)} provisional values are off")
     views_hold_references(server, [data for _, data in events.of("view") if data["id"] == started["id"]])
+    sizes(server)
     shown(server)
     code, text = server.stop()
     insist(code == 0, text)
@@ -87,6 +88,17 @@ def views_hold_references(server, views):
             insist(max(abs(still[k] - at_rest[name][k]) for k in (0, 1)) < 0.5, f"{name} in frame {view['frame']}: {still}, not {at_rest[name]}")
             moved = max(moved, abs(x - at_rest[name][0]), abs(y - at_rest[name][1]))
     insist(moved > 5.0, f"the camera moved the circles by {moved:.1f} px only")
+
+
+def sizes(server):
+    """The size of an image folder is that of its images."""
+    images = folder / "images"
+    images.mkdir()
+    for name, size in (("a.png", 70000), ("b.png", 50001), ("notes.txt", 999)):
+        (images / name).write_bytes(bytes(size))
+    entry = {known["path"]: known for known in server.get("/api/entries").json["entries"]}["images"]
+    shutil.rmtree(images)
+    insist(entry["kind"] == "images" and entry["bytes"] == 120001, entry)
 
 
 def shown(server):

@@ -245,8 +245,10 @@ StatusWords words_of(Status status) {
     case Status::kOk:
       return {"the value is reliable", ""};
     case Status::kUntrusted:
-      return {"the images contradict the measurement model, for example because a reference moved",
-              "See the warnings, give the lens with --camera, or use six references"};
+      return {
+          "the images contradict the measurement model, for example because a reference moved or the camera averages "
+          "frames",
+          "See the warnings, give the lens with --camera, or use six references"};
     case Status::kCameraMoved:
       return {"the camera moved, which this method cannot correct", "Measure with --method precise or two-stage"};
     case Status::kBlurred:

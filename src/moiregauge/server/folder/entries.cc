@@ -96,6 +96,17 @@ Entry new_entry(const std::string& path, EntryKind kind, const FileFacts& facts)
   return entry;
 }
 
+// Returns the size of the images in a folder, bytes.
+std::int64_t bytes_of_images(const std::string& folder, const std::vector<std::string>& names) {
+  std::int64_t bytes = 0;
+  for (const std::string& name : names) {
+    if (!has_image_extension(name)) continue;
+    const FileFacts facts = file_facts(folder + "/" + name, false);
+    if (facts.is_plain) bytes += facts.bytes;
+  }
+  return bytes;
+}
+
 // A clip and its run belong together by the default name of the output folder.
 void join_runs(std::vector<Entry>& entries) {
   std::map<std::string, const Entry*> runs;
@@ -197,7 +208,7 @@ void EntryList::add_folder(const std::string& relative, int depth, std::vector<E
       const std::vector<std::string> inside = names_in(root_ + "/" + path);
       const bool has_images = std::ranges::any_of(inside, has_image_extension);
       Entry entry = new_entry(path, has_images ? EntryKind::kImages : EntryKind::kFolder, facts);
-      entry.bytes = 0;
+      entry.bytes = bytes_of_images(root_ + "/" + path, inside);
       out.push_back(std::move(entry));
       if (!has_images && depth < kMaxDepth) add_folder(path, depth + 1, out);
     }
