@@ -12,6 +12,10 @@ program, work, _ = runs.start()
 MOVING = ["marker.mid.dx.knots=[[0, 0], [4, 0.12]]", "noise.sigma=0.8"]
 RESTING = ["marker.mid.dy.scale=0", "marker.mid.dx.scale=0", "noise.sigma=0.8"]
 
+# Movement in one direction by 0.22, 0.27 and 0.41 px per frame.
+ONE_WAY = {f"one-way-{speed}": [f"marker.mid.dx.knots=[[0, 0], [4, {4 * speed}]]", "marker.mid.dy.scale=0", "noise.sigma=0.8"]
+           for speed in (0.8, 1.0, 1.5)}
+
 
 def measured(name, settings, video_filter=None, expected=0):
     """Returns the numbers of ok, untrusted and wrong ok rows, and stderr."""
@@ -42,7 +46,8 @@ def measured(name, settings, video_filter=None, expected=0):
 
 for name, settings, video_filter in (
         ("as-it-is", MOVING, None),
-        ("at-rest", RESTING + ["processing.recursion=0.6"], None)):
+        ("at-rest", RESTING + ["processing.recursion=0.6"], None),
+        *((name, settings, None) for name, settings in ONE_WAY.items())):
     ok, untrusted, lies, said = measured(name, settings, video_filter)
     runs.insist(ok == 40 and lies == 0, f"{name}: {ok} ok, {lies} wrong\n{said}")
     print(name, ok, untrusted, lies)
@@ -50,6 +55,7 @@ for name, settings, video_filter in (
 for name, settings, video_filter, word in (
         ("recursion", MOVING + ["processing.recursion=0.3"], None, "averages over time"),
         ("small-share", MOVING + ["processing.recursion=0.1"], None, "of the previous frame"),
+        *((f"{name}-share", settings + ["processing.recursion=0.1"], None, "of the previous frame") for name, settings in ONE_WAY.items()),
         ("mean-of-three", MOVING, "tmix=frames=3", "averages over time"),
         ("denoised", MOVING, "hqdn3d=4:3:20:15", "averages over time"),
         ("equalised", MOVING, "histeq", "tone curve has a step"),

@@ -29,13 +29,14 @@ constexpr double kIndependent = 0.96;
 // limit.
 constexpr double kIndependentMoving = 0.96;
 constexpr double kIndependentMovingLossy = 0.85;
-constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1, or of a share from 0, that proves averaging, in u
+constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1 that proves averaging, in u
 constexpr double kMinValues = 2000.0;
 // Values of a tile that count as one behind a codec, which leaves a few coefficients of a block. With 1, MJPEG without an
 // average had ratios of 0.92, beyond 4 u. With 32, an average with a share of 0.2 was missed. Chosen.
 constexpr double kValuesOfBlock = 8.0;
 // Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
 constexpr double kEcho = 0.03;
+constexpr double kSureOfEcho = 3.0;  // distance of a share from 0 that proves averaging, in u
 // Smallest variance of real grain, grey levels squared. A quiet sensor's variance of 0.1 still leaves 0.05 after
 // rounding to whole grey levels. A lower variance than this limit means that noise was removed.
 constexpr double kNoGrain = 0.003;
@@ -181,10 +182,11 @@ std::optional<ProcessingFault> enlarged_fault(const SlopeSteps& steps, Samples& 
 // Returns the share of the previous frame that the gratings show, if it is significant.
 std::optional<EchoShare> echo_share(const EchoSums& echo) {
   const auto significant = [](const EchoShare& by) {
-    return by.share > std::max(kEcho, kSureOfGrain * by.u) ? by : EchoShare{};
+    return by.share > std::max(kEcho, kSureOfEcho * by.u) ? by : EchoShare{};
   };
-  const EchoShare by = std::max(significant(share_by_edges(echo)), significant(share_by_noise(echo)),
-                                [](const EchoShare& a, const EchoShare& b) { return a.share < b.share; });
+  const EchoShare by =
+      std::max({significant(share_by_edges(echo)), significant(share_by_noise(echo)), significant(share_by_both(echo))},
+               [](const EchoShare& a, const EchoShare& b) { return a.share < b.share; });
   return by.share > 0.0 ? std::optional(by) : std::nullopt;
 }
 
@@ -208,7 +210,7 @@ std::optional<Averaging> averaging_shown(const CameraProcessing& processing, boo
                     grain.one_apart / grain.two_apart, u_of_ratio(alike_still ? still_values : moving.values)),
         remedy};
   }
-  // Slow movement in one direction can look like a small share, other movement per frame does not.
+  // Slow movement in one direction looks most like a share. Other movement per frame is the better test.
   if (const auto by = echo_share(processing.echo))
     return Averaging{fmt::format("the gratings show {:.3f} of the previous frame, u {:.3f}", by->share, by->u),
                      remedy + "; if it was off, halve the camera's frame rate"};

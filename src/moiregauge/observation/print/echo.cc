@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -11,65 +13,22 @@ namespace {
 
 constexpr int kPixels = 20000;           // per grating and frame; chosen
 constexpr int kFramePixels = 60000;      // over all gratings of a frame; bounds the time. Chosen.
-constexpr std::size_t kMoments = 4;      // lags of one to three frames
-constexpr double kReplaced_px = 2.0;     // movement from which on other pixels are used. Chosen.
-constexpr double kMargin_px = 3.0;       // more than that, so that all pixels stay inside the window
+constexpr int kTile = 16;                // px. Large gratings count in tiles, because pixels need their neighbours.
+constexpr std::size_t kMoments = 8;      // lags of one to seven frames
+constexpr double kReplaced_px = 4.0;     // movement from which on other pixels are used: three lags of 1.2 px. Chosen.
 constexpr double kMoves_px = 0.03;       // below, an edge of 100 grey levels/px changes by less than kChange
-constexpr double kNear_px = 0.5;         // largest d_k. Structure is nearly linear over it. Chosen.
+constexpr int kNeighbours = 3;           // px, largest e
 constexpr double kChange = 3.0;          // grey levels, of which whole levels show a share of 0.1 a third of the time
 constexpr int kMinChanged = 100;         // pixels
 constexpr double kVisible_px = 0.3;      // smallest D. A beyond the fit's columns has third order in D.
 constexpr int kMinForEdges = 300;        // pixels, for 17 unknowns
 constexpr double kMaxShareError = 0.05;  // u of one frame's share. Chosen.
-constexpr double kAlikeError = 0.02;     // frames of a smaller u weigh alike, so that no single one decides. Chosen.
-constexpr double kDetermined = 1e-3;     // relative determinant of beta and s
-constexpr double kMinFrames = 5.0;       // with movement: a single jump of the target decides nothing
-// A test is decided when u is far below the smallest share that matters. Chosen.
-constexpr double kDecidedByEdges = 0.003, kDecidedByNoise = 0.008;
-constexpr double kDecidingFrames = 12.0;
-constexpr int kMostFrames = 400;  // with movement, examined in vain. Chosen.
-
-constexpr double kUnknowns = 2.0;  // beta and s
+constexpr int kMostFrames = 400;         // with movement, examined in vain. Chosen.
 constexpr int kNuisances = 16;
 using Row = Eigen::Matrix<double, kNuisances + 1, 1>;
 using Normal = Eigen::Matrix<double, kNuisances + 1, kNuisances + 1>;
 
-// Adds the products of one grating and frame. Means over the lags eliminate alpha.
-struct Product {
-  double distance2 = 0.0;  // px^2
-  double is_last = 0.0;    // 1 for k = 1
-  double value = 0.0;      // 1
-};
-void add_products(const std::vector<Product>& products, double weight, EchoSums& sums) {
-  Product mean;
-  const double share = 1.0 / static_cast<double>(products.size());
-  for (const Product& one : products)
-    mean.distance2 += share * one.distance2, mean.is_last += share * one.is_last, mean.value += share * one.value;
-  for (const Product& one : products) {
-    const double d2 = one.distance2 - mean.distance2, last = one.is_last - mean.is_last, y = one.value - mean.value;
-    sums.normal[0] += weight * d2 * d2, sums.normal[1] += weight * d2 * last, sums.normal[2] += weight * last * last;
-    sums.right[0] += weight * d2 * y, sums.right[1] += weight * last * y;
-    sums.squares += weight * y * y;
-  }
-  sums.equations += static_cast<double>(products.size() - 1);
-}
-
-// Returns the factor by which few degrees of freedom enlarge u, so that 4 u are as rare as 4 sigma. Student's t is
-// expanded for large degrees of freedom (Abramowitz and Stegun 26.7.5).
-double enlargement_of_few(double freedom) { return 1.0 + 4.25 / freedom + 16.0 / (freedom * freedom); }
-
-// Returns the effective number of frames whose edges moved.
-double frames_of(const EchoSums& sums) {
-  return sums.squared_weights > 0.0 ? sums.weights * sums.weights / sums.squared_weights : 0.0;
-}
-
-double mean_of_products(const std::vector<double>& a, const std::vector<double>& b, const std::vector<bool>& use) {
-  double sum = 0.0, count = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (use[i]) sum += a[i] * b[i], count += 1.0;
-  }
-  return count > 0.0 ? sum / count : 0.0;
-}
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 bool is_inside(PrintPoint p, const PatchWindow& w) {
   return std::abs(p.x - w.centre.x) <= w.half_x && std::abs(p.y - w.centre.y) <= w.half_y;
@@ -95,36 +54,57 @@ Row row_of(const PrintTemplate& print, PrintPoint now, PrintPoint before, PrintP
   return row;
 }
 
-}  // namespace
-
-EchoShare share_by_edges(const EchoSums& sums) {
-  const double frames = frames_of(sums);
-  if (!(frames >= kMinFrames)) return {};
-  const double mean = sums.shares / sums.weights;
-  const double variance = std::max(0.0, sums.squared_shares / sums.weights - mean * mean);
-  return {mean, enlargement_of_few(frames - 1.0) * std::sqrt(variance / (frames - 1.0))};
+// Pixels whose prediction changed, and the mean square of their residuals.
+struct Changed {
+  std::vector<std::size_t> index;
+  double square = 0.0;
+};
+Changed changed_pixels(const std::vector<double>& now, const std::vector<double>& before,
+                       const std::vector<double>& residuals, double change) {
+  Changed changed;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (std::abs(now[i] - before[i]) >= change)  // false outside the window
+      changed.index.push_back(i), changed.square += residuals[i] * residuals[i];
+  }
+  changed.square /= std::max(1.0, static_cast<double>(changed.index.size()));
+  return changed;
 }
 
-EchoShare share_by_noise(const EchoSums& sums) {
-  if (sums.equations < 2.0 * kMinFrames) return {};
-  const auto& [bb, bs, ss] = sums.normal;
-  const double determinant = bb * ss - bs * bs;
-  if (!(determinant > kDetermined * bb * ss)) return {};
-  const double beta = (ss * sums.right[0] - bs * sums.right[1]) / determinant;
-  const double share = (bb * sums.right[1] - bs * sums.right[0]) / determinant;
-  const double squares = sums.squares - beta * sums.right[0] - share * sums.right[1];
-  const double freedom = sums.equations - kUnknowns;
-  const double few = enlargement_of_few(freedom);
-  // The noise of the products is known. What exceeds it is known by their scatter only.
-  const double variance = 1.0 + few * few * std::max(0.0, squares / freedom - 1.0);
-  return {share, std::sqrt(variance * bb / determinant)};
+// Returns the index of the pixel (ex, ey) before each chosen one, or -1. `pixels` are sorted by rows, `chosen` by index.
+template <typename Pixel>
+std::vector<std::ptrdiff_t> neighbours_of(const std::vector<Pixel>& pixels, const std::vector<std::size_t>& chosen,
+                                          int ex, int ey) {
+  std::vector<std::ptrdiff_t> neighbours;
+  neighbours.reserve(chosen.size());
+  std::size_t at = 0;
+  for (const std::size_t i : chosen) {
+    const std::pair other(pixels[i].y - ey, pixels[i].x - ex);
+    const auto place = [&] { return std::pair(pixels[at].y, pixels[at].x); };
+    while (at < pixels.size() && place() < other) ++at;
+    neighbours.push_back(at < pixels.size() && place() == other ? static_cast<std::ptrdiff_t>(at) : -1);
+  }
+  return neighbours;
 }
 
-namespace {
+// Returns the mean product of the residuals of chosen pixels now and of their neighbours then. Nothing: too few pixels.
+std::optional<double> mean_product(const std::vector<double>& now, const std::vector<double>& then,
+                                   const std::vector<std::size_t>& chosen,
+                                   const std::vector<std::ptrdiff_t>& neighbours) {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (neighbours[i] < 0) continue;
+    const double residual = then[static_cast<std::size_t>(neighbours[i])];
+    if (!std::isnan(residual)) sum += now[chosen[i]] * residual, ++count;
+  }
+  return count >= kMinChanged ? std::optional(sum / count) : std::nullopt;
+}
 
-bool is_decided(const EchoSums& sums) {
-  return (frames_of(sums) >= kDecidingFrames && share_by_edges(sums).u < kDecidedByEdges) ||
-         share_by_noise(sums).u < kDecidedByNoise;
+// Returns the direction of a print's x axis in the image, of length 1.
+ImagePoint x_axis_of(const PatchFit& fit) {
+  const auto along = fit.image[5] - fit.image[3];
+  const double size = length(along);
+  return size > 0.0 ? ImagePoint{along.x / size, along.y / size} : ImagePoint{1.0, 0.0};
 }
 
 }  // namespace
@@ -134,7 +114,7 @@ bool EchoWatch::is_finished() const { return is_decided(sums_) || examined_ >= k
 void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& prints) {
   if (is_finished()) return;
   std::vector<bool> is_seen(tracks_.size());
-  FrameShare share;
+  SharesOfGratings shares;
   std::size_t pixels = 0;
   for (const SeenPrint& print : prints) {
     if (tracks_.size() <= print.marker) tracks_.resize(print.marker + 1), is_seen.resize(print.marker + 1);
@@ -143,14 +123,14 @@ void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& p
     is_seen[print.marker] = true;
     if (!follow(picture, print, track)) continue;
     pixels += track.pixels.size();
-    add_edges(print, track, share);
-    add_noise(print.step, track);
+    add_edges(print, track, shares);
+    add_noise(print, track);
   }
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!is_seen[i]) tracks_[i].moments.clear();
   }
   examined_ += pixels > 0;
-  add_share(share);
+  add_frame(shares);
 }
 
 bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Track& track) {
@@ -169,21 +149,20 @@ bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Trac
   return moved;
 }
 
-// Chooses the pixels of the window. Residuals at other pixels are dropped.
+// Chooses the pixels that the window covers until it has moved too far. Residuals at other pixels are dropped.
 void EchoWatch::place(const LumaView& luma, const PatchWindow& window, const Moment& now, Track& track) {
   const PixelBox whole = box_round(now.map->inverse(), window);
-  const PixelBox box{std::max(0, whole.x0), std::max(0, whole.y0), std::min(width_of(luma) - 1, whole.x1),
-                     std::min(height_of(luma) - 1, whole.y1)};
+  const int more = static_cast<int>(kReplaced_px);
+  const PixelBox box{std::max(0, whole.x0 - more), std::max(0, whole.y0 - more),
+                     std::min(width_of(luma) - 1, whole.x1 + more), std::min(height_of(luma) - 1, whole.y1 + more)};
   const double area = std::max(1.0, double(box.x1 - box.x0 + 1) * double(box.y1 - box.y0 + 1));
-  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / kPixels))));
-  const double pitch_px = std::sqrt(area / (4.0 * window.half_x * window.half_y));
-  const double margin = kMargin_px / pitch_px;
-  const PatchWindow inner{window.centre, window.half_x - margin, window.half_y - margin};
+  // Step of the tiles that are used, along both axes.
+  const int every = std::max(1, static_cast<int>(std::ceil(area / kPixels)));
   track.pixels.clear();
   track.placed = now.centre;
-  for (int y = box.y0; y <= box.y1; y += step) {
-    for (int x = box.x0; x <= box.x1; x += step) {
-      if (is_inside((*now.map)(ImagePoint{double(x), double(y)}), inner)) track.pixels.push_back({x, y});
+  for (int y = box.y0; y <= box.y1; ++y) {
+    for (int x = box.x0; x <= box.x1; ++x) {
+      if (((x - box.x0) / kTile + (y - box.y0) / kTile) % every == 0) track.pixels.push_back({x, y});
     }
   }
   for (Moment& moment : track.moments) moment.residuals.clear(), moment.predicted.clear();
@@ -200,7 +179,12 @@ void EchoWatch::predict(const LightPicture& picture, const SeenPrint& print, con
           const auto grey = luma.at(pixel.x, pixel.y);
           const double light = picture.light.empty() ? double(grey) : double(picture.light[grey]);
           const ImagePoint at{double(pixel.x), double(pixel.y)};
-          const PrintLevel level = print.model->print.at((*now.map)(at));
+          const PrintPoint on_print = (*now.map)(at);
+          if (!is_inside(on_print, print.model->window)) {
+            now.predicted.push_back(kNaN), now.residuals.push_back(kNaN);
+            continue;
+          }
+          const PrintLevel level = print.model->print.at(on_print);
           const auto [background, contrast] = fit.light_and_contrast(at);
           const double predicted = background + contrast * level.t + blur[0] * level.dxx + blur[1] * level.dyy;
           now.predicted.push_back(predicted), now.residuals.push_back(light - predicted);
@@ -209,15 +193,15 @@ void EchoWatch::predict(const LightPicture& picture, const SeenPrint& print, con
       picture.luma);
 }
 
-void EchoWatch::add_share(const FrameShare& share) {
-  if (!(share.weight > 1.0 / (kMaxShareError * kMaxShareError))) return;
-  const double found = std::clamp(share.weighted / share.weight, -1.0, 1.0);
-  const double weight = 1.0 / (1.0 / share.weight + kAlikeError * kAlikeError);
-  sums_.weights += weight, sums_.squared_weights += weight * weight;
-  sums_.shares += weight * found, sums_.squared_shares += weight * found * found;
+void EchoWatch::add_frame(const SharesOfGratings& shares) {
+  if (!(shares.weight > 1.0 / (kMaxShareError * kMaxShareError))) return;
+  FrameShare frame{shares.weighted / shares.weight, 1.0 / std::sqrt(shares.weight), 0.0, 0.0};
+  const double norm = std::hypot(shares.direction.x, shares.direction.y);
+  if (norm > 0.0) frame.x = frame.u * shares.direction.x / norm, frame.y = frame.u * shares.direction.y / norm;
+  internal::add_share(frame, sums_);
 }
 
-void EchoWatch::add_edges(const SeenPrint& print, const Track& track, FrameShare& share) {
+void EchoWatch::add_edges(const SeenPrint& print, const Track& track, SharesOfGratings& shares) {
   if (track.moments.size() < 2) return;
   const Moment &now = track.moments[0], &before = track.moments[1];
   if (!before.map || !(length(now.centre - before.centre) > kVisible_px)) return;
@@ -230,7 +214,9 @@ void EchoWatch::add_edges(const SeenPrint& print, const Track& track, FrameShare
   for (std::size_t i = 0; i < track.pixels.size(); ++i) {
     const ImagePoint at{double(track.pixels[i].x), double(track.pixels[i].y)};
     const PrintPoint here = (*now.map)(at), there = (*before.map)(at);
-    if (!is_inside(there, window) || !is_inside({2.0 * here.x - there.x, 2.0 * here.y - there.y}, window)) continue;
+    if (std::isnan(now.residuals[i]) || !is_inside(there, window) ||
+        !is_inside({2.0 * here.x - there.x, 2.0 * here.y - there.y}, window))
+      continue;
     const auto in_window = to_window(here);
     const Row row = row_of(print.model->print, here, there, {in_window.x, in_window.y});
     normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
@@ -247,32 +233,42 @@ void EchoWatch::add_edges(const SeenPrint& print, const Track& track, FrameShare
   const double gain = print.fit->gain[0];
   if (!(sigma2 > 0.0 && odd > 0.0 && gain > 0.0)) return;
   const double weight = gain * gain / (4.0 * sigma2 * odd);
-  share.weight += weight, share.weighted += weight * 2.0 * x(kNuisances) / gain;
+  shares.weight += weight, shares.weighted += weight * 2.0 * x(kNuisances) / gain;
+  const auto went = now.centre - before.centre;
+  shares.direction.x += weight * went.x / length(went), shares.direction.y += weight * went.y / length(went);
 }
 
-void EchoWatch::add_noise(double step, const Track& track) {
+// Adds products of this frame's residuals with those of earlier frames, at the same pixels and at neighbours.
+void EchoWatch::add_noise(const SeenPrint& print, const Track& track) {
   const Moment& now = track.moments[0];
-  std::vector<double> distance;
-  for (std::size_t k = 1; k < track.moments.size(); ++k) {
-    const Moment& then = track.moments[k];
-    const double d = length(now.centre - then.centre);
-    if (then.residuals.size() != now.residuals.size() || d > kNear_px) break;
-    distance.push_back(d);
+  const auto is_alike = [&](const Moment& then) { return then.residuals.size() == now.residuals.size(); };
+  if (track.moments.size() < 2 || !is_alike(track.moments[1])) return;
+  const Changed changed =
+      changed_pixels(now.predicted, track.moments[1].predicted, now.residuals, kChange * print.step);
+  if (changed.index.size() < kMinChanged || !(changed.square > 0.0)) return;
+  const ImagePoint along = x_axis_of(*print.fit);
+  std::vector<NoiseProduct> same, others;
+  for (int ey = -kNeighbours; ey <= kNeighbours; ++ey) {
+    for (int ex = -kNeighbours; ex <= kNeighbours; ++ex) {
+      const bool is_same = ex == 0 && ey == 0;
+      std::vector<std::ptrdiff_t> neighbours;
+      for (std::size_t k = 1; k < track.moments.size() && is_alike(track.moments[k]); ++k) {
+        const Moment& then = track.moments[k];
+        const auto since = now.centre - then.centre;
+        const double x = since.x - ex, y = since.y - ey;
+        if (std::hypot(x, y) > kLargestDistance_px) continue;
+        if (neighbours.empty()) neighbours = neighbours_of(track.pixels, changed.index, ex, ey);
+        const auto product = mean_product(now.residuals, then.residuals, changed.index, neighbours);
+        if (!product) continue;
+        (is_same ? same : others)
+            .push_back(
+                {x * along.x + y * along.y, y * along.x - x * along.y, is_same && k == 1, *product / changed.square});
+      }
+    }
   }
-  if (distance.size() < 2) return;
-  std::vector<bool> use(now.residuals.size());
-  for (std::size_t i = 0; i < use.size(); ++i)
-    use[i] = std::abs(now.predicted[i] - track.moments[1].predicted[i]) >= kChange * step;
-  const auto count = std::count(use.begin(), use.end(), true);
-  if (count < kMinChanged) return;
-  const double whole = mean_of_products(now.residuals, now.residuals, use);
-  if (!(whole > 0.0)) return;
-  std::vector<Product> products;
-  for (std::size_t k = 0; k < distance.size(); ++k) {
-    const double product = mean_of_products(now.residuals, track.moments[k + 1].residuals, use);
-    products.push_back({distance[k] * distance[k], k == 0 ? 1.0 : 0.0, product / whole});
-  }
-  add_products(products, static_cast<double>(count), sums_);
+  const double weight = static_cast<double>(changed.index.size());
+  add_products(same, weight, sums_);
+  add_products(others, weight, sums_);
 }
 
 }  // namespace moiregauge::internal

@@ -8,45 +8,20 @@
 // differ by the odd column A = T(X - D) - T(X + D). Blur by the movement itself is even, because an exposure is alike
 // before and after its middle. So r = s A / 2, together with the columns of the fit. This needs D of a third of a pixel.
 //
-// Noise. The products of residuals k frames apart have the mean
-//
-//     <r(t) r(t - k)> / <r^2> = alpha_t + beta d_k^2 + s [k = 1]
-//
-// A fixed pattern gives alpha. It varies with the place of the edges in their pixels, so every frame has its own.
-// Structure of print and paper, displaced by d_k, gives beta. Only pixels count whose prediction changed by several
-// grey levels: whole grey levels hide a small share of a small change.
+// Noise. An echo correlates the residuals of a frame with those of the previous one at the same pixel, and only there.
+// Only pixels count whose prediction changed by several grey levels. Whole grey levels hide a small share of a small
+// change. echo_sums.h has the model of these products.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "moiregauge/observation/print/echo_sums.h"
 #include "moiregauge/observation/print/print_model.h"
 
 namespace moiregauge::internal {
-
-// Sums over the frames of a recording.
-struct EchoSums {
-  // Share of the previous frame by the edges, one value per frame: sums of the weights w, of w^2, w s and w s^2.
-  double weights = 0.0, squared_weights = 0.0, shares = 0.0, squared_shares = 0.0;
-  // Weighted normal equations of beta and s by the noise, lower triangle by rows. alpha is eliminated.
-  std::array<double, 3> normal{};
-  std::array<double, 2> right{};
-  double squares = 0.0, equations = 0.0;
-};
-
-// Share of the previous frame and its standard uncertainty, 1.
-struct EchoShare {
-  double share = 0.0;
-  double u = std::numeric_limits<double>::infinity();
-};
-// Return the share by the edges and by the noise. u is infinite if the recording shows no share.
-// Error: u is by the scatter between frames. It is enlarged for few frames, so that 4 u are as rare as 4 sigma.
-[[nodiscard]] EchoShare share_by_edges(const EchoSums& sums);
-[[nodiscard]] EchoShare share_by_noise(const EchoSums& sums);
 
 // A grating of one frame.
 struct SeenPrint {
@@ -81,24 +56,25 @@ class EchoWatch {
   struct Moment {
     ImagePoint centre;  // px
     std::optional<PrintFromImage> map;
-    std::vector<double> residuals, predicted;  // per pixel, light
+    std::vector<double> residuals, predicted;  // per pixel, light; NaN outside the window
   };
   struct Track {
-    std::vector<Pixel> pixels;
+    std::vector<Pixel> pixels;    // by rows
     ImagePoint placed;            // px, centre for which the pixels were chosen
-    std::vector<Moment> moments;  // newest first, at most four
+    std::vector<Moment> moments;  // newest first
   };
-  struct FrameShare {
+  // Share by the edges of several gratings of a frame: sums of the weights w, of w s and of w times the direction.
+  struct SharesOfGratings {
     double weight = 0.0, weighted = 0.0;
+    ImagePoint direction;
   };
   static void place(const LumaView& luma, const PatchWindow& window, const Moment& now, Track& track);
   static void predict(const LightPicture& picture, const SeenPrint& print, const Track& track, Moment& now);
   // Adds a grating to its track. Returns true if it moved within the track.
   static bool follow(const LightPicture& picture, const SeenPrint& print, Track& track);
-  static void add_edges(const SeenPrint& print, const Track& track, FrameShare& share);
-  void add_noise(double step, const Track& track);
-
-  void add_share(const FrameShare& share);
+  static void add_edges(const SeenPrint& print, const Track& track, SharesOfGratings& shares);
+  void add_noise(const SeenPrint& print, const Track& track);
+  void add_frame(const SharesOfGratings& shares);
 
   std::vector<Track> tracks_;  // per marker
   EchoSums sums_;

@@ -18,9 +18,10 @@ constexpr int kFrames = 24;
 using Plane = std::vector<double>;
 
 struct Film {
-  double share = 0.0;     // weight of the previous output, 1
-  double exposure = 0.0;  // relative to the frame interval, 1
-  double texture = 0.0;   // rms of a structure that is printed on the sheet, grey levels
+  double share = 0.0;      // weight of the previous output, 1
+  double exposure = 0.0;   // relative to the frame interval, 1
+  double texture = 0.0;    // rms of a structure that is printed on the sheet, grey levels
+  double per_frame = 0.0;  // px. Movement in one direction, instead of to and fro.
 };
 
 // Position of the sheet, px.
@@ -28,7 +29,8 @@ struct At {
   double x = 0.0, y = 0.0;
 };
 // `time`: in frames.
-At position(double time, double reach_px) {
+At position(double time, double reach_px, const Film& film) {
+  if (film.per_frame > 0.0) return {0.94 * film.per_frame * time, 0.34 * film.per_frame * time};
   return {reach_px * std::sin(0.61 * time), 0.7 * reach_px * std::sin(0.43 * time + 1.0)};
 }
 
@@ -62,7 +64,7 @@ Plane exposed(int frame, double reach_px, const Film& film, const Texture& textu
   const int steps = film.exposure > 0.0 ? 12 : 1;
   Plane light(std::size_t{kSide} * kSide);
   for (int k = 0; k < steps; ++k) {
-    const At at = position(frame + film.exposure * ((k + 0.5) / steps - 0.5), reach_px);
+    const At at = position(frame + film.exposure * ((k + 0.5) / steps - 0.5), reach_px, film);
     for (int y = 0; y < kSide; ++y) {
       for (int x = 0; x < kSide; ++x) {
         const double px = x - 0.5 * kSide - at.x, py = 0.5 * kSide - y - at.y;
@@ -92,7 +94,7 @@ EchoSums sums_of(double reach_px, const Film& film, std::uint64_t seed) {
           static_cast<std::uint8_t>(std::lround(std::clamp(now[i], 0.0, 255.0)));
     }
     last = now;
-    const At start = position(0, reach_px), at = position(frame, reach_px);
+    const At start = position(0, reach_px, film), at = position(frame, reach_px, film);
     if (!model) model = learn_print(stored.view(), upright(), print(), TemplateUse::kOn);
     if (!model) return {};
     const Extent<frame::Board> moved{at.x - start.x, at.y - start.y};
@@ -153,6 +155,35 @@ TEST(Echo, TheNoiseOfPixelsThatChangeShowsTheShareOfSlowMovement) {
   const EchoShare found = mean_share_by_noise(0.2, {0.3, 0.0, 0.0});
   EXPECT_GT(found.share, 4.0 * found.u);
   EXPECT_LT(found.share, 0.3 + 4.0 * found.u);
+}
+
+// Movement in one direction has the same distance in every frame. Neighbours have the same distance on the sheet and
+// no echo, so the structure of the paper is no share.
+TEST(Echo, TheNoiseShowsTheShareOfMovementInOneDirection) {
+  for (const double per_frame : {0.1, 0.2, 0.28, 0.4}) {
+    for (const double texture : {0.0, 3.0}) {
+      const EchoShare without = mean_share_by_noise(0.0, {0.0, 0.0, texture, per_frame});
+      EXPECT_LT(std::abs(without.share), 4.0 * without.u) << per_frame << " px, texture " << texture;
+    }
+    const EchoShare found = mean_share_by_noise(0.0, {0.3, 0.0, 0.0, per_frame});
+    EXPECT_GT(found.share, 4.0 * found.u) << per_frame << " px";
+    EXPECT_LT(found.share, 0.3 + 4.0 * found.u) << per_frame << " px";
+  }
+}
+
+// An error of the template acts alike while the grating moves in one direction. u of the edges must include it.
+TEST(Echo, EdgesThatMoveInOneDirectionShowNoShareBeyondTheirUncertainty) {
+  for (const double per_frame : {0.35, 0.45, 0.55}) {
+    double squares = 0.0, variances = 0.0;
+    constexpr int kFilms = 6;
+    for (int k = 0; k < kFilms; ++k) {
+      const EchoShare one =
+          share_by_edges(sums_of(0.0, {0.0, 0.0, 0.0, per_frame}, 30 + static_cast<std::uint64_t>(k)));
+      squares += one.share * one.share, variances += one.u * one.u;
+    }
+    // chi-square of six films: below 3.75 times its mean with a probability of 0.999.
+    EXPECT_LT(squares, 3.75 * variances) << per_frame << " px";
+  }
 }
 
 TEST(Echo, AGratingAtRestDecidesNothing) {

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/observation/print/echo_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace moiregauge::internal {
+namespace {
+
+constexpr double kAlikeError = 0.02;  // frames of a smaller u weigh alike, so that no single one decides. Chosen.
+constexpr double kMinFrames = 5.0;    // with movement: a single jump of the target decides nothing
+// A test is decided when u is far below the smallest share that matters. Chosen.
+constexpr double kDecidedByEdges = 0.003, kDecidedByNoise = 0.008;
+constexpr double kDecidingFrames = 12.0;
+
+// Largest structure in relation to the noise, as a standard deviation of beta: both have the same variance. Chosen.
+constexpr double kStructure = 1.0;
+// Structure of a template alone: harmonics beyond its last one, at the edges of binary gratings. Their products give
+// 0.16 to 0.18. The odd column sees twice as much, because it has the same edges.
+constexpr double kLeastStructure = 0.4;
+// Smallest variance of the shares by which the normal equations are divided.
+constexpr double kLeastVariance = 1e-12;
+// Terms (m, n) of the structure, each number in quarters of a cycle per pixel.
+constexpr std::array<std::array<int, 2>, 12> kWaves{
+    {{1, 0}, {2, 0}, {3, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 1}, {1, 2}, {2, 1}, {2, 2}, {1, 3}, {3, 1}}};
+constexpr int kTerms = static_cast<int>(kWaves.size());
+constexpr int kShare = kTerms, kValue = kTerms + 1;
+using ProductRow = Eigen::Matrix<double, kTerms + 2, 1>;
+using ProductNormal = Eigen::Matrix<double, kTerms + 2, kTerms + 2>;
+
+// Calls `visit(i, j, sum)` for the lower triangle of the normal equations of the products.
+template <typename Sums, typename Visit>
+void for_each_product(Sums& sums, Visit visit) {
+  visit(0, 0, sums.normal[0]), visit(kShare, 0, sums.normal[1]), visit(kShare, kShare, sums.normal[2]);
+  visit(kValue, 0, sums.right[0]), visit(kValue, kShare, sums.right[1]), visit(kValue, kValue, sums.squares);
+  std::size_t next = 0;
+  for (int i = 1; i <= kValue; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const bool has_term = (i > 0 && i < kTerms) || (j > 0 && j < kTerms);
+      if (has_term) visit(i, j, sums.structure[next++]);
+    }
+  }
+}
+
+ProductRow row_of(const NoiseProduct& product) {
+  ProductRow row;
+  constexpr double kQuarter = std::numbers::pi / 2.0;
+  for (int i = 0; i < kTerms; ++i) {
+    const auto [m, n] = kWaves[static_cast<std::size_t>(i)];
+    row(i) = std::cos(kQuarter * m * product.dx) * std::cos(kQuarter * n * product.dy);
+  }
+  row(kShare) = product.is_echo ? 1.0 : 0.0;
+  row(kValue) = product.value;
+  return row;
+}
+
+// Returns the factor by which few degrees of freedom enlarge u, so that 4 u are as rare as 4 sigma. Student's t is
+// expanded for large degrees of freedom (Abramowitz and Stegun 26.7.5).
+double enlargement_of_few(double freedom) { return 1.0 + 4.25 / freedom + 16.0 / (freedom * freedom); }
+
+// Returns the effective number of frames whose edges moved.
+double frames_of(const EchoSums& sums) {
+  return sums.squared_weights > 0.0 ? sums.weights * sums.weights / sums.squared_weights : 0.0;
+}
+
+// Structure and share by the noise.
+struct NoiseFit {
+  double structure = 0.0;  // variance relative to that of the residuals
+  EchoShare share;
+};
+NoiseFit fit_noise(const EchoSums& sums) {
+  if (sums.equations < 2.0 * kMinFrames + kTerms) return {};
+  ProductNormal all;
+  for_each_product(sums, [&](int i, int j, double sum) { all(i, j) = all(j, i) = sum; });
+  using NoiseNormal = Eigen::Matrix<double, kTerms + 1, kTerms + 1>;
+  using Unknowns = Eigen::Matrix<double, kTerms + 1, 1>;
+  NoiseNormal normal = all.topLeftCorner<kTerms + 1, kTerms + 1>();
+  const Unknowns right = all.topRightCorner<kTerms + 1, 1>();
+  for (int m = 0; m < kTerms; ++m) normal(m, m) += 1.0 / (kStructure * kStructure);
+  const Eigen::LDLT<NoiseNormal> solver(normal);
+  const Unknowns found = solver.solve(right);
+  const double inverse = solver.solve(Unknowns::Unit(kShare))(kShare);
+  if (!(normal(kShare, kShare) > 0.0 && inverse > 0.0)) return {};
+  const double squares = all(kValue, kValue) - found.dot(right);
+  const double freedom = sums.equations - kTerms - 1.0;
+  const double few = enlargement_of_few(freedom);
+  // The noise of the products is known. What exceeds it is known by their scatter only.
+  const double variance = 1.0 + few * few * std::max(0.0, squares / freedom - 1.0);
+  return {found.head<kTerms>().sum(), {found(kShare), std::sqrt(variance * inverse)}};
+}
+
+}  // namespace
+
+void add_share(const FrameShare& frame, EchoSums& sums) {
+  const double w = 1.0 / (frame.u * frame.u + kAlikeError * kAlikeError);
+  const double s = std::clamp(frame.share, -1.0, 1.0), x = frame.x, y = frame.y;
+  sums.weights += w, sums.squared_weights += w * w, sums.shares += w * s, sums.squared_shares += w * s * s;
+  const std::array<double, 7> more{x * x, x * y, y * y, x, y, x * s, y * s};
+  for (std::size_t i = 0; i < more.size(); ++i) sums.directions[i] += w * more[i];
+}
+
+void add_products(const std::vector<NoiseProduct>& products, double weight, EchoSums& sums) {
+  if (products.size() < 2) return;  // alpha takes a single one
+  ProductRow mean = ProductRow::Zero();
+  for (const NoiseProduct& one : products) mean += row_of(one) / static_cast<double>(products.size());
+  for (const NoiseProduct& one : products) {
+    const ProductRow row = row_of(one) - mean;
+    for_each_product(sums, [&](int i, int j, double& sum) { sum += weight * row(i) * row(j); });
+  }
+  sums.equations += static_cast<double>(products.size() - 1);
+}
+
+EchoShare share_by_edges(const EchoSums& sums) {
+  const double frames = frames_of(sums);
+  if (!(frames >= kMinFrames)) return {};
+  const double structure = std::max(kLeastStructure, fit_noise(sums).structure);
+  const auto& [xx, xy, yy, x, y, xs, ys] = sums.directions;
+  Eigen::Matrix3d normal;
+  normal << xx, xy, x, xy, yy, y, x, y, sums.weights;
+  const Eigen::Vector3d right(xs, ys, sums.shares);
+  // `variance`: of a share, relative to 1 / w.
+  const auto fit = [&](double variance) {
+    Eigen::Matrix3d scaled = normal / variance;
+    scaled(0, 0) += 1.0 / structure, scaled(1, 1) += 1.0 / structure;
+    const Eigen::Matrix3d inverse = scaled.inverse();
+    return std::pair(Eigen::Vector3d(inverse * right / variance), inverse(2, 2));
+  };
+  const double scatter = std::max(0.0, sums.squared_shares - fit(1.0).first.dot(right));
+  const double few = enlargement_of_few(frames - 1.0);
+  const auto [found, square_of_u] = fit(std::max(kLeastVariance, few * few * scatter / (frames - 1.0)));
+  return {found(2), std::sqrt(square_of_u)};
+}
+
+EchoShare share_by_noise(const EchoSums& sums) { return fit_noise(sums).share; }
+
+EchoShare share_by_both(const EchoSums& sums) {
+  const EchoShare edges = share_by_edges(sums), noise = share_by_noise(sums);
+  const double a = 1.0 / (edges.u * edges.u), b = 1.0 / (noise.u * noise.u);
+  if (!(a + b > 0.0)) return {};
+  return {(a * edges.share + b * noise.share) / (a + b), 1.0 / std::sqrt(a + b)};
+}
+
+bool is_decided(const EchoSums& sums) {
+  return (frames_of(sums) >= kDecidingFrames && share_by_edges(sums).u < kDecidedByEdges) ||
+         share_by_noise(sums).u < kDecidedByNoise;
+}
+
+}  // namespace moiregauge::internal
