@@ -15,12 +15,15 @@ RESTING = ["marker.mid.dy.scale=0", "marker.mid.dx.scale=0", "noise.sigma=0.8"]
 # Movement in one direction by 0.22, 0.27 and 0.41 px per frame.
 ONE_WAY = {f"one-way-{speed}": [f"marker.mid.dx.knots=[[0, 0], [4, {4 * speed}]]", "marker.mid.dy.scale=0", "noise.sigma=0.8"]
            for speed in (0.8, 1.0, 1.5)}
+# Movement by 0.8 px per frame, in frames that are JPEGs. Their edges alone show a share.
+JPEG = ["marker.mid.dx.knots=[[0, 0], [4, 12]]", "marker.mid.dy.scale=0", "noise.sigma=1.5"]
 
 
 def measured(name, settings, video_filter=None, expected=0):
     """Returns the numbers of ok, untrusted and wrong ok rows, and stderr."""
     clip = work / name
-    command = [program, "simulate", "small-still", "--frames", 40, "--markers-only", "--codec", "ffv1", "-o", clip]
+    codec = "mjpeg" if name.startswith("jpeg") else "ffv1"
+    command = [program, "simulate", "small-still", "--frames", 40, "--markers-only", "--codec", codec, "-o", clip]
     for setting in settings:
         command += ["--set", setting]
     runs.run(command)
@@ -47,6 +50,7 @@ def measured(name, settings, video_filter=None, expected=0):
 for name, settings, video_filter in (
         ("as-it-is", MOVING, None),
         ("at-rest", RESTING + ["processing.recursion=0.6"], None),
+        ("jpeg", JPEG, None),
         *((name, settings, None) for name, settings in ONE_WAY.items())):
     ok, untrusted, lies, said = measured(name, settings, video_filter)
     runs.insist(ok == 40 and lies == 0, f"{name}: {ok} ok, {lies} wrong\n{said}")
@@ -56,6 +60,7 @@ for name, settings, video_filter, word in (
         ("recursion", MOVING + ["processing.recursion=0.3"], None, "averages over time"),
         ("small-share", MOVING + ["processing.recursion=0.1"], None, "of the previous frame"),
         *((f"{name}-share", settings + ["processing.recursion=0.1"], None, "of the previous frame") for name, settings in ONE_WAY.items()),
+        ("jpeg-share", JPEG + ["processing.recursion=0.1"], None, "of the previous frame"),
         ("mean-of-three", MOVING, "tmix=frames=3", "averages over time"),
         ("denoised", MOVING, "hqdn3d=4:3:20:15", "averages over time"),
         ("equalised", MOVING, "histeq", "tone curve has a step"),
@@ -74,6 +79,7 @@ for clip, options, expected, word in (
         # Methods that read no templates use them for this test alone.
         ("small-share", ("--method", "two-stage"), 4, "of the previous frame"),
         ("small-share", ("--method", "conventional"), 4, "of the previous frame"),
+        ("jpeg-share", ("--method", "two-stage"), 4, "of the previous frame"),
         ("as-it-is", ("--method", "two-stage"), 0, "40 of 40"),
         ("as-it-is", ("--method", "conventional"), 0, "40 of 40")):
     out = work / "-".join(["skips", clip, *options])

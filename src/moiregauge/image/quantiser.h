@@ -20,6 +20,8 @@ struct Quantiser {
   bool predicted = false;  // blocks may be copied from other frames: small movements may be missing
 
   [[nodiscard]] bool is_lossless() const { return step == 0.0; }
+  // Returns true if the codec itself may show parts of other frames, as a camera that averages does.
+  [[nodiscard]] bool shows_other_frames() const { return predicted && !is_lossless(); }
 };
 inline constexpr double kUnknownStep = std::numeric_limits<double>::quiet_NaN();  // lossy, but unknown
 // Assumed if the stream does not report it: that of a phone's H.264 at parameter 28, 8 bits.

@@ -256,10 +256,10 @@ void ProcessingWatch::refer(const Reference& reference, const LumaView& luma) {
   }
 }
 
-// Adds the gratings of a lossless frame. The errors of a codec follow the image content, as an echo does.
+// Adds the gratings of a frame, unless the codec itself repeats parts of other frames.
 void ProcessingWatch::listen(const Reference& reference, const Observation& seen, const Frame& frame,
                              const LightMap& light) {
-  if (!frame.quantiser.whole.is_lossless()) return echo_.interrupt();
+  if (!is_testable_) return echo_.interrupt();
   std::vector<SeenPrint> prints;
   for (std::size_t i = 0; i < seen.markers.size() && i < reference.prints.size(); ++i) {
     const MarkerObservation& marker = seen.markers[i];
@@ -268,7 +268,7 @@ void ProcessingWatch::listen(const Reference& reference, const Observation& seen
     prints.push_back({i, &*reference.prints[i], &*marker.points,
                       reference.light_per_grey.empty() ? 1.0 : reference.light_per_grey[i]});
   }
-  echo_.add({frame.luma, light.table()}, prints);
+  echo_.add({frame.luma, light.table(), frame.quantiser.whole.is_lossless()}, prints);
 }
 
 bool ProcessingWatch::needs_skipped_frames(const Observation& seen) {
@@ -290,7 +290,7 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
                           const LightMap& light) {
   if (newest_ && frame.number != *newest_ + 1) interrupt();
   newest_ = frame.number;
-  is_testable_ = !frame.quantiser.whole.predicted || frame.quantiser.whole.is_lossless();
+  is_testable_ = !frame.quantiser.whole.shows_other_frames();
   listen(reference, seen, frame, light);
   // A codec with prediction between frames repeats grain even without noise reduction. Its error has its own part in u.
   const Quantiser& codec = frame.quantiser.whole;

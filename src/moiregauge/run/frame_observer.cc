@@ -223,9 +223,9 @@ void FrameObserver::pass_skipped(const Frame& frame, const std::function<bool()>
   watch(frame, seen);
 }
 
-// Lossy frames are not tested, so that no templates are learned for them.
+// Behind prediction between frames there is no test for an average, so that no templates are needed.
 void FrameObserver::learn_templates(const Frame& frame) {
-  if (options_.method->prepare == nullptr && frame.quantiser.whole.is_lossless())
+  if (options_.method->prepare == nullptr && !frame.quantiser.whole.shows_other_frames())
     templates_.refer(light_.picture(frame.luma), *out_.reference);
 }
 

@@ -124,7 +124,7 @@ void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& p
     if (!follow(picture, print, track)) continue;
     pixels += track.pixels.size();
     add_edges(print, track, shares);
-    add_noise(print, track);
+    if (picture.shows_noise) add_noise(print, track);
   }
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!is_seen[i]) tracks_[i].moments.clear();

@@ -35,6 +35,7 @@ struct SeenPrint {
 struct LightPicture {
   LumaView luma;
   std::span<const std::uint16_t> light;
+  bool shows_noise = true;  // false behind a lossy codec: its errors follow the image content, as an echo does
 };
 
 // Collects the sums. The effort ends when one test is decided.
