@@ -78,6 +78,8 @@ def insist_incomplete(path):
 
 def case_01_no_such_input():
     refuse(work / "absent.mp4", "does not exist")
+    # The scale is missing too, but the wrong name comes first.
+    says(run([program, "measure", work / "absent.mp4"], 2), "^error: the file or folder does not exist: .*--pitch 10mm")
     (work / "folder").mkdir()
     refuse(work / "folder", "there are no images")
     (work / "secret.mp4").write_bytes(b"x" * 100)

@@ -46,7 +46,13 @@ UsageError no_scale(const std::string& input) {
     site = fmt::format("the site file next to it, --site {}", candidate.string());
     break;
   }
-  return {fmt::format("the scale is unknown: {}: give the gratings' pitch, e.g. --pitch 10mm, or {}", input, site)};
+  const std::string remedy = "give the gratings' pitch, e.g. --pitch 10mm, or " + site;
+  // Patterns, addresses and "-" are no names of files.
+  std::error_code error;
+  const bool is_name = input.find_first_of("%:") == std::string::npos && input != "-";
+  if (is_name && !fs::exists(input, error))
+    return {fmt::format("the file or folder does not exist: {}: check the name, and {}", input, remedy)};
+  return {fmt::format("the scale is unknown: {}: {}", input, remedy)};
 }
 
 }  // namespace
