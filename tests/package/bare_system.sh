@@ -41,6 +41,6 @@ begin = time.perf_counter()
 import moiregauge
 seconds = time.perf_counter() - begin
 run = moiregauge.measure(sys.argv[1], site=sys.argv[2])
-print(f"python: imported in {seconds:.2f} s, T1.dy", run["T1"].dy)
+print(f"python: imported in {seconds:.2f} s, dy of mid, mm:", run["mid"].dy)
 PYTHON
 echo "passed: $(. /etc/os-release; echo "$PRETTY_NAME")"

@@ -84,6 +84,8 @@ class Numbers(unittest.TestCase):
         self.assertTrue((numpy.abs(target.dy - truth.dy)[1:] < 5 * target.u_dy[1:]).all())
         with self.assertRaises(KeyError):
             simulation.truth("nobody")
+        with self.assertRaisesRegex(KeyError, "the target does not exist: nobody: choose from T1"):
+            measured()["nobody"]
 
     def test_a_loaded_run_has_every_bit(self):
         run = measured(out=WORK / "stored")

@@ -193,8 +193,9 @@ void GrainSampler::add(const LumaView& luma, int white, GrainConditions conditio
   GrainSums& sums = is_still ? still_ : moving_;
   const double weight = is_still ? 1.0 : kIndependentOfLaplacian;
   for (const PairResiduals& tile : tiles) {
-    sums.one_apart += 0.5 * weight * (tile.newer + tile.older);
-    sums.two_apart += weight * tile.two_apart;
+    const double a = 0.5 * weight * (tile.newer + tile.older), b = weight * tile.two_apart;
+    sums.one_apart += a, sums.two_apart += b;
+    sums.products[0] += a * a, sums.products[1] += a * b, sums.products[2] += b * b;
     sums.values += is_still ? kInnerPixels - kParameters : kIndependentOfLaplacian * kInnerPixels;
   }
 }

@@ -29,6 +29,8 @@ struct GrainSums {
   double one_apart = 0.0;  // squared grain between frames one apart, grey levels^2
   double two_apart = 0.0;  // the same between frames two apart
   double values = 0.0;     // degrees of freedom: pixels minus fitted parameters
+  // Sums over tiles and frames of a^2, a b and b^2. a and b: the tile's part of one_apart and two_apart.
+  std::array<double, 3> products{};
 };
 
 // Properties of a recording at one frame.

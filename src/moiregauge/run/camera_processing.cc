@@ -21,7 +21,7 @@ constexpr double kAnchor = 0.2;     // largest shift of a circle from its tiles,
 constexpr double kDiscTiles = 0.6;  // side of the square of tiles inside a circle, in diameters (inscribed: 0.71)
 
 // Upper limit of the grain ratio (one frame apart to two apart) for frames that are not independent, camera still.
-// Independent grain gives 1 with u = sqrt(2 / values). A share of 0.05 of the previous frame lowers the ratio by 0.05.
+// Independent grain gives 1. A share of 0.05 of the previous frame lowers the ratio by 0.05.
 constexpr double kIndependent = 0.96;
 // The same limit for a moving camera. Faint texture lowers the ratio by 0.02, if it has a third of the grain's variance
 // and passes by at half a pixel per frame. A share of 0.1 leaves 0.95 where the filter works on whole grey levels.
@@ -29,14 +29,14 @@ constexpr double kIndependent = 0.96;
 // limit.
 constexpr double kIndependentMoving = 0.96;
 constexpr double kIndependentMovingLossy = 0.85;
-constexpr double kSureOfGrain = 4.0;  // distance of the ratio from 1 that proves averaging, in u
+constexpr double kSureOfGrain = 3.0;  // distance of the ratio from 1 that proves averaging, in u
 constexpr double kMinValues = 2000.0;
-// Values of a tile that count as one behind a codec, which leaves a few coefficients of a block. With 1, MJPEG without an
-// average had ratios of 0.92, beyond 4 u. With 32, an average with a share of 0.2 was missed. Chosen.
-constexpr double kValuesOfBlock = 8.0;
 // Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
 constexpr double kEcho = 0.03;
 constexpr double kSureOfEcho = 3.0;  // distance of a share from 0 that proves averaging, in u
+// The same behind a lossy codec. Its errors are alike in successive frames, so u by their scatter is too small. One of 44
+// MJPEG recordings without processing reached 3.1 u.
+constexpr double kSureOfEchoLossy = 4.0;
 // Smallest variance of real grain, grey levels squared. A quiet sensor's variance of 0.1 still leaves 0.05 after
 // rounding to whole grey levels. A lower variance than this limit means that noise was removed.
 constexpr double kNoGrain = 0.003;
@@ -121,13 +121,20 @@ bool is_still(const std::vector<std::vector<ImagePoint>>& last) {
          largest_distance(last[0], last[2]) < kStill_px;
 }
 
-// Returns u of the grain ratio of independent frames. `values`: those that are independent.
-double u_of_ratio(double values) { return std::sqrt(2.0 / values); }
+// Returns u of the grain ratio, by its scatter between tiles and frames. A codec leaves a few coefficients of a tile, so
+// its ratio scatters more than that of independent pixels, which is the least. Sums over frames scatter by 8 / 9 of the
+// variance of their parts, because these share frames. That is neglected.
+double u_of_ratio(const GrainSums& grain) {
+  const double ratio = grain.one_apart / grain.two_apart;
+  const auto& [aa, ab, bb] = grain.products;
+  const double scatter = std::max(0.0, aa - 2.0 * ratio * ab + ratio * ratio * bb);
+  return std::sqrt(std::max(2.0 / grain.values, scatter / (grain.two_apart * grain.two_apart)));
+}
 
-// Returns true if the noise of consecutive frames is correlated. `values`: those that are independent.
-bool is_alike(const GrainSums& grain, double independent, double values) {
+// Returns true if the noise of consecutive frames is correlated.
+bool is_alike(const GrainSums& grain, double independent) {
   if (grain.values < kMinValues) return false;
-  const double limit = std::min(independent, 1.0 - kSureOfGrain * u_of_ratio(values));
+  const double limit = std::min(independent, 1.0 - kSureOfGrain * u_of_ratio(grain));
   return grain.one_apart < limit * grain.two_apart;
 }
 
@@ -180,9 +187,9 @@ std::optional<ProcessingFault> enlarged_fault(const SlopeSteps& steps, Samples& 
 }
 
 // Returns the share of the previous frame that the gratings show, if it is significant.
-std::optional<EchoShare> echo_share(const EchoSums& echo) {
-  const auto significant = [](const EchoShare& by) {
-    return by.share > std::max(kEcho, kSureOfEcho * by.u) ? by : EchoShare{};
+std::optional<EchoShare> echo_share(const EchoSums& echo, bool is_lossy) {
+  const auto significant = [sure = is_lossy ? kSureOfEchoLossy : kSureOfEcho](const EchoShare& by) {
+    return by.share > std::max(kEcho, sure * by.u) ? by : EchoShare{};
   };
   const EchoShare by =
       std::max({significant(share_by_edges(echo)), significant(share_by_noise(echo)), significant(share_by_both(echo))},
@@ -201,17 +208,15 @@ std::optional<Averaging> averaging_shown(const CameraProcessing& processing, boo
   const GrainSums &still = processing.still, &moving = processing.moving;
   if (!is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values)
     return Averaging{"its still parts contain no noise", remedy};
-  const double still_values = is_lossy ? still.values / kValuesOfBlock : still.values;
-  const bool alike_still = is_alike(still, kIndependent, still_values);
-  if (alike_still || is_alike(moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving, moving.values)) {
+  const bool alike_still = is_alike(still, kIndependent);
+  if (alike_still || is_alike(moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving)) {
     const GrainSums& grain = alike_still ? still : moving;
-    return Averaging{
-        fmt::format("its noise is alike in successive frames, {:.2f} of independent noise, u {:.2g}",
-                    grain.one_apart / grain.two_apart, u_of_ratio(alike_still ? still_values : moving.values)),
-        remedy};
+    return Averaging{fmt::format("its noise is alike in successive frames, {:.2f} of independent noise, u {:.2g}",
+                                 grain.one_apart / grain.two_apart, u_of_ratio(grain)),
+                     remedy};
   }
   // Slow movement in one direction looks most like a share. Other movement per frame is the better test.
-  if (const auto by = echo_share(processing.echo))
+  if (const auto by = echo_share(processing.echo, is_lossy))
     return Averaging{fmt::format("the gratings show {:.3f} of the previous frame, u {:.3f}", by->share, by->u),
                      remedy + "; if it was off, halve the camera's frame rate"};
   return {};

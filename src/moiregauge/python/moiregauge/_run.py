@@ -113,6 +113,8 @@ class Run:
             weakref.finalize(self, shutil.rmtree, _root_of(result.folder), True)
 
     def __getitem__(self, name: str) -> _core.Target:
+        if name not in self._targets:
+            raise KeyError(f"the target does not exist: {name}: choose from {', '.join(self._targets)}")
         return self._targets[name]
 
     def __iter__(self) -> Iterator[str]:
