@@ -96,8 +96,8 @@ TEST(Spectrum, TheIntegralOfItIsTheVariance) {
 TEST(Spectrum, NoiseAloneHasNoPeaks) {
   std::mt19937_64 rng(2);
   int peaks = 0;
-  for (int draw = 0; draw < 100; ++draw) peaks += int(spectrum_of(sampled(nothing, 200, 10.0, 0.01, rng)).peaks.size());
-  EXPECT_EQ(peaks, 0);  // 100 draws of 30 ordinates at 1e-7 each
+  for (int draw = 0; draw < 200; ++draw) peaks += int(spectrum_of(sampled(nothing, 200, 10.0, 0.01, rng)).peaks.size());
+  EXPECT_EQ(peaks, 0);  // 200 draws of 30 ordinates at 1e-7 each
 }
 
 TEST(Spectrum, ASteadyVibrationIsFoundWithAnUncertaintyThatHolds) {

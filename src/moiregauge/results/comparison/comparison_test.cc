@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 
 #include <gtest/gtest.h>
 
@@ -46,6 +47,8 @@ struct AlignmentPulls {
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_NEAR(std::sqrt(squares[i] / draws), 1.0, bias + 3.5 / std::sqrt(2.0 * draws)) << names[i];
       const double share = outside[i] / draws, expected = 0.05;
+      std::printf("%s: %.0f of %d draws within 1.96 u, rms %.2f u\n", names[i], draws - outside[i], draws,
+                  std::sqrt(squares[i] / draws));
       EXPECT_LE(share, expected + bias + 3.5 * std::sqrt(expected * (1.0 - expected) / draws)) << names[i];
     }
   }
