@@ -7,7 +7,10 @@ import { duration } from '../format';
 import { el } from '../element';
 
 const kStates: Record<Job['state'], string> = { queued: 'Waits for its turn', running: 'Measuring', done: 'Measured', failed: 'Not measured', cancelled: 'Stopped' };
-const kPicture_ms = 700; // between two pictures
+const kPicture_ms = 700; // least time between two pictures
+// The same, relative to the time that a picture takes. A frame is decoded from the key frame before it, which would slow the
+// measurement if it were done all the time.
+const kPause = 20;
 const kOkStatus = 0;
 
 // Rows of jobs, kept so that a view that opens later shows the whole curve.
@@ -64,7 +67,7 @@ export class MeasuringView {
   private readonly stops: (() => void)[] = [];
   private lastDrawn = -1; // frame
   private notOk = 0;
-  private lastPicture = 0;
+  private nextPicture = 0;
   private isFetching = false;
 
   constructor(private readonly entry: Entry, private id: string | undefined, private readonly onDone: () => void, private readonly onAgain: () => void) {
@@ -79,7 +82,7 @@ export class MeasuringView {
       if (event.id === this.id) this.view = event;
     }));
     this.isStill.addEventListener('change', () => {
-      this.lastPicture = 0;
+      this.nextPicture = 0;
     });
     this.stops.push(on('samples', (event) => {
       if (event.id === this.id) this.grow();
@@ -163,9 +166,9 @@ export class MeasuringView {
 
   // A frame that was measured moments ago. Only one request at a time, so the measurement is not slowed.
   private async showFrame(frame: number): Promise<void> {
-    if (this.isFetching || performance.now() - this.lastPicture < kPicture_ms || this.entry.kind === 'run') return;
+    if (this.isFetching || performance.now() < this.nextPicture || this.entry.kind === 'run') return;
     this.isFetching = true;
-    this.lastPicture = performance.now();
+    const begin = performance.now();
     try {
       const view = this.view ?? { frame: Math.max(0, frame - 1), reference_from_frame: null };
       const shown = await picture(query('/api/frame', { path: this.entry.path, frame: view.frame, max_width: 480 }));
@@ -176,6 +179,7 @@ export class MeasuringView {
     } catch {
       // The next event tries again.
     }
+    this.nextPicture = begin + Math.max(kPicture_ms, kPause * (performance.now() - begin));
     this.isFetching = false;
   }
 }

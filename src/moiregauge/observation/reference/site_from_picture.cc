@@ -239,12 +239,21 @@ Site site_of(const Parts& parts, const BoardFromIdeal& board, const Camera& lens
 
 }  // namespace
 
+std::vector<DetectedPatch> gratings_of(const GreyPicture& picture) {
+  GratingSearchOptions options;
+  options.bits = picture.bits;
+  return find_grating_patches(picture.luma, options);
+}
+
 tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
                                                         const PictureSiteOptions& options) {
+  return detect_site(picture, lens, options, gratings_of(picture));
+}
+
+tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
+                                                        const PictureSiteOptions& options,
+                                                        std::vector<DetectedPatch> patches) {
   CircleSearch search = search_circles(picture.luma, options.observe);
-  GratingSearchOptions gratings;
-  gratings.bits = picture.bits;
-  std::vector<DetectedPatch> patches = find_grating_patches(picture.luma, gratings);
   std::erase_if(patches, [&](const DetectedPatch& patch) { return !options.observe.area.holds(patch.centre); });
   auto [circles, doubtful] = outermost_circles(search.circles, patches);
   const std::size_t seen = circles.size();

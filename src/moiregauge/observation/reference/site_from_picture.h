@@ -38,6 +38,11 @@ struct PictureSite {
 // Fails: ReferenceFailure names the missing circles or gratings.
 [[nodiscard]] tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
                                                                       const PictureSiteOptions& options);
+// `patches`: all gratings of the image, as gratings_of() finds them.
+[[nodiscard]] tl::expected<PictureSite, ReferenceFailure> detect_site(const GreyPicture& picture, const Camera& lens,
+                                                                      const PictureSiteOptions& options,
+                                                                      std::vector<DetectedPatch> patches);
+[[nodiscard]] std::vector<DetectedPatch> gratings_of(const GreyPicture& picture);
 [[nodiscard]] tl::expected<Site, ReferenceFailure> site_from_picture(const GreyPicture& picture, const Camera& lens,
                                                                      const PictureSiteOptions& options);
 

@@ -38,11 +38,9 @@ PixelNoise noise_of(const GreyPicture& picture, const std::array<ImagePoint, 4>&
                      static_cast<int>(y1 - y0));
 }
 
-std::vector<InspectedPatch> patches_of(const GreyPicture& picture) {
-  GratingSearchOptions options;
-  options.bits = picture.bits;
+std::vector<InspectedPatch> patches_of(const GreyPicture& picture, std::vector<DetectedPatch> found) {
   std::vector<InspectedPatch> out;
-  for (DetectedPatch& patch : find_grating_patches(picture.luma, options)) {
+  for (DetectedPatch& patch : found) {
     const PixelNoise noise = noise_of(picture, patch.outline);
     const double pixels = area_of(patch.outline);
     patch.modulation = std::ldexp(patch.modulation, picture.bits - 8);  // grey levels as stored
@@ -90,7 +88,9 @@ RejectedOutline too_small(const DetectedCircle& circle, const CircleOptions& opt
   return {circle.centre, circle.diameter_px, circle.circularity, why};
 }
 
+// `gratings`: all of the image. A site file states its own.
 tl::expected<Reference, ReferenceFailure> who_is_who(const GreyPicture& picture, const InspectOptions& options,
+                                                     std::vector<DetectedPatch> gratings,
                                                      std::vector<std::string>& notes) {
   if (options.site) return make_reference(picture, *options.site, options.lens, options.observe);
   PictureSiteOptions looked_for;
@@ -98,7 +98,7 @@ tl::expected<Reference, ReferenceFailure> who_is_who(const GreyPicture& picture,
   looked_for.axes = options.axes;
   looked_for.observe = options.observe;
   looked_for.choice = options.choice;
-  auto found = detect_site(picture, options.lens, looked_for);
+  auto found = detect_site(picture, options.lens, looked_for, std::move(gratings));
   if (!found) return tl::unexpected(std::move(found.error()));
   notes = std::move(found->notes);
   return make_reference(picture, found->site, options.lens, options.observe);
@@ -158,7 +158,8 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
   }
   std::stable_sort(out.rejected.begin(), out.rejected.end(),
                    [](const RejectedOutline& a, const RejectedOutline& b) { return a.circularity > b.circularity; });
-  out.patches = patches_of(picture);
+  std::vector<DetectedPatch> gratings = gratings_of(picture);
+  out.patches = patches_of(picture, gratings);
   std::erase_if(out.patches,
                 [&](const InspectedPatch& patch) { return !options.observe.area.holds(patch.seen.centre); });
   name_dots(out);
@@ -166,7 +167,7 @@ Inspection inspect_picture(const GreyPicture& picture, const InspectOptions& opt
     out.unit = BoardUnit::kPitch;
     out.pitch_of_unit = kPitchForOrder_mm;
   }
-  auto reference = who_is_who(picture, options, out.notes);
+  auto reference = who_is_who(picture, options, std::move(gratings), out.notes);
   if (!reference) {
     out.missing = std::move(reference.error().message);
     out.is_choice_unknown = reference.error().problem == ReferenceProblem::kNoSuchMarker;
