@@ -48,41 +48,6 @@ const std::array<float, kTile>& hann_window() {
   return weights;
 }
 
-// Smallest and largest grey level of square blocks. Most tiles of a frame are flat, and their spread proves it.
-class BlockExtremes {
- public:
-  BlockExtremes(const Image<float>& grey, int side)
-      : side_(side), least_(grey.width() / side, grey.height() / side), most_(least_.width(), least_.height()) {
-    for (int y = 0; y < least_.height() * side; ++y) {
-      const auto row = grey.row(y);
-      const auto least = least_.row(y / side), most = most_.row(y / side);
-      for (std::size_t b = 0; b < least.size(); ++b) {
-        const auto block = row.subspan(b * static_cast<std::size_t>(side), static_cast<std::size_t>(side));
-        const auto [low, high] = std::minmax_element(block.begin(), block.end());
-        least[b] = y % side == 0 ? *low : std::min(least[b], *low);
-        most[b] = y % side == 0 ? *high : std::max(most[b], *high);
-      }
-    }
-  }
-  // Returns an upper limit of the variance in a tile at a multiple of the block's side. Under any weights, a variance is
-  // at most a quarter of the squared range (Popoviciu).
-  [[nodiscard]] double most_variance(int x0, int y0) const {
-    const auto count = static_cast<std::size_t>(kTile / side_);
-    float low = INFINITY, high = -INFINITY;
-    for (int y = y0 / side_; y < y0 / side_ + kTile / side_; ++y) {
-      const auto least = least_.row(y).subspan(static_cast<std::size_t>(x0 / side_), count);
-      const auto most = most_.row(y).subspan(static_cast<std::size_t>(x0 / side_), count);
-      low = std::min(low, *std::min_element(least.begin(), least.end()));
-      high = std::max(high, *std::max_element(most.begin(), most.end()));
-    }
-    return 0.25 * std::pow(double{high} - double{low}, 2.0);
-  }
-
- private:
-  int side_;
-  Image<float> least_, most_;
-};
-
 // Half of a tile's power spectrum: rows fy = -16..15, columns fx = 0..16.
 class Spectrum {
  public:
@@ -223,13 +188,9 @@ void add_level(const Image<float>& grey, int scale, double min_modulation, std::
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(across) + static_cast<std::size_t>(i);
   };
   Spectrum spectrum;
-  const BlockExtremes extremes(grey, scale == 1 ? 8 : 2);  // divides the hop and the tile
-  const double least_variance = 0.25 * min_modulation * min_modulation;
   for (int j = 0; j < down; ++j) {
     for (int i = 0; i < across; ++i) {
-      // The factor is for rounding.
-      if (extremes.most_variance(i * hop, j * hop) < 0.999 * least_variance) continue;
-      if (spectrum.of(grey, i * hop, j * hop, least_variance))
+      if (spectrum.of(grey, i * hop, j * hop, 0.25 * min_modulation * min_modulation))
         seeds[place(i, j)] = seed_of(spectrum, scale == 1 ? kFinestBin : kHighestBin);
     }
   }
