@@ -143,7 +143,7 @@ def slowdown(program, work, clip, repeats):
                 visitor.click(button("Yes, right"))
                 visitor.click(button("Measure"))
                 visitor.wait(f"{HTML}.dataset.results", 300)
-                (seconds,) = [taken for command, taken in visitor.value(JOB_SECONDS) if f"page{n}.mp4" in command]
+                (seconds,) = [job_s for command, job_s in visitor.value(JOB_SECONDS) if f"page{n}.mp4" in command]
             begin = time.monotonic()
             call(program, "measure", "command.mp4", "--pitch", "10mm", "--quiet", "--restart", "-o", f"command{n}", cwd=folder)
             ratios.append((seconds, time.monotonic() - begin))

@@ -164,7 +164,7 @@ export class MeasuringView {
         : wanted === 'done' ? [button('Show the results', this.onDone, { class: 'primary' })] : [button('Change the set-up', this.onAgain, { class: 'primary' })]));
   }
 
-  // A frame that was measured moments ago. Only one request at a time, so the measurement is not slowed.
+  // A frame that was measured moments ago. Only one request at a time, and pauses between them.
   private async showFrame(frame: number): Promise<void> {
     if (this.isFetching || performance.now() < this.nextPicture || this.entry.kind === 'run') return;
     this.isFetching = true;
