@@ -9,6 +9,7 @@
 
 #include "moiregauge/live/clocks.h"
 #include "moiregauge/live/live_loop.h"
+#include "moiregauge/run/observing_run.h"
 #include "moiregauge/simulator/simulator.h"
 
 namespace moiregauge::internal {
@@ -111,6 +112,37 @@ TEST(LiveTracker, KeyFramesStayBounded) {
   const LiveResult out = follow(small_rig(), 40, {.max_frames = 8, .max_age_s = 2.0});
   EXPECT_LE(out.key_frames, 8U);
   EXPECT_GE(out.key_frames, 4U);
+}
+
+// Waiting would lose frames: the thread that solves has a low priority, and the source delivers meanwhile. Five attempts,
+// because a scene may be solved before a busy machine measures the first frame.
+TEST(LiveTracker, AResumedRunMeasuresBeforeItsSceneIsSolved) {
+  const sim::Scenario scenario = small_rig();
+  MeasureOptions options;
+  options.method = method_named("precise");
+  options.site = sim::site_of(scenario);
+  constexpr long kKept = 30;
+  Measurement kept;
+  RenderedCamera before(scenario, kKept);
+  ObservingRun run(options, kept, {});
+  while (const auto frame = before.next({})) ASSERT_TRUE(run.measure_frame((*frame)->frame, [] { return true; }));
+  bool has_waited = true;
+  for (int attempt = 0; attempt < 5 && has_waited; ++attempt) {
+    RenderedCamera camera(scenario, kKept + 1);
+    for (long n = 0; n < kKept; ++n) ASSERT_TRUE(camera.next({}));
+    const auto next = camera.next({});
+    ASSERT_TRUE(next);
+    LiveTracker tracker(options, camera.info(), RunHooks{nullptr, nullptr, kept}, {});
+    tracker.pass_over_kept();
+    const auto published = tracker.measure(**next, camera);
+    ASSERT_TRUE(published);
+    ASSERT_EQ(published->rows.size(), 1U);
+    has_waited = published->health.scenes > 0;
+    if (!has_waited) {
+      EXPECT_EQ(published->rows.front().status, Status::kUntrusted);
+    }
+  }
+  EXPECT_FALSE(has_waited);
 }
 
 }  // namespace

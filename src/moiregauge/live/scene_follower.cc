@@ -97,7 +97,6 @@ void SceneFollower::replay(const Observation& seen) {
 void SceneFollower::solve_replayed() {
   if (!solver_ || keys_.frames().size() < 2) return;
   solve_if_due(true);
-  solver_->wait();
 }
 
 Samples SceneFollower::add(const Observation& seen) {

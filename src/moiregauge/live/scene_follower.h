@@ -23,7 +23,7 @@ class SceneFollower {
   Samples add(const Observation& seen);
   // Adds the observation of a frame that an earlier process measured.
   void replay(const Observation& seen);
-  // Solves the scene of the replayed frames, so that the first row is trusted. Waits for it.
+  // Begins to solve the scene of the replayed frames. Rows are not trusted until it is solved.
   void solve_replayed();
   // Returns the number of scenes solved.
   [[nodiscard]] long scenes() const { return solver_ ? solver_->solved() : 0; }

@@ -30,11 +30,6 @@ void SceneSolver::solve(std::shared_ptr<const Observations> keys) {
   wake_.notify_one();
 }
 
-void SceneSolver::wait() {
-  std::unique_lock lock(mutex_);
-  solved_one_.wait(lock, [this] { return ready_ != nullptr; });
-}
-
 ScenePtr SceneSolver::take() {
   const std::lock_guard lock(mutex_);
   return std::move(ready_);
@@ -63,7 +58,6 @@ void SceneSolver::work(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     ready_.swap(scene);
     ++solved_;
-    solved_one_.notify_all();
     wake_.wait_until(lock, stop, end + kRest * (end - begin), [] { return false; });
     is_idle_ = true;
     lock.unlock();  // before an unused scene is freed

@@ -14,7 +14,7 @@ namespace moiregauge::internal {
 
 using ScenePtr = std::unique_ptr<const TrackedScene>;
 
-// The measuring thread calls all functions. None but wait() waits for a solution.
+// The measuring thread calls all functions. None waits for a solution.
 class SceneSolver {
  public:
   // `reference` must outlive this object.
@@ -28,8 +28,6 @@ class SceneSolver {
   [[nodiscard]] bool is_idle() const { return is_idle_; }
   // Solves the scene of these key frames. Requires is_idle().
   void solve(std::shared_ptr<const Observations> keys);
-  // Waits for the requested scene. Only before the first frame comes.
-  void wait();
   // Returns the scene solved since the last call; null if there is none.
   [[nodiscard]] ScenePtr take();
   // Frees a scene on the thread, because that takes as long as measuring a frame.
@@ -45,7 +43,7 @@ class SceneSolver {
   std::atomic<bool> is_idle_ = true;
   std::atomic<long> solved_ = 0;
   std::mutex mutex_;
-  std::condition_variable_any wake_, solved_one_;
+  std::condition_variable_any wake_;
   std::shared_ptr<const Observations> wanted_;
   ScenePtr ready_, retired_;
   std::jthread thread_;  // last: it uses all members above
