@@ -3,9 +3,9 @@
 //
 //     fake_camera SERIAL IMAGES LOST_SHARE
 //
-// Shows IMAGES frames of the small rig over and over, at the rate and region that its client sets. The image is in the
-// top-left corner of the region. LOST_SHARE of the packets are lost. Prints `truth INDEX DX_MM DY_MM` for every image,
-// relative to the first, then `ready`. Runs until its standard input ends.
+// Shows IMAGES frames of the small rig forwards and backwards, so that nothing jumps. Its client sets rate and region. The
+// image is in the top-left corner of the region. LOST_SHARE of the packets are lost. Prints `truth INDEX DX_MM DY_MM` for
+// every image, relative to the first, then `ready`. Runs until its standard input ends, then prints `sent FRAMES`.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -34,7 +34,8 @@ void fill(ArvBuffer* buffer, void* data, guint32 /*exposure_us*/, guint32 /*gain
   arv_buffer_get_image_region(buffer, &x, &y, &width, &height);
   std::size_t bytes = 0;  // Aravis states 0 here
   auto* out = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
-  const auto& image = footage.images[footage.sent++ % footage.images.size()];
+  const std::size_t last = footage.images.size() - 1, k = footage.sent++ % (2 * last);
+  const auto& image = footage.images[std::min(k, 2 * last - k)];
   for (int row = 0; row < height; ++row, out += width) {
     const int shown = row < image.height() ? std::min(width, image.width()) : 0;
     if (shown > 0) std::memcpy(out, image.row(row).data(), static_cast<std::size_t>(shown));
@@ -55,9 +56,9 @@ int main(int count, char** words) {
   const auto target = std::find_if(scenario->markers.begin(), scenario->markers.end(), [](const auto& marker) {
     return marker.print.role == moiregauge::internal::Role::kTarget;
   });
-  const int images = std::atoi(words[2]);
+  const int images = std::max(2, std::atoi(words[2]));
   for (int i = 0; i < images; ++i) {
-    const long frame = 4L * i;
+    const long frame = i;
     footage.images.push_back(simulator::render8(*scenario, frame, {0, simulator::Area::kMarkersOnly}));
     const auto truth = simulator::truth(*scenario, frame, *target);
     std::printf("truth %d %.9f %.9f\n", i, truth.dx_mm, truth.dy_mm);
@@ -69,6 +70,7 @@ int main(int count, char** words) {
   std::fflush(stdout);
   while (std::getchar() != EOF) {
   }
+  std::printf("sent %zu\n", footage.sent.load());
   g_object_unref(camera);
   return 0;
 }

@@ -6,15 +6,13 @@
 The environment variable CLOSINGS is the number of times that the stream closes (default 3).
 """
 import csv
-import http.server
 import json
 import os
 import pathlib
 import subprocess
 import sys
-import threading
-import time
 
+from live_sources import FakeCamera, difference_of, end_after_closings, serve_motion_jpeg, table
 from runs import insist, rows, run, simulate, start
 
 program, work, _ = start()
@@ -25,11 +23,6 @@ scene, site = work / "scene/frames", work / "scene/site.toml"
 TRUTH_FILE = work / "scene/truth.csv"
 with open(TRUTH_FILE, newline="") as file:
     TRUTH = {int(row["frame"]): row for row in csv.DictReader(file)}
-
-
-def table(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def an_alarm_fires_and_its_recording_measures_to_the_same_rows():
@@ -49,17 +42,12 @@ def an_alarm_fires_and_its_recording_measures_to_the_same_rows():
     recordings = list((work / "alarmed-alarms").glob("*.mkv"))
     insist(len(recordings) == 1, f"one recording: {recordings}")
     run([program, "measure", recordings[0], "--site", site, "-o", work / "recording", "--quiet"])
-    live = {round(float(row["time_s"]), 3): row for row in table(out / "displacement.csv")}
     measured = table(work / "recording/displacement.csv")
     # The reference frame, 1 s before the alarm, the alarm, 1 s after it.
     insist(len(measured) == 1 + 2 * FPS + 1 or len(measured) == 2 * FPS + 1, f"{len(measured)} frames are recorded")
-    for row in measured:
-        same = live[round(float(row["time_s"]), 3)]
-        insist(row["status"] == "ok", f"not ok: {row}")
-        for axis in "dx_mm", "dy_mm":
-            # Both runs see the same pixels of the markers. Only the key frames of their scenes differ, which is part of u.
-            difference = abs(float(row[axis]) - float(same[axis]))
-            insist(difference <= float(same["u_" + axis]) + 1e-6, f"{axis} differs by {difference}: {row}, {same}")
+    largest, bad = difference_of(measured, table(out / "displacement.csv"))
+    insist(not bad, f"not ok: {bad}")
+    insist(largest <= 1, f"a row of the recording differs by {largest} u")
 
 
 def a_pipe_measures_to_the_rows_of_its_file():
@@ -74,19 +62,12 @@ def a_pipe_measures_to_the_rows_of_its_file():
 
 
 def every_complete_frame_of_a_camera_is_measured():
-    serial, images, lost_share = f"T{os.getpid()}", 24, 0.01
-    camera = subprocess.Popen([fake_camera, serial, str(images), str(lost_share)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    truth = []
-    for line in camera.stdout:
-        words = line.split()
-        if words[0] != "truth":
-            break
-        truth.append((float(words[2]), float(words[3])))
+    serial, lost_share = f"T{os.getpid()}", 0.01
+    camera = FakeCamera(fake_camera, serial, 24, lost_share)
     out = work / "camera"
     run([program, "live", f"camera:Aravis-{serial}", "--sensor-region", "0,0,1024,512", "--fps", 20, "--packet-size", 9000, "--site", site,
          "--for", "4s", "-o", out, "--quiet"])
-    camera.stdin.close()
-    camera.wait(timeout=20)
+    camera.end()
     facts = json.loads((out / "live.json").read_text())
     samples = table(out / "displacement.csv")
     lost = facts["lost_frames"]
@@ -94,58 +75,21 @@ def every_complete_frame_of_a_camera_is_measured():
     insist(facts["settings"]["sensor_region_px"] == "0,0,1024,512", f"settings: {facts['settings']}")
     numbers = [int(row["frame"]) for row in samples]
     insist(numbers[-1] + 1 <= len(numbers) + sum(lost.values()), f"{numbers[-1] + 1} frames, {len(numbers)} measured, lost {lost}")
-    # The images repeat, and the first one is unknown. For one of them, every ok row must be true. 6 u: of some hundred
-    # values the largest is 3 to 4 u.
-    def is_true(first):
-        for row in samples:
-            now, then = truth[(first + int(row["frame"])) % images], truth[(first + numbers[0]) % images]
-            for axis, index in ("dx_mm", 0), ("dy_mm", 1):
-                u = float(row["u_" + axis])
-                if row["status"] == "ok" and u > 0 and abs(float(row[axis]) - (now[index] - then[index])) > 6 * u:
-                    return False
-        return True
     ok = sum(row["status"] == "ok" for row in samples)
     insist(ok >= 10, f"only {ok} rows are ok")
-    insist(any(is_true(first) for first in range(images)), "rows are wrong: a frame was measured that is not whole")
-
-
-class MotionJpeg(http.server.BaseHTTPRequestHandler):
-    """Sends ten frames per connection at 20 frames/s, and closes it."""
-    frames = []
-    connections = 0
-
-    def do_GET(self):
-        type(self).connections += 1
-        self.send_response(200)
-        self.send_header("Content-Type", "multipart/x-mixed-replace;boundary=ffmpeg")
-        self.end_headers()
-        try:
-            for jpeg in self.frames[:10]:
-                self.wfile.write(b"--ffmpeg\r\nContent-type: image/jpeg\r\nContent-length: %d\r\n\r\n" % len(jpeg) + jpeg + b"\r\n")
-                time.sleep(0.05)
-        except OSError:
-            pass
-
-    def log_message(self, *_):
-        pass
+    # 6 u: of some hundred values the largest is 3 to 4 u.
+    insist(camera.count_wrong(samples, 6) == 0, "rows are wrong: a frame was measured that is not whole")
 
 
 def a_stream_that_closes_is_opened_again_and_one_that_stays_away_ends_the_run(closings):
     pictures = work / "jpeg"
     pictures.mkdir()
     run(["ffmpeg", "-v", "error", "-i", scene / "%06d.png", "-frames:v", 10, "-q:v", 1, "-pix_fmt", "yuvj420p", pictures / "%02d.jpg"])
-    MotionJpeg.frames = [path.read_bytes() for path in sorted(pictures.iterdir())]
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), MotionJpeg)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    server = serve_motion_jpeg([path.read_bytes() for path in sorted(pictures.iterdir())])
     out = work / "stream"
     command = [program, "live", f"http://user:secret@127.0.0.1:{server.server_port}/", "--site", site, "--patience", "2s", "-o", out, "--quiet"]
     live = subprocess.Popen([str(word) for word in command], stderr=subprocess.PIPE, text=True)
-    begin = time.monotonic()
-    while MotionJpeg.connections <= closings and time.monotonic() - begin < 10 + 3 * closings:
-        time.sleep(0.05)
-    server.shutdown()
-    server.server_close()
-    _, errors = live.communicate(timeout=60)
+    errors = end_after_closings(server, live, closings)
     insist(live.returncode == 7, f"exit {live.returncode}: {errors}")
     insist("the stream was lost" in errors and "secret" not in errors, errors)
     facts = json.loads((out / "live.json").read_text())

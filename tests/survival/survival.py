@@ -13,17 +13,19 @@ from runs import insist, run, simulate, start  # noqa: E402,F401
 FRAMES = 12  # simulated frames; longer clips repeat them
 
 
-def long_clip(program, work, frames):
-    """Makes a folder of images as hard links to a few, to save disk space.
+def shown_frame(n, few=FRAMES):
+    """Returns the simulated frame that frame `n` of a long clip shows. They are shown forwards and backwards, so that nothing jumps."""
+    at = n % (2 * few - 2)
+    return min(at, 2 * few - 2 - at)
 
-    The frames are shown forwards and backwards, so that no marker jumps.
-    """
-    simulate(program, work / "few", "small-0.1x", FRAMES)
+
+def long_clip(program, work, frames, scenario="small-0.1x", few=FRAMES):
+    """Makes a folder of images as hard links to a few, to save disk space."""
+    simulate(program, work / "few", scenario, few)
     clip = work / "clip"
     clip.mkdir()
     for n in range(frames):
-        at = n % (2 * FRAMES - 2)
-        os.link(work / f"few/frames/{min(at, 2 * FRAMES - 2 - at):06d}.png", clip / f"{n:06d}.png")
+        os.link(work / f"few/frames/{shown_frame(n, few):06d}.png", clip / f"{n:06d}.png")
     return clip, work / "few/site.toml"
 
 

@@ -1,0 +1,52 @@
+"""Runs the trials of `moiregauge live`: speed, a camera, kills, outages and alarms. Prints one table row per part.
+
+    trials.py PROGRAM WORK [--scale 1] [PART...]     PART: speed, camera, kills, outages, alarm; all unless given
+
+Without --scale it writes each row to WORK/PART.md too. Ends 1 if a figure is not met.
+"""
+import argparse
+import pathlib
+import shutil
+import sys
+
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "cli"), str(TESTS / "survival")]
+sys.dont_write_bytecode = True
+from live_alarm import alarm  # noqa: E402
+from live_camera import camera  # noqa: E402
+from live_kills import kills  # noqa: E402
+from live_outages import outages  # noqa: E402
+from live_speed import speed  # noqa: E402
+from trial import SEED, Trial, load  # noqa: E402
+
+PARTS = {"kills": kills, "speed": speed, "camera": camera, "outages": outages, "alarm": alarm}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("work", type=pathlib.Path)
+    parser.add_argument("--scale", type=float, default=1.0, help="scale of durations and numbers of kills and closings")
+    parser.add_argument("parts", nargs="*", metavar="PART")
+    options = parser.parse_intermixed_args()
+    unknown = [part for part in options.parts if part not in PARTS]
+    if unknown:
+        parser.error(f"no such part: {', '.join(unknown)}: choose from {', '.join(PARTS)}")
+    are_met = True
+    options.work.mkdir(parents=True, exist_ok=True)
+    print(f"seed {SEED}", file=sys.stderr)
+    print("| part | required | measured | load before |\n|---|---|---|---|", flush=True)
+    for part in options.parts or PARTS:
+        trial, before = Trial(options.program.resolve(), options.work.resolve() / part, options.scale), load()
+        figures = PARTS[part](trial)
+        are_met = are_met and figures.is_met
+        row = f"| {part} | {'<br>'.join(figures.required)} | {'<br>'.join(figures.measured)} | {before:.1f} |"
+        print(row, flush=True)
+        if options.scale == 1:
+            (options.work / f"{part}.md").write_text(row + "\n")
+        shutil.rmtree(trial.work)
+    return 0 if are_met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
