@@ -7,6 +7,7 @@ Without --scale it writes each row to WORK/PART.md too. Ends 1 if a figure is no
 import argparse
 import pathlib
 import shutil
+import subprocess
 import sys
 
 TESTS = pathlib.Path(__file__).resolve().parent.parent
@@ -22,6 +23,10 @@ from trial import SEED, Trial, load  # noqa: E402
 PARTS = {"kills": kills, "speed": speed, "camera": camera, "outages": outages, "alarm": alarm}
 
 
+def commit():
+    return subprocess.run(["git", "-C", TESTS, "describe", "--always"], capture_output=True, text=True, check=False).stdout.strip()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path)
@@ -35,16 +40,19 @@ def main():
     are_met = True
     options.work.mkdir(parents=True, exist_ok=True)
     print(f"seed {SEED}", file=sys.stderr)
-    print("| part | required | measured | load before |\n|---|---|---|---|", flush=True)
+    print("| part | required | measured | load before | commit |\n|---|---|---|---|---|", flush=True)
     for part in options.parts or PARTS:
-        trial, before = Trial(options.program.resolve(), options.work.resolve() / part, options.scale), load()
-        figures = PARTS[part](trial)
+        trial = Trial(options.program.resolve(), options.work.resolve() / part, options.scale)
+        before, version = load(), commit()
+        try:
+            figures = PARTS[part](trial)
+        finally:
+            shutil.rmtree(trial.work)
         are_met = are_met and figures.is_met
-        row = f"| {part} | {'<br>'.join(figures.required)} | {'<br>'.join(figures.measured)} | {before:.1f} |"
+        row = f"| {part} | {'<br>'.join(figures.required)} | {'<br>'.join(figures.measured)} | {before:.1f} | {version} |"
         print(row, flush=True)
         if options.scale == 1:
             (options.work / f"{part}.md").write_text(row + "\n")
-        shutil.rmtree(trial.work)
     return 0 if are_met else 1
 
 
