@@ -101,15 +101,6 @@ struct Table {
     return {hn::Sub(x, i), hn::Sub(y, j)};
   }
 
-  HWY_INLINE Level at(V x, V y) const {
-    alignas(64) std::int32_t at_node[kBlockWidth];
-    const FromNode from = find(x, y, at_node);
-    // The indices are then loaded one by one. GCC would extract each from the vector instead, with three times as many
-    // instructions.
-    __asm__ volatile("" : "+m"(at_node));
-    return at(at_node, from);
-  }
-
   HWY_INLINE Level at(const std::int32_t* at_node, const FromNode& from) const {
     const Float d;
     const V u = from.x, v = from.y;

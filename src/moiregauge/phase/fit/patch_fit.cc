@@ -14,7 +14,10 @@ namespace {
 
 using Failure = PatchFitFailure;
 using Field = Eigen::Matrix<double, kPatchPoints, 1>;
-using Bend = Eigen::Matrix<double, 8, 2 * kPatchPoints>;
+using BendColumns = Eigen::Matrix<double, 2 * kPatchPoints, 8>;
+// A homography near the identity, in window coordinates: a0 a1 a2 b0 b1 b2 g h of
+//     u + a0 + a1 u + a2 v - u (g u + h v),    v + b0 + b1 u + b2 v - v (g u + h v)
+using Bend = Eigen::Matrix<double, 8, 1>;
 
 // Chosen: with fewer pixels per unknown the residual is no estimate of the noise.
 constexpr int kMinPixelsPerUnknown = 4;
@@ -22,26 +25,46 @@ constexpr int kMinPixelsPerUnknown = 4;
 constexpr double kStillMoving = 0.1;
 // Smallest variance that the template must explain per column, in sigma^2. Noise alone explains 1 +- 0.3. Chosen.
 constexpr double kSeenPattern = 4.0;
-// Limits of follow_patch, pitch. The normal equations of another frame leave up to a tenth of a step. They leave up to
-// a hundredth of a change of blur and width, stated as the shift with an equal effect. A remainder that follows the
-// camera distance does not average out over frames. 1e-5 pitch of it resembles 0.4 mm of depth at 8 m (decision 0042).
+// Limits of follow_patch, pitch. Passes with the normal equations of the reference frame leave a share of each step
+// (share_left). They leave up to a hundredth of a change of blur and width, stated as the shift with an equal effect. A
+// remainder that follows the camera distance does not average out over frames. 1e-5 pitch of it resembles 0.4 mm of
+// depth at 8 m (decision 0042).
 constexpr double kNear = 0.02;
-constexpr double kConverged = 2e-4;
+constexpr double kLeft = 2e-5;
 constexpr double kShapeConverged = 5e-4;
 constexpr double kMaxFrozenStep = 0.002;  // beyond it, the frame's own normal equations are needed
-constexpr int kMaxPasses = 3;             // for each kind; chosen
+// Share of a step that such a pass leaves: upper bounds for six scenes with steps of 0.004 pitch, windows of 60 to 400
+// px, and views of up to 40 deg. The second part is a row of pixels that enters or leaves at the window's edge, px. The
+// third is a change of blur, relative to that of the fundamental's amplitude. Found shares are up to 0.126, and half of
+// these bounds on average (decision 0053).
+constexpr double kLeftAlways = 0.01, kLeftByEdge = 8.0, kLeftByBlur = 15.0;
+// Where all rows follow, the shift only has to come near. Noise of 1.6 in 80 grey levels leaves 1e-4 pitch. Chosen.
+constexpr int kBlocksOfStart = 2;
+constexpr int kMaxPasses = 3;  // for each kind; chosen
 
-// Returns the matrix that fits a homography near the identity to a field at the nine points, by least squares. Rows: a0
-// a1 a2 b0 b1 b2 g h of
-//     u + a0 + a1 u + a2 v - u (g u + h v),    v + b0 + b1 u + b2 v - v (g u + h v)
-Bend made_bend() {
-  Eigen::Matrix<double, 2 * kPatchPoints, 8> columns = Eigen::Matrix<double, 2 * kPatchPoints, 8>::Zero();
+// Returns the matrix from a bend to its field at the nine points.
+BendColumns made_bend_columns() {
+  BendColumns columns = BendColumns::Zero();
   for (int n = 0; n < kPatchPoints; ++n) {
     const double u = (n % 3 - 1) * 2.0 / 3.0, v = (n / 3 - 1) * 2.0 / 3.0;
     columns.row(n) << 1, u, v, 0, 0, 0, -u * u, -u * v;
     columns.row(kPatchPoints + n) << 0, 0, 0, 1, u, v, -u * v, -v * v;
   }
-  return (columns.transpose() * columns).ldlt().solve(columns.transpose());
+  return columns;
+}
+
+const BendColumns& bend_columns() {
+  static const BendColumns columns = made_bend_columns();
+  return columns;
+}
+
+// Returns the bend nearest to the correction (dx, dy) at the nine points, pitches, by least squares.
+Bend bend_of(const PatchWindow& window, const Field& dx, const Field& dy) {
+  static const Eigen::Matrix<double, 8, 2 * kPatchPoints> fit =
+      (bend_columns().transpose() * bend_columns()).ldlt().solve(bend_columns().transpose());
+  Eigen::Matrix<double, 2 * kPatchPoints, 1> field;
+  field << dx / window.half_x, dy / window.half_y;
+  return fit * field;
 }
 
 // Returns the grey level of the middle pixel. The first pass subtracts it, so that single precision sees small numbers.
@@ -50,12 +73,7 @@ double first_light(const LumaView& luma, const PixelBox& box) {
   return std::visit([x, y](const auto& picture) { return static_cast<double>(picture.at(x, y)); }, luma);
 }
 
-// Returns the homography nearest to `map` plus the correction (dx, dy) at the nine points, pitches.
-PrintFromImage corrected_map(const PrintFromImage& map, const PatchWindow& window, const Field& dx, const Field& dy) {
-  static const Bend bend = made_bend();
-  Eigen::Matrix<double, 2 * kPatchPoints, 1> field;
-  field << dx / window.half_x, dy / window.half_y;
-  const Eigen::Matrix<double, 8, 1> c = bend * field;
+PrintFromImage bent_map(const PrintFromImage& map, const PatchWindow& window, const Bend& c) {
   Matrix3 change;
   change << 1.0 + c(1), c(2), c(0), c(4), 1.0 + c(5), c(3), c(6), c(7), 1.0;
   const auto to_window = window_from_print(window);
@@ -106,12 +124,13 @@ class Passes {
     return take(known == nullptr ? *own_ : *known);
   }
 
-  // Fits a shift of the whole window (b0, g0, dX, dY) to every row_step-th row.
-  tl::expected<void, Failure> shift(int row_step) {
+  // Fits a shift of the whole window (b0, g0, dX, dY) to these pixels.
+  tl::expected<void, Failure> shift(const PixelSteps& steps) {
     if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
     ShiftSums sums;
-    sum_shift(luma_, model_, print_.nodes(), box_, row_step, sums);
-    if (row_step * sums.pixels < kMinPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
+    sum_shift(luma_, model_, print_.nodes(), box_, steps, sums);
+    if (steps.rows * steps.blocks * sums.pixels < kMinPixelsPerUnknown * kColumns)
+      return tl::unexpected(Failure::kTooFewPixels);
     Eigen::Matrix4d normal = sums.normal;
     for (const int axis : {2, 3}) {  // an axis that is not shown stays fixed
       if (axis == 2 ? options_.along_x : options_.along_y) continue;
@@ -135,7 +154,11 @@ class Passes {
   }
 
   [[nodiscard]] double last_step() const { return last_step_; }
-  [[nodiscard]] double shape_step() const { return shape_step_; }
+  // Returns true if the map's last step and the last change of shape leave less than they may. What the map cannot
+  // take up stays in the field, the same in every pass, so that it is no step.
+  [[nodiscard]] bool has_converged() const {
+    return share_left() * last_bend_ < kLeft && shape_step_ < kShapeConverged;
+  }
   [[nodiscard]] PatchAtRest at_rest() const { return {*own_, model_.light, model_.gain}; }
   [[nodiscard]] PatchFit fit(const PatchSystem* known) const;
 
@@ -181,7 +204,21 @@ class Passes {
   }
 
   // Moves the map by the homography nearest to the field. The next pass and the points keep the remainder.
-  void move() { model_.map = corrected_map(model_.map, model_.window, dx_, dy_); }
+  void move() {
+    const PatchWindow& w = model_.window;
+    const Bend bend = bend_of(w, dx_, dy_);
+    const Eigen::Matrix<double, 2 * kPatchPoints, 1> field = bend_columns() * bend;
+    last_bend_ = std::max(w.half_x * field.head<kPatchPoints>().cwiseAbs().maxCoeff(),
+                          w.half_y * field.tail<kPatchPoints>().cwiseAbs().maxCoeff());
+    model_.map = bent_map(model_.map, w, bend);
+  }
+
+  // Returns the largest share of a step that a pass with the normal equations of the reference frame leaves.
+  [[nodiscard]] double share_left() const {
+    const double width = std::min(box_.x1 - box_.x0, box_.y1 - box_.y0);
+    const double blur = kTwoPi * kTwoPi * relative_ * std::max(std::abs(model_.shape[0]), std::abs(model_.shape[1]));
+    return kLeftAlways + kLeftByEdge / width + kLeftByBlur * blur;
+  }
 
   const LumaView& luma_;
   const PrintTemplate& print_;
@@ -193,6 +230,7 @@ class Passes {
   bool is_lit_ = false;          // true if light and contrast are those of this frame
   PrintFromImage seen_through_;  // map of the last pass
   Field dx_, dy_;                // correction of the last pass at the nine points, pitches
+  double last_bend_ = 0.0;       // the map's part of it, pitches
   double relative_ = 1.0, sigma_ = 0.0, last_step_ = 0.0;
   // Change of blur and width in the last pass, as the shift that changes the grey levels as much, pitches.
   double shape_step_ = 0.0;
@@ -251,13 +289,14 @@ tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFr
                                              const PatchFitOptions& options, const PatchAtRest& at_rest, Rows rows) {
   Passes passes(luma, start, window, print, options);
   passes.begin(&at_rest);
+  const PixelSteps steps{options.row_step, rows == Rows::kAll ? kBlocksOfStart : 1};
   for (int k = 0; k < kMaxPasses; ++k) {
-    if (const auto done = passes.shift(options.row_step); !done) return tl::unexpected(done.error());
+    if (const auto done = passes.shift(steps); !done) return tl::unexpected(done.error());
     if (passes.last_step() < (rows == Rows::kAll ? kNear : kMaxFrozenStep)) break;
   }
   for (int k = 0; rows == Rows::kAll && k < kMaxPasses; ++k) {
     if (const auto done = passes.pass(&at_rest.system); !done) return tl::unexpected(done.error());
-    if (passes.last_step() < kConverged && passes.shape_step() < kShapeConverged) break;
+    if (passes.has_converged()) break;
   }
   if (rows == Rows::kAll && !(passes.last_step() < kMaxFrozenStep)) return finish_with_own_equations(passes);
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
@@ -270,7 +309,7 @@ PrintFromImage map_of(const PatchFit& fit, const PatchWindow& window) {
     const PrintPoint at = grid_point(window, n), seen = fit.print[static_cast<std::size_t>(n)];
     dx(n) = seen.x - at.x, dy(n) = seen.y - at.y;
   }
-  return corrected_map(window_from_print(window).inverse() * fit.window_from_image, window, dx, dy);
+  return bent_map(window_from_print(window).inverse() * fit.window_from_image, window, bend_of(window, dx, dy));
 }
 
 PixelBox box_round(const Homography<frame::Image, frame::Print>& image_from_print, const PatchWindow& w) {

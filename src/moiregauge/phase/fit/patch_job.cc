@@ -10,7 +10,7 @@ std::array<float, 3> in_floats(const PatchPlane& p) {
 
 }  // namespace
 
-PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step) {
+PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, const PixelSteps& steps) {
   PatchJob job;
   job.x = (box.x0 + box.x1) / 2, job.y = (box.y0 + box.y1) / 2;
   const PatchWindow& w = model.window;
@@ -26,7 +26,7 @@ PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox
                static_cast<float>(side * w.centre.y), static_cast<float>(side * w.half_y)};
   job.table = &nodes;
   job.box = box;
-  job.row_step = row_step;
+  job.steps = steps;
   return job;
 }
 

@@ -34,7 +34,7 @@ struct PatchJob {
   std::array<float, 4> nodes{};  // grating coordinates in nodes: [0] + u [1], [2] + v [3]
   const PrintNodes* table = nullptr;
   PixelBox box;
-  int row_step = 1;
+  PixelSteps steps;
 };
 
 // Sixteen lanes of every sum.
@@ -54,7 +54,7 @@ struct PatchTotals {
   int pixels = 0;
 };
 
-// Returns the job for every row_step-th row of `box`.
-[[nodiscard]] PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox& box, int row_step);
+[[nodiscard]] PatchJob job_of(const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+                              const PixelSteps& steps);
 
 }  // namespace moiregauge::internal

@@ -2,6 +2,8 @@
 #include "moiregauge/phase/fit/patch_pass.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <variant>
 
 #include "moiregauge/image/fetch_row.h"
@@ -111,10 +113,6 @@ HWY_INLINE auto lanes_inside(const Patch& patch, V u, V v) {
   return hn::Le(hn::Max(hn::Abs(u), hn::Abs(v)), patch.one);
 }
 
-HWY_INLINE Level level_at(const Patch& patch, const Positions& at) {
-  return patch.table.at(plus(patch.x0, at.u, patch.half_x), plus(patch.y0, at.v, patch.half_y));
-}
-
 // Returns a level with derivatives per pitch, times the gain.
 HWY_INLINE Level scaled(const Patch& patch, const Level& l, V gain) {
   const V slope = hn::Mul(gain, patch.side), bend = hn::Mul(slope, patch.side);
@@ -122,21 +120,44 @@ HWY_INLINE Level scaled(const Patch& patch, const Level& l, V gain) {
       l.t, hn::Mul(l.tx, slope), hn::Mul(l.ty, slope), hn::Mul(l.bx, bend), hn::Mul(l.by, bend), hn::Mul(l.edge, bend)};
 }
 
-// Adds a block of pixels and returns the number inside the window. `grey`: grey levels of the lanes. `dx`: distances of
-// the lanes from the middle pixel, px. `there`: lanes inside the box.
-template <Sum kSum, typename Mask>
-HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask there, int lane, LaneSums& lanes,
-                         Registers<kSum>& sums) {
+// Positions of the pixels of several vectors. They are computed for all vectors first: a node's index is then in memory,
+// not on its way to it, when it is read.
+struct SomePositions {
+  static constexpr int kMost = 8;
+  alignas(64) LaneRow u[kMost], v[kMost], per_z[kMost], x[kMost], y[kMost];
+  alignas(64) std::int32_t node[kMost][kBlockWidth];
+
+  // `dx`: distances of the lanes from the middle pixel, px.
+  HWY_INLINE void put(const Patch& patch, int n, const Row& row, V dx) {
+    const Float d;
+    const Positions at(patch, row, dx);
+    const FromNode from =
+        patch.table.find(plus(patch.x0, at.u, patch.half_x), plus(patch.y0, at.v, patch.half_y), node[n]);
+    hn::Store(at.u, d, u[n]), hn::Store(at.v, d, v[n]), hn::Store(at.per_z, d, per_z[n]);
+    hn::Store(from.x, d, x[n]), hn::Store(from.y, d, y[n]);
+  }
+
+  // Returns level and derivatives at vector n.
+  HWY_INLINE Level level(const Patch& patch, int n) const {
+    return patch.table.at(node[n], {hn::Load(Float(), x[n]), hn::Load(Float(), y[n])});
+  }
+};
+static_assert(SomePositions::kMost >= kTileRows);
+
+// Adds vector n and returns the number of pixels inside the window. `there`: lanes inside the box.
+template <Sum kSum, typename Grey, typename Mask>
+HWY_INLINE int add_vector(const Patch& patch, const Grey* pixels, const SomePositions& at, int n, Mask there, int lane,
+                          LaneSums& lanes, Registers<kSum>& sums) {
   const Float d;
-  const Positions at(patch, row, dx);
-  const auto in = hn::And(there, lanes_inside(patch, at.u, at.v));
+  const V u = hn::Load(d, at.u[n]), v = hn::Load(d, at.v[n]);
+  const auto in = hn::And(there, lanes_inside(patch, u, v));
   if (hn::AllFalse(d, in)) return 0;
-  const Level l = level_at(patch, at);
-  const V gain = patch.gain(at.u, at.v);
-  const V left = hn::IfThenElseZero(in, hn::Sub(grey, patch.shown(at.u, at.v, l, gain)));
+  const Level l = at.level(patch, n);
+  const V gain = patch.gain(u, v);
+  const V left = hn::IfThenElseZero(in, hn::Sub(greys(pixels), patch.shown(u, v, l, gain)));
   if constexpr (kSum == Sum::kBlocks) {
     sums[0] = hn::Add(sums[0], hn::Mul(left, left));
-    add_blocks(left, in, at.u, at.v, lane, lanes);
+    add_blocks(left, in, u, v, lane, lanes);
   } else {
     add_shift(left, hn::IfThenElseZero(in, patch.one), scaled(patch, l, gain), sums);
   }
@@ -146,25 +167,57 @@ HWY_INLINE int add_block(const Patch& patch, const Row& row, V grey, V dx, Mask 
 // Position of a tile relative to the window.
 enum class TilePlace { kInside, kAcross, kOutside };
 
-// Returns the position of the pixels from (x, y) on, from the corners: a homography keeps straight lines straight.
-TilePlace place_of(const PatchJob& job, int x, int y) {
-  constexpr double kMargin = 1e-4;  // relative to the window; exceeds the error of single precision
-  double low_u = 1e30, high_u = -1e30, low_v = 1e30, high_v = -1e30;
-  for (const int dx : {0, kBlockWidth - 1}) {
-    for (const int dy : {0, kTileRows - 1}) {
-      const double px = x + dx - job.x, py = y + dy - job.y;
-      const auto at = [&](std::size_t k) {
-        return double{job.uv_from_px[k]} * px + double{job.uv_from_px[k + 1]} * py + double{job.uv_from_px[k + 2]};
-      };
-      const double z = at(6), u = at(0) / z, v = at(3) / z;
-      if (!(z > 0.0)) return TilePlace::kAcross;
-      low_u = std::min(low_u, u), high_u = std::max(high_u, u), low_v = std::min(low_v, v),
-      high_v = std::max(high_v, v);
+// A quantity that is linear in the pixel's position: value at the middle pixel, and changes per pixel.
+struct Line {
+  double at_0, per_x, per_y;
+
+  // Returns the value in the middle of the tile from (x, y) on, px from the middle pixel.
+  [[nodiscard]] HWY_INLINE double middle(int x, int y) const {
+    return at_0 + per_x * (x + 0.5 * (kBlockWidth - 1)) + per_y * (y + 0.5 * (kTileRows - 1));
+  }
+  // Returns the largest difference of a tile's pixels from its middle.
+  [[nodiscard]] HWY_INLINE double spread() const {
+    return 0.5 * (kBlockWidth - 1) * std::abs(per_x) + 0.5 * (kTileRows - 1) * std::abs(per_y);
+  }
+};
+
+// Edges of the window: |U| = Z and |V| = Z. Each is a line, so that a tile's corners have its extreme values.
+struct Edges {
+  Line z;
+  std::array<Line, 4> within, beyond;  // below zero inside; above zero outside
+
+  explicit Edges(const PatchJob& job) : z(line(job, 6, 0.0, 0.0)) {
+    constexpr double kMargin = 1e-4;  // relative to the window; exceeds the error of single precision
+    std::size_t to = 0;
+    for (const std::size_t axis : {0, 3}) {
+      for (const double side : {1.0, -1.0}) {
+        within[to] = line(job, axis, side, 1.0 - kMargin);
+        beyond[to++] = line(job, axis, side, 1.0 + kMargin);
+      }
     }
   }
-  if (std::max({-low_u, high_u, -low_v, high_v}) < 1.0 - kMargin) return TilePlace::kInside;
-  return std::max({low_u, -high_u, low_v, -high_v}) > 1.0 + kMargin ? TilePlace::kOutside : TilePlace::kAcross;
-}
+
+  // Returns the place of the tile from (x, y) on, px from the middle pixel.
+  [[nodiscard]] TilePlace place_of(int x, int y) const {
+    if (!(z.middle(x, y) > z.spread())) return TilePlace::kAcross;
+    bool is_inside = true, is_outside = false;
+    for (std::size_t k = 0; k < within.size(); ++k) {
+      is_inside &= within[k].middle(x, y) + within[k].spread() < 0.0;
+      is_outside |= beyond[k].middle(x, y) - beyond[k].spread() > 0.0;
+    }
+    return is_inside ? TilePlace::kInside : is_outside ? TilePlace::kOutside : TilePlace::kAcross;
+  }
+
+ private:
+  // Returns the line side * (row `axis` of the map) - limit * Z; Z itself if both factors are 0.
+  static Line line(const PatchJob& job, std::size_t axis, double side, double limit) {
+    const auto part = [&](std::size_t k) {
+      const double plain = double{job.uv_from_px[axis + k]};
+      return side == 0.0 ? plain : side * plain - limit * double{job.uv_from_px[6 + k]};
+    };
+    return {part(2), part(0), part(1)};
+  }
+};
 
 // A window's pixels as tiles.
 template <typename Grey>
@@ -172,28 +225,12 @@ struct Tiling {
   const PatchJob& job;
   const Patch& patch;
   const ImageView<Grey>& picture;
-};
-
-// Positions of a tile's pixels. They are computed for all rows first: a node's index is then in memory, not on its way
-// to it, when it is read.
-struct TilePositions {
-  alignas(64) LaneRow u[kTileRows], v[kTileRows], per_z[kTileRows], x[kTileRows], y[kTileRows];
-  alignas(64) std::int32_t node[kTileRows][kBlockWidth];
-
-  // `dx`: distances of the lanes from the middle pixel, px.
-  HWY_INLINE void put(const Patch& patch, int row, const Row& at_row, V dx) {
-    const Float d;
-    const Positions at(patch, at_row, dx);
-    const FromNode from =
-        patch.table.find(plus(patch.x0, at.u, patch.half_x), plus(patch.y0, at.v, patch.half_y), node[row]);
-    hn::Store(at.u, d, u[row]), hn::Store(at.v, d, v[row]), hn::Store(at.per_z, d, per_z[row]);
-    hn::Store(from.x, d, x[row]), hn::Store(from.y, d, y[row]);
-  }
+  const Edges edges = Edges(job);
 };
 
 // Adds a row of a tile and returns the number of pixels inside the window. `in_box`: lanes inside the box.
 template <Sum kSum, bool kAllInside, typename Grey, typename Mask>
-HWY_INLINE int add_tile_row(const Tiling<Grey>& t, const Grey* pixels, const TilePositions& at, Mask in_box, int row,
+HWY_INLINE int add_tile_row(const Tiling<Grey>& t, const Grey* pixels, const SomePositions& at, Mask in_box, int row,
                             TileRows& rows, PendingColumns& columns) {
   const Float d;
   const V u = hn::Load(d, at.u[row]), v = hn::Load(d, at.v[row]);
@@ -202,7 +239,7 @@ HWY_INLINE int add_tile_row(const Tiling<Grey>& t, const Grey* pixels, const Til
     rows.put_none(row);
     return 0;
   }
-  const Level l = t.patch.table.at(at.node[row], {hn::Load(d, at.x[row]), hn::Load(d, at.y[row])});
+  const Level l = at.level(t.patch, row);
   const V gain = t.patch.gain(u, v);
   V left = hn::Sub(greys(pixels), t.patch.shown(u, v, l, gain)), inside = t.patch.one;
   int count = kLanes;
@@ -220,7 +257,7 @@ template <Sum kSum, bool kAllInside, typename Grey>
 HWY_INLINE int add_rows(const Tiling<Grey>& t, int x, int y, const RowSpan<kAllInside>& span, int lane, StripSums& sums,
                         LaneSums& lanes) {
   const V dx = hn::Iota(Float(), static_cast<float>(x - t.job.x + lane));
-  TilePositions at;
+  SomePositions at;
   for (int row = 0; row < span.count(); ++row)
     at.put(t.patch, row, Row(t.job, static_cast<float>(y + row - t.job.y)), dx);
   const auto in_box = hn::Le(dx, hn::Set(Float(), static_cast<float>(t.job.box.x1 - t.job.x)));
@@ -240,7 +277,7 @@ HWY_INLINE int add_rows(const Tiling<Grey>& t, int x, int y, const RowSpan<kAllI
 template <Sum kSum, typename Grey>
 int add_tile(const Tiling<Grey>& t, int x, int y, int count, float eta, int lane, StripSums& sums, LaneSums& lanes) {
   const bool is_cut = count < kTileRows || x + kBlockWidth - 1 > t.job.box.x1;
-  const TilePlace place = place_of(t.job, x, y);
+  const TilePlace place = t.edges.place_of(x - t.job.x, y - t.job.y);
   if (place == TilePlace::kOutside) return 0;
   if (place == TilePlace::kInside && !is_cut)
     return add_rows<kSum, true>(t, x, y, RowSpan<true>{count, eta}, lane, sums, lanes);
@@ -293,27 +330,42 @@ HWY_INLINE double folded(float* lanes) {
 // Rows by which memory is fetched ahead. Chosen.
 constexpr int kRowsAhead = 4;
 
+// Adds a row and returns the number of pixels inside the window.
+template <Sum kSum, typename Grey>
+HWY_INLINE int add_row(const PatchJob& job, const Patch& patch, const ImageView<Grey>& picture, int y, int lane,
+                       LaneSums& lanes, Registers<kSum>& sums) {
+  const Row row(job, static_cast<float>(y - job.y));
+  const int step = job.steps.blocks * kBlockWidth;
+  const int x0 = job.box.x0 + (y - job.box.y0) / job.steps.rows % job.steps.blocks * kBlockWidth;
+  const V last = hn::Set(Float(), static_cast<float>(job.box.x1 - job.x));
+  const auto dx = [&](int x) { return hn::Iota(Float(), static_cast<float>(x - job.x + lane)); };
+  SomePositions at;
+  Grey edge[kBlockWidth];
+  int pixels = 0;
+  for (int first = x0; first <= job.box.x1; first += SomePositions::kMost * step) {
+    const int blocks = std::min(SomePositions::kMost, (job.box.x1 - first) / step + 1);
+    for (int n = 0; n < blocks; ++n) at.put(patch, n, row, dx(first + n * step));
+    for (int n = 0; n < blocks; ++n) {
+      const int x = first + n * step;
+      const Grey* from = pixels_from(picture, x, y, edge) + lane;
+      pixels += add_vector<kSum>(patch, from, at, n, hn::Le(dx(x), last), lane, lanes, sums);
+    }
+  }
+  return pixels;
+}
+
 template <Sum kSum, typename Grey>
 int add_band(const PatchJob& job, const Patch& patch, const ImageView<Grey>& picture, int first, int last,
              LaneSums& lanes) {
   const Float d;
-  const V step = hn::Set(d, float{kBlockWidth});
-  Grey edge[kBlockWidth];
   int pixels = 0;
   for (int lane = 0; lane < kBlockWidth; lane += kLanes) {
     Registers<kSum> sums;
     for (int k = 0; k < sums_of(kSum); ++k) sums[k] = hn::Zero(d);
-    for (int y = first; y <= last; y += job.row_step) {
-      const Row row(job, static_cast<float>(y - job.y));
-      const int ahead = y + kRowsAhead * job.row_step;
+    for (int y = first; y <= last; y += job.steps.rows) {
+      const int ahead = y + kRowsAhead * job.steps.rows;
       if (lane == 0 && ahead <= job.box.y1) fetch_row(picture, ahead, job.box.x0, job.box.x1);
-      V dx = hn::Iota(d, static_cast<float>(job.box.x0 - job.x + lane));
-      V left = hn::Sub(hn::Set(d, static_cast<float>(job.box.x1 - job.x)), dx);
-      for (int x = job.box.x0; x <= job.box.x1; x += kBlockWidth) {
-        const V grey = greys(pixels_from(picture, x, y, edge) + lane);
-        pixels += add_block<kSum>(patch, row, grey, dx, hn::Ge(left, hn::Zero(d)), lane, lanes, sums);
-        dx = hn::Add(dx, step), left = hn::Sub(left, step);
-      }
+      pixels += add_row<kSum>(job, patch, picture, y, lane, lanes, sums);
     }
     for (int k = 0; k < sums_of(kSum); ++k) hn::Store(sums[k], d, lanes.right[k] + lane);
   }
@@ -345,7 +397,7 @@ template <Sum kSum, typename Grey>
 void pass(const PatchJob& job, const ImageView<Grey>& picture, PatchTotals& out) {
   LaneSums lanes;
   const Patch patch(job);
-  const int band = kBandRows * job.row_step;
+  const int band = kBandRows * job.steps.rows;
   if constexpr (kSum == Sum::kBlocks) {
     std::fill_n(&lanes.squares[0][0], out.blocks->squares.size() * kBlockWidth, 0.0F);
     std::fill_n(lanes.pixels, out.blocks->pixels.size(), 0);
@@ -408,7 +460,7 @@ void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& 
   PatchTotals totals;
   totals.normal = normal;
   if (normal != nullptr) normal->setZero();
-  dispatched(luma, job_of(model, nodes, box, 1), normal == nullptr ? Sum::kRight : Sum::kNormal, totals);
+  dispatched(luma, job_of(model, nodes, box, {}), normal == nullptr ? Sum::kRight : Sum::kNormal, totals);
   sums.right = Eigen::Map<const NormalVector>(totals.sums.data());
   sums.left2 = totals.sums[kColumns];
   sums.pixels = totals.pixels;
@@ -416,9 +468,9 @@ void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& 
 }
 
 void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               int row_step, ShiftSums& sums) {
+               const PixelSteps& steps, ShiftSums& sums) {
   PatchTotals totals;
-  dispatched(luma, job_of(model, nodes, box, row_step), Sum::kShift, totals);
+  dispatched(luma, job_of(model, nodes, box, steps), Sum::kShift, totals);
   std::size_t from = 0;
   for (int i = 0; i < kShiftColumns; ++i) sums.right(i) = totals.sums[from++];
   sums.left2 = totals.sums[from++];
@@ -432,7 +484,7 @@ void sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes&
                 int row_step, BlockSums& sums) {
   PatchTotals totals;
   totals.blocks = &sums;
-  dispatched(luma, job_of(model, nodes, box, row_step), Sum::kBlocks, totals);
+  dispatched(luma, job_of(model, nodes, box, {row_step}), Sum::kBlocks, totals);
 }
 
 }  // namespace moiregauge::internal

@@ -81,9 +81,15 @@ struct ShiftSums {
   double left2 = 0.0;
   int pixels = 0;
 };
-// Sums the residuals and products of these four columns over every row_step-th row of `box`.
+// Selects pixels of a box: every `rows`-th row, and every `blocks`-th block of sixteen pixels in it. Successive rows begin
+// at successive blocks, so that all columns are met.
+struct PixelSteps {
+  int rows = 1;
+  int blocks = 1;
+};
+// Sums the residuals and products of these four columns over the selected pixels of `box`.
 void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               int row_step, ShiftSums& sums);
+               const PixelSteps& steps, ShiftSums& sums);
 
 // Blocks per side of a window. Chosen.
 inline constexpr int kWindowBlocks = 6;
