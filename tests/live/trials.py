@@ -1,6 +1,6 @@
 """Runs the trials of `moiregauge live`: speed, a camera, kills, outages and alarms. Prints one table row per part.
 
-    trials.py PROGRAM WORK [--scale 1] [PART...]     PART: speed, camera, kills, outages, alarm; all unless given
+    trials.py PROGRAM WORK [--scale 1] [PART...]     PART: kills, speed, rate, camera, outages, alarm; all unless given
 
 Without --scale it writes each row to WORK/PART.md too. Ends 1 if a figure is not met.
 """
@@ -17,10 +17,10 @@ from live_alarm import alarm  # noqa: E402
 from live_camera import camera  # noqa: E402
 from live_kills import kills  # noqa: E402
 from live_outages import outages  # noqa: E402
-from live_speed import speed  # noqa: E402
+from live_speed import rate, speed  # noqa: E402
 from trial import SEED, Trial, load  # noqa: E402
 
-PARTS = {"kills": kills, "speed": speed, "camera": camera, "outages": outages, "alarm": alarm}
+PARTS = {"kills": kills, "speed": speed, "rate": rate, "camera": camera, "outages": outages, "alarm": alarm}
 
 
 def commit():
