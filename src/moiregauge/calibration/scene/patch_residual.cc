@@ -128,20 +128,49 @@ PatchResidual::PatchResidual(const PatchFit& fit, const Marker& marker)
       angle_rad_(marker.grating->angle_rad),
       pitch_mm_(marker.grating->pitch_mm),
       pitches_per_px_(print_per_image(fit)) {
-  // Pivoting puts an axis that the grating does not show last, with zero weight.
   const auto lines = direction_of_lines(*marker.grating);
-  const Eigen::LDLT<PatchInformation> ldlt(lines ? across_lines(fit.information, marker.grating->pattern)
-                                                 : fit.information);
+  const PatchInformation information = lines ? across_lines(fit.information, marker.grating->pattern) : fit.information;
+  const Eigen::LLT<PatchInformation> llt(information);
+  const auto pivots = llt.matrixLLT().diagonal();
+  is_upper_ = llt.info() == Eigen::Success && pivots.minCoeff() > std::sqrt(kRounding) * pivots.maxCoeff();
+  if (is_upper_) {
+    root_ = llt.matrixU();
+    rank_ = kSize;
+  } else {
+    find_root(information);
+  }
+  if (!lines || marker.role != Role::kTarget) return;
+  const double per_u = 1.0 / (kStillAlongLines * pitch_mm_);
+  along_lines_ = {per_u * lines->x, per_u * lines->y};
+  ++rank_;
+}
+
+// Pivoting puts an axis that the grating does not show last, with zero weight.
+void PatchResidual::find_root(const PatchInformation& information) {
+  const Eigen::LDLT<PatchInformation> ldlt(information);
   PatchInformation upper = ldlt.matrixU();
   upper = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal() * upper;
   rank_ = static_cast<int>((ldlt.vectorD().array() > kRounding * ldlt.vectorD().maxCoeff()).count());
   root_ = upper;
   const auto& swaps = ldlt.transpositionsP().indices();  // rows in this order, so columns in the opposite one
   for (Eigen::Index k = swaps.size(); k-- > 0;) root_.col(k).swap(root_.col(swaps(k)));
-  if (!lines || marker.role != Role::kTarget) return;
-  const double per_u = 1.0 / (kStillAlongLines * pitch_mm_);
-  along_lines_ = {per_u * lines->x, per_u * lines->y};
-  ++rank_;
+}
+
+// Blocks of rows have a fixed size, so that the compiler unrolls them. Those of an upper triangle begin at the diagonal.
+template <int kWide>
+Eigen::Matrix<double, PatchResidual::kSize, kWide> PatchResidual::whitened(
+    const Eigen::Matrix<double, kSize, kWide>& off) const {
+  constexpr int kBlock = 6;
+  static_assert(kSize % kBlock == 0);
+  Eigen::Matrix<double, kSize, kWide> out;
+  for (int column = 0; column < kWide; ++column) {
+    for (int first = 0; first < kSize; first += kBlock) {
+      Eigen::Matrix<double, kBlock, 1> sum = Eigen::Matrix<double, kBlock, 1>::Zero();
+      for (int k = is_upper_ ? first : 0; k < kSize; ++k) sum += off(k, column) * root_.block<kBlock, 1>(first, k);
+      out.template block<kBlock, 1>(first, column) = sum;
+    }
+  }
+  return out;
 }
 
 PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
@@ -181,7 +210,7 @@ PatchResidual::Design PatchResidual::off(const CommonNumbers& common, const Mark
 
 PatchResidual::Design PatchResidual::design(const CommonNumbers& common, const MarkerShape& shape,
                                             const TurnedPose& pose, Extent<frame::Board> shift) const {
-  Design all = root_.lazyProduct(off(common, shape, pose, shift));
+  Design all = whitened(off(common, shape, pose, shift));
   const int place = PatchColumn::kShape + MarkerShape::kX;
   all(kLinesRow, place) += along_lines_[0], all(kLinesRow, place + 1) += along_lines_[1];
   all(kLinesRow, PatchColumn::kResidual) += moved_along_lines(shape, shift);
@@ -199,7 +228,7 @@ PatchResidual::FrameDesign PatchResidual::frame_design(const CommonNumbers& comm
   FrameDesign used;
   used << all.middleCols<6>(PatchColumn::kPose), all.middleCols<2>(PatchColumn::kShape + MarkerShape::kX),
       all.col(PatchColumn::kResidual);
-  FrameDesign out = root_.lazyProduct(used);  // matrices this small are faster without blocks
+  FrameDesign out = whitened(used);
   out(kLinesRow, FrameColumn::kShift) += along_lines_[0], out(kLinesRow, FrameColumn::kShift + 1) += along_lines_[1];
   out(kLinesRow, FrameColumn::kResidual) += moved_along_lines(shape, shift);
   return out;

@@ -93,7 +93,7 @@ class PatchResidual {
     }
     for (int i = 0; i < kSize; ++i) {
       residual[i] = T(0.0);
-      for (int j = 0; j < kSize; ++j) residual[i] += root_(i, j) * off[static_cast<std::size_t>(j)];
+      for (int j = is_upper_ ? i : 0; j < kSize; ++j) residual[i] += root_(i, j) * off[static_cast<std::size_t>(j)];
     }
     residual[kLinesRow] += T(along_lines_[0]) * (shape[0] + shift[0]) + T(along_lines_[1]) * (shape[1] + shift[1]);
     return true;
@@ -136,6 +136,11 @@ class PatchResidual {
   // Returns the design matrix before it is whitened.
   [[nodiscard]] Design off(const CommonNumbers& common, const MarkerShape& shape, const TurnedPose& pose,
                            Extent<frame::Board> shift) const;
+  // Sets root and rank for an information matrix without full rank.
+  void find_root(const PatchInformation& information);
+  // Returns root times `off`.
+  template <int kWide>
+  [[nodiscard]] Eigen::Matrix<double, kSize, kWide> whitened(const Eigen::Matrix<double, kSize, kWide>& off) const;
   // Returns the movement along the lines over its u.
   [[nodiscard]] double moved_along_lines(const MarkerShape& shape, Extent<frame::Board> shift) const;
 
@@ -144,6 +149,7 @@ class PatchResidual {
   double x_mm_, y_mm_, angle_rad_, pitch_mm_;
   std::array<Eigen::Matrix2d, kPatchPoints> pitches_per_px_;
   Eigen::Matrix<double, kSize, kSize> root_;
+  bool is_upper_ = false;  // the root is an upper triangle
   int rank_ = 0;
   // Direction of the lines, 1/mm: per u of the movement. Zero for other patterns and references.
   std::array<double, 2> along_lines_{};

@@ -33,12 +33,12 @@ constexpr double kNear = 0.02;
 constexpr double kLeft = 2e-5;
 constexpr double kShapeConverged = 5e-4;
 constexpr double kMaxFrozenStep = 0.002;  // beyond it, the frame's own normal equations are needed
-// Share of a step that such a pass leaves: upper bounds for six scenes with steps of 0.004 pitch, windows of 60 to 400
-// px, and views of up to 40 deg. The second part is a row of pixels that enters or leaves at the window's edge, px. The
-// third is a change of blur, relative to that of the fundamental's amplitude. Found shares are up to 0.126, and half of
-// these bounds on average (decision 0053).
+// Upper bound of the share of a step that such a pass leaves. The second part is a row of pixels that enters or leaves
+// at the window's edge, px. The third is a change of blur, relative to that of the fundamental's amplitude. They bound
+// six simulated scenes: windows of 60 to 400 px, views of up to 40 deg, shares of up to 0.126 (decision 0053).
 constexpr double kLeftAlways = 0.01, kLeftByEdge = 8.0, kLeftByBlur = 15.0;
-// Where all rows follow, the shift only has to come near. Noise of 1.6 in 80 grey levels leaves 1e-4 pitch. Chosen.
+// Step between blocks in the shift's pass before all rows. It only has to come near: noise of 1.6 in 80 grey levels
+// leaves 1e-4 pitch. Chosen.
 constexpr int kBlocksOfStart = 2;
 constexpr int kMaxPasses = 3;  // for each kind; chosen
 

@@ -211,7 +211,7 @@ TEST(PatchFit, TrackedFitEqualsAFreshFitInAnotherFrame) {
   const auto followed = follow_patch(picture.view(), start, kWindow, print, {.row_step = 4}, rest->at_rest);
   ASSERT_TRUE(fresh && followed);
   const CommonShift a = common_shift(*fresh, truth), b = common_shift(*followed, truth);
-  // Both stop when a step is small against u (2e-4 pitch here). The rest is a few per cent of that step.
+  // Both stop when the rest is small against u (2e-5 and 2e-4 pitch here).
   EXPECT_NEAR(b.x, a.x, 0.1 * a.u_x);
   EXPECT_NEAR(b.y, a.y, 0.1 * a.u_x);
   // Eight degrees mix the window's columns by a few per cent, which a pixel density in one plane does not describe.
