@@ -17,6 +17,11 @@ export function el<Name extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+// Changes an element's text. An equal text stays as it is, so that the browser need not draw it again.
+export function setText(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 export function section(id: string, title: string, ...children: Child[]): HTMLElement {
   return el('section', { id, 'aria-labelledby': `${id}-title` }, el('h2', { id: `${id}-title` }, title), ...children);
 }

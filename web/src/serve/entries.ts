@@ -2,7 +2,7 @@
 import { query, type Entry } from './api';
 import { thumbnail, sizeText } from './parts/parts';
 import { entries, jobs, on } from './store';
-import { el } from '../element';
+import { el, setText } from '../element';
 
 export const stateWords: Record<Entry['state'], string> = {
   new: 'not measured yet', queued: 'waits for its turn', measuring: 'is measured now', done: 'measured', refused: 'no reliable result', interrupted: 'stopped, can be resumed',
@@ -76,7 +76,7 @@ export class EntryList {
     for (const entry of entries) {
       const row = [...this.list.querySelectorAll<HTMLElement>('button')].find(({ dataset }) => dataset.path === entry.path);
       const state = row?.querySelector('.state');
-      if (state && entry.state === 'measuring') state.textContent = headline(entry);
+      if (state && entry.state === 'measuring') setText(state, headline(entry));
     }
   }
 }

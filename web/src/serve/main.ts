@@ -9,7 +9,7 @@ import { keepSamples } from './measuring';
 import { button, sayProblem } from './parts/parts';
 import { connect, entries, entryAt, jobs, on, session } from './store';
 import { Uploads } from './upload';
-import { el } from '../element';
+import { el, setText } from '../element';
 
 interface Screen {
   element: HTMLElement;
@@ -107,7 +107,7 @@ function drawQueue(): void {
   const all = [...jobs.values()];
   const running = all.filter(({ state }) => state === 'running').length;
   const waiting = all.filter(({ state }) => state === 'queued').length;
-  queueState.textContent = running + waiting === 0 ? '' : `${running} running${waiting > 0 ? `, ${waiting} waiting` : ''}`;
+  setText(queueState, running + waiting === 0 ? '' : `${running} running${waiting > 0 ? `, ${waiting} waiting` : ''}`);
 }
 
 function build(): void {

@@ -4,13 +4,14 @@ import { attempt, button, commandBox, showBlob } from './parts/parts';
 import { GrowingChart } from './parts/chart';
 import { jobs, on, type Row, type ViewEvent } from './store';
 import { duration } from '../format';
-import { el } from '../element';
+import { el, setText } from '../element';
 
 const kStates: Record<Job['state'], string> = { queued: 'Waits for its turn', running: 'Measuring', done: 'Measured', failed: 'Not measured', cancelled: 'Stopped' };
 const kPicture_ms = 700; // least time between two pictures
 // The same, relative to the time that a picture takes. A frame is decoded from the key frame before it, which would slow the
 // measurement if it were done all the time.
 const kPause = 20;
+const kTexts_ms = 500; // between two changes of the numbers. The curves grow faster, but numbers have to be read
 const kOkStatus = 0;
 
 // Rows of jobs, kept so that a view that opens later shows the whole curve.
@@ -68,6 +69,7 @@ export class MeasuringView {
   private lastDrawn = -1; // frame
   private notOk = 0;
   private nextPicture = 0;
+  private nextTexts = 0;
   private isFetching = false;
 
   constructor(private readonly entry: Entry, private id: string | undefined, private readonly onDone: () => void, private readonly onAgain: () => void) {
@@ -132,8 +134,14 @@ export class MeasuringView {
   }
 
   private draw(job: Job): void {
+    if (this.element.dataset.state !== job.state || performance.now() >= this.nextTexts) this.write(job);
+    if (job.state === 'running') void this.showFrame(job.frames_done);
+  }
+
+  private write(job: Job): void {
+    this.nextTexts = performance.now() + kTexts_ms;
     this.element.dataset.state = job.state;
-    this.state.textContent = kStates[job.state];
+    setText(this.state, kStates[job.state]);
     const share = job.frames > 0 ? job.frames_done / job.frames : 0;
     this.bar.value = job.state === 'done' ? 1 : share;
     const rate = job.seconds > 0 ? job.frames_done / job.seconds : 0;
@@ -141,11 +149,10 @@ export class MeasuringView {
     const parts = [job.frames > 0 ? `${job.frames_done} of ${job.frames} frames` : '', rate > 0 ? `${rate.toFixed(0)} frames/s` : '', left,
       this.notOk > 0 ? `${this.notOk} frames not ok` : '', job.state === 'failed' ? `exit code ${job.exit_code}` : ''];
     this.facts.replaceChildren(...parts.filter((text) => text !== '').map((text) => el('span', {}, text)));
-    this.log.textContent = job.lines.join('\n');
+    setText(this.log, job.lines.join('\n'));
     this.command.set(job.command);
     if (job.state === 'failed') this.element.querySelector('details')?.setAttribute('open', '');
     this.drawActions(job);
-    if (job.state === 'running') void this.showFrame(job.frames_done);
   }
 
   private drawActions(job: Job): void {

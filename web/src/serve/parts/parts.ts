@@ -1,6 +1,6 @@
 // Small parts of all views: buttons, fields, commands to copy, messages, pictures that need the token.
 import { request } from '../api';
-import { el } from '../../element';
+import { el, setText } from '../../element';
 
 export type Child = Node | string | undefined | false;
 
@@ -61,7 +61,7 @@ export function commandBox(command = ''): CommandBox {
   const element = el('div', { class: 'command' }, el('span', { class: 'command-title' }, 'As a command'), code, act);
   element.hidden = command === '';
   return { element, set: (text) => {
-    code.textContent = text;
+    setText(code, text);
     element.hidden = text === '';
   } };
 }
