@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include <Eigen/Core>
 #include <opencv2/core.hpp>
 
 #include "moiregauge/detection/gratings/grating_probe.h"
@@ -38,13 +39,10 @@ Image<float> halved(const Image<float>& from) {
   return out;
 }
 
-const std::array<float, kTile>& hann_window() {
-  static const std::array<float, kTile> weights = [] {
-    std::array<float, kTile> w{};
-    for (int i = 0; i < kTile; ++i)
-      w[static_cast<std::size_t>(i)] = static_cast<float>(0.5 - 0.5 * std::cos(kTwoPi * (i + 0.5) / kTile));
-    return w;
-  }();
+using Line = Eigen::Array<double, kTile, 1>;
+
+const Line& hann_window() {
+  static const Line weights = 0.5 - 0.5 * (kTwoPi * (Line::LinSpaced(0, kTile - 1) + 0.5) / kTile).cos();
   return weights;
 }
 
@@ -53,25 +51,20 @@ class Spectrum {
  public:
   // Computes the spectrum of the tile at (x0, y0). Returns false if the tile is flat.
   bool of(const Image<float>& grey, int x0, int y0, double least_variance) {
-    const auto& w = hann_window();
-    double sum = 0.0, squares = 0.0, weight = 0.0;
+    const Line& w = hann_window();
+    const auto line = [&](int y) {
+      return Eigen::Map<const Eigen::Array<float, kTile, 1>>(grey.row(y0 + y).data() + x0).cast<double>();
+    };
+    double sum = 0.0, squares = 0.0;
     for (int y = 0; y < kTile; ++y) {
-      const auto row = grey.row(y0 + y).subspan(static_cast<std::size_t>(x0), kTile);
-      for (std::size_t x = 0; x < kTile; ++x) {
-        const double ww = w[static_cast<std::size_t>(y)] * w[x], g = row[x];
-        sum += ww * g;
-        squares += ww * g * g;
-        weight += ww;
-      }
+      const Line greys = line(y), weighted = w * greys;
+      sum += w(y) * weighted.sum();
+      squares += w(y) * (weighted * greys).sum();
     }
-    const double mean = sum / weight;
+    const double weight = w.sum() * w.sum(), mean = sum / weight;
     if (squares / weight - mean * mean < least_variance) return false;
-    for (int y = 0; y < kTile; ++y) {
-      const auto row = grey.row(y0 + y).subspan(static_cast<std::size_t>(x0), kTile);
-      auto* out = tile_.ptr<float>(y);
-      for (std::size_t x = 0; x < kTile; ++x)
-        out[x] = (row[x] - static_cast<float>(mean)) * w[static_cast<std::size_t>(y)] * w[x];
-    }
+    for (int y = 0; y < kTile; ++y)
+      Eigen::Map<Eigen::Array<float, kTile, 1>>(tile_.ptr<float>(y)) = (w(y) * w * (line(y) - mean)).cast<float>();
     cv::dft(tile_, complex_, cv::DFT_COMPLEX_OUTPUT);
     total_ = 0.0;
     for (int fy = -kTile / 2; fy < kTile / 2; ++fy) {
