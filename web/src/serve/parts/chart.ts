@@ -1,4 +1,4 @@
-// Curves that grow while something is measured: dx and dy of all targets with their band, redrawn at most ten times a second.
+// Curves that grow while something is measured: dx and dy of all targets with their band, redrawn five times a second.
 import type uPlot from 'uplot';
 import { SmallPlot, type SmallPlan } from './small_plot';
 import { el } from '../../element';
@@ -7,7 +7,7 @@ import { kFirstLine, kLines, theme } from '../../theme';
 
 export type Axis = 'dx' | 'dy';
 
-const kRedraw_ms = 100;
+const kRedraw_ms = 180; // between two drawings. More of them slow the measurement on a computer with two processors
 const kMaxPoints = 6000; // in one curve; beyond, every second one is dropped
 const kBandsFor = 3; // targets with bands; more hide each other
 const kHeight = 190;
@@ -28,6 +28,7 @@ export class GrowingChart {
   private x: number[] = [];
   private curves: Curve[] = [];
   private timer?: ReturnType<typeof setTimeout>;
+  private drawn_ms = -Infinity;
   private stride = 1; // every stride-th sample is kept
   private seen = 0;
 
@@ -105,8 +106,9 @@ export class GrowingChart {
     if (this.timer !== undefined) return;
     this.timer = setTimeout(() => {
       this.timer = undefined;
+      this.drawn_ms = performance.now();
       this.draw();
-    }, kRedraw_ms);
+    }, Math.max(0, this.drawn_ms + kRedraw_ms - performance.now()));
   }
 
   private data(): uPlot.AlignedData {
