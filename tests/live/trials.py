@@ -1,6 +1,6 @@
-"""Runs the trials of `moiregauge live`: speed, a camera, kills, outages and alarms. Prints one table row per part.
+"""Runs the trials of `moiregauge live`: speed, a camera, kills, outages, alarms and hours of footage. Prints one table row per part.
 
-    trials.py PROGRAM WORK [--scale 1] [PART...]     PART: kills, speed, rate, camera, outages, alarm; all unless given
+    trials.py PROGRAM WORK [--scale 1] [PART...]     PART: kills, speed, rate, camera, outages, alarm, soak; all unless given
 
 Without --scale it writes each row to WORK/PART.md too. Ends 1 if a figure is not met.
 """
@@ -11,16 +11,17 @@ import subprocess
 import sys
 
 TESTS = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(TESTS / "cli"), str(TESTS / "survival")]
+sys.path[:0] = [str(TESTS / "cli"), str(TESTS / "survival"), str(TESTS / "common")]
 sys.dont_write_bytecode = True
 from live_alarm import alarm  # noqa: E402
 from live_camera import camera  # noqa: E402
 from live_kills import kills  # noqa: E402
 from live_outages import outages  # noqa: E402
+from live_soak import soak  # noqa: E402
 from live_speed import rate, speed  # noqa: E402
 from trial import SEED, Trial, load  # noqa: E402
 
-PARTS = {"kills": kills, "speed": speed, "rate": rate, "camera": camera, "outages": outages, "alarm": alarm}
+PARTS = {"kills": kills, "speed": speed, "rate": rate, "camera": camera, "outages": outages, "alarm": alarm, "soak": soak}
 
 
 def commit():

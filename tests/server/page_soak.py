@@ -19,6 +19,8 @@ import time
 
 import numpy
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "common"))
+from memory import descendants, private_bytes  # noqa: E402
 from visitor import Browser, Visitor, button, call, labelled, start_server, stop_server
 
 FPS = 42
@@ -38,32 +40,6 @@ def make_clip(program, work, seconds):
     loops = int(seconds * FPS / CLIP_FRAMES) + 1
     subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-stream_loop", str(loops), "-i", str(made / "video.mp4"), "-c", "copy", str(clip)], check=True)
     return clip
-
-
-def private_bytes(process):
-    """Returns the private memory of a process in bytes, or NaN if it has ended."""
-    try:
-        lines = pathlib.Path(f"/proc/{process}/smaps_rollup").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return float("nan")
-    return 1024.0 * sum(int(line.split()[1]) for line in lines if line.startswith("Private"))
-
-
-def descendants(process):
-    """Returns the process and all that it started, with their command lines."""
-    parents = {}
-    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
-            parents.setdefault(int(fields[1]), []).append((int(stat.parent.name), (stat.parent / "cmdline").read_text(errors="replace").replace("\0", " ")))
-        except OSError:
-            continue
-    found, rest = [], [process]
-    while rest:
-        children = parents.get(rest.pop(), [])
-        found += children
-        rest += [number for number, _ in children]
-    return found
 
 
 def start_live(visitor, clip):
