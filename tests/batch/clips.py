@@ -42,10 +42,12 @@ def changed(out):
     return {path.stem: path.stat().st_mtime_ns for path in (out / ".batch/state").iterdir()}
 
 
-def make_clip(program, work):
+def make_clip(program, work, repeats=1):
+    """Makes a clip that shows the same frames `repeats` times. Returns it and its site file."""
     simulate(program, work / "scene", "small-1xyz", FRAMES)
     video = work / "whole.mkv"
-    run(["ffmpeg", "-nostdin", "-loglevel", "error", "-framerate", "10", "-i", work / "scene/frames/%06d.png", "-c:v", "ffv1", video])
+    run(["ffmpeg", "-nostdin", "-loglevel", "error", "-framerate", "10", "-stream_loop", str(repeats - 1), "-i", work / "scene/frames/%06d.png",
+         "-c:v", "ffv1", video])
     return video, work / "scene/site.toml"
 
 

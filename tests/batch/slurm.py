@@ -18,6 +18,7 @@ from cluster import Cluster, kill_children, missing  # noqa: E402
 from runs import insist, start  # noqa: E402
 
 CLIPS = 6
+REPEATS = 12  # of a clip's frames, so that a task runs for seconds and is not finished when it is killed
 
 
 def submitted(program, cluster, clips, out, *words, expected=0):
@@ -34,7 +35,7 @@ def main():
     insist(not missing(), f"not installed: {', '.join(missing())}: run tools/install-packages test")
     program, work, _ = start()
     program = str(pathlib.Path(program).resolve())
-    video, site = make_clip(program, work)
+    video, site = make_clip(program, work, REPEATS)
     clips, out, local = work / "it's clips", work / "100% out", work / "local"
     clips.mkdir()
     shutil.copy(site, clips / "site.toml")

@@ -3,9 +3,10 @@
 //
 //     fake_camera SERIAL IMAGES LOST_SHARE
 //
-// Shows IMAGES frames of the small rig forwards and backwards, so that nothing jumps. Its client sets rate and region. The
-// image is in the top-left corner of the region. LOST_SHARE of the packets are lost. Prints `truth INDEX DX_MM DY_MM` for
-// every image, relative to the first, then `ready`. Runs until its standard input ends, then prints `sent FRAMES`.
+// Shows IMAGES frames of the small rig over and over: the even ones forwards, the odd ones backwards. So nothing jumps, and
+// no two images in a row are the same, even if one between them is lost. Its client sets rate and region. The image is in
+// the top-left corner of the region. LOST_SHARE of the packets are lost. Prints `truth INDEX DX_MM DY_MM` for every image
+// in this order, relative to the first, then `ready`. Runs until its standard input ends, then prints `sent FRAMES`.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -34,8 +35,7 @@ void fill(ArvBuffer* buffer, void* data, guint32 /*exposure_us*/, guint32 /*gain
   arv_buffer_get_image_region(buffer, &x, &y, &width, &height);
   std::size_t bytes = 0;  // Aravis states 0 here
   auto* out = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
-  const std::size_t last = footage.images.size() - 1, k = footage.sent++ % (2 * last);
-  const auto& image = footage.images[std::min(k, 2 * last - k)];
+  const auto& image = footage.images[footage.sent++ % footage.images.size()];
   for (int row = 0; row < height; ++row, out += width) {
     const int shown = row < image.height() ? std::min(width, image.width()) : 0;
     if (shown > 0) std::memcpy(out, image.row(row).data(), static_cast<std::size_t>(shown));
@@ -58,7 +58,7 @@ int main(int count, char** words) {
   });
   const int images = std::max(2, std::atoi(words[2]));
   for (int i = 0; i < images; ++i) {
-    const long frame = i;
+    const long frame = std::min(2 * i, 2 * (images - i) - 1);
     footage.images.push_back(simulator::render8(*scenario, frame, {0, simulator::Area::kMarkersOnly}));
     const auto truth = simulator::truth(*scenario, frame, *target);
     std::printf("truth %d %.9f %.9f\n", i, truth.dx_mm, truth.dy_mm);

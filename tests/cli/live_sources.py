@@ -19,14 +19,13 @@ class FakeCamera:
     def __init__(self, program, serial, images, lost_share):
         self.process = subprocess.Popen([program, serial, str(images), str(lost_share)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         text=True)
-        rendered = []
+        self.truth = []
         for line in self.process.stdout:
             words = line.split()
             if words[0] != "truth":
                 insist(words[0] == "ready", "the fake camera could not start")
                 break
-            rendered.append((float(words[2]), float(words[3])))
-        self.truth = rendered + rendered[-2:0:-1]  # forwards and backwards
+            self.truth.append((float(words[2]), float(words[3])))
 
     def end(self):
         """Ends the camera. Returns the number of frames that it sent."""

@@ -97,8 +97,8 @@ enum class Rows {
 };
 
 // Fits a grating of a later frame with the normal equations of the reference frame. First shifts the window as a whole,
-// by every row_step-th row and half of its pixels. Then repeats passes over all rows until the points converge. If they do not, it uses the
-// frame's own normal equations. With Rows::kSome only the shift is fitted.
+// by half the pixels of every row_step-th row. Then repeats passes over all rows until the points converge. If they do
+// not, it uses the frame's own normal equations. With Rows::kSome only the shift is fitted, by all pixels of these rows.
 // Fails and errs as fit_patch does.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> follow_patch(const LumaView& luma, const PrintFromImage& start,
                                                                    const PatchWindow& window,

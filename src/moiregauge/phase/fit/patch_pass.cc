@@ -186,7 +186,7 @@ struct Edges {
   Line z;
   std::array<Line, 4> within, beyond;  // below zero inside; above zero outside
 
-  explicit Edges(const PatchJob& job) : z(line(job, 6, 0.0, 0.0)) {
+  explicit Edges(const PatchJob& job) : z(line(job, 6, 1.0, 0.0)) {
     constexpr double kMargin = 1e-4;  // relative to the window; exceeds the error of single precision
     std::size_t to = 0;
     for (const std::size_t axis : {0, 3}) {
@@ -209,12 +209,9 @@ struct Edges {
   }
 
  private:
-  // Returns the line side * (row `axis` of the map) - limit * Z; Z itself if both factors are 0.
-  static Line line(const PatchJob& job, std::size_t axis, double side, double limit) {
-    const auto part = [&](std::size_t k) {
-      const double plain = double{job.uv_from_px[axis + k]};
-      return side == 0.0 ? plain : side * plain - limit * double{job.uv_from_px[6 + k]};
-    };
+  // Returns side * (row of the map from element k on) - limit * Z.
+  static Line line(const PatchJob& job, std::size_t k, double side, double limit) {
+    const auto part = [&](std::size_t i) { return side * job.uv_from_px[k + i] - limit * job.uv_from_px[6 + i]; };
     return {part(2), part(0), part(1)};
   }
 };
