@@ -211,7 +211,8 @@ struct Edges {
  private:
   // Returns side * (row of the map from element k on) - limit * Z.
   static Line line(const PatchJob& job, std::size_t k, double side, double limit) {
-    const auto part = [&](std::size_t i) { return side * job.uv_from_px[k + i] - limit * job.uv_from_px[6 + i]; };
+    const auto element = [&job](std::size_t i) { return double{job.uv_from_px[i]}; };
+    const auto part = [&](std::size_t i) { return side * element(k + i) - limit * element(6 + i); };
     return {part(2), part(0), part(1)};
   }
 };
