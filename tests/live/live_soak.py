@@ -43,7 +43,7 @@ def soak(trial):
     (rise, _), covariance = numpy.polyfit(at_h[later], used[later], 1, cov=True)
     folders = sorted(out.glob("segment-*"))
     rows = [row for folder in folders for row in whole_rows(folder / "live.csv")]
-    lost = sum(sum(json.loads((folder / "live.json").read_text())["lost_frames"].values()) for folder in folders)
+    lost = sum(json.loads((folders[-1] / "live.json").read_text())["lost_frames"].values())  # since the start of the run
     frames = frames_of(rows)
     gaps = frames[-1] + 1 - len(frames) - lost
     wrong, ok = trial.count_wrong(rows), sum(row["status"] == "ok" for row in rows)
