@@ -35,7 +35,7 @@ constexpr double kShapeConverged = 5e-4;
 constexpr double kMaxFrozenStep = 0.002;  // beyond it, the frame's own normal equations are needed
 // Upper bound of the share of a step that such a pass leaves. The second part is a row of pixels that enters or leaves
 // at the window's edge, px. The third is a change of blur, relative to that of the fundamental's amplitude. They bound
-// six simulated scenes: windows of 60 to 400 px, views of up to 40 deg, shares of up to 0.126 (decision 0053).
+// five simulated scenes: windows of 60 to 400 px, views of up to 40 deg, shares of up to 0.126 (decision 0053).
 constexpr double kLeftAlways = 0.01, kLeftByEdge = 8.0, kLeftByBlur = 15.0;
 // Step between blocks in the shift's pass before all rows. It only has to come near: noise of 1.6 in 80 grey levels
 // leaves 1e-4 pitch. Chosen.
