@@ -18,7 +18,7 @@ from cluster import Cluster, kill_children, missing  # noqa: E402
 from runs import insist, start  # noqa: E402
 
 CLIPS = 6
-REPEATS = 12  # of a clip's frames, so that a task runs for seconds and is not finished when it is killed
+REPEATS = 12  # times that a clip shows its frames, so that a task runs for seconds and is not finished when it is killed
 
 
 def submitted(program, cluster, clips, out, *words, expected=0):

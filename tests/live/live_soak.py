@@ -9,7 +9,7 @@ from memory import descendants, private_bytes
 from trial import FEW, MAX_U, Figures, frames_of, insist, start, whole_rows
 
 FPS, PACE, SECONDS = 10, 10, 1500  # frames/s of the footage, and seconds on the clock
-SEGMENT_S = 600  # of footage
+SEGMENT_S = 600  # in the time of the footage
 STEP_S = 5.0
 WARM_UP = 0.25  # share of the time: caches fill
 MAX_RISE = 1.0  # MB per hour of footage

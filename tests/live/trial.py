@@ -10,7 +10,7 @@ from runs import insist, run  # noqa: F401
 from survival import Records, long_clip, shown_frame
 
 SEED = 25
-FPS = 25  # of the long clip
+FPS = 25  # rate of the long clip
 FEW = 120  # simulated frames of the long clip
 MAX_LOST_S = 1.0
 MAX_U = 5  # a wrong row has the status ok and is off by more
