@@ -1,4 +1,4 @@
-"""Runs `live` for hours of footage at ten times its pace. States memory, gaps and wrong rows."""
+"""Runs `live` for a day of footage at twenty times its pace. States memory, gaps and wrong rows."""
 import json
 import math
 import time
@@ -6,15 +6,22 @@ import time
 import numpy
 
 from memory import descendants, private_bytes
-from trial import FEW, MAX_U, Figures, frames_of, insist, start, whole_rows
+from trial import FEW, MAX_U, Figures, finish, frames_of, insist, start, whole_rows
 
-FPS, PACE, SECONDS = 10, 10, 1500  # frames/s of the footage, and seconds on the clock
-SEGMENT_S = 600  # in the time of the footage
+FPS, PACE, FOOTAGE_S = 10, 20, 86400  # frames/s of the footage, and its length
+SEGMENT_S = 3600  # in the time of the footage
 STEP_S = 5.0
 WARM_UP = 0.25  # share of the time: caches fill
 MAX_RISE = 1.0  # MB per hour of footage
 S_PER_H = 3600.0
 MB = 1e6
+
+
+def without_compression(picture):
+    """Returns a picture of the same grey levels whose decoding costs next to nothing, as a camera's frames."""
+    out = picture.with_suffix(".tif")
+    finish(("ffmpeg", "-loglevel", "error", "-i", picture, "-compression_algo", "raw", out))
+    return out
 
 
 def memory_until_end(live):
@@ -30,12 +37,12 @@ def memory_until_end(live):
 
 
 def soak(trial):
-    """Hours of footage at ten times its pace"""
-    seconds = max(30, SECONDS * trial.scale)
-    trial.clip(int(seconds * FPS * PACE) + 2 * FEW)
+    """A day of footage at twenty times its pace"""
+    seconds = max(30 * PACE, round(FOOTAGE_S * trial.scale))
+    trial.clip(seconds * FPS + 2 * FEW, without_compression)
     out = trial.work / "soak"
     words = [trial.program, "live", trial.frames, "--site", trial.site, "--fps", FPS, "--pace", PACE, "--segment", f"{SEGMENT_S}s",
-             "--for", f"{round(seconds * PACE)}s", "-o", out, "--quiet"]
+             "--for", f"{seconds}s", "-o", out, "--quiet"]
     live = start(words)
     at_h, used = memory_until_end(live)
     insist(live.returncode in (0, 5), f"exit {live.returncode}")

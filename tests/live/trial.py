@@ -43,9 +43,9 @@ class Trial:
         """Returns a program that was built with `moiregauge`."""
         return self.program.parent / name
 
-    def clip(self, frames):
-        """Makes the long clip. `live` replays it at FPS."""
-        self.frames, self.site = long_clip(self.program, self.work, frames, "small-1x", FEW)
+    def clip(self, frames, converted=None):
+        """Makes the long clip. `live` replays it at FPS. `converted`: writes a picture in another format."""
+        self.frames, self.site = long_clip(self.program, self.work, frames, "small-1x", FEW, converted)
         self.truth = {int(row["frame"]): (float(row["dx_mm"]), float(row["dy_mm"])) for row in table(self.work / "few/truth.csv")
                       if row["marker"] == "mid"}
 

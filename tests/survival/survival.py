@@ -19,13 +19,17 @@ def shown_frame(n, few=FRAMES):
     return min(at, 2 * few - 2 - at)
 
 
-def long_clip(program, work, frames, scenario="small-0.1x", few=FRAMES):
-    """Makes a folder of images as hard links to a few, to save disk space."""
+def long_clip(program, work, frames, scenario="small-0.1x", few=FRAMES, converted=None):
+    """Makes a folder of images as hard links to a few, to save disk space. `converted` returns an image in another format."""
     simulate(program, work / "few", scenario, few)
+    pictures = sorted((work / "few/frames").glob("*.png"))
+    if converted:
+        pictures = [converted(picture) for picture in pictures]
     clip = work / "clip"
     clip.mkdir()
     for n in range(frames):
-        os.link(work / f"few/frames/{shown_frame(n, few):06d}.png", clip / f"{n:06d}.png")
+        picture = pictures[shown_frame(n, few)]
+        os.link(picture, clip / f"{n:06d}{picture.suffix}")
     return clip, work / "few/site.toml"
 
 
