@@ -92,7 +92,7 @@ class Rows:
 
 
 def largest_step(published, final):
-    """Returns the largest change of published minus final values from one frame to the next, in u.
+    """Returns the largest change of published minus final values from one frame to the next, over the larger u of both frames.
 
     Both have the noise of the same observation, so changes of scene remain.
     """
@@ -101,10 +101,10 @@ def largest_step(published, final):
         if (frame, marker, axis) not in final.value:
             continue
         difference = value - final.value[frame, marker, axis][0]
-        before, then = last.get((marker, axis), (None, None))
+        before, then, u_then = last.get((marker, axis), (None, None, None))
         if before == frame - 1:
-            largest = max(largest, abs(difference - then) / u)
-        last[marker, axis] = frame, difference
+            largest = max(largest, abs(difference - then) / max(u, u_then))
+        last[marker, axis] = frame, difference, u
     return largest
 
 

@@ -123,7 +123,7 @@ void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& p
     is_seen[print.marker] = true;
     if (!follow(picture, print, track)) continue;
     pixels += track.pixels.size();
-    add_edges(print, track, shares);
+    if (const auto edges = share_by_edges_of(print, track)) add_edges(print.marker, *edges, shares);
     if (picture.shows_noise) add_noise(print, track);
   }
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -201,10 +201,11 @@ void EchoWatch::add_frame(const SharesOfGratings& shares) {
   internal::add_share(frame, sums_);
 }
 
-void EchoWatch::add_edges(const SeenPrint& print, const Track& track, SharesOfGratings& shares) {
-  if (track.moments.size() < 2) return;
+// Fits the share by the edges of a grating. Nothing if it did not move, or shows too little.
+std::optional<EchoWatch::EdgeShare> EchoWatch::share_by_edges_of(const SeenPrint& print, const Track& track) {
+  if (track.moments.size() < 2) return {};
   const Moment &now = track.moments[0], &before = track.moments[1];
-  if (!before.map || !(length(now.centre - before.centre) > kVisible_px)) return;
+  if (!before.map || !(length(now.centre - before.centre) > kVisible_px)) return {};
   const PatchWindow& window = print.model->window;
   const auto to_window = window_from_print(window);
   Normal normal = Normal::Zero();
@@ -224,18 +225,24 @@ void EchoWatch::add_edges(const SeenPrint& print, const Track& track, SharesOfGr
     squares += now.residuals[i] * now.residuals[i];
     ++count;
   }
-  if (count < kMinForEdges) return;
+  if (count < kMinForEdges) return {};
   const Eigen::LDLT<Normal, Eigen::Lower> solver(normal);
   const Row x = solver.solve(right);
   const double sigma2 = std::max(0.0, squares - right.dot(x)) / (count - kNuisances - 1);
   // Variance of the odd column's factor over sigma2.
   const double odd = solver.solve(Row::Unit(kNuisances))(kNuisances);
   const double gain = print.fit->gain[0];
-  if (!(sigma2 > 0.0 && odd > 0.0 && gain > 0.0)) return;
-  const double weight = gain * gain / (4.0 * sigma2 * odd);
-  shares.weight += weight, shares.weighted += weight * 2.0 * x(kNuisances) / gain;
+  if (!(sigma2 > 0.0 && odd > 0.0 && gain > 0.0)) return {};
   const auto went = now.centre - before.centre;
-  shares.direction.x += weight * went.x / length(went), shares.direction.y += weight * went.y / length(went);
+  return EdgeShare{
+      2.0 * x(kNuisances) / gain, 2.0 * std::sqrt(sigma2 * odd) / gain, {went.x / length(went), went.y / length(went)}};
+}
+
+void EchoWatch::add_edges(std::size_t marker, const EdgeShare& edges, SharesOfGratings& shares) {
+  const double weight = 1.0 / (edges.u * edges.u);
+  shares.weight += weight, shares.weighted += weight * edges.share;
+  shares.direction.x += weight * edges.direction.x, shares.direction.y += weight * edges.direction.y;
+  add_grating(marker, edges.share, edges.u, sums_);
 }
 
 // Adds products of this frame's residuals with those of earlier frames, at the same pixels and at neighbours.

@@ -64,6 +64,11 @@ class EchoWatch {
     ImagePoint placed;            // px, centre for which the pixels were chosen
     std::vector<Moment> moments;  // newest first
   };
+  // Share by the edges of one grating in one frame.
+  struct EdgeShare {
+    double share = 0.0, u = 0.0;
+    Extent<frame::Image> direction;  // of the movement, of length 1
+  };
   // Share by the edges of several gratings of a frame: sums of the weights w, of w s and of w times the direction.
   struct SharesOfGratings {
     double weight = 0.0, weighted = 0.0;
@@ -73,7 +78,8 @@ class EchoWatch {
   static void predict(const LightPicture& picture, const SeenPrint& print, const Track& track, Moment& now);
   // Adds a grating to its track. Returns true if it moved within the track.
   static bool follow(const LightPicture& picture, const SeenPrint& print, Track& track);
-  static void add_edges(const SeenPrint& print, const Track& track, SharesOfGratings& shares);
+  static std::optional<EdgeShare> share_by_edges_of(const SeenPrint& print, const Track& track);
+  void add_edges(std::size_t marker, const EdgeShare& edges, SharesOfGratings& shares);
   void add_noise(const SeenPrint& print, const Track& track);
   void add_frame(const SharesOfGratings& shares);
 

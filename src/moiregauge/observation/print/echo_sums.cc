@@ -68,6 +68,22 @@ double frames_of(const EchoSums& sums) {
   return sums.squared_weights > 0.0 ? sums.weights * sums.weights / sums.squared_weights : 0.0;
 }
 
+// Returns the variance of the mean share by what differs between gratings beyond their noise (DerSimonian and Laird 1986,
+// Controlled Clinical Trials 7, 177-188). Zero for a single grating.
+double variance_between(const std::vector<GratingShares>& gratings) {
+  double w = 0.0, w2 = 0.0, ws = 0.0, ws2 = 0.0, count = 0.0;
+  for (const GratingShares& grating : gratings) {
+    if (!(grating.weight > 0.0)) continue;
+    const double share = grating.weighted / grating.weight;
+    w += grating.weight, w2 += grating.weight * grating.weight;
+    ws += grating.weighted, ws2 += grating.weighted * share, count += 1.0;
+  }
+  if (count < 2.0) return 0.0;
+  const double excess = std::max(0.0, (ws2 - ws * ws / w) - (count - 1.0)) / (w - w2 / w);
+  const double few = enlargement_of_few(count - 1.0);
+  return few * few * excess * w2 / (w * w);
+}
+
 // Structure and share by the noise.
 struct NoiseFit {
   double structure = 0.0;  // variance relative to that of the residuals
@@ -104,6 +120,12 @@ void add_share(const FrameShare& frame, EchoSums& sums) {
   for (std::size_t i = 0; i < more.size(); ++i) sums.directions[i] += w * more[i];
 }
 
+void add_grating(std::size_t marker, double share, double u, EchoSums& sums) {
+  if (sums.gratings.size() <= marker) sums.gratings.resize(marker + 1);
+  sums.gratings[marker].weight += 1.0 / (u * u);
+  sums.gratings[marker].weighted += share / (u * u);
+}
+
 void add_products(const std::vector<NoiseProduct>& products, double weight, EchoSums& sums) {
   if (products.size() < 2) return;  // alpha takes a single one
   ProductRow mean = ProductRow::Zero();
@@ -133,7 +155,7 @@ EchoShare share_by_edges(const EchoSums& sums) {
   const double scatter = std::max(0.0, sums.squared_shares - fit(1.0).first.dot(right));
   const double few = enlargement_of_few(frames - 1.0);
   const auto [found, square_of_u] = fit(std::max(kLeastVariance, few * few * scatter / (frames - 1.0)));
-  return {found(2), std::sqrt(square_of_u)};
+  return {found(2), std::sqrt(square_of_u + variance_between(sums.gratings))};
 }
 
 EchoShare share_by_noise(const EchoSums& sums) { return fit_noise(sums).share; }

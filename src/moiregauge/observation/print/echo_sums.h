@@ -9,6 +9,9 @@
 // Here (x_i, y_i) has the direction of the movement, and the standard deviation of s_i by noise as its length. So the
 // variance of a and b is that of the structure relative to the noise.
 //
+// Behind tone curves and sharpening the structure exceeds the noise. It differs from grating to grating, and an echo does
+// not: the scatter of the gratings' own shares beyond their noise widens u. Slow movement in one direction needs this.
+//
 // Noise. The residuals of frames t and t - k are multiplied, at pixels e apart. The mean product is:
 //
 //     <r(t, p) r(t - k, p - e)> / <r^2> = alpha_t + sum_mn beta_mn cos(pi m dx / 2 px) cos(pi n dy / 2 px)
@@ -21,10 +24,17 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
 namespace moiregauge::internal {
+
+// Edges of one grating over all frames.
+struct GratingShares {
+  double weight = 0.0;    // sum of 1 / u^2
+  double weighted = 0.0;  // sum of s / u^2
+};
 
 struct EchoSums {
   // Edges: sums of w, w^2, w s and w s^2.
@@ -37,6 +47,7 @@ struct EchoSums {
   std::array<double, 7> directions{};
   // Noise: the rest of the normal equations of all beta, s and the product, lower triangle by rows.
   std::array<double, 99> structure{};
+  std::vector<GratingShares> gratings;  // edges, per marker
 };
 
 // Share by the edges of one frame.
@@ -46,6 +57,8 @@ struct FrameShare {
   double x = 0.0, y = 0.0;  // as above
 };
 void add_share(const FrameShare& frame, EchoSums& sums);
+// Adds the share by the edges of one grating in one frame. `u`: by noise of the pixels.
+void add_grating(std::size_t marker, double share, double u, EchoSums& sums);
 
 // A product of residuals, over <r^2>.
 struct NoiseProduct {

@@ -186,6 +186,43 @@ TEST(Echo, EdgesThatMoveInOneDirectionShowNoShareBeyondTheirUncertainty) {
   }
 }
 
+// Shares of gratings that move in one direction, each with an error of its template.
+EchoShare share_of_gratings(double echo, double template_error, std::uint64_t seed) {
+  constexpr double kByNoise = 0.04;  // of one grating in one frame
+  constexpr std::size_t kGratings = 5;
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> standard;
+  std::array<double, kGratings> own{};
+  for (double& share : own) share = echo + template_error * standard(rng);
+  EchoSums sums;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kGratings; ++i) {
+      const double share = own[i] + kByNoise * standard(rng);
+      sum += share / kGratings;
+      add_grating(i, share, kByNoise, sums);
+    }
+    const double u = kByNoise / std::sqrt(double{kGratings});
+    add_share({sum, u, u, 0.0}, sums);
+  }
+  return share_by_edges(sums);
+}
+
+// An echo is alike in all gratings, an error of a template is not. A share of 3 u is as rare as 3 sigma (0.0013) for
+// gratings with errors, too: of 4000 draws at most 5.2 + 4 sqrt(5.2) are beyond. Alike gratings keep the u of their noise.
+TEST(Echo, ErrorsThatDifferBetweenGratingsAreNoShare) {
+  for (const double error : {0.02, 0.1}) {
+    int beyond = 0;
+    for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+      const EchoShare one = share_of_gratings(0.0, error, 100 + seed);
+      beyond += one.share > 3.0 * one.u;
+    }
+    EXPECT_LE(beyond, 14) << "errors of " << error;
+  }
+  const EchoShare alike = share_of_gratings(0.1, 0.0, 7);
+  EXPECT_GT(alike.share, 3.0 * alike.u);
+}
+
 TEST(Echo, AGratingAtRestDecidesNothing) {
   const EchoSums sums = sums_of(0.005, {0.3, 0.0, 0.0}, 14);
   EXPECT_TRUE(std::isinf(share_by_edges(sums).u));
