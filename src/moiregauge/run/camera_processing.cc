@@ -33,9 +33,9 @@ constexpr double kSureOfGrain = 3.0;  // distance of the ratio from 1 that prove
 constexpr double kMinValues = 2000.0;
 // Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
 constexpr double kEcho = 0.03;
-// The same by noise, where structure beyond the terms adds to it. Chosen between recordings that move by 0.6 px per frame in
-// one direction: 15 without an echo had 0.0095 in the mean with a scatter of 0.0125, four with a share of 0.1 had 0.052
-// to 0.097.
+// The same by noise, where structure beyond the terms adds to it. Chosen from recordings that move by 0.6 px per frame in
+// one direction. Fifteen without an echo had 0.0095 in the mean with a scatter of 0.0125. Four with a share of 0.1 had
+// 0.052 to 0.097.
 constexpr double kEchoByNoise = 0.04;
 constexpr double kSureOfEcho = 3.0;  // distance of a share from 0 that proves averaging, in u
 // The same behind a lossy codec. Its errors are alike in successive frames, so u by their scatter is too small. One of 44

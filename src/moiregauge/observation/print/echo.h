@@ -67,7 +67,7 @@ class EchoWatch {
   // Share by the edges of one grating in one frame.
   struct EdgeShare {
     double share = 0.0, u = 0.0;
-    Extent<frame::Image> direction;  // of the movement, of length 1
+    Extent<frame::Image> direction;  // unit vector along the movement
   };
   // Share by the edges of several gratings of a frame: sums of the weights w, of w s and of w times the direction.
   struct SharesOfGratings {

@@ -188,7 +188,7 @@ TEST(Echo, EdgesThatMoveInOneDirectionShowNoShareBeyondTheirUncertainty) {
 
 // Shares of gratings that move in one direction, each with an error of its template.
 EchoShare share_of_gratings(double echo, double template_error, std::uint64_t seed) {
-  constexpr double kByNoise = 0.04;  // of one grating in one frame
+  constexpr double kByNoise = 0.04;  // u of one grating in one frame
   constexpr std::size_t kGratings = 5;
   std::mt19937_64 rng(seed);
   std::normal_distribution<double> standard;
@@ -208,8 +208,8 @@ EchoShare share_of_gratings(double echo, double template_error, std::uint64_t se
   return share_by_edges(sums);
 }
 
-// An echo is alike in all gratings, an error of a template is not. A share of 3 u is as rare as 3 sigma (0.0013) for
-// gratings with errors, too: of 4000 draws at most 5.2 + 4 sqrt(5.2) are beyond. Alike gratings keep the u of their noise.
+// An echo is alike in all gratings, an error of a template is not. With such errors, too, a share of 3 u is as rare as 3
+// sigma (0.0013). So at most 5.2 + 4 sqrt(5.2) of 4000 draws are beyond. Alike gratings keep the u of their noise.
 TEST(Echo, ErrorsThatDifferBetweenGratingsAreNoShare) {
   for (const double error : {0.02, 0.1}) {
     int beyond = 0;
