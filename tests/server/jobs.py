@@ -44,12 +44,15 @@ def results_are_those_of_the_command():
     insist(done["state"] == "done" and done["exit_code"] == 0 and done["frames_done"] == FRAMES, f"measured: {done}")
     insist(states[nested["id"]] == "queued", f"commands do not queue: {states}")
     insist(server.wait_for_job(nested["id"])["run"] == "sub/short-moiregauge", "the run of a clip in a sub-folder is not next to it")
-    # The growing curve: every target, at least five times a second or with every frame on a busy machine.
+    # The growing curve: every target, at least five times a second, or with every frame. On a busy machine an update waits for
+    # the next frame after 125 ms, and other processes take a fifth of the time at most.
     samples = [(when, data["marker"]) for when, data in events.of("samples") if data["id"] == started["id"]]
     span = samples[-1][0] - samples[0][0]
     has_all = all(len(marker["T1"]) == 1 for _, marker in samples)
-    insist(len(samples) >= 3 and (has_all or (len(samples) - 1) / span >= 5.0), f"{len(samples)} updates in {span:.2f} s")
     grown = [row for _, marker in samples for row in marker["T1"]]
+    required = min(5.0, 0.8 / (0.125 + span / max(1, len(grown))))  # 1/s
+    insist(len(samples) >= 3 and (has_all or (len(samples) - 1) / span >= required),
+           f"{len(samples)} updates and {len(grown)} frames in {span:.2f} s")
     insist(len(grown) >= 10 and len(grown[0]) == 7 and grown[-1][0] >= 0.8 * FRAMES, f"{len(grown)} provisional rows of {FRAMES}")
     insist({known["state"] for _, known in events.of("job")} >= {"queued", "running", "done"} and events.of("entries"), "states are missing in the events")
     # The same command in another folder gives the same bytes.
