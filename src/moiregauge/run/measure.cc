@@ -106,7 +106,7 @@ tl::expected<void, InputError> measure_all(FrameSource& source, const MeasureOpt
       break;
     }
   }
-  if (run.is_kept() && !out.interrupted) return tl::unexpected(not_the_same(source.info().path));
+  if (run.is_kept()) return tl::unexpected(not_the_same(source.info().path));
   if (frames == 0) return tl::unexpected(no_pictures(source.info().path));
   if (out.observations.empty() && !out.interrupted)
     out.contradiction = no_such_frame("--frames " + as_typed(options.frames), source.info(), frames);

@@ -75,7 +75,8 @@ Observation ObservingRun::pass_over_unseen() {
 
 void ObservingRun::stop() {
   out_.interrupted = true;
-  if (keep_ == Keep::kAll) out_.observations.append(kept_, out_.observations.size(), kept_.size());
+  if (keep_ == Keep::kAll) out_.observations.append(kept_, passed_, kept_.size());
+  passed_ = kept_.size();
 }
 
 // Forwards a frame that was added to the observations.
