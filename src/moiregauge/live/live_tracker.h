@@ -9,6 +9,7 @@
 #include "moiregauge/live/processing_doubt.h"
 #include "moiregauge/live/rate_window.h"
 #include "moiregauge/live/scene_follower.h"
+#include "moiregauge/run/image_motion.h"
 #include "moiregauge/run/live_source.h"
 #include "moiregauge/run/observing_run.h"
 
@@ -54,6 +55,7 @@ class LiveTracker {
   ObservingRun run_;  // refers to `log_`
   std::unique_ptr<SceneFollower> follower_;
   ProcessingDoubt doubt_;
+  ImageMotion motion_;
   bool is_lossy_ = false;
   RateWindow rates_;
   LiveHealth health_;

@@ -3,7 +3,8 @@
 
 namespace moiregauge::internal {
 
-void ProcessingDoubt::apply(const CameraProcessing& processing, bool is_lossy, Samples& samples) {
+void ProcessingDoubt::apply(const CameraProcessing& processing, bool is_lossy, const ImageStep& motion,
+                            Samples& samples) {
   if (samples.empty()) return;
   Samples window;
   for (const Samples& before : last_) window.insert(window.end(), before.begin(), before.end());
@@ -11,7 +12,7 @@ void ProcessingDoubt::apply(const CameraProcessing& processing, bool is_lossy, S
   window.insert(window.end(), samples.begin(), samples.end());
   last_.push_back(samples);
   if (last_.size() > kLagSamples) last_.pop_front();
-  if (distrust_processed(processing, is_lossy, window)) samples.assign(window.begin() + first, window.end());
+  if (distrust_processed(processing, is_lossy, {motion}, window)) samples.assign(window.begin() + first, window.end());
 }
 
 long ProcessingDoubt::first_frame() const { return last_.empty() ? 0 : last_.front().front().frame; }

@@ -14,7 +14,8 @@ namespace moiregauge::internal {
 class ProcessingDoubt {
  public:
   // Marks the samples of one frame. `processing`: evidence, with the repeated frames since first_frame().
-  void apply(const CameraProcessing& processing, bool is_lossy, Samples& samples);
+  // `motion`: of this frame.
+  void apply(const CameraProcessing& processing, bool is_lossy, const ImageStep& motion, Samples& samples);
   // Returns the number of the oldest frame that matters.
   [[nodiscard]] long first_frame() const;
 

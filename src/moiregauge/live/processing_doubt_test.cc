@@ -32,7 +32,7 @@ std::vector<Status> status_of(const std::vector<double>& x_mm, long first) {
     const auto frame = static_cast<long>(n);
     if (frame >= first) frames.push_back(frame);
     Samples samples = at(frame, x_mm[n]);
-    doubt.apply(repeated(frames), false, samples);
+    doubt.apply(repeated(frames), false, {frame, 0.0}, samples);
     out.push_back(samples.front().status);
   }
   return out;
@@ -61,7 +61,7 @@ TEST(ProcessingDoubt, OldRepeatedFramesNeedNotBeKept) {
   EXPECT_EQ(doubt.first_frame(), 0);
   for (long frame = 100; frame < 150; ++frame) {
     Samples samples = at(frame, 0.0);
-    doubt.apply({}, false, samples);
+    doubt.apply({}, false, {frame, 0.0}, samples);
   }
   EXPECT_EQ(doubt.first_frame(), 150 - static_cast<long>(kLagSamples));
 }
@@ -71,8 +71,30 @@ TEST(ProcessingDoubt, PixelsRepeatedByEnlargingConcernAllSamples) {
   processing.steps.all = processing.steps.repeated = 1'000'000;
   ProcessingDoubt doubt;
   Samples samples = at(1, 0.0);
-  doubt.apply(processing, false, samples);
+  doubt.apply(processing, false, {1, 0.0}, samples);
   EXPECT_EQ(samples.front().status, Status::kUntrusted);
+}
+
+// Returns the status of a target at rest behind an average with a share of the previous frame. The camera moved by
+// `pitches`.
+Status averaged(double share, double pitches) {
+  CameraProcessing processing;
+  processing.moving.values = processing.moving.two_apart = 1e5;
+  processing.moving.one_apart = 1e5 / (1.0 + share);
+  ProcessingDoubt doubt;
+  Samples samples = at(1, 0.0);
+  doubt.apply(processing, false, {1, pitches}, samples);
+  return samples.front().status;
+}
+
+TEST(ProcessingDoubt, OverlappingImagesConcernTargetsAtRestToo) {
+  EXPECT_EQ(averaged(0.2, 0.2), Status::kOk);
+  EXPECT_EQ(averaged(0.2, 0.3), Status::kUntrusted);
+}
+
+TEST(ProcessingDoubt, AStrongAverageHidesTheCamerasMotion) {
+  EXPECT_EQ(averaged(0.6, 0.002), Status::kOk);
+  EXPECT_EQ(averaged(0.6, 0.02), Status::kUntrusted);
 }
 
 }  // namespace

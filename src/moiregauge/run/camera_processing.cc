@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -29,8 +30,8 @@ constexpr double kIndependent = 0.96;
 // limit.
 constexpr double kIndependentMoving = 0.96;
 constexpr double kIndependentMovingLossy = 0.85;
-constexpr double kSureOfGrain = 3.0;  // distance of the ratio from 1 that proves averaging, in u
-constexpr double kMinValues = 2000.0;
+constexpr double kSureOfGrain = 3.0;   // distance of the ratio from 1 that proves averaging, in u
+constexpr double kMinValues = 1000.0;  // u of the grain ratio is 0.045 then
 // Smallest share of the previous frame that matters: the lag of a target is that share of its movement per frame.
 constexpr double kEcho = 0.03;
 // The same by noise, where structure beyond the terms adds to it. Chosen from recordings that move by 0.6 px per frame in
@@ -57,6 +58,17 @@ constexpr double kGapShare = 0.08;
 constexpr long kMinEdgePixels = 200;  // 0.28 of them scatter by 0.032
 
 constexpr double kMoved_px = 0.03;  // movement of a marker from which on an average matters. Chosen.
+
+// Movement of the references within the longest lag, in pitches, from which on an average falsifies targets at rest too.
+// The sum of two images has the phase of their mean position only as long as they are near. At a distance of P / 4 the
+// error is up to P / 100 (docs/methods/precise/processing.md).
+constexpr double kOverlap = 0.25;
+// The same for a strong average. It shows the camera's motion weakened, or as a fading image that stays in its place. So
+// all that is more than noise counts: 0.1 px of a pitch of 20 px.
+constexpr double kOverlapStrong = 0.005;
+// Share of the previous frame from which on an average is strong. 8 bits of feedback show a share of 0.85 as 0.42, and one
+// of 0.3 as 0.30. Chosen between both.
+constexpr double kStrong = 0.35;
 
 constexpr double kMoves = 2.5;  // significant movement within the longest lag, in u (chosen)
 
@@ -99,25 +111,6 @@ double contrast_of(const LumaView& part) {
       },
       part);
   return lightest - darkest;
-}
-
-std::vector<ImagePoint> reference_centres(const Reference& reference, const Observation& seen) {
-  std::vector<ImagePoint> centres;
-  const View view{seen.stage2, reference.lens};
-  for (const CirclePoint& point : reference.circles) {
-    const std::size_t i = point.marker;
-    Extent<frame::Board> moved{0.0, 0.0};  // within the view; conventional views do not follow the camera
-    if (seen.markers[i].patch.valid && reference.seen.markers[i].patch.valid)
-      moved = displacement_between(reference.plans[i], reference.seen.markers[i].patch, seen.markers[i].patch);
-    centres.push_back(view(point.board + Extent<frame::Board>{or_zero(moved.x), or_zero(moved.y)}));
-  }
-  return centres;
-}
-
-double largest_distance(const std::vector<ImagePoint>& a, const std::vector<ImagePoint>& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, length(a[i] - b[i]));
-  return largest;
 }
 
 bool is_still(const std::vector<std::vector<ImagePoint>>& last) {
@@ -178,6 +171,20 @@ long distrust_moving(Samples& samples, IsWrong is_wrong) {
   return count;
 }
 
+// Marks the samples up to one longest lag before and after motion of the references. Returns the number of samples that
+// lost their status `ok`.
+long distrust_overlap(Samples& samples, const std::vector<ImageStep>& motion, double limit) {
+  std::set<long> frames;
+  for (std::size_t n = 0; n < motion.size(); ++n) {
+    const auto first = motion.begin() + static_cast<std::ptrdiff_t>(n);
+    const auto last = motion.begin() + static_cast<std::ptrdiff_t>(std::min(motion.size(), n + 1 + kLagSamples));
+    if (std::any_of(first, last, [&](const ImageStep& m) { return m.pitches > limit; })) frames.insert(first->frame);
+  }
+  long count = 0;
+  for (Sample& sample : samples) count += frames.contains(sample.frame) && distrust(sample);
+  return count;
+}
+
 std::optional<ProcessingFault> enlarged_fault(const SlopeSteps& steps, Samples& samples) {
   if (steps.all < kMinSteps || static_cast<double>(steps.repeated) <= kRepeated * static_cast<double>(steps.all))
     return {};
@@ -205,6 +212,7 @@ std::optional<EchoShare> echo_share(const EchoSums& echo, bool is_lossy) {
 struct Averaging {
   std::string shown;   // what shows it
   std::string remedy;  // imperative
+  double share = 1.0;  // share of the previous frame
 };
 
 // Returns what shows that the camera averages over time. Nothing: nothing does.
@@ -212,18 +220,18 @@ std::optional<Averaging> averaging_shown(const CameraProcessing& processing, boo
   const std::string remedy = "switch the camera's temporal noise reduction off, or record raw";
   const GrainSums &still = processing.still, &moving = processing.moving;
   if (!is_lossy && still.values > kMinValues && still.two_apart < 2.0 * kNoGrain * still.values)
-    return Averaging{"its still parts contain no noise", remedy};
+    return Averaging{"its still parts contain no noise", remedy, 1.0};
   const bool alike_still = is_alike(still, kIndependent);
   if (alike_still || is_alike(moving, is_lossy ? kIndependentMovingLossy : kIndependentMoving)) {
     const GrainSums& grain = alike_still ? still : moving;
     return Averaging{fmt::format("its noise is alike in successive frames, {:.2f} of independent noise, u {:.2g}",
                                  grain.one_apart / grain.two_apart, u_of_ratio(grain)),
-                     remedy};
+                     remedy, grain.two_apart / grain.one_apart - 1.0};
   }
   // Slow movement in one direction looks most like a share. Other movement per frame is the better test.
   if (const auto by = echo_share(processing.echo, is_lossy))
     return Averaging{fmt::format("the gratings show {:.3f} of the previous frame, u {:.3f}", by->share, by->u),
-                     remedy + "; if it was off, halve the camera's frame rate"};
+                     remedy + "; if it was off, halve the camera's frame rate", by->share};
   return {};
 }
 
@@ -338,7 +346,8 @@ void ProcessingWatch::interrupt_grain() {
   last_.clear();
 }
 
-std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy, Samples& samples) {
+std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
+                                                  const std::vector<ImageStep>& motion, Samples& samples) {
   if (auto fault = enlarged_fault(processing.steps, samples)) return fault;
   if (auto fault = stepped_tone_fault(processing.gap, samples)) return fault;
   std::optional<ProcessingFault> fault;
@@ -348,8 +357,14 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   if (distrust_moving(samples, is_repeated) > 0)
     fault = {"", "record without dropped frames, because a repeated frame shows a moving target in the wrong position"};
   const auto averaging = averaging_shown(processing, is_lossy);
-  if (!averaging || distrust_moving(samples, [](long) { return true; }) == 0) return fault;
-  return ProcessingFault{fmt::format("moving targets are not trusted: the camera averages over time ({}). Remedy: {}",
+  if (!averaging) return fault;
+  const bool is_strong = averaging->share > kStrong;
+  const long overlapping = distrust_overlap(samples, motion, is_strong ? kOverlapStrong : kOverlap);
+  if (distrust_moving(samples, [](long) { return true; }) + overlapping == 0) return fault;
+  const char* const which = overlapping == 0 ? "moving targets are"
+                            : is_strong      ? "moving targets, and all targets while the camera moves, are"
+                                             : "moving targets, and all targets while the camera moves quickly, are";
+  return ProcessingFault{fmt::format("{} not trusted: the camera averages over time ({}). Remedy: {}", which,
                                      averaging->shown, averaging->remedy),
                          averaging->remedy};
 }

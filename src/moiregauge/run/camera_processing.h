@@ -13,6 +13,7 @@
 #include "moiregauge/observation/print/echo.h"
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/run/frame_source.h"
+#include "moiregauge/run/image_motion.h"
 #include "moiregauge/run/light.h"
 
 namespace moiregauge::internal {
@@ -70,9 +71,6 @@ class ProcessingWatch {
   std::vector<ImagePoint> placed_;             // px, centres at which the tiles were placed
 };
 
-// Longest lag of an average over time, in samples (chosen).
-inline constexpr std::size_t kLagSamples = 8;
-
 // Reason why samples lost their status `ok`, and the remedy.
 struct ProcessingFault {
   std::string warning;  // empty for repeated frames, which have their own note
@@ -80,10 +78,11 @@ struct ProcessingFault {
 };
 
 // Marks samples as `untrusted` that the processing may have falsified.
-// Repeated pixels and a tone curve with a step concern all samples, averages over time those of moving targets. Repeated frames concern the
-// samples of moving targets in these frames.
+// Repeated pixels and a tone curve with a step concern all samples. Averages over time concern those of moving targets,
+// and all samples while the camera moves. Repeated frames concern the samples of moving targets in these frames.
+// `motion`: of consecutive frames, among them those of the samples.
 // `is_lossy`: a codec may have removed the grain. Returns nothing if no sample is concerned.
 [[nodiscard]] std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
-                                                                Samples& samples);
+                                                                const std::vector<ImageStep>& motion, Samples& samples);
 
 }  // namespace moiregauge::internal
