@@ -21,6 +21,9 @@ import zlib
 from browser import Browser
 
 
+LAST_DIGIT_MM = 0.51e-6  # half of the last digit of displacement.csv
+
+
 def insist(truth, what):
     if not truth:
         raise SystemExit(f"wrong: {what}")
@@ -76,6 +79,10 @@ def check_numbers(run):
             for value, row in zip(lists[column], mine):
                 wanted = float(row[name])
                 insist(abs(value - wanted) <= half or (math.isnan(value) and math.isnan(wanted)), f"{name}: {value}, {wanted}")
+        for axis, name in [("dx", "dx_mm"), ("dy", "dy_mm")]:
+            ok = [float(row[name]) for row in mine if row["status"] == "ok"]
+            for key, wanted in [("lowest", min(ok)), ("highest", max(ok))]:
+                insist(abs(target[key][axis] - wanted) <= LAST_DIGIT_MM, f"{key} {axis}: {target[key][axis]}, {wanted}")
         words = [report["statuses"][int(code)]["word"] for code in lists[target["rows"]["status"]]]
         insist(words == [row["status"] for row in mine], "statuses")
 
@@ -170,9 +177,22 @@ def check_contrast(page, theme):
     return pairs[0][2]
 
 
+def check_ranges(page, run):
+    """Compares the table of ranges with displacement.csv: half of its last digit and that of two values are allowed."""
+    cells = page.value("[...document.querySelectorAll('#ranges tbody tr')].map((line) => [...line.children].map((c) => c.textContent))")
+    with (run / "displacement.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["status"] == "ok"]
+    insist(len(cells) == 2 * len({row["marker"] for row in rows}), "two lines per target")
+    for target, axis, distance, *_ in cells:
+        values = [float(row[f"{axis}_mm"]) for row in rows if row["marker"] == target]
+        digits = len(distance.partition(".")[2])
+        insist(abs(float(distance) - (max(values) - min(values))) <= 0.5 * 0.1**digits + 2.0 * LAST_DIGIT_MM, f"{target} {axis}: {distance}, {max(values) - min(values)}")
+
+
 def check_measured(browser, run, work):
     page = browser.open((run / "report.html").as_uri())
     insist(page.value("document.documentElement.dataset.state") == "ready", "the page is drawn")
+    check_ranges(page, run)
     look_at_plots(page, 8)
     text = page.value("document.body.innerText")
     for words in ["mid moved", "1.70", "U (k = 2)", "steady", "Welch", "Camera motion",

@@ -29,7 +29,14 @@ export interface Spectrum {
 export interface Target {
   name: string;
   rows: { dx: number; dy: number; ux: number; uy: number; status: number }; // columns
+  lowest: AxisValues; // mm, of the rows ok, as computed: columns are rounded
+  highest: AxisValues;
   spectrum: { x: Spectrum; y: Spectrum };
+}
+
+export interface AxisValues {
+  dx: number | null;
+  dy: number | null;
 }
 
 export interface ValueWithU {

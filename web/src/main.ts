@@ -6,7 +6,7 @@ import { comparisonSection } from './comparison';
 import { columns as unpack, comparison as readComparison, derived as readDerived, overlay, report as readReport, run as readRun, unpacked, type Report, type Run, type Target } from './data';
 import { Curve } from './decimate';
 import { derivedSection } from './derived';
-import { displacement, valuesOf } from './displacement';
+import { displacement } from './displacement';
 import { nameFilesAfter } from './download';
 import { el, section, table, type Cell } from './element';
 import { firstPage, type FirstPage } from './first_page';
@@ -56,31 +56,23 @@ function remarks(id: string, title: string, texts: string[], onFirst = Infinity)
     el('h2', { id: `${id}-title` }, texts.length === 1 ? title : `${title}s (${texts.length})`), el('ul', {}, ...items), ...later(items, onFirst, 'warning'));
 }
 
-function rangeOf(target: Target, columns: Float64Array[], d: number): [number, number] {
-  const curve = new Curve(valuesOf(columns[d]!, columns[target.rows.status]!, true));
-  return curve.extremes(0, curve.values.length);
-}
-
 // Peak to peak of the axis that moved more.
-function movementOf(target: Target, columns: Float64Array[]): number {
-  return Math.max(...[target.rows.dx, target.rows.dy].map((d) => {
-    const [low, high] = rangeOf(target, columns, d);
-    return low > high ? 0 : high - low;
-  }));
+function movementOf({ lowest, highest }: Target): number {
+  return Math.max(...(['dx', 'dy'] as const).map((axis) => (highest[axis] ?? 0) - (lowest[axis] ?? 0)));
 }
 
 // The extremes of the ok rows, and U: two rows per target.
-function ranges(of: Report, columns: Float64Array[], run: Run, onFirst: number): HTMLElement {
+function ranges(of: Report, run: Run, onFirst: number): HTMLElement {
   const rows = of.targets.flatMap((target) => {
     const summary = run.targets.find(({ name }) => name === target.name);
-    const row = (name: string, axis: string, d: number, u: number | null | undefined): (string | Cell)[] => {
-      const [low, high] = rangeOf(target, columns, d);
-      if (low > high || u == null) return [name, axis, 'not measured', '', '', ''];
+    const row = (axis: 'dx' | 'dy', u: number | null | undefined): (string | Cell)[] => {
+      const { name } = target, low = target.lowest[axis], high = target.highest[axis];
+      if (low == null || high == null || u == null) return [name, axis, 'not measured', '', '', ''];
       const digits = digitsFor(expanded(u));
       return [name, axis, { text: plain(high - low, digits), isNumber: true }, { text: signed(low, digits), isNumber: true },
         { text: signed(high, digits), isNumber: true }, { text: plain(expanded(u), digits), isNumber: true }];
     };
-    return [row(target.name, 'dx', target.rows.dx, summary?.u_dx_mm), row(target.name, 'dy', target.rows.dy, summary?.u_dy_mm)];
+    return [row('dx', summary?.u_dx_mm), row('dy', summary?.u_dy_mm)];
   });
   const block = table('Movement in mm since the reference frame; dx to the right, dy up; U with k = 2', ['Target', 'Axis', 'Peak to peak', 'From', 'To', 'U'], rows);
   block.classList.add('ranges');
@@ -188,7 +180,7 @@ async function show(): Promise<void> {
   const page = document.getElementById('page')!;
   const add = (...parts: (HTMLElement | undefined)[]): void => parts.forEach((part) => part && page.append(part));
   page.replaceChildren();
-  of.targets.sort((a, b) => movementOf(b, columns) - movementOf(a, columns)); // the largest movement first, as in the words
+  of.targets.sort((a, b) => movementOf(b) - movementOf(a)); // the largest movement first, as in the words
   const warnings = of.warnings.filter((text) => !isNote(text));
   const isRefused = of.exit_code === 4;
   const share = isRefused ? { warnings: Infinity, sentences: Infinity, targets: Infinity } : firstPage(warnings, of.summary, of.targets.length);
@@ -196,7 +188,7 @@ async function show(): Promise<void> {
   let shownRanges: HTMLElement | undefined;
   const shown = picture(of, run, overlay());
   if (abscissa && of.targets.length > 0) {
-    if (!isRefused) add((shownRanges = ranges(of, columns, run, share.targets)));
+    if (!isRefused) add((shownRanges = ranges(of, run, share.targets)));
     if (isRefused) add(shown);
     add(displacement(of, columns, abscissa));
     if (channels && ofChannels) add(derivedSection(channels, ofChannels, of, abscissa));

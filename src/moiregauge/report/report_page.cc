@@ -79,6 +79,9 @@ Json rows_json(const Measurement& m, const TargetSummary& target, PackedColumns&
           {"status", columns.add(status, 1.0)}};
 }
 
+// Columns are rounded to a part of u. The last digit of a difference of two values is correct without that rounding only.
+Json extent_json(const Extent<frame::Board>& e) { return {{"dx", number(e.x)}, {"dy", number(e.y)}}; }
+
 // Changes the sign: the camera's rotation is the opposite of the board's.
 std::vector<double> other_way(std::vector<double> values) {
   for (double& value : values) value = -value;
@@ -154,6 +157,8 @@ void add_series(const Measurement& m, const CameraMotion& camera, Json& json, Pa
     json["targets"].push_back(
         {{"name", m.reference->site.markers[m.targets[k].marker].name},
          {"rows", rows_json(m, m.targets[k], columns)},
+         {"lowest", extent_json(m.targets[k].lowest)},
+         {"highest", extent_json(m.targets[k].highest)},
          {"spectrum", {{"x", spectrum_json(m.spectra[k].x, columns)}, {"y", spectrum_json(m.spectra[k].y, columns)}}}});
   }
   json["camera"] = camera_json(camera, columns);
