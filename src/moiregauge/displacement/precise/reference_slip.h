@@ -17,8 +17,12 @@ struct ReferenceSlip {
   long free_rows = 0;      // number of unknowns of the free path
   double step_fall = 0.0;  // fall of that chi2 by one lasting step (two unknowns)
   long first = 0;          // first frame after the step
+  // Mean square change of the path from frame to frame, in units of what independent positions give: 1. A path that
+  // creeps evenly over n frames has 6 / n^2.
+  double roughness = 1.0;
 
-  // Returns false if the path is no step: a separate position in each frame explains more. Each costs 40 in chi2.
+  // Returns false if the path is no step: it is smooth, and a separate position in each frame explains more. Each costs
+  // 40 in chi2. Haze moves all references independently, so their paths are not smooth.
   [[nodiscard]] bool is_step() const;
   // Returns chi2 after the step or the free path. Among several references, the one that explains more leaves less.
   [[nodiscard]] double left() const;
