@@ -2,6 +2,7 @@
 // Images of grey levels, owned (Image) and borrowed (ImageView). Pixel (0,0) is the centre of the top-left pixel.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -67,6 +68,16 @@ using LumaView = std::variant<ImageView<std::uint8_t>, ImageView<std::uint16_t>>
 }
 [[nodiscard]] inline int height_of(const LumaView& luma) {
   return std::visit([](const auto& view) { return view.height; }, luma);
+}
+// Returns the part of an image from (x0, y0) to before (x1, y1), clipped to the image.
+[[nodiscard]] inline LumaView part_of(const LumaView& luma, int x0, int y0, int x1, int y1) {
+  return std::visit(
+      [&](const auto& picture) -> LumaView {
+        const int left = std::clamp(x0, 0, picture.width), top = std::clamp(y0, 0, picture.height);
+        const int right = std::clamp(x1, left, picture.width), bottom = std::clamp(y1, top, picture.height);
+        return picture.part(left, top, right - left, bottom - top);
+      },
+      luma);
 }
 
 }  // namespace moiregauge::internal

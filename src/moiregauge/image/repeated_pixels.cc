@@ -48,14 +48,4 @@ SlopeSteps count_slope_steps(const LumaView& part, double least_jump) {
   return steps;
 }
 
-LumaView part_of(const LumaView& luma, int x0, int y0, int x1, int y1) {
-  return std::visit(
-      [&](const auto& picture) -> LumaView {
-        const int left = std::clamp(x0, 0, picture.width), top = std::clamp(y0, 0, picture.height);
-        const int right = std::clamp(x1, left, picture.width), bottom = std::clamp(y1, top, picture.height);
-        return picture.part(left, top, right - left, bottom - top);
-      },
-      luma);
-}
-
 }  // namespace moiregauge::internal

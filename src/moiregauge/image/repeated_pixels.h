@@ -16,7 +16,4 @@ struct SlopeSteps {
 // Pixels of one step differ by less than an eighth of that.
 [[nodiscard]] SlopeSteps count_slope_steps(const LumaView& part, double least_jump);
 
-// Returns a part of an image, clipped to the image.
-[[nodiscard]] LumaView part_of(const LumaView& luma, int x0, int y0, int x1, int y1);
-
 }  // namespace moiregauge::internal

@@ -28,11 +28,12 @@ constexpr double kSameError = 0.01;  // relative change: chi2 would change by 2 
 PrintError print_error_of(const Site& site, const BundleSolution& solution, std::span<const BundleFrame> noise_alone,
                           const ScenePrior& prior, const PrintError& last) {
   const BundleSolution largest =
-      solve_bundle(site, solution.frames, prior, kEverything, &solution.scene, Until::kChi2Converged);
+      Bundle(site, solution.frames, prior)
+          .solve(kEverything, solution.scene, solution.frames, FocalLength::kAsModel, Until::kChi2Converged);
   if (!largest.scene.solved) return {};
   const auto fits = fits_of(site, largest);
   PrintError error;
-  error.marker_jitter_mm = marker_jitter_mm(site, largest.scene, largest.frames, fits, prior, last.marker_jitter_mm);
+  error.marker_jitter_mm = marker_jitter_mm(site, largest, fits, prior, last.marker_jitter_mm);
   const auto with_jitter = with_print_error(site, noise_alone, {.marker_jitter_mm = error.marker_jitter_mm});
   error.points_mm = print_error_mm(site, largest.scene, with_jitter, fits, prior);
   return error;
@@ -61,9 +62,9 @@ ShutterTest shutter_test(const Site& site, const BundleSolution& solution, const
   ShutterTest out;
   double chi2 = 0.0, reduction = 0.0;
   long dof = 0, frames = 0;
-  for (std::size_t k = 0; k < fits.size(); ++k) {
-    if (!fits[k].ok) continue;
-    chi2 += fits[k].chi2_sum, dof += fits[k].dof;
+  for (const FrameFit& fit : fits) {
+    if (!fit.ok) continue;
+    chi2 += fit.chi2_sum, dof += fit.dof;
     ++frames;
   }
   if (dof <= 0 || !(chi2 > 0.0)) return out;

@@ -79,8 +79,9 @@ Common common_of(const Site& site, const Scene& scene, const BundleFrame& frame,
 
 }  // namespace
 
-double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
-                        std::span<const FrameFit> fits, const ScenePrior& prior, double already) {
+double marker_jitter_mm(const Site& site, const BundleSolution& solution, std::span<const FrameFit> fits,
+                        const ScenePrior& prior, double already) {
+  const auto& [scene, frames] = solution;
   const Eigen::MatrixXd covariance = scene_covariance(site, fits, prior, scene.model);
   const auto parameters = covariance.rows();
   std::vector<Common> all;

@@ -20,9 +20,9 @@ namespace moiregauge::internal {
 // on all that was solved (poses, motion, and the scene within its priors). R accounts for the share of the jitter that
 // these absorb.
 //
-// `frames`: with the weights that `fits` were made with.
+// `solution`: its frames have the weights that `fits` were made with.
 // `already`: the jitter that these weights include, mm. It is returned if nothing determines a new value.
-[[nodiscard]] double marker_jitter_mm(const Site& site, const Scene& scene, std::span<const BundleFrame> frames,
-                                      std::span<const FrameFit> fits, const ScenePrior& prior, double already);
+[[nodiscard]] double marker_jitter_mm(const Site& site, const BundleSolution& solution, std::span<const FrameFit> fits,
+                                      const ScenePrior& prior, double already);
 
 }  // namespace moiregauge::internal

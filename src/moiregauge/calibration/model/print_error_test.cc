@@ -89,7 +89,7 @@ double estimate(const Truth& t, const std::vector<BundleFrame>& frames) {
 }
 
 double wander(const Truth& t, const std::vector<BundleFrame>& frames, double already = 0.0) {
-  return marker_jitter_mm(t.site, t.scene, frames, fits_of(t, frames), known(t), already);
+  return marker_jitter_mm(t.site, {t.scene, frames}, fits_of(t, frames), known(t), already);
 }
 
 TEST(PrintError, IsZeroForAPerfectGrating) {

@@ -55,7 +55,7 @@ struct SetBack {
     const Pose pose = std::exchange(seen.pose, read[k].pose);
     const auto shift = std::exchange(seen.shift, read[k].shift);
     seen.time_s = read[k].time_s;
-    BundleFrame out = to_frame_time(site, scene, seen, motions[k], read.front().pose, readout_s, run);
+    BundleFrame out = to_frame_time(site, scene, seen, {motions[k], read.front().pose}, {readout_s, run});
     out.pose = pose;
     out.shift = shift;
     return out;
@@ -98,21 +98,29 @@ FitSummary summary_of(const FrameFit& fit, bool has_motion) {
 // Returns true if the readout time is clearly above zero and below its limit.
 bool is_clear(const Shutter& s) { return !s.bounded && std::abs(s.readout_s) > kSureReadout * s.u_readout_s; }
 
+// Footage to solve, and what is known of it.
+struct ShutterTask {
+  const Site& site;
+  const FrameSeries& frames;
+  std::span<const std::size_t> key;
+  const ScenePrior& prior;
+  std::optional<double> readout_s;
+};
+
 class RollingShutterSolver {
  public:
-  RollingShutterSolver(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
-                       const ScenePrior& prior, std::optional<double> readout_s, double side, double start)
-      : site_(site),
-        as_given_(frames),
-        read_(frames.starts().begin(), frames.starts().end()),
-        key_(key),
-        prior_(prior),
-        is_given_(readout_s.has_value()),
+  RollingShutterSolver(const ShutterTask& task, double side, double start)
+      : site_(task.site),
+        as_given_(task.frames),
+        read_(task.frames.starts().begin(), task.frames.starts().end()),
+        key_(task.key),
+        prior_(task.prior),
+        is_given_(task.readout_s.has_value()),
         side_(side),
         known_to_(is_given_ ? kGivenReadout : kUsualWithin) {
-    scene_.camera = prior.camera;
-    scene_.markers = prior.markers;
-    order_.resize(frames.size());
+    scene_.camera = prior_.camera;
+    scene_.markers = prior_.markers;
+    order_.resize(read_.size());
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     const bool timed = std::ranges::all_of(read_, [](const auto& f) { return std::isfinite(f.time_s); });
     for (FrameStart& f : read_) f.time_s = timed ? f.time_s : static_cast<double>(f.frame);
@@ -123,7 +131,7 @@ class RollingShutterSolver {
     if (steps.empty()) return;
     std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
     out_.interval_s = steps[steps.size() / 2];
-    expected_s_ = readout_s.value_or(side * std::min(kUsual, 0.5 * out_.interval_s));
+    expected_s_ = task.readout_s.value_or(side * std::min(kUsual, 0.5 * out_.interval_s));
     out_.readout_s = start * expected_s_;
     out_.u_readout_s = known_to_ * std::abs(expected_s_);
   }
@@ -246,6 +254,7 @@ class RollingShutterSolver {
     for (const std::size_t k : order_)
       if (fits_[k].ok && fits_[k].shift[i]) known.push_back(k);
     std::vector<double> time;
+    time.reserve(known.size());
     for (const std::size_t k : known) time.push_back(read_[k].time_s);
     for (const auto axis : {&Extent<frame::Board>::x, &Extent<frame::Board>::y}) {
       std::vector<double> value, variance;
@@ -396,9 +405,8 @@ bool is_better(const Shutter& a, const Shutter& b) {
 
 Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<const std::size_t> key,
                       const ScenePrior& prior, std::optional<double> readout_s) {
-  const auto solved = [&](double side, double start) {
-    return RollingShutterSolver(site, frames, key, prior, readout_s, side, start).solved();
-  };
+  const ShutterTask task{site, frames, key, prior, readout_s};
+  const auto solved = [&](double side, double start) { return RollingShutterSolver(task, side, start).solved(); };
   if (readout_s) return solved(1.0, 1.0);
   Shutter down = solved(1.0, 1.0);
   // The scene that the expected readout time gives can be far off if the true one is much shorter.

@@ -78,16 +78,24 @@ BundleSolution at_focal_length(BundleSolution solution, double factor) {
   return solution;
 }
 
+// Settings of a choice between models. `penalty`: of BIC, per parameter.
+struct Choice {
+  double penalty;
+  Prints prints;
+  Until until;
+};
+
 // Frees heights and depths, which cost nothing beyond their priors. Excluded where they are true they bend the lens,
 // and u would describe another scene.
 // A start with all parameters free also leaves a false minimum into which too small a model has led. With rough
 // gratings every parameter must satisfy BIC.
 BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePrior& prior, BundleSolution best,
-                           double penalty, Prints prints, Until until) {
+                           const Choice& choice) {
   const int side = std::max(prior.camera.width, prior.camera.height);
   const auto due = [&](const SceneModel& m) {
-    return penalty * (prints == Prints::kRough ? parameters(site, m) - parameters(site, best.scene.model)
-                                               : count(free_common(m)) - count(free_common(best.scene.model)));
+    return choice.penalty * (choice.prints == Prints::kRough
+                                 ? parameters(site, m) - parameters(site, best.scene.model)
+                                 : count(free_common(m)) - count(free_common(best.scene.model)));
   };
   const auto take_if_better = [&](BundleSolution larger) {
     const double gain = best.scene.penalised_cost - larger.scene.penalised_cost;
@@ -98,7 +106,7 @@ BundleSolution with_shapes(const Bundle& bundle, const Site& site, const ScenePr
     return model;
   };
   const auto solve = [&](const SceneModel& model, const Scene& scene, std::span<const BundleFrame> frames) {
-    return bundle.solve(model, scene, frames, FocalLength::kAsModel, until);
+    return bundle.solve(model, scene, frames, FocalLength::kAsModel, choice.until);
   };
   BundleSolution all = solve(kEverything, best.scene, best.frames);
   take_if_better(solve(with_heights(best.scene.model), all.scene, all.frames));
@@ -145,7 +153,7 @@ std::optional<BundleSolution> select_scene_model(const Site& site, std::span<con
     if (have) attempt(model, &best);
   }
   if (!have) return std::nullopt;
-  return with_shapes(bundle, site, prior, std::move(best), penalty, prints, until);
+  return with_shapes(bundle, site, prior, std::move(best), {penalty, prints, until});
 }
 
 }  // namespace moiregauge::internal

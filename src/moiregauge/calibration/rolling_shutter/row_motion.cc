@@ -143,8 +143,9 @@ PathPlace path_variance(const Pose& pose, const Eigen::MatrixXd& covariance) {
   return out.cwiseMax(0.0);
 }
 
-BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFrame& seen, const FrameMotion& motion,
-                          const Pose& reference, double readout_s, ReadoutDirection run) {
+BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFrame& seen, const PathMotion& path,
+                          const Readout& readout) {
+  const auto& [motion, reference] = path;
   BundleFrame out = seen;
   RowDesign rows;
   rows.by_marker.resize(seen.points.size(), RowDesign::Columns::Zero());
@@ -157,7 +158,8 @@ BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFram
     if (!seen.points[i] || !site.markers[i].grating) continue;
     const PatchResidual patch(*seen.points[i], site.markers[i]);
     for (std::size_t n = 0; n < kPatchPoints; ++n) {
-      const double share = share_of_row(seen.points[i]->image[n], scene.camera, run), delay = share * readout_s;
+      const double share = share_of_row(seen.points[i]->image[n], scene.camera, readout.direction);
+      const double delay = share * readout.duration_s;
       const auto board = patch.board(scene.stretch, scene.markers[i], seen.shift[i], n);
       const auto seen_from = [&](const Numbers& pose) {
         const auto p = projected(camera.data(), pose.data(), board);
@@ -172,12 +174,12 @@ BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFram
       out.points[i]->image[n].x -= went.x();
       out.points[i]->image[n].y -= went.y();
       const PathPlace by_readout = share * speed(motion, delay);
-      Vector2d readout = Vector2d::Zero();
+      Vector2d by_duration = Vector2d::Zero();
       for (int k = 0; k < kPathParameters; ++k) {
         const auto at = static_cast<std::size_t>(k);
         const Vector2d off =
             patch.pitches_per_px(n) * (seen_from(sides.more[at]) - seen_from(sides.less[at])) / (2.0 * kStep);
-        readout += off * by_readout(k);
+        by_duration += off * by_readout(k);
         for (const int axis : {0, 1}) {
           const auto row = static_cast<Eigen::Index>(n) + axis * static_cast<Eigen::Index>(kPatchPoints);
           rows.by_marker[i](row, k) = off(axis) * delay;
@@ -186,7 +188,7 @@ BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFram
       }
       for (const int axis : {0, 1})
         rows.by_marker[i](static_cast<Eigen::Index>(n) + axis * static_cast<Eigen::Index>(kPatchPoints),
-                          kMotionParameters) = readout(axis);
+                          kMotionParameters) = by_duration(axis);
     }
   }
   out.rows = std::move(rows);
@@ -202,7 +204,7 @@ double chi2_of_turning(const Site& site, const Scene& scene, const BundleFrame& 
   BundleFrame rolling = frame;
   rolling.pose = fit.pose;
   rolling.shift = fit.shift;
-  const FrameFit after = fit_frame(site, scene, to_frame_time(site, scene, rolling, free, fit.pose, 1.0, run));
+  const FrameFit after = fit_frame(site, scene, to_frame_time(site, scene, rolling, {free, fit.pose}, {1.0, run}));
   return after.ok ? std::max(0.0, fit.chi2_sum - after.chi2_sum) : 0.0;
 }
 

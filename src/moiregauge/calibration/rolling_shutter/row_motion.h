@@ -44,13 +44,23 @@ struct FrameMotion {
   std::vector<TargetMotion> targets{};  // one per site marker; empty if none moves
 };
 
+// Motion in one frame, in coordinates relative to a reference pose.
+struct PathMotion {
+  const FrameMotion& motion;
+  const Pose& reference;
+};
+
+struct Readout {
+  double duration_s = 0.0;
+  ReadoutDirection direction = ReadoutDirection::kDown;
+};
+
 // Returns the frame with its points moved to their positions at frame time, as if camera and targets moved as
 // predicted. `rows` holds the derivatives by the deviation from that motion (RowDesign). Repeat it when scene, pose or
 // motion have changed.
 // `seen`: the frame as read, with its current pose and shifts.
 [[nodiscard]] BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFrame& seen,
-                                        const FrameMotion& motion, const Pose& reference, double readout_s,
-                                        ReadoutDirection run);
+                                        const PathMotion& path, const Readout& readout);
 
 // Returns the fall of the frame's chi2 if the camera may rotate at a changing rate during readout (kTurning parameters
 // with a wide prior). A large value suggests a rolling shutter.

@@ -69,7 +69,7 @@ TEST(RowMotion, PredictedMotionIsRemovedExactly) {
   const BundleFrame read = rolling(site, scene, kPose, motion);
   EXPECT_GT(fit_frame(site, scene, read).chi2_sum, 1e4);
   const FrameFit fit =
-      fit_frame(site, scene, to_frame_time(site, scene, read, motion, kPose, kReadout, ReadoutDirection::kDown));
+      fit_frame(site, scene, to_frame_time(site, scene, read, {motion, kPose}, {kReadout, ReadoutDirection::kDown}));
   ASSERT_TRUE(fit.ok);
   EXPECT_LT(fit.chi2_sum, 1e-6);
   EXPECT_NEAR(fit.shift[4].x, 0.0, 1e-5);
@@ -89,7 +89,7 @@ TEST(RowMotion, AConstantRateIsAbsorbedByTheFramesOwnPoints) {
   const double at_once = fit_frame(site, scene, read).shift[4].x;
   EXPECT_GT(std::abs(at_once), 0.05) << "roll passes for a tilt";
   const FrameFit fit =
-      fit_frame(site, scene, to_frame_time(site, scene, read, allowed, kPose, kReadout, ReadoutDirection::kDown));
+      fit_frame(site, scene, to_frame_time(site, scene, read, {allowed, kPose}, {kReadout, ReadoutDirection::kDown}));
   EXPECT_NEAR(fit.motion(2), 0.1, 0.002);
   EXPECT_NEAR(fit.motion(3), -0.05, 0.002);
   EXPECT_LT(std::abs(fit.shift[4].x), 0.02 * std::abs(at_once));

@@ -184,9 +184,9 @@ double Bundle::predicted_reduction(const SceneModel& model, const BundleSolution
 }
 
 BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames, const ScenePrior& prior,
-                            const SceneModel& model, const Scene* start, Until until) {
+                            const SceneModel& model, const Scene* start) {
   const Bundle bundle(site, frames, prior);
-  return start != nullptr ? bundle.solve(model, *start, frames, FocalLength::kAsModel, until) : bundle.solve(model);
+  return start != nullptr ? bundle.solve(model, *start, frames) : bundle.solve(model);
 }
 
 }  // namespace moiregauge::internal

@@ -80,6 +80,8 @@ class Bundle {
   ~Bundle();
   Bundle(const Bundle&) = delete;
   Bundle& operator=(const Bundle&) = delete;
+  Bundle(Bundle&&) = delete;
+  Bundle& operator=(Bundle&&) = delete;
 
   // Minimises chi2 of all gratings plus that of the priors (Levenberg-Marquardt, at most 40 steps). Huber's loss limits
   // a grating that does not fit. Parameters outside the model keep their value in `scene`. Poses and shifts start from
@@ -102,6 +104,6 @@ class Bundle {
 // Solves the model for these frames once, from `start`, or from the prior if it is null.
 [[nodiscard]] BundleSolution solve_bundle(const Site& site, std::span<const BundleFrame> frames,
                                           const ScenePrior& prior, const SceneModel& model,
-                                          const Scene* start = nullptr, Until until = Until::kConverged);
+                                          const Scene* start = nullptr);
 
 }  // namespace moiregauge::internal

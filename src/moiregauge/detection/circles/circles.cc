@@ -104,10 +104,6 @@ class Search {
   CircleSearch found_;
 };
 
-LumaView part_of(const LumaView& luma, int x0, int y0, int width, int height) {
-  return std::visit([&](const auto& view) { return LumaView(view.part(x0, y0, width, height)); }, luma);
-}
-
 }  // namespace
 
 double CircleSearch::best_rejected_circularity() const {
@@ -135,7 +131,7 @@ std::vector<DetectedCircle> find_circles_near(const LumaView& luma, ImagePoint p
   const int y1 = std::min(height_of(luma) - 1, static_cast<int>(std::ceil(std::clamp(predicted.y + half, -1.0, 1e6))));
   if (x1 - x0 < 8 || y1 - y0 < 8) return {};
   Search search(luma, options);
-  const LumaView window = part_of(luma, x0, y0, x1 - x0 + 1, y1 - y0 + 1);
+  const LumaView window = part_of(luma, x0, y0, x1 + 1, y1 + 1);
   const markers_detail::DiameterRange sizes{std::max(options.min_diameter_px, diameter_px / kSizeSlack),
                                             std::min(options.max_diameter_px, diameter_px * kSizeSlack)};
   for (CandidateOutline& candidate : candidate_outlines(window, sizes)) {

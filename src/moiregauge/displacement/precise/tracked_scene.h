@@ -19,6 +19,9 @@ class TrackedScene {
   TrackedScene(const Reference& reference, std::shared_ptr<const Observations> keys, SolveOptions options);
   TrackedScene(const TrackedScene&) = delete;
   TrackedScene& operator=(const TrackedScene&) = delete;
+  TrackedScene(TrackedScene&&) = delete;
+  TrackedScene& operator=(TrackedScene&&) = delete;
+  ~TrackedScene() = default;
 
   // Returns why no frame can be measured in this scene; empty if frames can.
   [[nodiscard]] const std::string& problem() const { return scene_.problem; }

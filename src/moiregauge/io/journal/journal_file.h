@@ -25,6 +25,8 @@ class JournalFile {
   JournalFile(int file, std::size_t size, long frames);
   JournalFile(const JournalFile&) = delete;
   JournalFile& operator=(const JournalFile&) = delete;
+  JournalFile(JournalFile&&) = delete;
+  JournalFile& operator=(JournalFile&&) = delete;
   ~JournalFile() = default;  // writes pending records
 
   // Appends one record that is no frame, and syncs. Call it before start() or after finish(). Fails with the system's

@@ -33,6 +33,8 @@ class UnfinishedRun : public JournalSink {
   explicit UnfinishedRun(RunPlace place) : place_(std::move(place)) {}
   UnfinishedRun(const UnfinishedRun&) = delete;
   UnfinishedRun& operator=(const UnfinishedRun&) = delete;
+  UnfinishedRun(UnfinishedRun&&) = delete;
+  UnfinishedRun& operator=(UnfinishedRun&&) = delete;
   ~UnfinishedRun() override;  // keeps the frames; without frames removes the folder
 
   // Starts the journal before the first frame. Returns the observations of an unfinished run, or empty ones (no

@@ -78,8 +78,10 @@ double clipped_share(const GreyPicture& picture, const PatchFit& fit) {
       std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.x < q.x; });
   const auto [top, bottom] =
       std::minmax_element(fit.image.begin(), fit.image.end(), [](auto p, auto q) { return p.y < q.y; });
-  return clipped_share(picture.luma, picture.bits, static_cast<int>(left->x), static_cast<int>(top->y),
-                       static_cast<int>(right->x - left->x), static_cast<int>(bottom->y - top->y));
+  const int x0 = static_cast<int>(left->x), y0 = static_cast<int>(top->y);
+  return clipped_share(part_of(picture.luma, x0, y0, x0 + static_cast<int>(right->x - left->x),
+                               y0 + static_cast<int>(bottom->y - top->y)),
+                       picture.bits);
 }
 
 double missing_contrast(const PatchFit& points, const PatchFit& at_rest, const PrintModel& model, double rounding) {

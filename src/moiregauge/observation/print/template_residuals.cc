@@ -53,8 +53,7 @@ PrintMisses template_residuals(const LumaView& luma, const PatchFit& fit, const 
   PixelBox box = box_round(map.inverse(), window);
   box = {std::max(0, box.x0), std::max(0, box.y0), std::min(width_of(luma) - 1, box.x1),
          std::min(height_of(luma) - 1, box.y1)};
-  BlockSums sums;
-  sum_blocks(luma, model_of(fit, map, window), print.nodes(), box, row_step, sums);
+  const BlockSums sums = sum_blocks(luma, model_of(fit, map, window), print.nodes(), box, row_step);
   out.pixels = sums.pixels;
   for (std::size_t b = 0; b < kAllMissBlocks; ++b) {
     if (out.pixels[b] > 0) out.mean_square[b] = sums.squares[b] / out.pixels[b];

@@ -66,33 +66,24 @@ PixelNoise noise_in(const ImageView<Grey>& p, int bits) {
           double(clipped) / (double(p.width - 2) * double(p.height - 2))};
 }
 
-template <typename Grey>
-ImageView<Grey> clipped_to(const ImageView<Grey>& picture, int x0, int y0, int width, int height) {
-  const int left = std::clamp(x0, 0, picture.width), right = std::clamp(x0 + width, left, picture.width);
-  const int top = std::clamp(y0, 0, picture.height), bottom = std::clamp(y0 + height, top, picture.height);
-  return picture.part(left, top, right - left, bottom - top);
-}
-
 }  // namespace
 
-PixelNoise pixel_noise(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
+PixelNoise pixel_noise(const LumaView& part, int bits) {
   return std::visit(
-      [&](const auto& picture) {
-        const auto part = clipped_to(picture, x0, y0, width, height);
-        return part.width < 3 || part.height < 3 ? PixelNoise{kRounding, 0.0} : noise_in(part, bits);
+      [&](const auto& pixels) {
+        return pixels.width < 3 || pixels.height < 3 ? PixelNoise{kRounding, 0.0} : noise_in(pixels, bits);
       },
-      luma);
+      part);
 }
 
-double clipped_share(const LumaView& luma, int bits, int x0, int y0, int width, int height) {
+double clipped_share(const LumaView& part, int bits) {
   return std::visit(
-      [&](const auto& picture) {
-        const auto part = clipped_to(picture, x0, y0, width, height);
-        if (part.width == 0 || part.height == 0) return 0.0;
-        const long clipped = count_clipped(part, (1 << bits) - 1);
-        return static_cast<double>(clipped) / (static_cast<double>(part.width) * part.height);
+      [&](const auto& pixels) {
+        if (pixels.width == 0 || pixels.height == 0) return 0.0;
+        const long clipped = count_clipped(pixels, (1 << bits) - 1);
+        return static_cast<double>(clipped) / (static_cast<double>(pixels.width) * pixels.height);
       },
-      luma);
+      part);
 }
 
 }  // namespace moiregauge::internal

@@ -12,8 +12,8 @@ namespace {
 // Whole grey levels hide up to half a level, evenly distributed: 1 / sqrt(12).
 TEST(PixelNoise, ContainsTheRoundingToWholeGreyLevels) {
   const Image<std::uint8_t> flat(40, 40, 120);
-  EXPECT_NEAR(pixel_noise(flat.view(), 8, 0, 0, 40, 40).sigma, 1.0 / std::sqrt(12.0), 1e-12);
-  EXPECT_NEAR(pixel_noise(flat.view(), 8, 0, 0, 2, 2).sigma, 1.0 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(pixel_noise(flat.view(), 8).sigma, 1.0 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(pixel_noise(part_of(flat.view(), 0, 0, 2, 2), 8).sigma, 1.0 / std::sqrt(12.0), 1e-12);
 }
 
 // The median of 158^2 magnitudes, of which neighbours correlate, scatters by about 2 %.
@@ -27,7 +27,7 @@ TEST(PixelNoise, OfABinaryGratingIsThatOfItsFlatParts) {
       picture.at(x, y) = static_cast<std::uint8_t>(std::lround(level + noise(rng)));
     }
   }
-  EXPECT_NEAR(pixel_noise(picture.view(), 8, 0, 0, 160, 160).sigma, 3.0, 0.3);
+  EXPECT_NEAR(pixel_noise(picture.view(), 8).sigma, 3.0, 0.3);
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ PixelNoise noise_round(const LumaView& luma, int bits, const View& view, const R
   const ImagePoint b = view(plan.centre + shift + Extent<frame::Board>{half, -half});
   const int x0 = static_cast<int>(std::min(a.x, b.x)), x1 = static_cast<int>(std::max(a.x, b.x));
   const int y0 = static_cast<int>(std::min(a.y, b.y)), y1 = static_cast<int>(std::max(a.y, b.y));
-  return pixel_noise(luma, bits, x0, y0, x1 - x0, y1 - y0);
+  return pixel_noise(part_of(luma, x0, y0, x1, y1), bits);
 }
 
 // Returns u of the slope of a plane fitted to the means of `cells` cells along a side of n points.

@@ -15,6 +15,8 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge::internal {
+// Vectors are parameters of their own, because some targets do not allow them in structs.
+// NOLINTBEGIN(readability-function-size)
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -142,6 +144,7 @@ long Clipped8(const ImageView<std::uint8_t>& p, int white) { return count_clippe
 long Clipped16(const ImageView<std::uint16_t>& p, int white) { return count_clipped_in(p, white); }
 
 }  // namespace HWY_NAMESPACE
+// NOLINTEND(readability-function-size)
 }  // namespace moiregauge::internal
 HWY_AFTER_NAMESPACE();
 

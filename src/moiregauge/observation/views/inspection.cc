@@ -34,8 +34,10 @@ PixelNoise noise_of(const GreyPicture& picture, const std::array<ImagePoint, 4>&
     y0 = std::min(y0, p.y);
     y1 = std::max(y1, p.y);
   }
-  return pixel_noise(picture.luma, picture.bits, static_cast<int>(x0), static_cast<int>(y0), static_cast<int>(x1 - x0),
-                     static_cast<int>(y1 - y0));
+  const int left = static_cast<int>(x0), top = static_cast<int>(y0);
+  return pixel_noise(
+      part_of(picture.luma, left, top, left + static_cast<int>(x1 - x0), top + static_cast<int>(y1 - y0)),
+      picture.bits);
 }
 
 std::vector<InspectedPatch> patches_of(const GreyPicture& picture, std::vector<DetectedPatch> found) {

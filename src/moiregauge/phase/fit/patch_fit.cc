@@ -115,7 +115,7 @@ class Passes {
       model_.gain = model_.contrast;
     }
     NormalMatrix normal;
-    sum_patch(luma_, model_, print_.nodes(), box_, sums_, known == nullptr ? &normal : nullptr);
+    sums_ = sum_patch(luma_, model_, print_.nodes(), box_, known == nullptr ? &normal : nullptr);
     if (sums_.pixels < kMinPixelsPerUnknown * kColumns) return tl::unexpected(Failure::kTooFewPixels);
     if (known == nullptr) {
       own_ = PatchSystem::of(normal, sums_.pixels, options_);
@@ -127,8 +127,7 @@ class Passes {
   // Fits a shift of the whole window (b0, g0, dX, dY) to these pixels.
   tl::expected<void, Failure> shift(const PixelSteps& steps) {
     if (!aim()) return tl::unexpected(Failure::kOutsidePicture);
-    ShiftSums sums;
-    sum_shift(luma_, model_, print_.nodes(), box_, steps, sums);
+    ShiftSums sums = sum_shift(luma_, model_, print_.nodes(), box_, steps);
     if (steps.rows * steps.blocks * sums.pixels < kMinPixelsPerUnknown * kColumns)
       return tl::unexpected(Failure::kTooFewPixels);
     Eigen::Matrix4d normal = sums.normal;

@@ -20,6 +20,8 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge::internal {
+// Vectors are parameters of their own, because some targets do not allow them in structs.
+// NOLINTBEGIN(readability-function-size)
 namespace HWY_NAMESPACE {
 
 template <Sum kSum>
@@ -434,6 +436,7 @@ void Pass16(const PatchJob& job, const ImageView<std::uint16_t>& p, Sum sum, Pat
 }
 
 }  // namespace HWY_NAMESPACE
+// NOLINTEND(readability-function-size)
 }  // namespace moiregauge::internal
 HWY_AFTER_NAMESPACE();
 
@@ -453,8 +456,9 @@ void dispatched(const LumaView& luma, const PatchJob& job, Sum sum, PatchTotals&
 
 }  // namespace
 
-void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               PatchSums& sums, NormalMatrix* normal) {
+PatchSums sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+                    NormalMatrix* normal) {
+  PatchSums sums;
   PatchTotals totals;
   totals.normal = normal;
   if (normal != nullptr) normal->setZero();
@@ -463,10 +467,12 @@ void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& 
   sums.left2 = totals.sums[kColumns];
   sums.pixels = totals.pixels;
   if (normal != nullptr) *normal = NormalMatrix(normal->selfadjointView<Eigen::Lower>());
+  return sums;
 }
 
-void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               const PixelSteps& steps, ShiftSums& sums) {
+ShiftSums sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+                    const PixelSteps& steps) {
+  ShiftSums sums;
   PatchTotals totals;
   dispatched(luma, job_of(model, nodes, box, steps), Sum::kShift, totals);
   std::size_t from = 0;
@@ -476,13 +482,16 @@ void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& 
     for (int j = 0; j <= i; ++j) sums.normal(i, j) = sums.normal(j, i) = totals.sums[from++];
   }
   sums.pixels = totals.pixels;
+  return sums;
 }
 
-void sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-                int row_step, BlockSums& sums) {
+BlockSums sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
+                     int row_step) {
+  BlockSums sums;
   PatchTotals totals;
   totals.blocks = &sums;
   dispatched(luma, job_of(model, nodes, box, {row_step}), Sum::kBlocks, totals);
+  return sums;
 }
 
 }  // namespace moiregauge::internal

@@ -69,9 +69,9 @@ struct PatchSums {
   int pixels = 0;
 };
 
-// Sums the residuals over `box`, which must lie inside the image. With `normal`, sums the columns' products, too.
-void sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               PatchSums& sums, NormalMatrix* normal = nullptr);
+// Sums the residuals over `box`, which must lie inside the image. With `normal`, sums the columns' products into it, too.
+[[nodiscard]] PatchSums sum_patch(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes,
+                                  const PixelBox& box, NormalMatrix* normal = nullptr);
 
 // Unknowns of a window that moves as a whole: b0, g0, dX, dY.
 inline constexpr int kShiftColumns = 4;
@@ -88,8 +88,8 @@ struct PixelSteps {
   int blocks = 1;
 };
 // Sums the residuals and products of these four columns over the selected pixels of `box`.
-void sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-               const PixelSteps& steps, ShiftSums& sums);
+[[nodiscard]] ShiftSums sum_shift(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes,
+                                  const PixelBox& box, const PixelSteps& steps);
 
 // Blocks per side of a window. Chosen.
 inline constexpr int kWindowBlocks = 6;
@@ -99,7 +99,7 @@ struct BlockSums {
   std::array<int, std::size_t{kWindowBlocks} * kWindowBlocks> pixels{};
 };
 // Sums the squared residuals by blocks over every row_step-th row of `box`, which must lie inside the image.
-void sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes, const PixelBox& box,
-                int row_step, BlockSums& sums);
+[[nodiscard]] BlockSums sum_blocks(const LumaView& luma, const PatchModel& model, const PrintNodes& nodes,
+                                   const PixelBox& box, int row_step);
 
 }  // namespace moiregauge::internal

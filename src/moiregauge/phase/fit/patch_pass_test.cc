@@ -58,10 +58,10 @@ Summed summed(const LumaView& luma, int row_step) {
   Summed out;
   // The last block of a row reaches beyond the image.
   const PixelBox box{4, 6, kPassSide - 1, kPassSide - 2};
-  sum_patch(luma, oblique_model(), binary().nodes(), box, out.sums);
-  sum_patch(luma, oblique_model(), binary().nodes(), box, out.with_normal, &out.normal);
-  sum_shift(luma, oblique_model(), binary().nodes(), box, {row_step, row_step}, out.shift);
-  sum_blocks(luma, oblique_model(), binary().nodes(), box, row_step, out.blocks);
+  out.sums = sum_patch(luma, oblique_model(), binary().nodes(), box);
+  out.with_normal = sum_patch(luma, oblique_model(), binary().nodes(), box, &out.normal);
+  out.shift = sum_shift(luma, oblique_model(), binary().nodes(), box, {row_step, row_step});
+  out.blocks = sum_blocks(luma, oblique_model(), binary().nodes(), box, row_step);
   return out;
 }
 

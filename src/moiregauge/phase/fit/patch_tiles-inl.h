@@ -19,6 +19,8 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge::internal {
+// Vectors are parameters of their own, because some targets do not allow them in structs.
+// NOLINTBEGIN(readability-function-size)
 namespace HWY_NAMESPACE {
 
 constexpr int kTileRows = 8;
@@ -168,6 +170,7 @@ HWY_INLINE void expand_strip(const StripSums& sums, const PatchJob& job, float d
 }
 
 }  // namespace HWY_NAMESPACE
+// NOLINTEND(readability-function-size)
 }  // namespace moiregauge::internal
 HWY_AFTER_NAMESPACE();
 

@@ -48,6 +48,8 @@ struct FringeLanes {
 
 HWY_BEFORE_NAMESPACE();
 namespace moiregauge::internal {
+// Vectors are parameters of their own, because some targets do not allow them in structs.
+// NOLINTBEGIN(readability-function-size)
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -252,6 +254,7 @@ void Window16(const FringeJob& job, const ImageView<std::uint16_t>& p, FringeLan
 }
 
 }  // namespace HWY_NAMESPACE
+// NOLINTEND(readability-function-size)
 }  // namespace moiregauge::internal
 HWY_AFTER_NAMESPACE();
 
