@@ -77,8 +77,8 @@ std::optional<PublishedFrame> LiveTracker::measure(const LiveFrame& frame, LiveS
   if (!seen) return std::nullopt;
   if (has_follower(*seen)) out.rows = follower_->add(*seen);
   is_lossy_ = is_lossy_ || is_lossy(*seen);
-  const ImageStep motion = log_.reference ? motion_.add(*log_.reference, *seen) : ImageStep{};
-  doubt_.apply(run_.processing(doubt_.first_frame()), is_lossy_, motion, out.rows);
+  const FrameMovement movement = log_.reference ? motion_.add(*log_.reference, *seen) : FrameMovement{};
+  doubt_.apply(run_.processing(doubt_.first_frame()), is_lossy_, movement, out.rows);
   if (!seen->references_seen) out.problem = seen->reference_problem;
   if (log_.reference) describe_markers(*seen);
   ++health_.frames;

@@ -3,7 +3,7 @@
 
 namespace moiregauge::internal {
 
-void ProcessingDoubt::apply(const CameraProcessing& processing, bool is_lossy, const ImageStep& motion,
+void ProcessingDoubt::apply(const CameraProcessing& processing, bool is_lossy, const FrameMovement& movement,
                             Samples& samples) {
   if (samples.empty()) return;
   Samples window;
@@ -12,7 +12,9 @@ void ProcessingDoubt::apply(const CameraProcessing& processing, bool is_lossy, c
   window.insert(window.end(), samples.begin(), samples.end());
   last_.push_back(samples);
   if (last_.size() > kLagSamples) last_.pop_front();
-  if (distrust_processed(processing, is_lossy, {motion}, window)) samples.assign(window.begin() + first, window.end());
+  if (distrust_processed(
+          processing, is_lossy, [&movement] { return std::vector{movement}; }, window))
+    samples.assign(window.begin() + first, window.end());
 }
 
 long ProcessingDoubt::first_frame() const { return last_.empty() ? 0 : last_.front().front().frame; }

@@ -14,8 +14,8 @@ namespace moiregauge::internal {
 class ProcessingDoubt {
  public:
   // Marks the samples of one frame. `processing`: evidence, with the repeated frames since first_frame().
-  // `motion`: of this frame.
-  void apply(const CameraProcessing& processing, bool is_lossy, const ImageStep& motion, Samples& samples);
+  // `movement`: of this frame.
+  void apply(const CameraProcessing& processing, bool is_lossy, const FrameMovement& movement, Samples& samples);
   // Returns the number of the oldest frame that matters.
   [[nodiscard]] long first_frame() const;
 

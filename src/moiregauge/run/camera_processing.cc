@@ -171,14 +171,15 @@ long distrust_moving(Samples& samples, IsWrong is_wrong) {
   return count;
 }
 
-// Marks the samples up to one longest lag before and after motion of the references. Returns the number of samples that
+// Marks the samples up to one longest lag before and after a movement of the references. Returns the number of samples that
 // lost their status `ok`.
-long distrust_overlap(Samples& samples, const std::vector<ImageStep>& motion, double limit) {
+long distrust_overlap(Samples& samples, const std::vector<FrameMovement>& movement, double limit) {
   std::set<long> frames;
-  for (std::size_t n = 0; n < motion.size(); ++n) {
-    const auto first = motion.begin() + static_cast<std::ptrdiff_t>(n);
-    const auto last = motion.begin() + static_cast<std::ptrdiff_t>(std::min(motion.size(), n + 1 + kLagSamples));
-    if (std::any_of(first, last, [&](const ImageStep& m) { return m.pitches > limit; })) frames.insert(first->frame);
+  for (std::size_t n = 0; n < movement.size(); ++n) {
+    const auto first = movement.begin() + static_cast<std::ptrdiff_t>(n);
+    const auto last = movement.begin() + static_cast<std::ptrdiff_t>(std::min(movement.size(), n + 1 + kLagSamples));
+    if (std::any_of(first, last, [&](const FrameMovement& m) { return m.pitches > limit; }))
+      frames.insert(first->frame);
   }
   long count = 0;
   for (Sample& sample : samples) count += frames.contains(sample.frame) && distrust(sample);
@@ -347,7 +348,8 @@ void ProcessingWatch::interrupt_grain() {
 }
 
 std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
-                                                  const std::vector<ImageStep>& motion, Samples& samples) {
+                                                  const std::function<std::vector<FrameMovement>()>& movement,
+                                                  Samples& samples) {
   if (auto fault = enlarged_fault(processing.steps, samples)) return fault;
   if (auto fault = stepped_tone_fault(processing.gap, samples)) return fault;
   std::optional<ProcessingFault> fault;
@@ -359,7 +361,7 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   const auto averaging = averaging_shown(processing, is_lossy);
   if (!averaging) return fault;
   const bool is_strong = averaging->share > kStrong;
-  const long overlapping = distrust_overlap(samples, motion, is_strong ? kOverlapStrong : kOverlap);
+  const long overlapping = distrust_overlap(samples, movement(), is_strong ? kOverlapStrong : kOverlap);
   if (distrust_moving(samples, [](long) { return true; }) + overlapping == 0) return fault;
   const char* const which = overlapping == 0 ? "moving targets are"
                             : is_strong      ? "moving targets, and all targets while the camera moves, are"

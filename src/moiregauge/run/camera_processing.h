@@ -3,6 +3,7 @@
 // pixels, and a tone curve with a step.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -80,9 +81,11 @@ struct ProcessingFault {
 // Marks samples as `untrusted` that the processing may have falsified.
 // Repeated pixels and a tone curve with a step concern all samples. Averages over time concern those of moving targets,
 // and all samples while the camera moves. Repeated frames concern the samples of moving targets in these frames.
-// `motion`: of consecutive frames, among them those of the samples.
+// `movement`: of consecutive frames, among them those of the samples. It is called only if the camera averages over time,
+// because it takes a pass over all frames.
 // `is_lossy`: a codec may have removed the grain. Returns nothing if no sample is concerned.
-[[nodiscard]] std::optional<ProcessingFault> distrust_processed(const CameraProcessing& processing, bool is_lossy,
-                                                                const std::vector<ImageStep>& motion, Samples& samples);
+[[nodiscard]] std::optional<ProcessingFault> distrust_processed(
+    const CameraProcessing& processing, bool is_lossy, const std::function<std::vector<FrameMovement>()>& movement,
+    Samples& samples);
 
 }  // namespace moiregauge::internal

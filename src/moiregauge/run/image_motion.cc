@@ -38,8 +38,9 @@ double largest_distance(const std::vector<ImagePoint>& a, const std::vector<Imag
   return largest;
 }
 
-ImageStep ImageMotion::add(const Reference& reference, const Observation& seen) {
+FrameMovement ImageMotion::add(const Reference& reference, const Observation& seen) {
   if (!seen.references_seen) return {seen.frame, INFINITY};
+  if (pitch_px_ == 0.0) pitch_px_ = smallest_pitch_px(reference);
   std::vector<ImagePoint> now = reference_centres(reference, seen);
   double largest = 0.0;
   for (const auto& before : last_) {
@@ -47,11 +48,11 @@ ImageStep ImageMotion::add(const Reference& reference, const Observation& seen) 
   }
   last_.push_front(std::move(now));
   if (last_.size() > kLagSamples) last_.pop_back();
-  return {seen.frame, largest / smallest_pitch_px(reference)};
+  return {seen.frame, largest / pitch_px_};
 }
 
-std::vector<ImageStep> motion_in_frames(const Reference& reference, const Observations& observations) {
-  std::vector<ImageStep> all;
+std::vector<FrameMovement> movement_in_frames(const Reference& reference, const Observations& observations) {
+  std::vector<FrameMovement> all;
   ImageMotion motion;
   for (const Observation& seen : observations) all.push_back(motion.add(reference, seen));
   return all;

@@ -20,7 +20,7 @@ inline constexpr std::size_t kLagSamples = 8;
 [[nodiscard]] double largest_distance(const std::vector<ImagePoint>& a, const std::vector<ImagePoint>& b);
 
 // Largest movement of a reference in the image within the last kLagSamples frames.
-struct ImageStep {
+struct FrameMovement {
   long frame = 0;
   double pitches = 0.0;  // unit: smallest pitch of the site; infinite if the references were not seen
 };
@@ -29,13 +29,15 @@ struct ImageStep {
 class ImageMotion {
  public:
   // Adds a measured frame. Call it in frame order.
-  ImageStep add(const Reference& reference, const Observation& seen);
+  FrameMovement add(const Reference& reference, const Observation& seen);
 
  private:
+  double pitch_px_ = 0.0;                     // smallest pitch of the site; 0 before the first frame
   std::deque<std::vector<ImagePoint>> last_;  // px, newest first
 };
 
-// Returns the motion in each frame.
-[[nodiscard]] std::vector<ImageStep> motion_in_frames(const Reference& reference, const Observations& observations);
+// Returns the movement in each frame.
+[[nodiscard]] std::vector<FrameMovement> movement_in_frames(const Reference& reference,
+                                                            const Observations& observations);
 
 }  // namespace moiregauge::internal

@@ -250,8 +250,8 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
     out.warnings.push_back("the method two-stage was used instead of precise: " + out.scene->problem);
   if (!rest) out.contradiction = std::move(rest.error());
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
-  const std::vector<ImageStep> motion = motion_in_frames(*out.reference, out.observations);
-  if (auto fault = distrust_processed(out.processing, is_lossy(out.observations), motion, out.samples)) {
+  const auto movement = [&out] { return movement_in_frames(*out.reference, out.observations); };
+  if (auto fault = distrust_processed(out.processing, is_lossy(out.observations), movement, out.samples)) {
     if (!fault->warning.empty()) out.warnings.push_back(std::move(fault->warning));
     out.remedy = std::move(fault->remedy);
   }
