@@ -86,3 +86,10 @@ for clip, options, expected, word in (
     ran = runs.run([program, "measure", work / clip / "video.mkv", "--site", work / clip / "site.toml", *options, "-o", out], expected)
     runs.insist(word in ran.stdout + ran.stderr, f"{clip} {options}: {ran.stderr}")
     print(clip, *options, word)
+
+# A strong average in front of a moving camera looks like a moving reference. The proven cause is the one to act on.
+clip = work / "moving-camera"
+runs.run([program, "simulate", "small-1xyz", "--frames", 24, "--codec", "ffv1", "--set", "processing.recursion=0.6", "-o", clip])
+ran = runs.run([program, "measure", clip / "video.mkv", "--site", clip / "site.toml", "-o", work / "moving-camera-out"], 4)
+last = [line for line in ran.stderr.splitlines() if line.startswith("error: ")][-1]
+runs.insist("one of the references moves" in ran.stderr and "noise reduction off" in last, ran.stderr)

@@ -147,16 +147,15 @@ bool moves_quickly(const std::vector<Sample*>& rows) {
   return false;
 }
 
-// Marks one sample. Samples of the reference frame stay ok, because they are zero by definition.
+// Marks one sample. Samples of the reference frame stay ok, because they are zero by definition. Returns true if the sample
+// is untrusted, for this reason or for another.
 bool distrust(Sample& sample) {
   const bool is_reference = sample.u.x == 0.0 && sample.u.y == 0.0;
-  if (is_reference || sample.status != Status::kOk) return false;
-  sample.status = Status::kUntrusted;
-  return true;
+  if (!is_reference && sample.status == Status::kOk) sample.status = Status::kUntrusted;
+  return sample.status == Status::kUntrusted;
 }
 
-// Marks the samples of moving targets in frames for which `is_wrong(frame)` is true. Returns the number of samples that
-// lost their status `ok`.
+// Marks the samples of moving targets in frames for which `is_wrong(frame)` is true. Returns their number.
 template <typename IsWrong>
 long distrust_moving(Samples& samples, IsWrong is_wrong) {
   long count = 0;
@@ -171,8 +170,7 @@ long distrust_moving(Samples& samples, IsWrong is_wrong) {
   return count;
 }
 
-// Marks the samples up to one longest lag before and after a movement of the references. Returns the number of samples that
-// lost their status `ok`.
+// Marks the samples up to one longest lag before and after a movement of the references. Returns their number.
 long distrust_overlap(Samples& samples, const std::vector<FrameMovement>& movement, double limit) {
   std::set<long> frames;
   for (std::size_t n = 0; n < movement.size(); ++n) {
@@ -356,7 +354,9 @@ std::optional<ProcessingFault> distrust_processed(const CameraProcessing& proces
   const auto is_repeated = [&](long frame) {
     return std::binary_search(processing.repeated.begin(), processing.repeated.end(), frame);
   };
-  if (distrust_moving(samples, is_repeated) > 0)
+  const auto ok_before = std::ranges::count(samples, Status::kOk, &Sample::status);
+  (void)distrust_moving(samples, is_repeated);
+  if (std::ranges::count(samples, Status::kOk, &Sample::status) < ok_before)
     fault = {"", "record without dropped frames, because a repeated frame shows a moving target in the wrong position"};
   const auto averaging = averaging_shown(processing, is_lossy);
   if (!averaging) return fault;

@@ -72,7 +72,7 @@ class ProcessingWatch {
   std::vector<ImagePoint> placed_;             // px, centres at which the tiles were placed
 };
 
-// Reason why samples lost their status `ok`, and the remedy.
+// Reason why samples are untrusted, and the remedy.
 struct ProcessingFault {
   std::string warning;  // empty for repeated frames, which have their own note
   std::string remedy;   // imperative

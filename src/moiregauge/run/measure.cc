@@ -250,9 +250,11 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
     out.warnings.push_back("the method two-stage was used instead of precise: " + out.scene->problem);
   if (!rest) out.contradiction = std::move(rest.error());
   if (solution.moved_at_rest) out.contradiction = rest_contradiction(out, options, *solution.moved_at_rest);
+  bool is_processed = false;  // an average over time or repeated pixels can look like a moving reference
   const auto movement = [&out] { return movement_in_frames(*out.reference, out.observations); };
   if (auto fault = distrust_processed(out.processing, is_lossy(out.observations), movement, out.samples)) {
-    if (!fault->warning.empty()) out.warnings.push_back(std::move(fault->warning));
+    is_processed = !fault->warning.empty();
+    if (is_processed) out.warnings.push_back(std::move(fault->warning));
     out.remedy = std::move(fault->remedy);
   }
   if (joint != nullptr || options.zero) take_joint_errors(solution, options, joint, out);
@@ -264,7 +266,7 @@ void evaluate(const MeasureOptions& options, Measurement& out, JointErrors* join
     out.warnings.insert(out.warnings.end(), solution.findings.begin(), solution.findings.end());
   if (!out.contradiction.empty()) out.exit = Exit::kUsage;
   if (out.exit != Exit::kRefused) return;
-  if (!solution.remedy.empty()) out.remedy = std::move(solution.remedy);
+  if (!solution.remedy.empty() && !is_processed) out.remedy = std::move(solution.remedy);
   std::map<std::string, long> counts;
   for (const Sample& sample : out.samples) {
     if (sample.frame != out.reference->seen.frame) ++counts[word_for(sample.status)];
