@@ -174,6 +174,21 @@ def case_no_threads():
     insist(done.returncode == 0 or len(lines) == 1, done.stderr)
 
 
+def case_limits():
+    """Limits on memory and on open files are named. They are no internal errors, and no defects of the video."""
+    frames = recording(3)
+    measure = [program, "measure", "--site", work / "run/site.toml", "--quiet", "-o", work / "limited"]
+    small = subprocess.run([str(word) for word in ["prlimit", "--as=260000000", *measure, "--fps", "10", frames]],
+                           capture_output=True, text=True, timeout=100, check=False)
+    # The loader itself may fail, depending on the libraries' sizes.
+    insist("loading shared libraries" in small.stderr or small.returncode in (0, 6), f"exit {small.returncode}: {small.stderr}")
+    insist("internal error" not in small.stderr, small.stderr)
+    video = work / "clip.mkv"
+    subprocess.run(["ffmpeg", "-nostdin", "-loglevel", "error", "-framerate", "10", "-i", frames / "%06d.png", "-c:v", "ffv1", video], check=True)
+    few = subprocess.run([str(word) for word in ["prlimit", "--nofile=14", *measure, video]], capture_output=True, text=True, timeout=100, check=False)
+    insist(few.returncode == 3 and "open files" in few.stderr and "convert" not in few.stderr, f"exit {few.returncode}: {few.stderr}")
+
+
 def case_export_targets():
     """An export replaces plain files only, and no files of the run. The path - is stdout."""
     recording(3)
@@ -232,13 +247,14 @@ def case_impossible_numbers():
     for words in [["--fps", "inf"], ["--fps", "1e-308"], ["--fps", "nan"], ["--threads", "-1"],
                   ["--fps", "10", "--readout", "10s"]]:
         refuses([*measure, *words], 2, words[-2])
+    refuses(["simulate", "small-1xyz", "--set", "sensor.defocus_disc_px=1000", "-o", work / "out"], 2, "sensor.defocus_disc_px")
     insist(not (work / "out").exists(), "something was written")
 
 
 def case_control_characters():
     """Control characters in paths and names do not reach the terminal, and no name becomes a formula in a table."""
     simulate(program, work / "run", "small-1xyz", 2)
-    for name in ["zz\x1b[31mRED", "c1\u009b31m", "\u202efdp.mp4"]:
+    for name in ["two\nlines", "zz\x1b[31mRED", "c1\u009b31m", "\u202efdp.mp4"]:
         done = refuses(["measure", work / name, "--pitch", "10mm"], 3)
         insist(not any(c < " " or "\x7f" <= c < "\xa0" or c == "\u202e" for c in done.stderr.replace("\n", "")), repr(done.stderr))
     done = subprocess.run([program.encode(), b"measure", b"raw\x9b31m", b"--pitch", b"10mm"], capture_output=True, check=False)

@@ -137,6 +137,10 @@ TEST(ApparentSize, ContradictsAPitchStatedATenthTooLarge) {
   EXPECT_TRUE(finds(run, "'mid' may be wrong by 9")) << ::testing::PrintToString(run.solution.findings);
   EXPECT_TRUE(finds(run, "its pitch is 10")) << ::testing::PrintToString(run.solution.findings);
   EXPECT_TRUE(finds(run, "further away")) << ::testing::PrintToString(run.solution.findings);
+  // The depth is wrong by sqrt(2) u, and it bends the solved lens and poses too. No row is off by 5 u (a lie).
+  for (std::size_t i = 0; i < run.error_y_um.size(); ++i)
+    EXPECT_LT(std::abs(run.error_y_um[i]), 5.0 * run.u_y_um[i]) << "row " << i;
+  EXPECT_GT(test::largest(run.error_y_um), 50.0);
 }
 
 TEST(ApparentSize, AgreesWithGratingsAtTheirStatedDepth) {

@@ -69,4 +69,10 @@ std::string with_controls_escaped(std::string_view text) {
   return shown;
 }
 
+std::string as_one_line(std::string_view text) {
+  std::string line;
+  for (const char c : text) line += c == '\n' ? std::string("\\u000a") : std::string(1, c);
+  return line;
+}
+
 }  // namespace moiregauge::internal

@@ -15,4 +15,7 @@ namespace moiregauge::internal {
 // Returns the text with controls as "\u001b" and bytes of invalid UTF-8 as "\x9b". Line feeds and tabs stay.
 [[nodiscard]] std::string with_controls_escaped(std::string_view text);
 
+// Returns the text with line feeds as "\u000a", which a path may contain.
+[[nodiscard]] std::string as_one_line(std::string_view text);
+
 }  // namespace moiregauge::internal

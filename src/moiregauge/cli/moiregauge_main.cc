@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -28,6 +29,10 @@ int main(int argc, char** argv) {
         lacks_threads
             ? fmt::format("no thread could be started: {}: raise the limit on processes (ulimit -u)", error.what())
             : fmt::format("an internal error occurred: {}: report this with the input", error.what()));
+  } catch (const std::bad_alloc&) {
+    exit_code = moiregauge::internal::cli::fail(
+        Exit::kOutputUnwritable,
+        "there is not enough memory (std::bad_alloc): free memory, or raise its limit (ulimit -v)");
   } catch (const std::exception& error) {
     exit_code = moiregauge::internal::cli::fail(
         Exit::kInternalError, fmt::format("an internal error occurred: {}: report this with the input", error.what()));

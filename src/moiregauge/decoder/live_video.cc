@@ -152,7 +152,7 @@ tl::expected<std::unique_ptr<LiveVideo>, InputError> LiveVideo::open(const LiveA
   if (!child)
     return tl::unexpected(
         InputError{InputErrorKind::kUnreadable,
-                   fmt::format("the video decoder could not be started ({}): {}: free memory or processes",
+                   fmt::format("the video decoder could not be started ({}): {}: free memory, processes or open files",
                                child.error(), without_password(address.url))});
   auto live = std::make_unique<LiveConnection>(std::move(*child), address);
   if (auto opened = live->open(); !opened) return tl::unexpected(opened.error());

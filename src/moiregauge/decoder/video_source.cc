@@ -209,7 +209,7 @@ Opened decoded(const std::string& path, const InputOptions& options, const Decod
                                    decoder.first_frame);
   if (!child)
     return unreadable(fmt::format("the video decoder could not be started ({})", child.error()),
-                      "free memory or processes");
+                      "free memory, processes or open files");
   InputInfo info;
   info.path = path;
   auto source = std::make_unique<VideoSource>(std::move(*child), std::move(info), options, decoder);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "moiregauge/base/control_characters.h"
 #include "moiregauge/report/report_page.h"
 
 namespace moiregauge::internal {
@@ -85,7 +86,7 @@ std::string for_script(std::string_view json) {
 }
 
 std::string assembled_page(const std::string& title, const std::vector<PageScript>& scripts) {
-  return page_of(for_html(title), scripts);
+  return page_of(for_html(with_controls_escaped(title)), scripts);
 }
 
 std::optional<std::string> page_with(std::string_view page, const PageScript& script) {

@@ -34,6 +34,10 @@ TEST(PageScripts, AnotherFileIsNoReport) {
   EXPECT_FALSE(page_with(whole.substr(0, whole.find("id=\"samples\"")), {"derived", "application/json", "{}"}));
 }
 
+TEST(PageScripts, ATitleThatIsNoUtf8IsEscaped) {
+  EXPECT_NE(assembled_page("na\xffme", {}).find("<title>na\\xffme"), std::string::npos);
+}
+
 TEST(PageScripts, EveryStatusHasItsOwnNumber) {
   for (std::size_t k = 0; k < page_statuses().size(); ++k)
     EXPECT_EQ(status_code(page_statuses()[k]), static_cast<double>(k));

@@ -196,6 +196,10 @@ TEST(Settings, IncludeEveryFault) {
   EXPECT_EQ(scenario.light.slope_x.at(0.0), 0.2);
   EXPECT_EQ(scenario.markers[2].place.print_scale, 0.002);
   EXPECT_FALSE(problem_with(scenario).has_value());
+  EXPECT_TRUE(set("sensor.defocus_disc_px.amplitude", "61"));
+  EXPECT_TRUE(problem_with(scenario).has_value()) << "4 + 61 px of blur take minutes to render";
+  EXPECT_TRUE(set("sensor.defocus_disc_px.amplitude", "60"));
+  EXPECT_FALSE(problem_with(scenario).has_value());
   scenario.timing.jitter_s = 0.06;
   EXPECT_TRUE(problem_with(scenario).has_value()) << "time stamps might fall";
 }

@@ -388,13 +388,16 @@ double chi2_of(const ShutterTest& t) { return t.chi2_dof * static_cast<double>(t
 
 double cost_of(const Shutter& s) { return chi2_of(s.calibration.shutter) + s.motion_cost; }
 
-}  // namespace
-
-namespace {
-
 // Returns true if the frames fit with a clear readout time.
 bool is_convincing(const Shutter& s) {
   return s.problem.empty() && is_clear(s) && s.calibration.shutter.chi2_dof < kScenesFit;
+}
+
+// Returns true if the search ended at the shortest readout time, and noise explains the frames and their motion. Another
+// start or direction has nothing left to explain.
+bool is_hopeless(const Shutter& s) {
+  return s.problem.empty() && s.bounded && s.readout_s < 0.5 * s.interval_s &&
+         cost_of(s) < chi2_upper_quantile(static_cast<double>(s.calibration.shutter.dof));
 }
 
 bool is_better(const Shutter& a, const Shutter& b) {
@@ -409,6 +412,7 @@ Shutter solve_shutter(const Site& site, const FrameSeries& frames, std::span<con
   const auto solved = [&](double side, double start) { return RollingShutterSolver(task, side, start).solved(); };
   if (readout_s) return solved(1.0, 1.0);
   Shutter down = solved(1.0, 1.0);
+  if (is_hopeless(down)) return down;
   // The scene that the expected readout time gives can be far off if the true one is much shorter.
   constexpr double kStarts[] = {1.0 / 3.0, 1.0 / 9.0};  // relative to the expected readout time; chosen
   for (const double start : kStarts) {

@@ -12,11 +12,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -108,9 +110,14 @@ tl::expected<ChildProcess, std::string> ChildProcess::start(const std::string& p
   }
   child.socket_ = ends[0];
   const int files[] = {moved_up(input), moved_up(child.memory_file_), moved_up(ends[1])};
-  const int problem = spawn(child.process_, program, {files[0], files[1], files[2]},
-                            {mode, std::to_string(max_pixels), std::to_string(first_frame)});
-  for (const int file : files) ::close(file);
+  const bool are_open = std::all_of(std::begin(files), std::end(files), [](int file) { return file >= 0; });
+  // Numbers above the limit on open files are refused as EINVAL.
+  const int problem = are_open ? spawn(child.process_, program, {files[0], files[1], files[2]},
+                                       {mode, std::to_string(max_pixels), std::to_string(first_frame)})
+                               : EMFILE;
+  for (const int file : files) {
+    if (file >= 0) ::close(file);
+  }
   ::close(ends[1]);
   if (problem == 0) return child;
   child.process_ = -1;

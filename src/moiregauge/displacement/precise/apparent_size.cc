@@ -15,12 +15,6 @@ constexpr double kUnknownHeight = 0.01;  // limit of relative size: 12 mm at 1.2
 constexpr double kAnySize = 0.1;
 constexpr double kKnownDistance = 0.1;  // largest relative u of f for distances in mm; chosen
 
-struct Appearance {
-  double larger = 0.0;     // relative to the size that the site states
-  double nearer_mm = 0.0;  // if distance is the only cause
-  double pitch_mm = 0.0;   // if pitch is the only cause
-};
-
 // Returns the board's distance along the camera's axis, mean of the key frames, mm.
 double mean_distance_mm(const Calibration& calibration) {
   double sum = 0.0, count = 0.0;
@@ -30,10 +24,11 @@ double mean_distance_mm(const Calibration& calibration) {
   return count > 0.0 ? sum / count : 0.0;
 }
 
-Appearance appearance_of(const Marker& marker, const MarkerShape& solved, double distance) {
+SizeDeviation deviation_of(std::size_t index, const Marker& marker, const MarkerShape& solved, double distance) {
   const double stated_mm = marker.z_mm.value_or(0.0);
   const double scale = solved.value[MarkerShape::kScale], height_mm = solved.value[MarkerShape::kHeight];
-  Appearance a;
+  SizeDeviation a;
+  a.marker = index;
   // A grating at height h looks (1 + scale) D / (D - h) times as large as one of the stated pitch in the plane.
   a.larger = (1.0 + scale) * (distance - stated_mm) / (distance - height_mm) - 1.0;
   a.nearer_mm = (distance - stated_mm) * a.larger / (1.0 + a.larger);
@@ -54,7 +49,7 @@ bool knows_distance(const Scene& scene) {
   return std::sqrt(scene.stated_covariance()(0, 0)) <= kKnownDistance * scene.camera.fx;
 }
 
-std::string apparent_size_note(const Marker& marker, const Appearance& a, double distance, bool knows_distance) {
+std::string apparent_size_note(const Marker& marker, const SizeDeviation& a, double distance, bool knows_distance) {
   const bool is_larger = a.larger > 0.0;
   const double percent = 100.0 * std::abs(a.larger);
   const std::string stated =
@@ -73,16 +68,16 @@ std::string apparent_size_note(const Marker& marker, const Appearance& a, double
 
 }  // namespace
 
-std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration) {
-  std::vector<std::string> notes;
+std::vector<SizeDeviation> size_deviations(const Site& site, const Calibration& calibration) {
+  std::vector<SizeDeviation> found;
   const Scene& scene = calibration.bundle.scene;
   const double distance = mean_distance_mm(calibration);
-  if (!(distance > 0.0)) return notes;
+  if (!(distance > 0.0)) return found;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     const Marker& marker = site.markers[i];
     if (!marker.grating) continue;
     const bool is_stated = marker.role == Role::kReference || marker.z_mm;
-    const Appearance a = appearance_of(marker, scene.markers[i], distance);
+    const SizeDeviation a = deviation_of(i, marker, scene.markers[i], distance);
     const auto& u = calibration.prior.u_markers[i].value;
     const double allowed =
         is_stated ? kBeyond * std::hypot(u[MarkerShape::kScale], u[MarkerShape::kHeight] / distance) : kUnknownHeight;
@@ -91,8 +86,18 @@ std::vector<std::string> apparent_size_notes(const Site& site, const Calibration
         std::abs(scene.markers[i].value[MarkerShape::kScale]) <= kBeyond * u[MarkerShape::kScale];
     if (is_of_its_pitch && kBeyond * height_u_mm(site, calibration, calibration.prior, i) < std::abs(a.nearer_mm))
       continue;
-    notes.push_back(apparent_size_note(marker, a, distance, knows_distance(scene)));
+    found.push_back(a);
   }
+  return found;
+}
+
+double depth_u_mm(const SizeDeviation& deviation) { return std::abs(deviation.nearer_mm) / std::sqrt(2.0); }
+
+std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration) {
+  std::vector<std::string> notes;
+  const bool knows = knows_distance(calibration.bundle.scene);
+  for (const SizeDeviation& a : size_deviations(site, calibration))
+    notes.push_back(apparent_size_note(site.markers[a.marker], a, mean_distance_mm(calibration), knows));
   return notes;
 }
 

@@ -10,11 +10,24 @@
 
 namespace moiregauge::internal {
 
-// Returns one line per marker whose apparent size differs from the site's. The limit is four u of the site, or 1 % for
-// a target of unknown height.
-// Apparent size cannot separate pitch from distance, so the line states both as lengths. Markers whose distance follows
-// from parallax have no line.
+// A grating whose apparent size differs from that of its stated pitch and height.
+struct SizeDeviation {
+  std::size_t marker = 0;
+  double larger = 0.0;     // relative to the size that the site states
+  double nearer_mm = 0.0;  // if distance is the only cause
+  double pitch_mm = 0.0;   // if pitch is the only cause
+};
+
+// Returns the markers whose apparent size differs from the site's. The limit is four u of the site, or 1 % for a target
+// of unknown height. Markers whose distance follows from parallax are not among them.
 // `calibration`: with the fits of its key frames.
+[[nodiscard]] std::vector<SizeDeviation> size_deviations(const Site& site, const Calibration& calibration);
+
+// Returns the u of a target's depth that covers both causes, mm. The solved depth is the one with the stated pitch. With
+// the same chance it is wrong by all of nearer_mm, so the root of the mean square error is nearer / sqrt(2).
+[[nodiscard]] double depth_u_mm(const SizeDeviation& deviation);
+
+// Returns one line per deviation. Apparent size cannot separate pitch from distance, so the line states both as lengths.
 [[nodiscard]] std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration);
 
 }  // namespace moiregauge::internal

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/bundle_frames.h"
+#include "moiregauge/displacement/precise/apparent_size.h"
 #include "moiregauge/displacement/precise/camera_claim.h"
 #include "moiregauge/displacement/precise/height_claim.h"
 #include "moiregauge/displacement/precise/reference_fault.h"
@@ -72,6 +73,7 @@ class SceneSolver {
     calibration.bundle.scene.full_covariance =
         scene_covariance(site_, calibration.fits, calibration.prior, kEverything);
     if (!options_.rest) allow_for_apparent_size(lossy);
+    allow_for_wrong_pitches();
     return std::move(out_);
   }
 
@@ -207,6 +209,15 @@ class SceneSolver {
       double& variance = scene.full_covariance(shape_row(i, MarkerShape::kHeight), shape_row(i, MarkerShape::kHeight));
       const double room = std::max(0.0, prior * prior - variance);
       variance += std::min(room, std::pow(apparent_size_error_mm(i, lossy), 2));
+    }
+  }
+
+  // The warning of a target's apparent size says that its depth or its pitch is wrong. Its u covers both.
+  void allow_for_wrong_pitches() {
+    for (const SizeDeviation& found : size_deviations(site_, out_.calibration)) {
+      if (site_.markers[found.marker].role != Role::kTarget) continue;
+      const int row = shape_row(found.marker, MarkerShape::kHeight);
+      out_.calibration.bundle.scene.full_covariance(row, row) += std::pow(depth_u_mm(found), 2);
     }
   }
 

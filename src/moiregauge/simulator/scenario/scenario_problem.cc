@@ -10,6 +10,8 @@
 namespace moiregauge::internal::simulator {
 namespace {
 
+constexpr double kMaxBlurPx = 64.0;  // rendering time grows with the square of the blur; chosen
+
 std::optional<std::string> problem_with_sensor(const Scenario& s) {
   const double psf = s.sensor.psf_sigma_px, sigma = s.sensor.noise_sigma, gain = s.sensor.noise_gain;
   const double fps = s.sensor.fps, exposure = s.sensor.exposure_s, readout = s.sensor.readout_s;
@@ -32,6 +34,8 @@ std::optional<std::string> problem_with_sensor(const Scenario& s) {
   if (sigma < 0.0 || gain < 0.0 || s.sensor.row_noise < 0.0)
     return "noise.sigma, noise.gain and noise.row must not be negative";
   if (!(s.sensor.gamma > 0.1 && s.sensor.gamma < 10.0)) return "sensor.gamma must be 0.1 to 10";
+  if (!(s.sensor.defocus_px.limit() <= kMaxBlurPx && s.sensor.defocus_disc_px.limit() <= kMaxBlurPx))
+    return fmt::format("sensor.defocus_px and sensor.defocus_disc_px must be {} at most", kMaxBlurPx);
   if (s.optics.focus_mm < 0.0 || s.optics.aperture_mm < 0.0)
     return "lens.focus_mm and lens.aperture_mm must not be negative";
   if (s.frames < 1 || s.frames > 1000000) return "frames must be 1 to 1000000";

@@ -74,6 +74,12 @@ double Track::mean(double from_s, double to_s) const {
          random_mean(*this, from_s, to_s);
 }
 
+double Track::limit() const {
+  double largest = 0.0;
+  for (const Knot& knot : knots) largest = std::max(largest, std::abs(knot.value));
+  return std::abs(offset) + std::abs(scale) * largest + std::abs(amplitude) + std::abs(random);
+}
+
 std::vector<double> Track::corners(double from_s, double to_s) const {
   std::vector<double> times;
   for (const Knot& knot : knots) times.push_back(knot.time_s);

@@ -31,6 +31,8 @@ struct Track {
   [[nodiscard]] bool moves() const {
     return knots.size() > 1 || (amplitude != 0.0 && frequency_hz != 0.0) || random != 0.0;
   }
+  // Returns an upper limit of the absolute value.
+  [[nodiscard]] double limit() const;
   // Returns the times of kinks and steps between from_s and to_s.
   [[nodiscard]] std::vector<double> corners(double from_s, double to_s) const;
 };
