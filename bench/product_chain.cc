@@ -56,9 +56,11 @@ void ProductChain::observe(const Shot& shot) {
 void ProductChain::track(const Shot& shot) {
   const GreyPicture picture{shot.picture, 8};
   auto seen = track_references(picture, reference_, follower_.prediction(), Rows::kSome);
-  const bool all = seen && track_target(picture, reference_, {seen->stage2, reference_.lens}, target_,
-                                        follower_.prediction(), seen->markers[target_], Rows::kSome);
-  if (!all) return observe(shot);  // detection, because a marker is not at its predicted position
+  if (!seen) return observe(shot);  // detection, because a marker is not at its predicted position
+  const View view{seen->stage2, reference_.lens};
+  auto target = track_target({picture, view}, reference_, target_, follower_.prediction(), Rows::kSome);
+  if (!target) return observe(shot);
+  seen->markers[target_] = *std::move(target);
   keep(*std::move(seen), shot.frame);
 }
 

@@ -62,7 +62,7 @@ bool templates(const SeenRing& ring, const Shot& shot) {
   const Reference& reference = ring.chain->reference();
   bool all = true;
   for (std::size_t i = 0; i < reference.prints.size(); ++i)
-    all &= read_points(shot.picture, ring.view(shot), *reference.site.markers[i].grating, ring.moved(shot, i),
+    all &= read_points(shot.picture, ring.view(shot), {*reference.site.markers[i].grating, ring.moved(shot, i)},
                        *reference.prints[i])
                .has_value();
   return all;
@@ -72,8 +72,8 @@ bool outline(const SeenRing& ring, const Shot& shot) {
   const Reference& reference = ring.chain->reference();
   const std::size_t i = ring.chain->target();
   const auto never = [](Extent<frame::Board>) { return false; };
-  return verify_fringe_order(shot.picture, ring.view(shot), *reference.site.markers[i].grating,
-                             *reference.prints[i]->outline, ring.moved(shot, i), never)
+  return verify_fringe_order(shot.picture, ring.view(shot), {*reference.site.markers[i].grating, ring.moved(shot, i)},
+                             *reference.prints[i]->outline, never)
              .order == Order::kProven;
 }
 

@@ -125,7 +125,7 @@ tl::expected<std::vector<Layer>, RunFailure> layers_of(const DeriveArgs& args, c
     } else if (option == "zero") {
       const auto zero = frame_range_in(value, kZeroOption);
       if (!zero) return cannot_derive(Exit::kUsage, zero.error().message);
-      layers.push_back({ZeroLayer{*zero}, option + " " + value});
+      layers.push_back({ZeroLayer{*zero}, fmt::format("{} {}", option, value)});
     } else {
       auto layer = parse_layer(option, value);
       if (!layer)

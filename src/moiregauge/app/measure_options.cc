@@ -65,7 +65,7 @@ tl::expected<const Method*, UsageError> method_of(const std::string& word) {
 }
 
 tl::expected<void, UsageError> take_site(const std::string& path, MeasureOptions& options) {
-  if (const auto found = is_there("site file", path); !found) return found;
+  if (auto found = is_there("site file", path); !found) return found;
   auto file = read_site_file(path);
   if (!file) return usage(mistakes_in("site file", path, fmt::format("{}", fmt::join(file.error(), "\n"))));
   options.site = std::move(file->site);
@@ -79,7 +79,7 @@ tl::expected<Site, UsageError> site_of_file(const std::string& path) {
 }
 
 tl::expected<void, UsageError> take_camera(const std::string& path, MeasureOptions& options) {
-  if (const auto found = is_there("camera file", path); !found) return found;
+  if (auto found = is_there("camera file", path); !found) return found;
   const auto known = read_known_camera(path);
   if (!known) return usage(mistakes_in("camera file", path, known.error()));
   options.camera = known->camera;
@@ -236,9 +236,9 @@ Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
     options.pitch_mm = *pitch;
   }
   if (!args.site.empty()) {
-    if (const auto taken = take_site(args.site, options); !taken) return taken;
+    if (auto taken = take_site(args.site, options); !taken) return taken;
   }
-  if (const auto chosen = choose(args.choice, options); !chosen) return chosen;
+  if (auto chosen = choose(args.choice, options); !chosen) return chosen;
   const auto print_scale = print_scale_of(args.print_scale);
   if (!print_scale) return tl::unexpected(print_scale.error());
   if (!*print_scale) return {};
@@ -249,7 +249,7 @@ Parsed parse_prints(const MeasureArgs& args, MeasureOptions& options) {
 }
 
 Parsed parse_frames(const MeasureArgs& args, MeasureOptions& options) {
-  if (const auto checked = check_times(args.fps, args.slow_motion); !checked) return checked;
+  if (auto checked = check_times(args.fps, args.slow_motion); !checked) return checked;
   if (!args.frames.empty()) {
     const auto range = frame_range_in(args.frames, kFramesOption);
     if (!range) return tl::unexpected(range.error());
@@ -275,7 +275,7 @@ Parsed parse_frames(const MeasureArgs& args, MeasureOptions& options) {
 
 Parsed parse_camera(const MeasureArgs& args, MeasureOptions& options) {
   if (!args.camera.empty()) {
-    if (const auto taken = take_camera(args.camera, options); !taken) return taken;
+    if (auto taken = take_camera(args.camera, options); !taken) return taken;
   }
   if (!args.readout.empty()) {
     const auto readout = readout_time(args.readout);

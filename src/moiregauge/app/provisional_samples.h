@@ -33,6 +33,8 @@ class ProvisionalSamples final : public FrameSink {
  public:
   // `next` receives every frame too; null: none. `options` must outlive this object.
   ProvisionalSamples(FrameSink* next, const MeasureOptions& options, OnSamples on_samples);
+  ProvisionalSamples(const ProvisionalSamples&) = delete;
+  ProvisionalSamples& operator=(const ProvisionalSamples&) = delete;
   ~ProvisionalSamples() override;
   void add(const Frame& frame, int bits, const Reference* reference, const Observation& seen) override;
 

@@ -17,6 +17,7 @@ bool is_same(const MarkerChoice& a, const MarkerChoice& b) {
 
 std::vector<std::string> region_texts(const std::vector<PixelRegion>& regions) {
   std::vector<std::string> texts;
+  texts.reserve(regions.size());
   for (const PixelRegion& r : regions)
     texts.push_back(fmt::format("{:.17g},{:.17g},{:.17g},{:.17g}", r.x, r.y, r.width, r.height));
   return texts;

@@ -66,12 +66,12 @@ Done take_statements(const SolveArgs& args, MeasureOptions& options) {
   if (args.stated_site) {
     options.site = *args.stated_site;
   } else if (!args.site.empty()) {
-    if (const auto taken = take_site(args.site, options); !taken) return taken;
+    if (auto taken = take_site(args.site, options); !taken) return taken;
   }
   if (args.stated_camera) {
     options.camera = *args.stated_camera;
   } else if (!args.camera.empty()) {
-    if (const auto taken = take_camera(args.camera, options); !taken) return taken;
+    if (auto taken = take_camera(args.camera, options); !taken) return taken;
   }
   return {};
 }
@@ -80,14 +80,14 @@ Done take_statements(const SolveArgs& args, MeasureOptions& options) {
 Done restate(const SolveArgs& args, StoredRun& run) {
   const bool has_site = args.stated_site || !args.site.empty();
   const bool has_camera = args.stated_camera || !args.camera.empty();
-  if (const auto taken = take_statements(args, run.options); !taken) return taken;
+  if (auto taken = take_statements(args, run.options); !taken) return taken;
   if (has_site) run.options.pitch_mm.reset();
   if (has_camera) {
     if (const auto problem = camera_problem(*run.options.camera, run.seen.input)) return usage(*problem);
   }
   const bool is_other_site = has_site || !args.print_scale.factor.empty();
   Site site = !has_site && run.seen.reference ? run.seen.reference->site : run.options.site;
-  if (const auto scaled = rescale(args.print_scale, has_site, run.options, site); !scaled) return scaled;
+  if (auto scaled = rescale(args.print_scale, has_site, run.options, site); !scaled) return scaled;
   if (is_other_site) run.options.site = site;
   if (!run.seen.reference || (!is_other_site && !has_camera)) return {};
   Reference& reference = *run.seen.reference;
@@ -159,7 +159,7 @@ Done choose_zero(const SolveArgs& args, MeasureOptions& options) {
 
 // Gives every frame another time. Without --fps the stored times are kept, and only the factor is replaced.
 Done retime(const SolveArgs& args, StoredRun& run) {
-  if (const auto checked = check_times(args.fps, args.slow_motion); !checked) return checked;
+  if (auto checked = check_times(args.fps, args.slow_motion); !checked) return checked;
   ObservationLog& seen = run.seen;
   if (args.fps || args.slow_motion) {
     const double factor = args.slow_motion.value_or(seen.input.slow_motion);

@@ -3,12 +3,12 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <algorithm>
 #include <array>
@@ -19,8 +19,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-
-extern char** environ;
 
 namespace moiregauge::internal {
 namespace {
@@ -90,6 +88,7 @@ struct ChildPlan {
 
 std::vector<char*> pointers(const std::vector<std::string>& texts) {
   std::vector<char*> result;
+  result.reserve(texts.size());
   for (const std::string& text : texts) result.push_back(const_cast<char*>(text.c_str()));
   return result;
 }

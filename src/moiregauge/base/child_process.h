@@ -43,6 +43,8 @@ class RunningProgram {
   // Starts the program with stdin from /dev/null, default signal actions and no other open file.
   // Fails with the reason: no such program or folder, or no further process is allowed.
   [[nodiscard]] static tl::expected<RunningProgram, std::string> start(const ChildRequest& request);
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
   RunningProgram(RunningProgram&& other) noexcept;
   RunningProgram& operator=(RunningProgram&& other) noexcept;
   ~RunningProgram();  // kills the whole process group if the child runs

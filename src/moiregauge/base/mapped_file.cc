@@ -2,10 +2,10 @@
 #include "moiregauge/base/mapped_file.h"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <array>
 #include <atomic>
@@ -23,15 +23,18 @@ struct Mapping {
   std::atomic<std::uintptr_t> end{0};
   std::atomic<bool> torn{false};
 };
+// A signal handler can read nothing but globals.
+// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables)
 std::array<Mapping, 16> mappings;
 struct sigaction before_ours {};
 std::uintptr_t page_bytes = 4096;
+// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
 
 void on_bus_error(int signal, siginfo_t* what, void* context) {
   const auto at = reinterpret_cast<std::uintptr_t>(what->si_addr);
   for (Mapping& mapping : mappings) {
     if (at < mapping.begin || at >= mapping.end) continue;
-    void* page = reinterpret_cast<void*>(at / page_bytes * page_bytes);
+    void* page = static_cast<std::byte*>(what->si_addr) - at % page_bytes;
     mapping.torn = true;
     if (::mmap(page, page_bytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) == page) return;
   }
@@ -97,8 +100,9 @@ bool MappedFile::is_whole() const {
 
 void MappedFile::let_go(std::span<const std::byte> part) const {
   const auto from = reinterpret_cast<std::uintptr_t>(part.data());
-  const std::uintptr_t first = from / page_bytes * page_bytes;
-  static_cast<void>(::madvise(reinterpret_cast<void*>(first), from + part.size() - first, MADV_DONTNEED));
+  const std::size_t before = from % page_bytes;  // bytes from the start of the page
+  void* first = const_cast<std::byte*>(part.data() - before);
+  static_cast<void>(::madvise(first, before + part.size(), MADV_DONTNEED));
 }
 
 }  // namespace moiregauge::internal

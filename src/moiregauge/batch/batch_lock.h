@@ -17,6 +17,8 @@ class BatchLock {
   // Creates OUT if needed. Fails (usage) if another process owns it, or if it holds something else than a batch. Fails
   // (not usage) if it cannot be written.
   [[nodiscard]] static tl::expected<BatchLock, OutputError> take(const BatchFolder& folder);
+  BatchLock(const BatchLock&) = delete;
+  BatchLock& operator=(const BatchLock&) = delete;
   BatchLock(BatchLock&& other) noexcept : file_(other.file_) { other.file_ = -1; }
   BatchLock& operator=(BatchLock&&) = delete;
   ~BatchLock();

@@ -117,7 +117,8 @@ bool insert_peak(sqlite3_stmt* statement, const std::string& run, const std::str
   return row.real(peak.damping).real(peak.u_damping).insert();
 }
 
-// Allows what a SELECT needs. ATTACH, PRAGMA and every change are refused.
+// Allows what a SELECT needs. ATTACH, PRAGMA and every change are refused. The parameters are those of SQLite.
+// NOLINTNEXTLINE(readability-function-size)
 int authorize(void*, int action, const char*, const char*, const char*, const char*) {
   const bool is_reading =
       action == SQLITE_SELECT || action == SQLITE_READ || action == SQLITE_FUNCTION || action == SQLITE_RECURSIVE;

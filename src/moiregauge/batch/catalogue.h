@@ -20,6 +20,8 @@ class CatalogueWriter {
  public:
   // Fails with path and reason.
   [[nodiscard]] static tl::expected<CatalogueWriter, std::string> create(const std::filesystem::path& path);
+  CatalogueWriter(const CatalogueWriter&) = delete;
+  CatalogueWriter& operator=(const CatalogueWriter&) = delete;
   CatalogueWriter(CatalogueWriter&&) noexcept;
   CatalogueWriter& operator=(CatalogueWriter&&) = delete;
   ~CatalogueWriter();  // without publish(): removes what was written

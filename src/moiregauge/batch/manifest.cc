@@ -164,6 +164,7 @@ tl::expected<std::vector<Clip>, std::string> register_clips(const BatchFolder& f
     place[known.clips[i].input] = i;
   }
   std::vector<std::string> inputs;
+  inputs.reserve(clips.size());
   for (const Clip& clip : clips) inputs.push_back(clip.input);
   const auto given = names.names_of(inputs);
   bool is_changed = known.clips.empty();

@@ -98,6 +98,7 @@ std::vector<std::string> RunNames::names_of(const std::vector<std::string>& inpu
   std::vector<std::string> unnamed(fresh.begin(), fresh.end());
   for (const auto naming : {plain_run_name, with_folder, with_digits}) name_by(naming, unnamed);
   std::vector<std::string> names;
+  names.reserve(inputs.size());
   for (const std::string& input : inputs) names.push_back(name_of_[input]);
   return names;
 }

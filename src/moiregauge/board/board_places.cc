@@ -100,23 +100,24 @@ std::optional<Laid> lay(Board& board, const std::vector<PlacedPoint>& first, con
   Laid best;
   Likeness found;
   double second = -1.0;
+  const auto judge = [&](const Laid& how) {
+    const Likeness l = likeness(board, view, how, least);
+    if (!(l.correlation > found.correlation)) {
+      second = std::max(second, l.correlation);
+      return;
+    }
+    second = found.correlation;
+    found = l;
+    best = how;
+  };
   for (int turns = 0; turns < 4; ++turns) {
     const Extents here = extents_of(view, {turns, 0, 0});
     const int wider = here.x1 - here.x0 - (there.x1 - there.x0), higher = here.y1 - here.y0 - (there.y1 - there.y0);
     if (whole && (wider != 0 || higher != 0)) continue;
     const int far = whole ? 0 : kFarthest;
     for (int dy = -far; dy <= far; ++dy) {
-      for (int dx = -far; dx <= far; ++dx) {
-        const Laid how{turns, there.x0 - here.x0 - wider / 2 + dx, there.y0 - here.y0 - higher / 2 + dy};
-        const Likeness l = likeness(board, view, how, least);
-        if (l.correlation > found.correlation) {
-          second = found.correlation;
-          found = l;
-          best = how;
-        } else {
-          second = std::max(second, l.correlation);
-        }
-      }
+      for (int dx = -far; dx <= far; ++dx)
+        judge({turns, there.x0 - here.x0 - wider / 2 + dx, there.y0 - here.y0 - higher / 2 + dy});
     }
   }
   if (found.correlation < kAlike || found.certainty < kCertain || found.correlation < second + kAhead)

@@ -123,7 +123,7 @@ void follow_orders(const Reference& reference, std::size_t target, Samples& samp
 }
 
 void measure_phase(const Reference& reference, const Observation& seen, const CodecHistory& codec, std::size_t n,
-                   bool moved, Sample& sample) {
+                   Sample& sample) {
   const RasterPlan& plan = reference.plans[sample.marker];
   const PatchReading& then = reference.seen.markers[sample.marker].patch;
   const PatchReading& now = seen.markers[sample.marker].patch;
@@ -137,7 +137,7 @@ void measure_phase(const Reference& reference, const Observation& seen, const Co
                codec_mm(reference, i, then, codec.in_reference_frame(i), codec.lag_in_reference_frame(i)), {});
   }
   sample.u = hypot3(sample.budget.noise, sample.budget.reference_frame, sample.budget.codec);
-  sample.status = moved ? Status::kCameraMoved : quality(plan, then, now);
+  sample.status = quality(plan, then, now);
   withhold_unshown_axes(sample);
 }
 
@@ -158,7 +158,8 @@ Solution solve_conventional(const Reference& reference, const Observations& obse
         else if (seen.markers[i].loss != Loss::kNone)
           sample.status = status_of_loss(seen.markers[i].loss);
         else
-          measure_phase(reference, seen, codec, n, moved, sample);
+          measure_phase(reference, seen, codec, n, sample);
+        if (moved && seen.markers[i].loss == Loss::kNone) sample.status = Status::kCameraMoved;
       }
       solution.samples.push_back(sample);
     }

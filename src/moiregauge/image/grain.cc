@@ -92,7 +92,8 @@ double roughness(TilePixels tile) {
   double sum = 0.0, sum2 = 0.0, along_x = 0.0, along_y = 0.0, lever = 0.0;
   constexpr double kMiddle = 0.5 * (kGrainTile - 1);
   for (int i = 0; i < kTilePixels; ++i) {
-    const double grey = tile[static_cast<std::size_t>(i)], x = i % kGrainTile - kMiddle, y = i / kGrainTile - kMiddle;
+    const int column = i % kGrainTile, row = i / kGrainTile;
+    const double grey = tile[static_cast<std::size_t>(i)], x = column - kMiddle, y = row - kMiddle;
     sum += grey, sum2 += grey * grey;
     along_x += x * grey, along_y += y * grey, lever += x * x;
   }
@@ -106,6 +107,7 @@ bool is_clipped(TilePixels tile, int white) {
 // Keeps the tiles whose roughness in all frames is noise. It is at most twice that of the smoothest tenth (chosen).
 void keep_flat(std::vector<std::array<TilePixels, 3>>& tiles) {
   std::vector<double> rough;
+  rough.reserve(tiles.size());
   for (const auto& tile : tiles)
     rough.push_back(std::max({roughness(tile[0]), roughness(tile[1]), roughness(tile[2])}));
   if (rough.empty()) return;
@@ -136,6 +138,7 @@ void remove_changed(std::vector<PairResiduals>& tiles) {
   constexpr double kChange = 3.0;
   if (tiles.empty()) return;
   std::vector<double> largest;
+  largest.reserve(tiles.size());
   for (const PairResiduals& tile : tiles) largest.push_back(tile.largest());
   const auto middle = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 2);
   std::nth_element(largest.begin(), middle, largest.end());

@@ -2,6 +2,7 @@
 #include "moiregauge/live/rate_window.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace moiregauge::internal {
 namespace {
@@ -24,7 +25,9 @@ void RateWindow::update() {
   const std::size_t size = std::min(count_, kFrames);
   auto sorted = latency_ms_;
   std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(size));
-  const auto quantile = [&](double share) { return sorted[static_cast<std::size_t>(share * double(size - 1) + 0.5)]; };
+  const auto quantile = [&](double share) {
+    return sorted[static_cast<std::size_t>(std::lround(share * double(size - 1)))];
+  };
   p50_ms_ = quantile(kP50);
   p99_ms_ = quantile(kP99);
   const std::size_t newest = (count_ - 1) % kFrames;

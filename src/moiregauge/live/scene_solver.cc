@@ -17,9 +17,7 @@ constexpr int kRest = 9;
 }  // namespace
 
 SceneSolver::SceneSolver(const Reference& reference, SolveOptions options)
-    : reference_(reference),
-      options_(std::move(options)),
-      thread_([this](const std::stop_token& stop) { work(stop); }) {}
+    : reference_(reference), options_(options), thread_([this](const std::stop_token& stop) { work(stop); }) {}
 
 void SceneSolver::solve(std::shared_ptr<const Observations> keys) {
   is_idle_ = false;

@@ -109,11 +109,11 @@ std::optional<std::string> page_with(std::string_view page, const PageScript& sc
 }
 
 const std::vector<Status>& page_statuses() {
-  static const std::vector<Status> kStatuses{Status::kOk,          Status::kUntrusted,     Status::kCameraMoved,
-                                             Status::kBlurred,     Status::kSaturated,     Status::kPartlyCovered,
-                                             Status::kLost,        Status::kReferenceLost, Status::kOrderUnproven,
-                                             Status::kDecodeError, Status::kTooCoarse};
-  return kStatuses;
+  static const std::vector<Status> statuses{Status::kOk,          Status::kUntrusted,     Status::kCameraMoved,
+                                            Status::kBlurred,     Status::kSaturated,     Status::kPartlyCovered,
+                                            Status::kLost,        Status::kReferenceLost, Status::kOrderUnproven,
+                                            Status::kDecodeError, Status::kTooCoarse};
+  return statuses;
 }
 
 double status_code(Status status) {

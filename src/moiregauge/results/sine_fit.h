@@ -31,7 +31,7 @@ struct SineFit {
   std::array<double, 4> linear{};                    // a, b, c, d
   Eigen::Matrix2d spread;                            // covariance of omega and lambda per variance of one sample
   double square_sum = 0.0;                           // sum of squared residuals
-  double amplitude() const;                          // at the origin, unit of the samples
+  [[nodiscard]] double amplitude() const;            // at the origin, unit of the samples
   [[nodiscard]] double oscillation(double t) const;  // without c + d tau
   [[nodiscard]] double operator()(double t) const;
 };

@@ -176,7 +176,7 @@ Observation FrameObserver::observe(const Frame& frame) {
   if (frame.damaged) return unmeasured(frame, markers, "the decoder reported an error in this frame");
   if (!out_.reference && !refer_to(frame)) return unmeasured(frame, markers, out_.refusal);
   // Track and solve rounded values only, so that a resumed or repeated solution has the same bits.
-  const Observation seen = out_.observations.rounded(look_at(frame));
+  Observation seen = out_.observations.rounded(look_at(frame));
   (void)follower_->follow(*out_.reference, seen);
   return seen;
 }

@@ -42,6 +42,39 @@ Image<Grey> rounded(const Image<double>& picture) {
   return made;
 }
 
+// Returns the mean of the frame and those before it, per pixel. With a threshold, a pixel of another grey does not count.
+template <typename Grey>
+Image<double> mean_of(const Image<Grey>& now, const std::deque<Picture>& all_before, double threshold) {
+  Image<double> made = doubles_of(now), count(now.width(), now.height(), 1.0);
+  const auto add = [&](const Image<Grey>& before, int x, int y) {
+    if (threshold > 0.0 && difference_at(now, before, x, y) > threshold) return;
+    made.at(x, y) += before.at(x, y);
+    count.at(x, y) += 1.0;
+  };
+  for (const Picture& held : all_before) {
+    for (int y = 0; y < now.height(); ++y) {
+      for (int x = 0; x < now.width(); ++x) add(std::get<Image<Grey>>(held), x, y);
+    }
+  }
+  for (int y = 0; y < now.height(); ++y) {
+    for (int x = 0; x < now.width(); ++x) made.at(x, y) /= count.at(x, y);
+  }
+  return made;
+}
+
+// Returns fresh + share * (kept - fresh) per pixel. With a threshold the share falls to 0 where both differ by it.
+Image<double> recursed(const Image<double>& fresh, const Image<double>& kept, double full_share, double threshold) {
+  Image<double> made = fresh;
+  for (int y = 0; y < fresh.height(); ++y) {
+    for (int x = 0; x < fresh.width(); ++x) {
+      double share = full_share;
+      if (threshold > 0.0) share *= std::max(0.0, 1.0 - difference_at(fresh, kept, x, y) / threshold);
+      made.at(x, y) += share * (kept.at(x, y) - made.at(x, y));
+    }
+  }
+  return made;
+}
+
 }  // namespace
 
 bool has_temporal_steps(const Scenario& scenario) {
@@ -54,36 +87,14 @@ TemporalFilter::TemporalFilter(const Scenario& scenario)
 template <typename Grey>
 Image<Grey> TemporalFilter::filtered(const Image<Grey>& now) {
   const double threshold = processing_.motion_grey * grey_;
-  Image<double> made = doubles_of(now);
-  if (processing_.average_frames > 1) {
-    Image<double> count(now.width(), now.height(), 1.0);
-    for (const Picture& held : before_) {
-      const auto& before = std::get<Image<Grey>>(held);
-      for (int y = 0; y < now.height(); ++y) {
-        for (int x = 0; x < now.width(); ++x) {
-          if (threshold > 0.0 && difference_at(now, before, x, y) > threshold) continue;
-          made.at(x, y) += before.at(x, y);
-          count.at(x, y) += 1.0;
-        }
-      }
-    }
-    for (int y = 0; y < now.height(); ++y) {
-      for (int x = 0; x < now.width(); ++x) made.at(x, y) /= count.at(x, y);
-    }
+  const bool averages = processing_.average_frames > 1;
+  Image<double> made = averages ? mean_of(now, before_, threshold) : doubles_of(now);
+  if (averages) {
     before_.push_back(now);
     if (before_.size() >= static_cast<std::size_t>(processing_.average_frames)) before_.pop_front();
   }
   if (processing_.recursion > 0.0) {
-    if (kept_) {
-      const Image<double> fresh = made;
-      for (int y = 0; y < now.height(); ++y) {
-        for (int x = 0; x < now.width(); ++x) {
-          double share = processing_.recursion;
-          if (threshold > 0.0) share *= std::max(0.0, 1.0 - difference_at(fresh, *kept_, x, y) / threshold);
-          made.at(x, y) += share * (kept_->at(x, y) - made.at(x, y));
-        }
-      }
-    }
+    if (kept_) made = recursed(made, *kept_, processing_.recursion, threshold);
     kept_ = made;
   }
   return rounded<Grey>(made);

@@ -40,6 +40,6 @@ for name, flip in FLIPS.items():
 runs.simulate(program, work / "rig", "small-1xyz", 4, "--quiet")
 runs.run([program, "measure", work / "rig", "--site", work / "rig" / "site.toml", "--fps", 10, "--quiet", "-o", work / "rig-out"])
 warnings = json.loads((work / "rig-out" / "run.json").read_text())["warnings"]
-runs.insist(any(w.startswith("note: a mirrored or upside-down or half-rotated image cannot be recognised") for w in warnings), f"{warnings}")
+runs.insist(any(w.startswith("note: a mirrored, upside-down or half-rotated image cannot be recognised") for w in warnings), f"{warnings}")
 runs.insist("cannot be recognised" in (work / "rig-out" / "report.html").read_text(), "the report does not say it")
 sys.exit(0)

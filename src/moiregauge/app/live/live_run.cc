@@ -102,7 +102,7 @@ class LiveMeasurement {
   }
 
   Step open_store() {
-    if (const auto checked = check_folder(); !checked) return checked;
+    if (auto checked = check_folder(); !checked) return checked;
     LiveStoreOptions options = request_.store;
     options.may_wait = request_.pace == 0.0;
     store_.emplace(std::move(options), start(), request_.options, [this] { return segment_end("running"); });

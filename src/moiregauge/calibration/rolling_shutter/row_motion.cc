@@ -157,6 +157,7 @@ BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFram
   for (std::size_t i = 0; i < seen.points.size(); ++i) {
     if (!seen.points[i] || !site.markers[i].grating) continue;
     const PatchResidual patch(*seen.points[i], site.markers[i]);
+    RowDesign::Columns& columns = rows.by_marker[i];
     for (std::size_t n = 0; n < kPatchPoints; ++n) {
       const double share = share_of_row(seen.points[i]->image[n], scene.camera, readout.direction);
       const double delay = share * readout.duration_s;
@@ -175,20 +176,19 @@ BundleFrame to_frame_time(const Site& site, const Scene& scene, const BundleFram
       out.points[i]->image[n].y -= went.y();
       const PathPlace by_readout = share * speed(motion, delay);
       Vector2d by_duration = Vector2d::Zero();
+      const auto put = [&](int column, const Vector2d& value) {
+        columns(static_cast<Eigen::Index>(n), column) = value.x();
+        columns(static_cast<Eigen::Index>(n + kPatchPoints), column) = value.y();
+      };
       for (int k = 0; k < kPathParameters; ++k) {
         const auto at = static_cast<std::size_t>(k);
         const Vector2d off =
             patch.pitches_per_px(n) * (seen_from(sides.more[at]) - seen_from(sides.less[at])) / (2.0 * kStep);
         by_duration += off * by_readout(k);
-        for (const int axis : {0, 1}) {
-          const auto row = static_cast<Eigen::Index>(n) + axis * static_cast<Eigen::Index>(kPatchPoints);
-          rows.by_marker[i](row, k) = off(axis) * delay;
-          rows.by_marker[i](row, k + kPathParameters) = off(axis) * 0.5 * delay * delay;
-        }
+        put(k, off * delay);
+        put(k + kPathParameters, off * 0.5 * delay * delay);
       }
-      for (const int axis : {0, 1})
-        rows.by_marker[i](static_cast<Eigen::Index>(n) + axis * static_cast<Eigen::Index>(kPatchPoints),
-                          kMotionParameters) = by_duration(axis);
+      put(kMotionParameters, by_duration);
     }
   }
   out.rows = std::move(rows);

@@ -7,7 +7,7 @@ namespace moiregauge::internal::cli {
 namespace {
 
 // Set by the signal handler, read by other threads.
-std::atomic<bool> asked_to_stop{false};
+std::atomic<bool> asked_to_stop{false};  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void on_interrupt(int signal) {

@@ -34,9 +34,9 @@ tl::expected<sheet::SetRequest, UsageError> request_of(const LayoutArgs& args, c
     return usage(
         fmt::format("a layout has 4 or 6 references: --references {}: give 4, or 6 so that they can check each other",
                     request.references));
-  if (request.targets < 0 || request.targets > kMaxTargets)
+  if (request.targets < 1 || request.targets > kMaxTargets)
     return usage(
-        fmt::format("the number of targets is out of range: --targets {}: give 0 to {}", request.targets, kMaxTargets));
+        fmt::format("the number of targets is out of range: --targets {}: give 1 to {}", request.targets, kMaxTargets));
   const struct {
     const char* option;
     const std::string& text;

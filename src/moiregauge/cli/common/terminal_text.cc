@@ -11,7 +11,9 @@
 namespace moiregauge::internal::cli {
 namespace {
 
-int first_output_error = 0;  // errno of the first write that failed
+// The errno of the first write that failed. It belongs to stdout, of which there is one.
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+int first_output_error = 0;
 
 bool put_text(std::FILE* stream, std::string_view text) {
   const std::string shown = with_controls_escaped(text);

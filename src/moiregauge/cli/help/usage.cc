@@ -73,7 +73,7 @@ std::string subject_of(const std::string& text) {
 }
 
 std::string mistake_in(const CLI::App& command, const CLI::ParseError& error) {
-  const std::string name = command.get_name();
+  const std::string& name = command.get_name();
   const auto left_over = command.remaining();
   if (const auto option = std::find_if(left_over.begin(), left_over.end(), is_option); option != left_over.end())
     return unknown_option(command, *option);

@@ -32,7 +32,7 @@ class CaseFilm {
     follower_ = std::make_unique<Follower>(reference_);
   }
   Observation look(const Image<std::uint8_t>& picture) {
-    const Observation seen = observe_two_stage({picture.view(), 8}, reference_, follower_->prediction());
+    Observation seen = observe_two_stage({picture.view(), 8}, reference_, follower_->prediction());
     if (!seen.references_seen) throw std::logic_error(scenario_.name + ": " + seen.reference_problem);
     (void)follower_->follow(reference_, seen);
     return seen;

@@ -101,6 +101,7 @@ tl::expected<CellRun, std::string> run_cell(const ReproduceCase& which, const Re
     if (method.prepare != nullptr) method.prepare(grey(first, scenario), *reference);
   }
   std::vector<Walk> walks;
+  walks.reserve(std::size(kMethods));
   for (const Method& method : kMethods) walks.push_back({&method, Follower(*reference), Observations(*reference)});
   for (long frame = 0; frame < scenario.frames; frame += step) {
     const auto picture = shot(scenario, frame);

@@ -4,13 +4,13 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <algorithm>
 #include <array>
@@ -26,8 +26,6 @@
 #include <fmt/format.h>
 
 #include "moiregauge/decoder/child/decode_child.h"
-
-extern char** environ;
 
 namespace moiregauge::internal {
 namespace {

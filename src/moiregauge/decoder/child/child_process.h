@@ -35,6 +35,8 @@ class ChildProcess {
                                                                      std::int64_t max_pixels,
                                                                      const char* mode = wire::kChildMode,
                                                                      long first_frame = 0);
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
   ~ChildProcess();  // kills the child if it is running

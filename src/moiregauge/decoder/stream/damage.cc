@@ -12,8 +12,11 @@ extern "C" {
 namespace moiregauge::internal {
 namespace {
 
-std::atomic<long> errors{0};  // libav has one log per process, and this process only decodes
+// libav has one log per process, and this process only decodes.
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+std::atomic<long> errors{0};
 
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 thread_local std::vector<std::int64_t> places;
 
 // Returns the container reader if it logged the message. `source` is null or a struct that begins with a pointer to its

@@ -171,9 +171,10 @@ std::vector<CandidateOutline> candidate_outlines(const LumaView& luma, DiameterR
   if (width_of(luma) < 8 || height_of(luma) < 8) return out;
   const cv::Mat finest = eight_bit(luma);
   GreyView level = view_of(finest);
-  Image<std::uint8_t> here, half;
+  Image<std::uint8_t> here;
   for (int i = 0; i < kOutlineLevels; ++i) {
     const double scale = std::pow(2.0, i);
+    Image<std::uint8_t> half;
     if (std::min(level.width, level.height) < 8 || diameters.max_px / scale < kMinLevelDiameter) break;
     if (diameters.min_px / scale > kMaxLevelDiameter / 2.0) {  // the next level covers the whole range
       half = halved(level);

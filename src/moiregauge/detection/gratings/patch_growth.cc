@@ -193,7 +193,8 @@ class Side {
 bool is_taken(const GrownPatch& patch, const GrowthLimits& limits) {
   if (!limits.taken) return false;
   for (int i = 0; i < 9; ++i) {
-    const Eigen::Vector2d t(0.5 * (i % 3), 0.5 * (i / 3));
+    const int column = i % 3, row = i / 3;
+    const Eigen::Vector2d t(0.5 * column, 0.5 * row);
     if (limits.taken(patch.model.lattice.at(patch.to_phi * (patch.box.low + t.cwiseProduct(extent_of_box(patch))))))
       return true;
   }

@@ -19,7 +19,8 @@ namespace moiregauge::internal::markers_detail {
 
 // Returns the i-th of side x side points in the unit square: one point at random in each cell of a raster.
 [[nodiscard]] inline Eigen::Vector2d stratified_in_square(std::size_t i, std::size_t side) {
-  const Eigen::Vector2d cell(static_cast<double>(i % side), static_cast<double>(i / side));
+  const std::size_t column = i % side, row = i / side;
+  const Eigen::Vector2d cell(static_cast<double>(column), static_cast<double>(row));
   return (cell + Eigen::Vector2d(stratified_points(2 * i), stratified_points(2 * i + 1))) / static_cast<double>(side);
 }
 

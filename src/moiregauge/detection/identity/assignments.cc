@@ -87,22 +87,25 @@ class Searcher {
 
   AssignmentSearch run() {
     std::array<std::size_t, 4> base{};
-    std::size_t bases = 0;
-    const std::size_t n = references_.size();
-    for (base[0] = 0; base[0] + 3 < n; ++base[0]) {
-      for (base[1] = base[0] + 1; base[1] + 2 < n; ++base[1]) {
-        for (base[2] = base[1] + 1; base[2] + 1 < n; ++base[2]) {
-          for (base[3] = base[2] + 1; base[3] < n; ++base[3]) {
-            if (out_.gave_up || bases++ >= kMaxBases) return std::move(out_);
-            extend(base, {}, 0);
-          }
-        }
-      }
-    }
+    try_bases(base, 0);
     return std::move(out_);
   }
 
  private:
+  // Tries every base of four references whose first `depth` members are given. Returns false if the search has to end.
+  bool try_bases(std::array<std::size_t, 4>& base, std::size_t depth) {
+    if (depth == base.size()) {
+      if (out_.gave_up || bases_++ >= kMaxBases) return false;
+      extend(base, {}, 0);
+      return true;
+    }
+    const std::size_t still_needed = base.size() - 1 - depth;
+    for (base[depth] = depth == 0 ? 0 : base[depth - 1] + 1; base[depth] + still_needed < references_.size();
+         ++base[depth])
+      if (!try_bases(base, depth + 1)) return false;
+    return true;
+  }
+
   [[nodiscard]] double size_of(std::size_t reference) const {
     return sizes_stated_ ? references_[reference].diameter_mm : 1.0;  // not stated: equal and unknown
   }
@@ -293,6 +296,7 @@ class Searcher {
   std::vector<std::vector<Gauge>> gauges_;         // [reference][circle]
   std::vector<std::vector<std::size_t>> choices_;  // [reference]
   std::size_t tries_ = 0;
+  std::size_t bases_ = 0;  // tried so far
   AssignmentSearch out_;
 };
 

@@ -53,6 +53,7 @@ std::string text_of(const char* format, Values... values) {
 // Returns a flag per circle: true if more than kCrowd circles have its size.
 std::vector<bool> crowd_of(const std::vector<DetectedCircle>& circles) {
   std::vector<double> sizes;
+  sizes.reserve(circles.size());
   for (const DetectedCircle& c : circles) sizes.push_back(c.diameter_px);
   std::sort(sizes.begin(), sizes.end());
   std::vector<bool> out;

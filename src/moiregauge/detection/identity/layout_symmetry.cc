@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace moiregauge::internal {
 namespace {
 
@@ -53,17 +56,23 @@ bool maps_onto_itself(const ReferenceLayout& layout, double sign_x, double sign_
 std::optional<std::string> symmetry_note(const Site& site) {
   const ReferenceLayout layout = layout_of(site);
   if (layout.circles.size() < 2) return std::nullopt;
-  std::string hidden;
+  std::vector<std::string> hidden;
   const auto add = [&](double sign_x, double sign_y, const char* word) {
-    if (maps_onto_itself(layout, sign_x, sign_y)) hidden += (hidden.empty() ? "" : " or ") + std::string(word);
+    if (maps_onto_itself(layout, sign_x, sign_y)) hidden.emplace_back(word);
   };
   add(-1.0, 1.0, "mirrored");
   add(1.0, -1.0, "upside-down");
   add(-1.0, -1.0, "half-rotated");
   if (hidden.empty()) return std::nullopt;
-  return "note: a " + hidden +
-         " image cannot be recognised, because the reference circles look the same in it. Make one of them 1.25 times "
-         "larger";
+  std::string words = hidden.back();
+  if (hidden.size() > 1) {
+    hidden.pop_back();
+    words = fmt::format("{} or {}", fmt::join(hidden, ", "), words);
+  }
+  return fmt::format(
+      "note: {} {} image cannot be recognised, because the reference circles look the same in it. Make one of them "
+      "1.25 times larger",
+      words.front() == 'u' ? "an" : "a", words);
 }
 
 }  // namespace moiregauge::internal

@@ -54,7 +54,7 @@ Corners corner_candidates(const LumaView& luma, int bits) {
 
 std::optional<FittedSaddle> corner_at(const LumaView& luma, const Eigen::Vector2d& at, const CellPrediction& there,
                                       double neighbour_contrast) {
-  const auto saddle = markers_detail::fit_saddle(luma, {at, there.step, light_between(there.step, there.sign_rad)});
+  auto saddle = markers_detail::fit_saddle(luma, {at, there.step, light_between(there.step, there.sign_rad)});
   if (!saddle || saddle->explained < kMinExplained) return std::nullopt;
   if (saddle->symmetric < kMinSymmetric || saddle->weakest < kMinWeakest) return std::nullopt;
   if (saddle->contrast < kMinCornerContrastShare * neighbour_contrast) return std::nullopt;

@@ -57,6 +57,7 @@ std::optional<LatticeNode> dot_again(const LumaView& luma, const CellPrediction&
 std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const DetectedCircle> circles) {
   std::vector<DetectedCircle> dots(circles.begin(), circles.end());
   std::vector<LatticeNode> nodes;
+  nodes.reserve(dots.size());
   for (const DetectedCircle& dot : dots) nodes.push_back(node_of(dot));
   std::vector<IndexedLattice> out;
   for (GrownLattice& lattice : grow_lattices(nodes, markers_detail::SignRule::kAlike)) {
@@ -65,6 +66,7 @@ std::vector<IndexedLattice> lattices_of(const LumaView* luma, std::span<const De
       if (!prune(lattice, nodes)) continue;
     }
     std::vector<double> u;
+    u.reserve(dots.size());
     for (const DetectedCircle& dot : dots) u.push_back(dot.u_centre_px);
     auto indexing = index_upright(lattice, nodes, u);
     indexing.lattice.dark = dots[indexing.node.front()].contrast < 0.0;

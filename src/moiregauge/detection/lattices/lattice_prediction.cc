@@ -103,6 +103,7 @@ std::optional<CellPrediction> predict(const GrownLattice& lattice, std::span<con
   }
   out.spacing_px = std::min(out.step.col(0).norm(), out.step.col(1).norm());
   std::vector<double> sizes;
+  sizes.reserve(known.size());
   for (const Known& k : known) sizes.push_back(nodes[k.node].size_px);
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());

@@ -127,6 +127,7 @@ double variance_of(const std::vector<DiscPixel>& pixels) {
 // Sets the start levels: light and dark are the medians of the brightest and the darkest quarter of the pixels.
 void start_levels(const std::vector<DiscPixel>& pixels, SaddleState& s) {
   std::vector<double> levels;
+  levels.reserve(pixels.size());
   for (const DiscPixel& p : pixels) levels.push_back(p.grey);
   std::sort(levels.begin(), levels.end());
   s.light = levels[levels.size() * 7 / 8];

@@ -99,7 +99,7 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
       Sample sample = sample_of(seen, i, solved, outruns[i]);
       if (seen.frame != reference_.seen.frame && solved_.shutter && has_numbers(sample.status))
         widen_by_target(sample, *solved_.shutter, place[n]);
-      solution.samples.push_back(judged(std::move(sample)));
+      solution.samples.push_back(judged(sample));
     }
   }
 }

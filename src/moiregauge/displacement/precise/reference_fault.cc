@@ -97,8 +97,7 @@ ReferenceVerdict test_references(const Site& site, const FrameSeries& frames, co
       solved_with_all(site, frames.at(key_frames(frames.starts(), kMaxFaultFrames)), prior, start);
   std::vector<std::pair<std::size_t, ReferenceSlip>> slips;
   for (const std::size_t r : references) {
-    if (const auto slip = fit_reference_step(site, all.frames, prior, start.model, all.scene, r))
-      slips.emplace_back(r, *slip);
+    if (const auto slip = fit_reference_step(site, all.frames, prior, all.scene, r)) slips.emplace_back(r, *slip);
   }
   const auto judge = [&](std::size_t marker, bool clear) {
     if (verdict.verified && clear)

@@ -35,7 +35,7 @@ TEST(ReferenceSlip, AFrameExposedDuringTheStepHasItsOwnPosition) {
   std::vector<std::size_t> all{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
   const Scene start = solve_bundle(truth.site, others.at(all), prior, kRadialLens).scene;
   ASSERT_TRUE(start.solved) << start.problem;
-  const auto slip = fit_reference_step(truth.site, run.frames, prior, kRadialLens, start, kSlips);
+  const auto slip = fit_reference_step(truth.site, run.frames, prior, start, kSlips);
   ASSERT_TRUE(slip);
   EXPECT_EQ(slip->first, 5);
   // Noise remains. The step and the frame have six unknowns.

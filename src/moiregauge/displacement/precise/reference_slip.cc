@@ -91,7 +91,8 @@ double ReferenceSlip::unit() const {
 }
 
 std::optional<ReferenceSlip> fit_reference_step(Site site, std::span<const BundleFrame> frames, ScenePrior prior,
-                                                SceneModel model, const Scene& start, std::size_t marker) {
+                                                const Scene& start, std::size_t marker) {
+  SceneModel model = start.model;
   site.markers[marker].role = Role::kTarget;
   auto& u = prior.u_markers[marker].value;
   u[MarkerShape::kX] = u[MarkerShape::kY] = 0.0;  // each frame determines its position

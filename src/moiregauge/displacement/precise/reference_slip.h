@@ -34,10 +34,9 @@ struct ReferenceSlip {
 };
 
 // Fits the path of one reference, and its largest step. The scene with its lens is solved again from `start`.
-// Parameters outside `model` remain uncertain within their priors.
+// Parameters outside the model of `start` remain uncertain within their priors.
 // Fails (nothing): the scene is not solved, or fewer than two frames show the reference.
 [[nodiscard]] std::optional<ReferenceSlip> fit_reference_step(Site site, std::span<const BundleFrame> frames,
-                                                              ScenePrior prior, SceneModel model, const Scene& start,
-                                                              std::size_t marker);
+                                                              ScenePrior prior, const Scene& start, std::size_t marker);
 
 }  // namespace moiregauge::internal

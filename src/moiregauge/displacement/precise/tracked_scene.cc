@@ -12,7 +12,7 @@ namespace moiregauge::internal {
 TrackedScene::TrackedScene(const Reference& reference, std::shared_ptr<const Observations> keys, SolveOptions options)
     : reference_(reference),
       keys_(std::move(keys)),
-      options_(std::move(options)),
+      options_(options),
       min_references_(reference.knows_camera() ? kMinForPose : kMinForHomography) {
   options_.readout_s = 0.0;
   const ScenePrior prior = precise_prior(reference_, options_);

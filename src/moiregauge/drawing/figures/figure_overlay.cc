@@ -40,6 +40,7 @@ struct Outline {
 std::vector<ImagePoint> seen_along(const View& view, BoardPoint centre,
                                    const std::vector<Extent<frame::Board>>& round) {
   std::vector<ImagePoint> points;
+  points.reserve(round.size());
   for (const auto& e : round) points.push_back(view(centre + e));
   points.push_back(points.front());
   return points;
@@ -52,6 +53,7 @@ std::vector<Outline> outlines_of(const Reference& reference) {
     Outline outline{{}, marker.name, marker.role};
     if (marker.circle && marker.circle->diameter_mm > 0.0) {
       std::vector<Extent<frame::Board>> round;
+      round.reserve(kCorners);
       for (int i = 0; i < kCorners; ++i)
         round.push_back({0.5 * marker.circle->diameter_mm * std::cos(kTwoPi * i / kCorners),
                          0.5 * marker.circle->diameter_mm * std::sin(kTwoPi * i / kCorners)});
@@ -96,6 +98,7 @@ void draw_contents(Canvas& canvas, const Contents& c) {
     double left = c.size.x, right = 0.0, top = c.size.y;
     for (const auto& line : outline.lines) {
       std::vector<Spot> points;
+      points.reserve(line.size());
       for (const ImagePoint& p : line) points.push_back({(p.x + 0.5) * c.points_per_px, (p.y + 0.5) * c.points_per_px});
       canvas.line(points, {kWhite, 1.8});
       canvas.line(points, {ink, 0.9});

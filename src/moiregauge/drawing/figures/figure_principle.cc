@@ -81,7 +81,7 @@ Series series(std::string name, DrawnCurve curve, Colour colour, Mark mark = Mar
 void draw_principle(Canvas& canvas, const PrincipleFigure& f) {
   const auto still = grating(f, 0.0), moved = grating(f, f.moved_px);
   const DrawnCurve before = moire_phase(still, f.sampling_pitch_px), after = moire_phase(moved, f.sampling_pitch_px);
-  const int T = f.sampling_pitch_px;
+  const int step = f.sampling_pitch_px;
   std::vector<Panel> panels{
       {.letter = "(a)",
        .title = fmt::format("Grating of pitch P = {:.0f} px, one image row", f.pitch_px),
@@ -90,15 +90,16 @@ void draw_principle(Canvas& canvas, const PrincipleFigure& f) {
                   series(fmt::format("moved by {:.0f} px", f.moved_px), row_of(moved), kVermilion)},
        .y_range = Range{0.0, 255.0}},
       {.letter = "(b)",
-       .title =
-           fmt::format("Sampled every T = {} px, a moiré fringe {:.0f} times as long", T, T / std::abs(f.pitch_px - T)),
+       .title = fmt::format("Sampled every T = {} px, a moiré fringe {:.0f} times as long", step,
+                            step / std::abs(f.pitch_px - step)),
        .y_label = "Grey level",
-       .series = {series("before", sampled(still, 0, T), kBlue), series("moved", sampled(moved, 0, T), kVermilion),
-                  series("", sampled(still, 0, T), kBlue, Mark::kDots),
-                  series("", sampled(moved, 0, T), kVermilion, Mark::kDots)},
+       .series = {series("before", sampled(still, 0, step), kBlue),
+                  series("moved", sampled(moved, 0, step), kVermilion),
+                  series("", sampled(still, 0, step), kBlue, Mark::kDots),
+                  series("", sampled(moved, 0, step), kVermilion, Mark::kDots)},
        .y_range = Range{0.0, 255.0}},
       {.letter = "(c)",
-       .title = fmt::format("Phase of the moiré fringe, from {} such samples", T),
+       .title = fmt::format("Phase of the moiré fringe, from {} such samples", step),
        .y_label = "Phase, rad",
        .series = {series("before", before, kBlue), series("moved", after, kVermilion)},
        .y_range = Range{-4.0, 4.0}},

@@ -52,7 +52,7 @@ std::string name_of(const Inspection& seen, int marker) {
 }
 
 std::string pattern_text(const DetectedPatch& patch) {
-  const std::string pattern = patch.pattern == Pattern::kAuto ? "grid or squares" : word_for(patch.pattern);
+  std::string pattern = patch.pattern == Pattern::kAuto ? "grid or squares" : word_for(patch.pattern);
   if (patch.pattern == Pattern::kCheckerboard || patch.pattern == Pattern::kCosine) return pattern;
   return pattern + (patch.dark_on_light ? ", dark on light" : ", light on dark");
 }

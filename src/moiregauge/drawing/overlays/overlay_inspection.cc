@@ -71,7 +71,7 @@ class InspectionDrawing {
   }
   // Returns the corners next to which a lattice is labelled: those of its grating, if it is part of one.
   [[nodiscard]] Corners about(const IndexedLattice& lattice) const {
-    const Corners points = corners_of(lattice);
+    Corners points = corners_of(lattice);
     for (const InspectedPatch& p : seen_.patches) {
       if (std::all_of(points.begin(), points.end(), [&](ImagePoint at) { return holds(p.seen, at); }))
         return corners_of(p);

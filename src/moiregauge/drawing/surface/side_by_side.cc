@@ -92,7 +92,8 @@ SideBySide::SideBySide(const Reference& reference, double exaggeration, double l
   for (int y = 0; y < part_height_; ++y)
     for (int x = 0; x < part_width_; ++x)
       for (int k = 0; k < samples_ * samples_; ++k) {
-        const double dx = (k % samples_ + 0.5) / samples_, dy = (k / samples_ + 0.5) / samples_;
+        const int column = k % samples_, row = k / samples_;
+        const double dx = (column + 0.5) / samples_, dy = (row + 0.5) / samples_;
         places_.push_back(reference.view.board({(x + dx) / scale_ - 0.5, (y + dy) / scale_ - 0.5}));
       }
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
@@ -135,9 +136,10 @@ Image<std::uint8_t> SideBySide::draw(ImageView<std::uint8_t> filmed, const View*
   for (int y = 0; y < part_height_; ++y) {
     for (int x = 0; x < part_width_; ++x) {
       double sum = 0.0;
-      for (int k = 0; k < samples_ * samples_; ++k)
-        sum += grey_at(filmed, {(x * samples_ + k % samples_ + 0.5) * step - 0.5,
-                                (y * samples_ + k / samples_ + 0.5) * step - 0.5});
+      for (int k = 0; k < samples_ * samples_; ++k) {
+        const int column = x * samples_ + k % samples_, row = y * samples_ + k / samples_;
+        sum += grey_at(filmed, {(column + 0.5) * step - 0.5, (row + 0.5) * step - 0.5});
+      }
       page.at(x, y + letters_px_) = static_cast<std::uint8_t>(std::lround(sum / (samples_ * samples_)));
       const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(part_width_) + static_cast<std::size_t>(x);
       page.at(still_x_ + x, still_y_ + y) = view == nullptr ? kNothing : still_pixel(filmed, *view, at, moves);

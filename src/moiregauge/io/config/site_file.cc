@@ -99,7 +99,7 @@ std::optional<Grating> read_grating(const TomlTable& table, const Print& general
 }
 
 std::string read_name(const TomlTable& table, const std::string& fallback) {
-  const std::string name = table.text("name").value_or(fallback);
+  std::string name = table.text("name").value_or(fallback);
   if (const auto problem = name_problem(name)) table.mistake("name", *problem);
   return name;
 }

@@ -41,6 +41,7 @@ std::vector<std::string> TomlMistakes::lines() const {
     return std::tie(a.line, a.column) < std::tie(b.line, b.column);
   });
   std::vector<std::string> lines;
+  lines.reserve(sorted.size());
   for (const Entry& entry : sorted) {
     lines.push_back(fmt::format("{}:{}:{}: {}", path_, entry.line, entry.column, entry.text));
   }

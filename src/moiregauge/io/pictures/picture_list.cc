@@ -72,6 +72,7 @@ std::vector<ListedPicture> without_gaps(const std::map<long, ListedPicture>& fou
 
 std::vector<long> numbers_of(const std::map<long, ListedPicture>& found) {
   std::vector<long> numbers;
+  numbers.reserve(found.size());
   for (const auto& [number, picture] : found) numbers.push_back(number);
   return numbers;
 }

@@ -94,6 +94,7 @@ std::string shape_of_name(std::string_view name) {
 std::optional<std::vector<NumberedName>> numbered_names(const std::vector<std::string>& names) {
   if (names.empty()) return std::nullopt;
   std::vector<std::vector<std::string_view>> runs;
+  runs.reserve(names.size());
   for (const std::string& name : names) runs.push_back(digit_runs(stem_of(name)));
   for (std::size_t k = 0; k < runs.front().size(); ++k) {
     std::vector<NumberedName> cut;

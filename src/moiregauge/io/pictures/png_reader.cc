@@ -25,6 +25,9 @@ struct PngFile {
   std::vector<unsigned char> samples;
   std::vector<png_bytep> rows;
   std::string problem;
+  PngFile() = default;
+  PngFile(const PngFile&) = delete;
+  PngFile& operator=(const PngFile&) = delete;
   ~PngFile() {
     if (png != nullptr) png_destroy_read_struct(&png, &info, nullptr);
     if (file != nullptr) std::fclose(file);

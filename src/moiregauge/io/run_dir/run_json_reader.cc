@@ -9,9 +9,9 @@ namespace {
 using ReadJson = nlohmann::ordered_json;  // keeps the order of names
 
 const ReadJson& member(const ReadJson& json, const char* key) {
-  static const ReadJson kNothing;
+  static const ReadJson nothing;
   const auto found = json.is_object() ? json.find(key) : json.end();
-  return found == json.end() ? kNothing : *found;
+  return found == json.end() ? nothing : *found;
 }
 
 std::optional<double> number_of_key(const ReadJson& json, const char* key) {

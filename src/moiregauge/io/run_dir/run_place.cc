@@ -2,7 +2,7 @@
 #include "moiregauge/io/run_dir/run_place.h"
 
 #include <fcntl.h>
-#include <stdio.h>
+#include <cstdio>
 
 #include <cerrno>
 #include <cstring>

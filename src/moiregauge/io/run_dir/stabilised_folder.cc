@@ -41,7 +41,7 @@ std::string folder_name(const std::string& marker) {
 
 }  // namespace
 
-StabilisedFolder::StabilisedFolder(std::string path)
+StabilisedFolder::StabilisedFolder(const std::string& path)
     : path_(without_slash(path).string()), partial_(path_ + ".unfinished") {}
 
 StabilisedFolder::~StabilisedFolder() {

@@ -15,7 +15,7 @@ namespace moiregauge::internal {
 
 class StabilisedFolder : public FrameSink {
  public:
-  explicit StabilisedFolder(std::string path);
+  explicit StabilisedFolder(const std::string& path);
   ~StabilisedFolder() override;  // removes an unfinished folder
   StabilisedFolder(const StabilisedFolder&) = delete;
   StabilisedFolder& operator=(const StabilisedFolder&) = delete;

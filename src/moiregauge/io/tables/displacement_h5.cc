@@ -85,10 +85,12 @@ void put_target(hid_t file, const std::string& group_name, const std::string& ma
   say(group, "marker", marker);
   const auto reals = [&](const char* name, const char* unit, auto value) {
     std::vector<double> numbers;
+    numbers.reserve(rows.size());
     for (const Sample* row : rows) numbers.push_back(value(*row));
     put_column(group, {name, unit, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, numbers.data(), numbers.size()});
   };
   std::vector<long> frames;
+  frames.reserve(rows.size());
   for (const Sample* row : rows) frames.push_back(row->frame);
   put_column(group, {"frame", "1", H5T_STD_I64LE, H5T_NATIVE_LONG, frames.data(), frames.size()});
   reals("time_s", "s", [](const Sample& s) { return s.time_s; });
@@ -113,7 +115,9 @@ void put_camera(hid_t file, const std::vector<CameraRow>& rows) {
   const Handle group(H5Gcreate2(file, "camera", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   std::vector<long> frames;
   std::vector<double> numbers;
+  frames.reserve(rows.size());
   for (const CameraRow& row : rows) frames.push_back(row.frame);
+  numbers.reserve(rows.size());
   for (const CameraRow& row : rows) numbers.push_back(row.time_s);
   put_column(group, {"frame", "1", H5T_STD_I64LE, H5T_NATIVE_LONG, frames.data(), frames.size()});
   put_column(group, {"time_s", "s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, numbers.data(), numbers.size()});

@@ -178,7 +178,7 @@ class ReferenceParser {
     if (first_row_)
       return file_mistake("a row of the reference has another form of time than the first",
                           fmt::format("{}:{}", path_, line_), "correct the line");
-    const auto stamp = cell_of(cells, *time_);
+    auto stamp = cell_of(cells, *time_);
     if (!stamp) return stamp;
     return second_ * *stamp;
   }

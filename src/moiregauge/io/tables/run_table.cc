@@ -232,6 +232,7 @@ tl::expected<RunTable, std::string> selected(RunTable table, const Selection& se
   if (samples.empty())
     return tl::unexpected(std::string("the selection contains no row: --markers, --frames: choose a wider range"));
   std::vector<TableMarker> markers;
+  markers.reserve(kept.size());
   for (const std::size_t i : kept) markers.push_back(table.markers[i]);
   table.markers = std::move(markers);
   table.samples = std::move(samples);

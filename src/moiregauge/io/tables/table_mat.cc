@@ -30,6 +30,7 @@ Variable text_variable(const char* name, std::string text) {
 template <typename Value>
 std::vector<double> values_of(const std::vector<WideRow>& rows, Value value) {
   std::vector<double> values;
+  values.reserve(rows.size());
   for (const WideRow& row : rows) values.push_back(value(row));
   return values;
 }

@@ -12,8 +12,8 @@ namespace {
 using Out = std::back_insert_iterator<std::string>;
 
 const std::string& marker_of(const LiveRun& run, std::size_t index) {
-  static const std::string kNone = "?";
-  return index < run.markers.size() ? run.markers[index] : kNone;
+  static const std::string unknown = "?";
+  return index < run.markers.size() ? run.markers[index] : unknown;
 }
 
 // Returns a JSON string. Bytes above 0x7f are UTF-8 already.

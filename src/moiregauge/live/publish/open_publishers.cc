@@ -138,6 +138,7 @@ tl::expected<Publishers, std::string> open_publishers(const PublishArgs& args) {
   if (alarms != nullptr) facts.alarms = [alarms] { return alarms->all(); };
   facts.lost_rows = [counted] {
     std::vector<std::pair<std::string, long>> lost;
+    lost.reserve(counted.size());
     for (const Publisher* outlet : counted) lost.emplace_back(outlet->state().first, outlet->lost_rows());
     return lost;
   };

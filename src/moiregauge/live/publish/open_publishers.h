@@ -34,6 +34,8 @@ struct Publishers {
   std::unique_ptr<AlarmRecorder> recorder;
 
   Publishers() = default;
+  Publishers(const Publishers&) = delete;
+  Publishers& operator=(const Publishers&) = delete;
   Publishers(Publishers&&) = default;
   Publishers& operator=(Publishers&&) = delete;
   ~Publishers() { all.clear(); }

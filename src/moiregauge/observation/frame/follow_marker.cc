@@ -23,20 +23,20 @@ Loss loss_of(const PatchReading& then, const PatchReading& patch) {
   return patch.noise_sigma == 0.0 ? Loss::kOutsidePicture : Loss::kNoModulation;
 }
 
-void follow_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                   Extent<frame::Board> travel, MarkerObservation& seen) {
+void follow_marker(const BoardPicture& now, const Reference& reference, std::size_t i, Extent<frame::Board> travel,
+                   MarkerObservation& seen) {
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
   const RasterPlan& plan = reference.plans[i];
   seen.window_shift = off_centre(plan, travel) ? travel : Extent<frame::Board>{};
-  seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift);
+  seen.patch = read_patch(now.picture.luma, now.picture.bits, now.view, plan, seen.window_shift);
   const auto& then = reference.seen.markers[i].patch;
   if (seen.patch.valid) {
     const auto rest =
         known_part(displacement_at(plan, then, seen.patch, seen.window_shift) + (-1.0) * seen.window_shift);
     if (off_centre(plan, rest)) {
       seen.window_shift = seen.window_shift + rest;
-      seen.patch = read_patch(picture.luma, picture.bits, view, plan, seen.window_shift);
+      seen.patch = read_patch(now.picture.luma, now.picture.bits, now.view, plan, seen.window_shift);
     }
   }
   seen.loss = loss_of(then, seen.patch);

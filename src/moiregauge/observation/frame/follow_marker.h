@@ -18,7 +18,7 @@ namespace moiregauge::internal {
 
 // Reads a target in a window that moves with it: first to `travel`, its position in the last frame, then to the
 // position found. In a fixed window the grating's edge would enter before half a pitch.
-void follow_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                   Extent<frame::Board> travel, MarkerObservation& seen);
+void follow_marker(const BoardPicture& now, const Reference& reference, std::size_t i, Extent<frame::Board> travel,
+                   MarkerObservation& seen);
 
 }  // namespace moiregauge::internal

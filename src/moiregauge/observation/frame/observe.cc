@@ -144,19 +144,18 @@ const DetectedCircle* circle_of_slipped(const Reference& reference, const Locate
 }
 
 // Reads the grating of a slipped reference, with its circle. It counts as covered until its template matches.
-void read_slipped(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                  const DetectedCircle& circle, MarkerObservation& seen) {
-  const auto went = view.board(circle.centre) - reference.view.board(reference.seen.markers[i].circle->centre);
+void read_slipped(const BoardPicture& now, const Reference& reference, std::size_t i, const DetectedCircle& circle,
+                  MarkerObservation& seen) {
+  const auto went = now.view.board(circle.centre) - reference.view.board(reference.seen.markers[i].circle->centre);
   seen.circle = circle;
-  follow_marker(picture, reference, view, i, went, seen);
+  follow_marker(now, reference, i, went, seen);
   if (seen.loss == Loss::kNone) seen.loss = Loss::kCovered;
 }
 
-void read_marker(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                 MarkerObservation& seen) {
+void read_marker(const BoardPicture& now, const Reference& reference, std::size_t i, MarkerObservation& seen) {
   seen.loss = reference.plan_loss[i];
   if (!reference.site.markers[i].grating || seen.loss != Loss::kNone) return;
-  seen.patch = read_patch(picture.luma, picture.bits, view, reference.plans[i], {});
+  seen.patch = read_patch(now.picture.luma, now.picture.bits, now.view, reference.plans[i], {});
   seen.loss = loss_of(reference.seen.markers[i].patch, seen.patch);
 }
 
@@ -168,7 +167,7 @@ Observation observe_conventional(const GreyPicture& picture, const Reference& re
   observation.stage1 = observation.stage2 = reference.seen.stage1;
   observation.markers.resize(reference.site.markers.size());
   for (std::size_t i = 0; i < observation.markers.size(); ++i)
-    read_marker(picture, reference, reference.view, i, observation.markers[i]);
+    read_marker({picture, reference.view}, reference, i, observation.markers[i]);
   return observation;
 }
 
@@ -228,8 +227,10 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   observation.stage1 = observation.stage2 = *first;
   for (std::size_t i = 0; i < now.circles.size(); ++i) observation.markers[i].circle = now.circles[i];
   // Step 2: gratings of the references, whose displacements are added at their circles.
+  const View view{*first, reference.lens};
+  const BoardPicture board{picture, view};
   for (const CirclePoint& point : now.points)
-    read_marker(picture, reference, {*first, reference.lens}, point.marker, observation.markers[point.marker]);
+    read_marker(board, reference, point.marker, observation.markers[point.marker]);
   for (const CirclePoint& point : now.points) {
     MarkerObservation& seen = observation.markers[point.marker];
     const auto& at_rest = reference.seen.markers[point.marker].patch;
@@ -238,7 +239,6 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
         is_bent(reference.plans[point.marker], at_rest, seen.patch, lag_mm(picture, reference, point)))
       seen.loss = Loss::kCovered;
   }
-  const View view{*first, reference.lens};
   for (const CirclePoint& point : reference.circles) {
     const std::size_t i = point.marker;
     const DetectedCircle* circle = nullptr;
@@ -246,7 +246,7 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
       circle = &*now.circles[i];
     else if (!now.circles[i] && now.points.size() + 1 >= kMinReferencesForSlip)
       circle = circle_of_slipped(reference, now, view, point);
-    if (circle) read_slipped(picture, reference, view, i, *circle, observation.markers[i]);
+    if (circle) read_slipped(board, reference, i, *circle, observation.markers[i]);
   }
   const auto second = second_view(reference, now.points, observation);
   if (!second) {
@@ -256,10 +256,10 @@ Observation observe_board(const GreyPicture& picture, const Reference& reference
   observation.stage2 = *second;
   observation.references_seen = true;
   // Step 3: targets, through the second homography.
+  const View refined{*second, reference.lens};
   for (std::size_t i = 0; i < observation.markers.size(); ++i) {
     if (reference.site.markers[i].role != Role::kTarget) continue;
-    const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
-    follow_marker(picture, reference, {observation.stage2, reference.lens}, i, travel, observation.markers[i]);
+    follow_marker({picture, refined}, reference, i, prediction.last_travel(i), observation.markers[i]);
   }
   return observation;
 }

@@ -18,6 +18,11 @@ struct Prediction {
   // The same predicted for this frame, at constant velocity. Empty if the last frame was lost.
   std::optional<IdealFromBoard> expected;
   std::vector<Extent<frame::Board>> travel_expected;
+
+  // Returns the displacement of a marker in the last frame, mm. It is zero if no travel is known.
+  [[nodiscard]] Extent<frame::Board> last_travel(std::size_t marker) const {
+    return marker < travel.size() ? travel[marker] : Extent<frame::Board>{};
+  }
 };
 
 // Reads a frame by seed paper 2.1. The camera is assumed fixed: every window stays at its position in the reference

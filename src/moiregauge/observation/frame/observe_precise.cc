@@ -41,8 +41,8 @@ bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> 
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     if (i == target || !site.markers[i].grating) continue;
     const Grating& other = *site.markers[i].grating;
-    const bool travels = site.markers[i].role == Role::kTarget && i < prediction.travel.size();
-    const auto travel = travels ? prediction.travel[i] : Extent<frame::Board>{};
+    const bool travels = site.markers[i].role == Role::kTarget;
+    const auto travel = travels ? prediction.last_travel(i) : Extent<frame::Board>{};
     const auto apart = own.centre + moved - (other.centre + travel);
     const double reach = 0.4 * (std::min(own.width_mm, own.height_mm) + std::min(other.width_mm, other.height_mm));
     if (length(apart) < reach) return true;
@@ -52,32 +52,31 @@ bool is_over_another(const Site& site, std::size_t target, Extent<frame::Board> 
 
 // Determines the fringe order of a target from its outline or its circle. Repeats the raster reading if continuity gave
 // another order or lost the target.
-void prove(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-           const Prediction& prediction, MarkerObservation& seen) {
+void prove(const BoardPicture& now, const Reference& reference, std::size_t i, const Prediction& prediction,
+           MarkerObservation& seen) {
   const auto& outline = reference.prints[i]->outline;
   const Grating& grating = *reference.site.markers[i].grating;
   const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
   if (seen.loss != Loss::kNone && seen.loss != Loss::kTooCoarse && outline) {
-    const auto last = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
-    const auto found = search_print(picture.luma, view, grating, *outline, last, kLostPitches, is_taken);
-    if (found) follow_marker(picture, reference, view, i, *found, seen);
+    const auto found = search_print(now.picture.luma, now.view, {grating, prediction.last_travel(i)}, *outline,
+                                    {kLostPitches, is_taken});
+    if (found) follow_marker(now, reference, i, *found, seen);
   }
   if (seen.loss != Loss::kNone) return;
   if (!outline) {
-    seen.order = order_by_circle(reference, view, i, seen);
+    seen.order = order_by_circle(reference, now.view, i, seen);
     return;
   }
   const auto here = moved(reference, seen, i);
-  const OrderVerdict verdict = verify_fringe_order(picture.luma, view, grating, *outline, here, is_taken);
+  const OrderVerdict verdict = verify_fringe_order(now.picture.luma, now.view, {grating, here}, *outline, is_taken);
   seen.order = verdict.order;
   if (verdict.order == Order::kProven && length(verdict.moved - here) > 0.0)
-    follow_marker(picture, reference, view, i, verdict.moved, seen);
+    follow_marker(now, reference, i, verdict.moved, seen);
 }
 
 // Fits the template of a marker. The raster reads a reference as covered if its window reaches beyond the grating. The
 // template decides whether it is covered or has slipped.
-void read(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-          MarkerObservation& seen) {
+void read(const BoardPicture& now, const Reference& reference, std::size_t i, MarkerObservation& seen) {
   if (!reference.prints[i]) return;
   const bool is_target = reference.site.markers[i].role == Role::kTarget;
   const bool may_have_slipped = !is_target && seen.loss == Loss::kCovered;
@@ -85,28 +84,28 @@ void read(const GreyPicture& picture, const Reference& reference, const View& vi
   const bool is_elsewhere = is_target || may_have_slipped || length(seen.window_shift) > 0.0;
   const auto d = is_elsewhere ? moved(reference, seen, i) : Extent<frame::Board>{};
   const PrintModel& print = *reference.prints[i];
-  auto points = read_points(picture.luma, view, *reference.site.markers[i].grating, d, print);
+  auto points = read_points(now.picture.luma, now.view, {*reference.site.markers[i].grating, d}, print);
   if (!points) return;
   const auto& at_rest = reference.seen.markers[i].points;
   if (!at_rest) {  // in the reference frame
     seen.points = *std::move(points);
     return;
   }
-  const CoveredBlocks covered = find_occluded_blocks(picture, print, *at_rest, *points);
+  const CoveredBlocks covered = find_occluded_blocks(now.picture, print, *at_rest, *points);
   if (covered.any_now) {
-    auto free = free_points(picture, print, *at_rest, *points, covered.now);
+    auto free = free_points(now.picture, print, *at_rest, *points, covered.now);
     if (!free) {
       seen.loss = Loss::kCovered;
       return;
     }
     *points = *std::move(free);
-  } else if (may_have_slipped && !is_whole(*points, *at_rest, print, picture.rounding)) {
+  } else if (may_have_slipped && !is_whole(*points, *at_rest, print, now.picture.rounding)) {
     return;
   }
   seen.occlusion = covered.any_now ? Occlusion::kNow : covered.any_then ? Occlusion::kAtRest : Occlusion::kNone;
   if (may_have_slipped)
     seen.patch =
-        patch_of_points(reference, i, *points, motion_of_points(reference, view, i, *points), seen.window_shift);
+        patch_of_points(reference, i, *points, motion_of_points(reference, now.view, i, *points), seen.window_shift);
   seen.loss = Loss::kNone;
   seen.points = *std::move(points);
 }
@@ -147,11 +146,13 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
     const Grating& grating = *reference.site.markers[i].grating;
     // Clipping acts as a tone curve, too.
     const bool in_light = reference.light_per_grey.empty() && seen.patch.clipped_share < kMinClipped;
-    auto learned = learn_print(picture.luma, reference.view, grating, reference.options.template_use,
-                               origin_within(reference, i) / grating.pitch_mm, in_light);
+    auto learned = learn_print(picture.luma, reference.view, grating,
+                               {.use = reference.options.template_use,
+                                .origin_within = origin_within(reference, i) / grating.pitch_mm,
+                                .in_light = in_light});
     if (!learned) continue;
     reference.prints[i] = *std::move(learned);
-    read(picture, reference, reference.view, i, seen);
+    read({picture, reference.view}, reference, i, seen);
     PrintModel& print = *reference.prints[i];
     if (seen.points) print.misses = template_residuals(picture.luma, *seen.points, print.window, print.print);
   }
@@ -159,39 +160,37 @@ void learn_prints(const GreyPicture& picture, Reference& reference) {
 
 void fit_templates(const GreyPicture& picture, const Reference& reference, Observation& seen) {
   const View view{seen.stage2, reference.lens};
-  for (std::size_t i = 0; i < seen.markers.size(); ++i) read(picture, reference, view, i, seen.markers[i]);
+  for (std::size_t i = 0; i < seen.markers.size(); ++i) read({picture, view}, reference, i, seen.markers[i]);
 }
 
 namespace {
 
 // Tracks a target. Returns false if it is not at its predicted position, or not in the fringe order of its outline.
-bool tracked(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-             const Prediction& prediction, MarkerObservation& seen) {
+bool tracked(const BoardPicture& now, const Reference& reference, std::size_t i, const Prediction& prediction,
+             MarkerObservation& seen) {
   if (!reference.prints[i] || !reference.prints[i]->outline) return false;
-  MarkerObservation here;
-  if (!track_target(picture, reference, view, i, prediction, here)) return false;
+  auto here = track_target(now, reference, i, prediction);
+  if (!here) return false;
   const auto is_taken = [&](Extent<frame::Board> d) { return is_over_another(reference.site, i, d, prediction); };
-  if (is_taken(here.window_shift) ||
-      !ends_with_print(*here.points, *reference.seen.markers[i].points, *reference.prints[i], picture.rounding)) {
-    const OrderVerdict verdict = verify_fringe_order(picture.luma, view, *reference.site.markers[i].grating,
-                                                     *reference.prints[i]->outline, here.window_shift, is_taken);
-    if (verdict.order != Order::kProven || length(verdict.moved - here.window_shift) > 0.0) return false;
+  const auto shift = here->window_shift;
+  if (is_taken(shift) ||
+      !ends_with_print(*here->points, *reference.seen.markers[i].points, *reference.prints[i], now.picture.rounding)) {
+    const OrderVerdict verdict =
+        verify_fringe_order(now.picture.luma, now.view, {*reference.site.markers[i].grating, shift},
+                            *reference.prints[i]->outline, is_taken);
+    if (verdict.order != Order::kProven || length(verdict.moved - shift) > 0.0) return false;
   }
-  seen = std::move(here);
+  seen = *std::move(here);
   seen.order = Order::kProven;
   return true;
 }
 
-// Reads a marker by the raster first, then by outline and template.
-void look_for(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-              const Prediction& prediction, bool by_raster, MarkerObservation& seen) {
+// Reads a marker by outline and template. The raster must have read it first.
+void look_for(const BoardPicture& now, const Reference& reference, std::size_t i, const Prediction& prediction,
+              MarkerObservation& seen) {
   const bool may_move = reference.site.markers[i].role == Role::kTarget;
-  if (by_raster) {
-    const auto travel = i < prediction.travel.size() ? prediction.travel[i] : Extent<frame::Board>{};
-    follow_marker(picture, reference, view, i, travel, seen);
-  }
-  if (may_move && reference.prints[i]) prove(picture, reference, view, i, prediction, seen);
-  read(picture, reference, view, i, seen);
+  if (may_move && reference.prints[i]) prove(now, reference, i, prediction, seen);
+  read(now, reference, i, seen);
 }
 
 // Fits the markers of a role again with a template of this frame's blur, where that explains their residual. Returns
@@ -226,16 +225,18 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
   if (as_expected) {
     Observation seen = *std::move(as_expected);
     const View view{seen.stage2, reference.lens};
+    const BoardPicture now{picture, view};
     for (std::size_t i = 0; i < seen.markers.size(); ++i) {
       const Marker& marker = reference.site.markers[i];
       if (!marker.grating) continue;
       if (marker.role == Role::kReference) {
         // Those with a circle are tracked already.
-        if (!marker.circle) read(picture, reference, view, i, seen.markers[i]);
+        if (!marker.circle) read(now, reference, i, seen.markers[i]);
         continue;
       }
-      if (!tracked(picture, reference, view, i, prediction, seen.markers[i]))
-        look_for(picture, reference, view, i, prediction, true, seen.markers[i]);
+      if (tracked(now, reference, i, prediction, seen.markers[i])) continue;
+      follow_marker(now, reference, i, prediction.last_travel(i), seen.markers[i]);
+      look_for(now, reference, i, prediction, seen.markers[i]);
     }
     fit_in_own_blur(picture, reference, seen);
     flag_ambiguous_targets(reference, prediction, seen);
@@ -246,7 +247,7 @@ Observation observe_precise(const GreyPicture& picture, const Reference& referen
   if (!seen.references_seen) return seen;
   const View view{seen.stage2, reference.lens};
   for (std::size_t i = 0; i < seen.markers.size(); ++i)
-    look_for(picture, reference, view, i, prediction, false, seen.markers[i]);
+    look_for({picture, view}, reference, i, prediction, seen.markers[i]);
   fit_in_own_blur(picture, reference, seen);
   flag_ambiguous_targets(reference, prediction, seen);
   return seen;

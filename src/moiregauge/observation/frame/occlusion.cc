@@ -40,7 +40,7 @@ std::optional<PatchFit> free_points(const GreyPicture& picture, const PrintModel
   const auto map = fit_homography<frame::Print, frame::Image>(std::span<const ImagePoint>(fit.image),
                                                               std::span<const PrintPoint>(fit.print));
   if (!window || !map) return std::nullopt;
-  auto part = fit_patch(picture.luma, *map, *window, model.print, model.options);
+  auto part = fit_patch(picture.luma, *map, {*window, model.print, model.options});
   if (!part) return std::nullopt;
   // The occlusion also displaced the first fit, so the free blocks are compared with the reference frame again.
   const double least = square(at_rest.sigma) + least_of(model, fit, picture.rounding);

@@ -37,7 +37,7 @@ struct Scene {
     }
   }
   [[nodiscard]] std::optional<PatchFit> fit() const {
-    auto fit = read_points(LumaView(now.view()), reference.view, *reference.site.markers[marker].grating, {}, print());
+    auto fit = read_points(LumaView(now.view()), reference.view, {*reference.site.markers[marker].grating}, print());
     return fit ? std::optional(*std::move(fit)) : std::nullopt;
   }
 };

@@ -25,14 +25,14 @@ bool expects_all(const Reference& reference, const Prediction& prediction) {
   return !reference.circles.empty();
 }
 
-std::optional<PatchFit> fitted(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
+std::optional<PatchFit> fitted(const BoardPicture& now, const Reference& reference, std::size_t i,
                                Extent<frame::Board> moved, Rows rows) {
   const PrintModel& print = *reference.prints[i];
-  auto fit = read_points(picture.luma, view, *reference.site.markers[i].grating, moved, print, rows);
+  auto fit = read_points(now.picture.luma, now.view, {*reference.site.markers[i].grating, moved}, print, rows);
   if (!fit || (rows == Rows::kAll && !(fit->last_step < kConverged)) ||
-      !is_whole(*fit, *reference.seen.markers[i].points, print, picture.rounding))
+      !is_whole(*fit, *reference.seen.markers[i].points, print, now.picture.rounding))
     return std::nullopt;
-  const CoveredBlocks covered = find_occluded_blocks(picture, print, *reference.seen.markers[i].points, *fit, rows);
+  const CoveredBlocks covered = find_occluded_blocks(now.picture, print, *reference.seen.markers[i].points, *fit, rows);
   if (covered.any_now || covered.any_then) return std::nullopt;
   return *std::move(fit);
 }
@@ -55,7 +55,7 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::size_t i = points[k].marker;
     MarkerObservation& marker = seen.markers[i];
-    auto fit = fitted(picture, reference, view, i, {}, rows);
+    auto fit = fitted({picture, view}, reference, i, {}, rows);
     if (!fit) return std::nullopt;
     const PrintMotion motion = motion_of_points(reference, view, i, *fit);
     if (length(motion.displacement) > kTrackFarOff * reference.plans[i].pitch_mm) return std::nullopt;
@@ -72,19 +72,20 @@ std::optional<Observation> track_references(const GreyPicture& picture, const Re
   return seen;
 }
 
-bool track_target(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                  const Prediction& prediction, MarkerObservation& seen, Rows rows) {
+std::optional<MarkerObservation> track_target(const BoardPicture& now, const Reference& reference, std::size_t i,
+                                              const Prediction& prediction, Rows rows) {
   if (!reference.prints[i] || !reference.seen.markers[i].points || !(i < prediction.travel_expected.size()))
-    return false;
-  auto fit = fitted(picture, reference, view, i, prediction.travel_expected[i], rows);
-  if (!fit) return false;
-  const PrintMotion motion = motion_of_points(reference, view, i, *fit);
-  seen.window_shift = motion.displacement;
-  seen.patch = patch_of_points(reference, i, *fit, motion, seen.window_shift);
-  if (rows == Rows::kAll) seen.patch.clipped_share = clipped_share(picture, *fit);
-  seen.points = *std::move(fit);
-  seen.loss = Loss::kNone;
-  return true;
+    return std::nullopt;
+  auto fit = fitted(now, reference, i, prediction.travel_expected[i], rows);
+  if (!fit) return std::nullopt;
+  const PrintMotion motion = motion_of_points(reference, now.view, i, *fit);
+  std::optional<MarkerObservation> seen(std::in_place);
+  seen->window_shift = motion.displacement;
+  seen->patch = patch_of_points(reference, i, *fit, motion, seen->window_shift);
+  if (rows == Rows::kAll) seen->patch.clipped_share = clipped_share(now.picture, *fit);
+  seen->points = *std::move(fit);
+  seen->loss = Loss::kNone;
+  return seen;
 }
 
 }  // namespace moiregauge::internal

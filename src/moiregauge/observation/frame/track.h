@@ -13,9 +13,10 @@ namespace moiregauge::internal {
 [[nodiscard]] std::optional<Observation> track_references(const GreyPicture& picture, const Reference& reference,
                                                           const Prediction& prediction, Rows rows = Rows::kAll);
 
-// Reads one target at its predicted position, in the view through the references.
-// Fails (false): the target must be searched.
-[[nodiscard]] bool track_target(const GreyPicture& picture, const Reference& reference, const View& view, std::size_t i,
-                                const Prediction& prediction, MarkerObservation& seen, Rows rows = Rows::kAll);
+// Reads target `i` at its predicted position, in the view through the references.
+// Fails (nothing): the target must be searched.
+[[nodiscard]] std::optional<MarkerObservation> track_target(const BoardPicture& now, const Reference& reference,
+                                                            std::size_t i, const Prediction& prediction,
+                                                            Rows rows = Rows::kAll);
 
 }  // namespace moiregauge::internal

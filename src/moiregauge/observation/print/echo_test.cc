@@ -95,10 +95,10 @@ EchoSums sums_of(double reach_px, const Film& film, std::uint64_t seed) {
     }
     last = now;
     const At start = position(0, reach_px, film), at = position(frame, reach_px, film);
-    if (!model) model = learn_print(stored.view(), upright(), print(), TemplateUse::kOn);
+    if (!model) model = learn_print(stored.view(), upright(), print(), {.use = TemplateUse::kOn});
     if (!model) return {};
     const Extent<frame::Board> moved{at.x - start.x, at.y - start.y};
-    const auto fit = read_points(stored.view(), upright(), print(), moved, *model);
+    const auto fit = read_points(stored.view(), upright(), {print(), moved}, *model);
     if (!fit) {
       ADD_FAILURE() << "frame " << frame;
       return {};

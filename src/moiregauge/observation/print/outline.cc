@@ -77,6 +77,13 @@ Ranked rank(const VisibilityMap& map, const Grating& grating, const Outline& out
   return r;
 }
 
+// Returns the map from raw pixels to the grating's own coordinates.
+std::optional<PrintFromImage> own_map(const View& view, const MovedGrating& at, const PrintFromPrint& correction) {
+  const auto map = local_map(view, at.grating, at.moved);
+  if (!map) return std::nullopt;
+  return correction * *map;
+}
+
 }  // namespace
 
 std::optional<Outline> learn_outline(const LumaView& luma, const View& view, const Grating& grating,
@@ -84,17 +91,18 @@ std::optional<Outline> learn_outline(const LumaView& luma, const View& view, con
   Outline outline;
   outline.window = window;
   outline.correction = correction;
-  const auto map = presence_round(luma, view, grating, window, {}, correction, 1);
-  if (!map) return std::nullopt;
-  const double here = map->sum(window, 0, 0);
-  const auto cells = map->cells(window, 0, 0);
+  const auto print_from_image = own_map(view, {grating}, correction);
+  if (!print_from_image) return std::nullopt;
+  const VisibilityMap map = presence_round(luma, grating, *print_from_image, with_margin(window, 1));
+  const double here = map.sum(window, 0, 0);
+  const auto cells = map.cells(window, 0, 0);
   if (!(here > 0.0)) return std::nullopt;
   outline.present = here / static_cast<double>(cells.size());
   const Axes axes = axes_of(grating);
   for (const std::size_t axis : {0u, 1u}) {
     if (!(axis == 0 ? axes.x : axes.y)) continue;
     double best = 0.0;
-    for (const int side : {-2, 2}) best = std::max(best, map->sum(window, axis == 0 ? side : 0, axis == 0 ? 0 : side));
+    for (const int side : {-2, 2}) best = std::max(best, map.sum(window, axis == 0 ? side : 0, axis == 0 ? 0 : side));
     outline.step[axis] = 1.0 - best / here;
     const double strip = 0.5 / (axis == 0 ? window.half_x : window.half_y);  // one pitch of the whole
     if (outline.step[axis] < kMinProminence * strip) return std::nullopt;
@@ -102,16 +110,19 @@ std::optional<Outline> learn_outline(const LumaView& luma, const View& view, con
   return outline;
 }
 
-OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const Grating& grating, const Outline& outline,
-                                 Extent<frame::Board> moved, const IsTaken& is_taken) {
+OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const MovedGrating& by_phase,
+                                 const Outline& outline, const IsTaken& is_taken) {
+  const Grating& grating = by_phase.grating;
+  const Extent<frame::Board> moved = by_phase.moved;
   const Axes axes = axes_of(grating);
+  const auto print_from_image = own_map(view, by_phase, outline.correction);
+  if (!print_from_image) return {Order::kContradicted, moved};
   for (const int pitches : {kNear, kFar}) {
-    const auto map = presence_round(luma, view, grating, outline.window, moved, outline.correction, pitches);
-    if (!map) break;
+    const VisibilityMap map = presence_round(luma, grating, *print_from_image, with_margin(outline.window, pitches));
     const Ranked r =
-        rank(*map, grating, outline, pitches, [&](const Place& p) { return is_taken(moved + on_board(grating, p)); });
+        rank(map, grating, outline, pitches, [&](const Place& p) { return is_taken(moved + on_board(grating, p)); });
     const bool at_the_end = std::abs(r.best.i) == 2 * pitches || std::abs(r.best.j) == 2 * pitches;
-    if (at_the_end || !is_print(*map, outline, r.best)) continue;
+    if (at_the_end || !is_print(map, outline, r.best)) continue;
     double step = 1e30;
     if (axes.x) step = std::min(step, outline.step[0]);
     if (axes.y) step = std::min(step, outline.step[1]);
@@ -121,20 +132,21 @@ OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const G
   return {Order::kContradicted, moved};
 }
 
-std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                 const Outline& outline, Extent<frame::Board> from, int pitches,
-                                                 const IsTaken& is_taken) {
-  const auto map = presence_round(luma, view, grating, outline.window, from, outline.correction, pitches);
-  if (!map) return std::nullopt;
+std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view, const MovedGrating& from,
+                                                 const Outline& outline, const SearchLimits& limits) {
+  const auto print_from_image = own_map(view, from, outline.correction);
+  if (!print_from_image) return std::nullopt;
+  const int pitches = limits.pitches;
+  const VisibilityMap map = presence_round(luma, from.grating, *print_from_image, with_margin(outline.window, pitches));
   Place best;
   for (int j = -2 * pitches; j <= 2 * pitches; ++j) {
     for (int i = -2 * pitches; i <= 2 * pitches; ++i) {
-      const Place p{i, j, map->sum(outline.window, i, j)};
-      if (p.score > best.score && !is_taken(from + on_board(grating, p))) best = p;
+      const Place p{i, j, map.sum(outline.window, i, j)};
+      if (p.score > best.score && !limits.is_taken(from.moved + on_board(from.grating, p))) best = p;
     }
   }
-  if (!is_print(*map, outline, best)) return std::nullopt;
-  return from + on_board(grating, best);
+  if (!is_print(map, outline, best)) return std::nullopt;
+  return from.moved + on_board(from.grating, best);
 }
 
 namespace {
@@ -187,17 +199,19 @@ std::optional<Extent<frame::Board>> find_print(const LumaView& luma, const View&
   const Axes axes = axes_of(grating);
   PrintFromPrint correction;
   for (int round = 0; round <= kLatticeRounds; ++round) {
-    const auto map = presence_round(luma, view, grating, window, {}, correction, pitches + 1, is_hidden);
-    if (!map) return std::nullopt;
-    const Place best = best_place(*map, window, pitches);
-    outline.present = best.score / static_cast<double>(map->cells(window, 0, 0).size());
-    if (!is_print(*map, outline, best)) return std::nullopt;
+    const auto print_from_image = own_map(view, {grating}, correction);
+    if (!print_from_image) return std::nullopt;
+    const VisibilityMap map =
+        presence_round(luma, grating, *print_from_image, with_margin(window, pitches + 1), is_hidden);
+    const Place best = best_place(map, window, pitches);
+    outline.present = best.score / static_cast<double>(map.cells(window, 0, 0).size());
+    if (!is_print(map, outline, best)) return std::nullopt;
     if (round < kLatticeRounds) {
-      correction = map->lattice(window, best.i, best.j, axes) * correction;
+      correction = map.lattice(window, best.i, best.j, axes) * correction;
       if (!is_plausible(correction)) return std::nullopt;
       continue;
     }
-    const Neighbours x = neighbours_of(*map, window, best, true), y = neighbours_of(*map, window, best, false);
+    const Neighbours x = neighbours_of(map, window, best, true), y = neighbours_of(map, window, best, false);
     if ((axes.x && !is_prominent(x, best.score, window.half_x)) ||
         (axes.y && !is_prominent(y, best.score, window.half_y)))
       return std::nullopt;

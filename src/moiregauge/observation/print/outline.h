@@ -45,22 +45,32 @@ struct OrderVerdict {
 [[nodiscard]] std::optional<Outline> learn_outline(const LumaView& luma, const View& view, const Grating& grating,
                                                    const PatchWindow& window, const PrintFromPrint& correction);
 
+// Grating displaced by `moved` (mm) from its site position.
+struct MovedGrating {
+  const Grating& grating;
+  Extent<frame::Board> moved{};
+};
+
 // Returns true if a displacement (mm, from the site's position) belongs to another marker.
 using IsTaken = std::function<bool(Extent<frame::Board>)>;
 
-// Verifies the fringe order in a frame. `moved` (mm) is the displacement by the phase, right except for whole pitches.
-// Searches three pitches around it, and 24 if that does not show the whole grating.
-[[nodiscard]] OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const Grating& grating,
-                                               const Outline& outline, Extent<frame::Board> moved,
-                                               const IsTaken& is_taken);
+// Verifies the fringe order in a frame. The displacement `by_phase` is right except for whole pitches. Searches three
+// pitches around it, and 24 if that does not show the whole grating.
+[[nodiscard]] OrderVerdict verify_fringe_order(const LumaView& luma, const View& view, const MovedGrating& by_phase,
+                                               const Outline& outline, const IsTaken& is_taken);
 
-// Searches a grating within `pitches` of `from`. Returns the displacement of greatest total visibility, mm, to half a
-// pitch.
+// Limits of the search for a lost grating.
+struct SearchLimits {
+  int pitches;  // to each side of the start
+  const IsTaken& is_taken;
+};
+
+// Searches a grating around its position in `from`. Returns the displacement of greatest total visibility, mm, to half
+// a pitch.
 // Fails (nothing): less than half of the grating is visible anywhere.
 [[nodiscard]] std::optional<Extent<frame::Board>> search_print(const LumaView& luma, const View& view,
-                                                               const Grating& grating, const Outline& outline,
-                                                               Extent<frame::Board> from, int pitches,
-                                                               const IsTaken& is_taken);
+                                                               const MovedGrating& from, const Outline& outline,
+                                                               const SearchLimits& limits);
 
 // Returns the displacement (mm, to a quarter pitch) of a grating whose site position is uncertain. The site's scale and
 // shear may be wrong by a quarter there. Searches within `pitches`. `is_hidden` marks pixels that show something else,

@@ -45,7 +45,7 @@ TEST(Outline, AGratingOfWhichAThirdIsVisibleIsNotFound) {
   ASSERT_TRUE(outline);
   const auto found = [&](double share) {
     const auto picture = visible_part(share);
-    return search_print(picture.view(), upright(), print(), *outline, {}, 1, [](auto) { return false; });
+    return search_print(picture.view(), upright(), {print()}, *outline, {1, [](auto) { return false; }});
   };
   EXPECT_TRUE(found(0.8));
   EXPECT_FALSE(found(0.3));

@@ -101,7 +101,7 @@ std::optional<PatchFit> fit_with_new_template(const LumaView& luma, const PrintM
                                      noise_of(at_rest, last.gain[0]), model.options);
   if (!shift) return std::nullopt;
   const PrintTemplate moved = with_origin(*print, {-shift->at.x, -shift->at.y});
-  auto fitted = fit_patch(luma, map, model.window, moved, model.options);
+  auto fitted = fit_patch(luma, map, {model.window, moved, model.options});
   if (!fitted) return std::nullopt;
   PatchFit fit = std::move(fitted->fit);
   const double left = share_left(moved, fit.pixels);

@@ -49,7 +49,8 @@ TEST(OwnBlur, TheInformationOfAShiftIsThatOfItsHarmonics) {
   const auto shift = shift_by_phases(same, {1.0, pixels}, same, {1.0, pixels}, {});
   ASSERT_TRUE(shift);
   double expected = 0.0;
-  for (int m = 1; m <= kLineOrder; ++m) expected += std::pow(kTwoPi * m, 2) * pixels * std::norm(same.coefficient(m, 0));
+  for (int m = 1; m <= kLineOrder; ++m)
+    expected += std::pow(kTwoPi * m, 2) * pixels * std::norm(same.coefficient(m, 0));
   EXPECT_NEAR(shift->information(0, 0) / expected, 1.0, 1e-9);
 }
 
@@ -89,12 +90,12 @@ struct Reading {
 
 // Reads a picture (`now`) by the template of another one.
 Reading read(const Image<std::uint8_t>& then, const Image<std::uint8_t>& now) {
-  const auto model = learn_print(then.view(), upright(), print(), TemplateUse::kOn);
+  const auto model = learn_print(then.view(), upright(), print(), {.use = TemplateUse::kOn});
   EXPECT_TRUE(model);
   Reading out;
   out.map = model->correction * *local_map(upright(), print(), {});
-  out.at_rest = read_points(then.view(), upright(), print(), {}, *model).value();
-  out.first = read_points(now.view(), upright(), print(), {}, *model).value();
+  out.at_rest = read_points(then.view(), upright(), {print()}, *model).value();
+  out.first = read_points(now.view(), upright(), {print()}, *model).value();
   out.own = fit_in_own_blur(now.view(), *model, out.at_rest, out.first).value_or(out.first);
   return out;
 }

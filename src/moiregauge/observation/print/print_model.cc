@@ -74,51 +74,6 @@ struct Side {
   }
 };
 
-template <typename Grey>
-double reach(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit& fit,
-             const PrintTemplate& print, Side side, double most) {
-  const auto back = map.inverse();
-  const double from = side.edge(w), across = 0.9 * (side.axis == 0 ? w.half_y : w.half_x);
-  const double middle = side.axis == 0 ? w.centre.y : w.centre.x;
-  // Points along every strip, about one per pixel. Grey levels are those of the nearest pixel, compared at its own
-  // grating coordinates.
-  const double step = 0.7 * kStrip;
-  double good = from;
-  for (double at = from; at < most; at += kStrip) {
-    double sum = 0.0;
-    int count = 0;
-    for (double t = -across; t <= across; t += step) {
-      const double along = side.sign * (at + 0.5 * kStrip);
-      const PrintPoint p = side.axis == 0 ? PrintPoint{along, middle + t} : PrintPoint{middle + t, along};
-      const ImagePoint q = back(p);
-      const int x = static_cast<int>(std::lround(q.x)), y = static_cast<int>(std::lround(q.y));
-      if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return good;
-      const ImagePoint pixel{double(x), double(y)};
-      const double expected = fit.background(pixel) + fit.contrast(pixel) * print.at(map(pixel)).t;
-      const double off = static_cast<double>(picture.at(x, y)) - expected;
-      sum += off * off;
-      ++count;
-    }
-    if (std::sqrt(sum / count) > kSameAsInside * fit.sigma) return good;
-    good = at + kStrip;
-  }
-  return good;
-}
-
-template <typename Grey>
-PatchWindow grown(const ImageView<Grey>& picture, const PrintFromImage& map, const PatchWindow& w, const PatchFit& fit,
-                  const PrintTemplate& print, const Grating& grating, double pixel) {
-  const double most_x = 0.5 * grating.width_mm / grating.pitch_mm + kMaxBeyond;
-  const double most_y = 0.5 * grating.height_mm / grating.pitch_mm + kMaxBeyond;
-  // The last good pixel of a strip may be half a pixel from its edge. Half a pixel of edge is invisible in a strip.
-  const auto limit = [&](Side side) {
-    const double most = side.axis == 0 ? most_x : most_y;
-    return std::max(side.edge(w), reach(picture, map, w, fit, print, side, most) - pixel);
-  };
-  const double right = limit({0, 1.0}), left = limit({0, -1.0}), up = limit({1, 1.0}), down = limit({1, -1.0});
-  return {{0.5 * (right - left), 0.5 * (up - down)}, 0.5 * (right + left), 0.5 * (up + down)};
-}
-
 // Returns the corrected map: a homography through the nine points.
 std::optional<PrintFromImage> corrected(const PatchFit& fit) {
   const auto h = fit_homography<frame::Print, frame::Image>(fit.image, fit.print);
@@ -189,7 +144,7 @@ class Learning {
     if (!options.along_x || !options.along_y) print = averaged_along_lines(*print, options.along_x);
     options.has_width = !in_light_ && print->order() > 1;
     model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}, {}, 0.0};
-    auto fitted = fit_patch(*luma_, map_, window_, model_->print, options);
+    auto fitted = fit_patch(*luma_, map_, {window_, model_->print, options});
     if (!fitted) return tl::unexpected(fitted.error());
     fit_ = std::move(fitted->fit);
     model_->at_rest = std::move(fitted->at_rest);
@@ -218,9 +173,7 @@ class Learning {
   // Extends the window over the grating. The window cannot follow movement along lines, so its ends stay inside them.
   void grow() {
     const PatchWindow before = window_;
-    window_ = std::visit(
-        [&](const auto& picture) { return grown(picture, map_, window_, *fit_, model_->print, *grating_, pixel_); },
-        *luma_);
+    window_ = std::visit([this](const auto& picture) { return grown(picture); }, *luma_);
     if (!model_->options.along_x) window_.half_x = std::max(before.half_x, kShareOfLines * window_.half_x);
     if (!model_->options.along_y) window_.half_y = std::max(before.half_y, kShareOfLines * window_.half_y);
   }
@@ -241,6 +194,13 @@ class Learning {
   [[nodiscard]] const PrintModel& model() const { return *model_; }
 
  private:
+  // Returns the distance up to which the strips on one side match the template, pitches. No strip begins beyond `most`.
+  template <typename Grey>
+  [[nodiscard]] double reach(const ImageView<Grey>& picture, Side side, double most) const;
+  // Returns the window extended by the strips that match the template.
+  template <typename Grey>
+  [[nodiscard]] PatchWindow grown(const ImageView<Grey>& picture) const;
+
   bool in_light_;
   const LumaView* luma_;  // pointers, so that a state can be copied
   const Grating* grating_;
@@ -251,20 +211,61 @@ class Learning {
   std::optional<PrintModel> model_;
 };
 
+template <typename Grey>
+double Learning::reach(const ImageView<Grey>& picture, Side side, double most) const {
+  const auto back = map_.inverse();
+  const double from = side.edge(window_), across = 0.9 * (side.axis == 0 ? window_.half_y : window_.half_x);
+  const double middle = side.axis == 0 ? window_.centre.y : window_.centre.x;
+  // Points along every strip, about one per pixel. Grey levels are those of the nearest pixel, compared at its own
+  // grating coordinates.
+  const double step = 0.7 * kStrip;
+  double good = from;
+  for (double at = from; at < most; at += kStrip) {
+    double sum = 0.0;
+    int count = 0;
+    for (double t = -across; t <= across; t += step) {
+      const double along = side.sign * (at + 0.5 * kStrip);
+      const PrintPoint p = side.axis == 0 ? PrintPoint{along, middle + t} : PrintPoint{middle + t, along};
+      const ImagePoint q = back(p);
+      const int x = static_cast<int>(std::lround(q.x)), y = static_cast<int>(std::lround(q.y));
+      if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return good;
+      const ImagePoint pixel{double(x), double(y)};
+      const double expected = fit_->background(pixel) + fit_->contrast(pixel) * model_->print.at(map_(pixel)).t;
+      const double off = static_cast<double>(picture.at(x, y)) - expected;
+      sum += off * off;
+      ++count;
+    }
+    if (std::sqrt(sum / count) > kSameAsInside * fit_->sigma) return good;
+    good = at + kStrip;
+  }
+  return good;
+}
+
+template <typename Grey>
+PatchWindow Learning::grown(const ImageView<Grey>& picture) const {
+  const double most_x = 0.5 * grating_->width_mm / grating_->pitch_mm + kMaxBeyond;
+  const double most_y = 0.5 * grating_->height_mm / grating_->pitch_mm + kMaxBeyond;
+  // The last good pixel of a strip may be half a pixel from its edge. Half a pixel of edge is invisible in a strip.
+  const auto limit = [&](Side side) {
+    const double most = side.axis == 0 ? most_x : most_y;
+    return std::max(side.edge(window_), reach(picture, side, most) - pixel_);
+  };
+  const double right = limit({0, 1.0}), left = limit({0, -1.0}), up = limit({1, 1.0}), down = limit({1, -1.0});
+  return {{0.5 * (right - left), 0.5 * (up - down)}, 0.5 * (right + left), 0.5 * (up + down)};
+}
+
 constexpr int kAllOrders = 1 << 20;
 
 // Smallest change of scale or shear that starts from the phases. A view through circles known to some millimetres may
 // stretch or shear by a third, from where alternating fits do not converge. Chosen.
 constexpr double kStretched = 0.02;
 
-PrintFromPrint lattice_seen(const LumaView& luma, const View& view, const Grating& grating,
-                            Extent<frame::Board> moved) {
-  const PatchWindow window = safe_window(grating, view.mm_per_px(grating.centre + moved));
+PrintFromPrint lattice_seen(const LumaView& luma, const Grating& grating, const PrintFromImage& map, double mm_per_px) {
+  const PatchWindow window = safe_window(grating, mm_per_px);
   PrintFromPrint found;
   for (int round = 0; round < 2; ++round) {
-    const auto presence = presence_round(luma, view, grating, window, moved, found, 0);
-    if (!presence) return {};
-    found = presence->lattice(window, 0, 0, axes_of(grating)) * found;
+    const VisibilityMap presence = presence_round(luma, grating, found * map, window);
+    found = presence.lattice(window, 0, 0, axes_of(grating)) * found;
   }
   const Matrix3 change = found.matrix() / found.matrix()(2, 2) - Matrix3::Identity();
   const double stretch = change.topLeftCorner<2, 2>().cwiseAbs().maxCoeff();
@@ -334,35 +335,37 @@ void take_own_origin(PrintModel& model, double within) {
 }  // namespace
 
 tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view, const Grating& grating,
-                                                      TemplateUse use, double origin_within, bool in_light) {
+                                                      const LearnOptions& options) {
   const auto map = local_map(view, grating, {});
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
-  const auto start = lattice_seen(luma, view, grating, {});
-  Learning learning(luma, grating, start * *map, view.mm_per_px(grating.centre), in_light);
+  const double mm_per_px = view.mm_per_px(grating.centre);
+  const auto start = lattice_seen(luma, grating, *map, mm_per_px);
+  Learning learning(luma, grating, start * *map, mm_per_px, options.in_light);
   if (const auto done = learning.until_converged(kFirstOrders); !done) return tl::unexpected(done.error());
   // With a few harmonics the residuals are large, and an edge would count as grating. The window therefore grows with
   // all harmonics.
   if (const auto done = learning.round(kAllOrders); !done) return tl::unexpected(done.error());
   learning.grow();
   if (const auto done = learning.until_converged(kAllOrders); !done) return tl::unexpected(done.error());
-  auto taken = chosen(std::move(learning), use);
+  auto taken = chosen(std::move(learning), options.use);
   if (!taken) return tl::unexpected(taken.error());
   PrintModel model = taken->model();
-  const double pitch_px = grating.pitch_mm / view.mm_per_px(grating.centre);
+  const double pitch_px = grating.pitch_mm / mm_per_px;
   model.options.row_step = std::clamp(static_cast<int>(pitch_px / kRowsPerPitch), 1, kMaxRowStep);
   model.correction = taken->map() * map->inverse();
-  if (origin_within > 0.0) take_own_origin(model, origin_within);
+  if (options.origin_within > 0.0) take_own_origin(model, options.origin_within);
   model.outline = learn_outline(luma, view, grating, model.window, model.correction);
   return model;
 }
 
-tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view, const Grating& grating,
-                                                    Extent<frame::Board> moved, const PrintModel& model, Rows rows) {
-  const auto map = local_map(view, grating, moved);
+tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view, const MovedGrating& at,
+                                                    const PrintModel& model, Rows rows) {
+  const auto map = local_map(view, at.grating, at.moved);
   if (!map) return tl::unexpected(Failure::kOutsidePicture);
   const auto start = model.correction * *map;
-  if (model.at_rest) return follow_patch(luma, start, model.window, model.print, model.options, *model.at_rest, rows);
-  auto first = fit_patch(luma, start, model.window, model.print, model.options);
+  const PatchToFit patch{model.window, model.print, model.options};
+  if (model.at_rest) return follow_patch(luma, start, patch, *model.at_rest, rows);
+  auto first = fit_patch(luma, start, patch);
   if (!first) return tl::unexpected(first.error());
   return std::move(first->fit);
 }

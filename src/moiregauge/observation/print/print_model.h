@@ -49,24 +49,29 @@ inline constexpr double kPrintEdgePx = 2.4;
 [[nodiscard]] std::optional<PrintFromImage> local_map(const View& view, const Grating& grating,
                                                       Extent<frame::Board> moved);
 
+struct LearnOptions {
+  TemplateUse use = TemplateUse::kAuto;
+  // Pitches. If positive, the origin is the grating's own symmetry point within that distance. `u_origin` is then its
+  // uncertainty. If there is no such point, the origin remains, and `u_origin` is the distance of the nearest one.
+  double origin_within = 0.0;
+  // Grey levels are proportional to light. They need no width of lines, because more blur moves no edge there.
+  bool in_light = true;
+};
+
 // Learns the template of a grating from one image, with harmonics up to pitch / 2.2 px, or the fundamentals alone by
 // `use`. Template and map are fitted alternately, from the map by `view` or by the phases, until the map is constant.
 // Displacement is zero where the site has the grating.
-//
-// With a positive `origin_within` (pitches), the origin is the grating's own symmetry point within that distance.
-// `u_origin` is then its uncertainty. If there is no such point, the origin remains, and `u_origin` is the distance of
-// the nearest one. Grey levels that are `in_light` need no width of lines, because more blur moves no edge there.
 // Fails: PatchFitFailure names the reason.
 [[nodiscard]] tl::expected<PrintModel, PatchFitFailure> learn_print(const LumaView& luma, const View& view,
-                                                                    const Grating& grating, TemplateUse use,
-                                                                    double origin_within = 0.0, bool in_light = true);
+                                                                    const Grating& grating,
+                                                                    const LearnOptions& options);
 
-// Fits the nine points of a marker in an image. `moved` (mm) must be right to a tenth of a pitch.
+// Fits the nine points of a marker in an image. Its displacement must be right to a tenth of a pitch.
 // Fails: PatchFitFailure names the reason.
 // Error: the information matrix of the fit.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> read_points(const LumaView& luma, const View& view,
-                                                                  const Grating& grating, Extent<frame::Board> moved,
-                                                                  const PrintModel& model, Rows rows = Rows::kAll);
+                                                                  const MovedGrating& at, const PrintModel& model,
+                                                                  Rows rows = Rows::kAll);
 
 // Largest change of scale or shear of a lattice. A larger one belongs to another pattern. The first round finds
 // stretches too large. Chosen.

@@ -15,7 +15,7 @@ using test::cosines, test::crossed_lines, test::kNoise, test::print, test::seen,
     test::tinted_lines, test::upright;
 
 PrintModel learned(const Image<std::uint8_t>& picture, TemplateUse use) {
-  auto model = learn_print(picture.view(), upright(), print(), use);
+  auto model = learn_print(picture.view(), upright(), print(), {.use = use});
   EXPECT_TRUE(model);
   return model.value();
 }
@@ -33,7 +33,7 @@ Scatter scatter(const PrintModel& model) {
   double sum = 0.0;
   for (int k = 0; k < kPictures; ++k) {
     const auto picture = seen(crossed_lines, static_cast<std::uint64_t>(100 + k));
-    const auto fit = read_points(picture.view(), upright(), print(), {}, model);
+    const auto fit = read_points(picture.view(), upright(), {print()}, model);
     EXPECT_TRUE(fit);
     const Shift shift = shift_of(*fit, map);
     shifts.push_back(shift.pitches);

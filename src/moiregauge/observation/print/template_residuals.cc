@@ -37,6 +37,31 @@ double median_of(const PrintMisses& m) {
   return *middle;
 }
 
+// Rectangle of blocks: columns x0 to x1 and rows y0 to y1, ends excluded.
+struct BlockRectangle {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  [[nodiscard]] int area() const { return (x1 - x0) * (y1 - y0); }
+  [[nodiscard]] bool is_free_of(const BlockSet& covered) const {
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) {
+        if (covered[static_cast<std::size_t>(y * kMissBlocks + x)]) return false;
+      }
+    }
+    return true;
+  }
+};
+
+// Returns the larger of `best` and the largest free rectangle whose lowest block is (x0, y0).
+BlockRectangle larger_free(const BlockSet& covered, int x0, int y0, BlockRectangle best) {
+  for (int y1 = y0 + 1; y1 <= kMissBlocks; ++y1) {
+    for (int x1 = x0 + 1; x1 <= kMissBlocks; ++x1) {
+      const BlockRectangle here{x0, y0, x1, y1};
+      if (here.area() > best.area() && here.is_free_of(covered)) best = here;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 std::array<double, 2> blur_of(const PatchFit& fit) {
@@ -80,32 +105,16 @@ CoveredBlocks covered_blocks(const PrintMisses& then, const PrintMisses& now, do
 }
 
 std::optional<PatchWindow> free_window(const PatchWindow& window, const BlockSet& covered) {
-  int best = 0, best_x0 = 0, best_y0 = 0, best_x1 = 0, best_y1 = 0;
-  const auto is_free = [&](int x0, int y0, int x1, int y1) {
-    for (int y = y0; y < y1; ++y) {
-      for (int x = x0; x < x1; ++x) {
-        if (covered[static_cast<std::size_t>(y * kMissBlocks + x)]) return false;
-      }
-    }
-    return true;
-  };
+  BlockRectangle best;
   for (int y0 = 0; y0 < kMissBlocks; ++y0) {
-    for (int x0 = 0; x0 < kMissBlocks; ++x0) {
-      for (int y1 = y0 + 1; y1 <= kMissBlocks; ++y1) {
-        for (int x1 = x0 + 1; x1 <= kMissBlocks; ++x1) {
-          const int area = (x1 - x0) * (y1 - y0);
-          if (area > best && is_free(x0, y0, x1, y1))
-            best = area, best_x0 = x0, best_y0 = y0, best_x1 = x1, best_y1 = y1;
-        }
-      }
-    }
+    for (int x0 = 0; x0 < kMissBlocks; ++x0) best = larger_free(covered, x0, y0, best);
   }
-  if (best < kMinFree * static_cast<double>(kAllMissBlocks)) return std::nullopt;
+  if (best.area() < kMinFree * static_cast<double>(kAllMissBlocks)) return std::nullopt;
   const auto at = [](int block) { return 2.0 * block / kMissBlocks - 1.0; };
-  return PatchWindow{{window.centre.x + 0.5 * (at(best_x0) + at(best_x1)) * window.half_x,
-                      window.centre.y + 0.5 * (at(best_y0) + at(best_y1)) * window.half_y},
-                     0.5 * (at(best_x1) - at(best_x0)) * window.half_x,
-                     0.5 * (at(best_y1) - at(best_y0)) * window.half_y};
+  return PatchWindow{{window.centre.x + 0.5 * (at(best.x0) + at(best.x1)) * window.half_x,
+                      window.centre.y + 0.5 * (at(best.y0) + at(best.y1)) * window.half_y},
+                     0.5 * (at(best.x1) - at(best.x0)) * window.half_x,
+                     0.5 * (at(best.y1) - at(best.y0)) * window.half_y};
 }
 
 }  // namespace moiregauge::internal

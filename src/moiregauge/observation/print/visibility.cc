@@ -6,9 +6,9 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <optional>
 #include <variant>
 
-#include "moiregauge/observation/print/print_model.h"
 #include "moiregauge/observation/raster/raster.h"
 #include "moiregauge/units/units.h"
 
@@ -60,6 +60,7 @@ using Complex = std::complex<double>;
 // Returns exp(2 pi i X) at the middles of points from `low` on.
 std::vector<Complex> turns(double low, int points) {
   std::vector<Complex> out;
+  out.reserve(static_cast<std::size_t>(points));
   for (int i = 0; i < points; ++i) out.push_back(std::polar(1.0, kTwoPi * (low + (i + 0.5) / kPerPitch)));
   return out;
 }
@@ -136,15 +137,12 @@ double VisibilityMap::sum(const PatchWindow& window, int i, int j) const {
   return std::accumulate(all.begin(), all.end(), 0.0);
 }
 
-std::optional<VisibilityMap> presence_round(const LumaView& luma, const View& view, const Grating& grating,
-                                            const PatchWindow& window, Extent<frame::Board> moved,
-                                            const PrintFromPrint& correction, int pitches, const IsHidden& is_hidden) {
-  const auto map = local_map(view, grating, moved);
-  if (!map) return std::nullopt;
-  const auto image_from_print = (correction * *map).inverse();
+VisibilityMap presence_round(const LumaView& luma, const Grating& grating, const PrintFromImage& print_from_image,
+                             const PatchWindow& window, const IsHidden& is_hidden) {
+  const auto image_from_print = print_from_image.inverse();
   const Axes axes = axes_of(grating);
   const bool diagonal = fundamental_pitch_mm(grating) < 0.9 * grating.pitch_mm;
-  const auto cells = [&](double half) { return 2 * static_cast<int>(std::ceil(2.0 * (half + pitches))) + 1; };
+  const auto cells = [](double half) { return 2 * static_cast<int>(std::ceil(2.0 * half)) + 1; };
   const int columns = cells(window.half_x), rows = cells(window.half_y);
   const PrintPoint low{window.centre.x - 0.25 * (columns - 1), window.centre.y - 0.25 * (rows - 1)};
   // Points: one pitch around the middle of every cell.

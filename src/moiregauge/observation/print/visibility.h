@@ -5,10 +5,8 @@
 
 #include <complex>
 #include <functional>
-#include <optional>
 #include <vector>
 
-#include "moiregauge/geometry/view.h"
 #include "moiregauge/image/image.h"
 #include "moiregauge/phase/fit/patch_fit.h"
 #include "moiregauge/site/site.h"
@@ -62,14 +60,16 @@ class VisibilityMap {
 // Returns true for a pixel that is known not to show the grating.
 using IsHidden = std::function<bool(ImagePoint)>;
 
-// Returns the cells within `pitches` of a grating's window. The grating coordinates are `correction` times those of a
-// grating displaced by `moved` in the view. A cell uses one pitch around its middle: the amplitudes of the fundamentals
-// relative to the mean grey level. Their geometric mean over both axes excludes a lone edge. Cells beyond the image, or
-// with a hidden pixel, are zero.
-// Fails (nothing): the grating's corners determine no homography in this view.
-[[nodiscard]] std::optional<VisibilityMap> presence_round(const LumaView& luma, const View& view,
-                                                          const Grating& grating, const PatchWindow& window,
-                                                          Extent<frame::Board> moved, const PrintFromPrint& correction,
-                                                          int pitches, const IsHidden& is_hidden = {});
+// Returns the window with a margin of `pitches` on each side.
+[[nodiscard]] inline PatchWindow with_margin(const PatchWindow& window, int pitches) {
+  return {window.centre, window.half_x + pitches, window.half_y + pitches};
+}
+
+// Returns the cells of a window, which may extend beyond the grating. A cell uses one pitch around its middle: the
+// amplitudes of the fundamentals relative to the mean grey level. Their geometric mean over both axes excludes a lone
+// edge. Cells beyond the image, or with a hidden pixel, are zero.
+[[nodiscard]] VisibilityMap presence_round(const LumaView& luma, const Grating& grating,
+                                           const PrintFromImage& print_from_image, const PatchWindow& window,
+                                           const IsHidden& is_hidden = {});
 
 }  // namespace moiregauge::internal

@@ -111,15 +111,10 @@ class PackedReader {
 
 float single(double value) { return static_cast<float>(value); }
 
-PrintPoint grid_point(const PatchWindow& w, int n) {
-  return {w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x, w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
-}
-
 std::array<ImagePoint, kPatchPoints> image_of_grid(const Homography<frame::Window, frame::Image>& window_from_image) {
   const auto back = window_from_image.inverse();
   std::array<ImagePoint, kPatchPoints> image;
-  for (int n = 0; n < kPatchPoints; ++n)
-    image[static_cast<std::size_t>(n)] = back({(n % 3 - 1) * 2.0 / 3.0, (n / 3 - 1) * 2.0 / 3.0});
+  for (int n = 0; n < kPatchPoints; ++n) image[static_cast<std::size_t>(n)] = back(window_point(n));
   return image;
 }
 

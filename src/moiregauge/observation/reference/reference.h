@@ -27,6 +27,12 @@ struct GreyPicture {
   double rounding = 0.0;
 };
 
+// Image of one frame, and the view of the board in it.
+struct BoardPicture {
+  const GreyPicture& picture;
+  const View& view;
+};
+
 // Centre of a circle as a point of the homography, corrected for the lens and for the perspective offset of the
 // ellipse's centre.
 struct CirclePoint {

@@ -47,7 +47,7 @@ std::vector<InspectedPatch> patches_of(const GreyPicture& picture, std::vector<D
     const double pixels = area_of(patch.outline);
     patch.modulation = std::ldexp(patch.modulation, picture.bits - 8);  // grey levels as stored
     patch.noise = std::ldexp(patch.noise, picture.bits - 8);
-    out.push_back({std::move(patch), noise, pixels});
+    out.push_back({patch, noise, pixels});
   }
   return out;
 }
@@ -111,19 +111,19 @@ bool same_circle(const DetectedCircle& a, const DetectedCircle& b) {
          std::abs(a.diameter_px - b.diameter_px) < 0.25 * a.diameter_px;
 }
 
+// Assigns a marker to the first free detection of its circle.
+void name_circle(std::vector<InspectedCircle>& circles, const DetectedCircle& circle, int marker) {
+  const auto found = std::ranges::find_if(
+      circles, [&](const InspectedCircle& c) { return c.marker == kUnidentified && same_circle(c.seen, circle); });
+  if (found != circles.end()) found->marker = marker;
+}
+
 // Assigns each marker to the detection nearest to its position in the reference.
 void name_the_seen(Inspection& inspection) {
   const Reference& reference = *inspection.reference;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
     const int marker = static_cast<int>(i);
-    if (const auto& circle = reference.seen.markers[i].circle) {
-      for (InspectedCircle& c : inspection.circles) {
-        if (c.marker == kUnidentified && same_circle(c.seen, *circle)) {
-          c.marker = marker;
-          break;
-        }
-      }
-    }
+    if (const auto& circle = reference.seen.markers[i].circle) name_circle(inspection.circles, *circle, marker);
     if (!reference.site.markers[i].grating || reference.seen.markers[i].loss != Loss::kNone) continue;
     const ImagePoint centre = reference.view(reference.site.markers[i].grating->centre);
     InspectedPatch* nearest = nullptr;

@@ -202,6 +202,7 @@ namespace {
 template <typename Value>
 std::vector<Value> part_of(const std::vector<Value>& all, const std::vector<std::size_t>& from) {
   std::vector<Value> part;
+  part.reserve(from.size());
   for (const std::size_t i : from) part.push_back(all[i]);
   return part;
 }

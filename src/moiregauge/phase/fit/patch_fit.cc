@@ -46,7 +46,7 @@ constexpr int kMaxPasses = 3;  // for each kind; chosen
 BendColumns made_bend_columns() {
   BendColumns columns = BendColumns::Zero();
   for (int n = 0; n < kPatchPoints; ++n) {
-    const double u = (n % 3 - 1) * 2.0 / 3.0, v = (n / 3 - 1) * 2.0 / 3.0;
+    const auto [u, v] = window_point(n);
     columns.row(n) << 1, u, v, 0, 0, 0, -u * u, -u * v;
     columns.row(kPatchPoints + n) << 0, 0, 0, 1, u, v, -u * v, -v * v;
   }
@@ -80,17 +80,11 @@ PrintFromImage bent_map(const PrintFromImage& map, const PatchWindow& window, co
   return PrintFromImage(to_window.inverse().matrix() * change * to_window.matrix() * map.matrix());
 }
 
-// Returns point n of a window's grid.
-PrintPoint grid_point(const PatchWindow& w, int n) {
-  return {w.centre.x + (n % 3 - 1) * 2.0 / 3.0 * w.half_x, w.centre.y + (n / 3 - 1) * 2.0 / 3.0 * w.half_y};
-}
-
 // State of one fit over its passes: the map and the model's other parameters.
 class Passes {
  public:
-  Passes(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window, const PrintTemplate& print,
-         const PatchFitOptions& options)
-      : luma_(luma), print_(print), options_(options), model_{start, window} {}
+  Passes(const LumaView& luma, const PrintFromImage& start, const PatchToFit& patch)
+      : luma_(luma), print_(patch.print), options_(patch.options), model_{start, patch.window} {}
 
   // Computes the pixel box of the window. Returns false if it leaves the image.
   [[nodiscard]] bool aim() {
@@ -271,24 +265,22 @@ tl::expected<PatchFit, Failure> finish_with_own_equations(Passes& passes) {
 
 }  // namespace
 
-tl::expected<FirstFit, Failure> fit_patch(const LumaView& luma, const PrintFromImage& start, const PatchWindow& window,
-                                          const PrintTemplate& print, const PatchFitOptions& options) {
-  Passes passes(luma, start, window, print, options);
+tl::expected<FirstFit, Failure> fit_patch(const LumaView& luma, const PrintFromImage& start, const PatchToFit& patch) {
+  Passes passes(luma, start, patch);
   if (!passes.aim()) return tl::unexpected(Failure::kOutsidePicture);
   passes.begin(nullptr);
-  for (int k = 0; k < options.passes; ++k) {
+  for (int k = 0; k < patch.options.passes; ++k) {
     if (const auto done = passes.pass(nullptr); !done) return tl::unexpected(done.error());
   }
   if (!(passes.last_step() < kStillMoving)) return tl::unexpected(Failure::kNoPattern);
   return FirstFit{passes.fit(nullptr), passes.at_rest()};
 }
 
-tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFromImage& start,
-                                             const PatchWindow& window, const PrintTemplate& print,
-                                             const PatchFitOptions& options, const PatchAtRest& at_rest, Rows rows) {
-  Passes passes(luma, start, window, print, options);
+tl::expected<PatchFit, Failure> follow_patch(const LumaView& luma, const PrintFromImage& start, const PatchToFit& patch,
+                                             const PatchAtRest& at_rest, Rows rows) {
+  Passes passes(luma, start, patch);
   passes.begin(&at_rest);
-  const PixelSteps steps{options.row_step, rows == Rows::kAll ? kBlocksOfStart : 1};
+  const PixelSteps steps{patch.options.row_step, rows == Rows::kAll ? kBlocksOfStart : 1};
   for (int k = 0; k < kMaxPasses; ++k) {
     if (const auto done = passes.shift(steps); !done) return tl::unexpected(done.error());
     if (passes.last_step() < (rows == Rows::kAll ? kNear : kMaxFrozenStep)) break;

@@ -66,6 +66,13 @@ struct PatchFit {
 // last pass, which differs from it by that pass's step.
 [[nodiscard]] PrintFromImage map_of(const PatchFit& fit, const PatchWindow& window);
 
+// Grating to fit: a window in its coordinates, its template, and the options of the fit.
+struct PatchToFit {
+  const PatchWindow& window;
+  const PrintTemplate& print;
+  const PatchFitOptions& options;
+};
+
 enum class PatchFitFailure {
   kOutsidePicture,  // a part of the window is outside the image
   // Fewer than four pixels per unknown.
@@ -84,12 +91,11 @@ struct FirstFit {
   PatchAtRest at_rest;
 };
 
-// Fits a grating from the map `start`, with normal equations of its own in each of `options.passes` passes.
+// Fits a grating from the map `start`, with normal equations of its own in each of `patch.options.passes` passes.
 // Fails: PatchFitFailure names the reason.
 // Error: `fit.information`. u of a common shift is 1.04 times the bound of Rife and Boorstyn (1974).
 [[nodiscard]] tl::expected<FirstFit, PatchFitFailure> fit_patch(const LumaView& luma, const PrintFromImage& start,
-                                                                const PatchWindow& window, const PrintTemplate& print,
-                                                                const PatchFitOptions& options);
+                                                                const PatchToFit& patch);
 
 enum class Rows {
   kSome,  // every options.row_step-th row: a fraction of the time, a larger u
@@ -101,9 +107,7 @@ enum class Rows {
 // not, it uses the frame's own normal equations. With Rows::kSome only the shift is fitted, by all pixels of these rows.
 // Fails and errs as fit_patch does.
 [[nodiscard]] tl::expected<PatchFit, PatchFitFailure> follow_patch(const LumaView& luma, const PrintFromImage& start,
-                                                                   const PatchWindow& window,
-                                                                   const PrintTemplate& print,
-                                                                   const PatchFitOptions& options,
-                                                                   const PatchAtRest& at_rest, Rows rows = Rows::kAll);
+                                                                   const PatchToFit& patch, const PatchAtRest& at_rest,
+                                                                   Rows rows = Rows::kAll);
 
 }  // namespace moiregauge::internal

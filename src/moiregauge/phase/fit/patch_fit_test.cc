@@ -85,7 +85,7 @@ PrintFromImage off_by(const PrintFromImage& map, double x, double y, double stre
 tl::expected<PatchFit, PatchFitFailure> fitted(const LumaView& luma, const PrintFromImage& start,
                                                const PatchWindow& window, const PrintTemplate& print,
                                                const PatchFitOptions& options) {
-  return fit_patch(luma, start, window, print, options).map([](const FirstFit& first) { return first.fit; });
+  return fit_patch(luma, start, {window, print, options}).map([](const FirstFit& first) { return first.fit; });
 }
 
 TEST(PatchFit, PointsAreExactWithoutNoise) {
@@ -199,7 +199,7 @@ CommonShift common_shift(const PatchFit& fit, const PrintFromImage& truth) {
 TEST(PatchFit, TrackedFitEqualsAFreshFitInAnotherFrame) {
   const auto at_rest = oblique(5.0);
   const auto print = PrintTemplate::cosine(42.5, 42.5);
-  const auto rest = fit_patch(seen(at_rest, {.sigma = 1.5}, crossed, 1).view(), at_rest, kWindow, print, {});
+  const auto rest = fit_patch(seen(at_rest, {.sigma = 1.5}, crossed, 1).view(), at_rest, {kWindow, print, {}});
   ASSERT_TRUE(rest);
   Matrix3 nearer = Matrix3::Identity();
   nearer.diagonal() << 0.97, 0.97, 1.0;
@@ -208,7 +208,7 @@ TEST(PatchFit, TrackedFitEqualsAFreshFitInAnotherFrame) {
       truth, {.slope = 0.2, .sigma = 1.5}, [](PrintPoint p) { return 0.5 * crossed(p); }, 2);
   const auto start = off_by(truth, 0.12, -0.07, 0.004);
   const auto fresh = fitted(picture.view(), start, kWindow, print, {});
-  const auto followed = follow_patch(picture.view(), start, kWindow, print, {.row_step = 4}, rest->at_rest);
+  const auto followed = follow_patch(picture.view(), start, {kWindow, print, {.row_step = 4}}, rest->at_rest);
   ASSERT_TRUE(fresh && followed);
   const CommonShift a = common_shift(*fresh, truth), b = common_shift(*followed, truth);
   // Both stop when the rest is small against u (2e-5 and 2e-4 pitch here).
@@ -223,14 +223,14 @@ TEST(PatchFit, TrackedFitEqualsAFreshFitInAnotherFrame) {
 TEST(PatchFit, SomeRowsGiveThePositionWithALargerU) {
   const auto truth = oblique(13.0);
   const auto print = PrintTemplate::cosine(42.5, 42.5);
-  const auto rest = fit_patch(seen(truth, {.sigma = 1.5}, crossed, 1).view(), truth, kWindow, print, {});
+  const auto rest = fit_patch(seen(truth, {.sigma = 1.5}, crossed, 1).view(), truth, {kWindow, print, {}});
   ASSERT_TRUE(rest);
   double chi2 = 0.0;
   constexpr int kRuns = 100, kStep = 4;
   for (int run = 0; run < kRuns; ++run) {
     const auto picture = seen(truth, {.sigma = 1.5}, crossed, 200 + static_cast<std::uint64_t>(run));
-    const auto some = follow_patch(picture.view(), off_by(truth, 0.12, -0.07, 0.0), kWindow, print, {.row_step = kStep},
-                                   rest->at_rest, Rows::kSome);
+    const auto some = follow_patch(picture.view(), off_by(truth, 0.12, -0.07, 0.0),
+                                   {kWindow, print, {.row_step = kStep}}, rest->at_rest, Rows::kSome);
     ASSERT_TRUE(some);
     const CommonShift shift = common_shift(*some, truth), all = common_shift(rest->fit, truth);
     chi2 += std::pow(shift.x / shift.u_x, 2) / kRuns;
@@ -263,9 +263,9 @@ TEST(PatchFit, FlatPaperAndTheImageEdgeAreRefused) {
   ASSERT_FALSE(nothing) << nothing->gain[0];
   EXPECT_EQ(nothing.error(), PatchFitFailure::kNoPattern);
   const auto rest =
-      fit_patch(seen(truth, {.sigma = 1.0}, crossed, 8).view(), truth, kWindow, PrintTemplate::cosine(40, 40), {});
+      fit_patch(seen(truth, {.sigma = 1.0}, crossed, 8).view(), truth, {kWindow, PrintTemplate::cosine(40, 40), {}});
   ASSERT_TRUE(rest);
-  const auto lost = follow_patch(flat.view(), truth, kWindow, PrintTemplate::cosine(40, 40), {}, rest->at_rest);
+  const auto lost = follow_patch(flat.view(), truth, {kWindow, PrintTemplate::cosine(40, 40), {}}, rest->at_rest);
   ASSERT_FALSE(lost) << lost->gain[0];
   EXPECT_EQ(lost.error(), PatchFitFailure::kNoPattern);
   const auto outside = fitted(flat.view(), off_by(truth, 2.0, 0.0, 0.0), kWindow, PrintTemplate::cosine(40, 40), {});
@@ -277,12 +277,12 @@ TEST(PatchFit, FollowingAGratingAllocatesNothing) {
   const auto truth = oblique(17.0);
   const auto picture = seen(truth, {.sigma = 1.0}, crossed, 11);
   const auto print = PrintTemplate::cosine(42.5, 42.5);
-  const auto rest = fit_patch(picture.view(), truth, kWindow, print, {});
+  const auto rest = fit_patch(picture.view(), truth, {kWindow, print, {}});
   ASSERT_TRUE(rest);
   const auto start = off_by(truth, 0.01, -0.02, 0.0);
   for (const Rows rows : {Rows::kSome, Rows::kAll}) {
     const long before = allocations_of_all_tests;
-    const auto now = follow_patch(picture.view(), start, kWindow, print, {}, rest->at_rest, rows);
+    const auto now = follow_patch(picture.view(), start, {kWindow, print, {}}, rest->at_rest, rows);
     EXPECT_EQ(allocations_of_all_tests, before);
     EXPECT_TRUE(now);
   }
@@ -331,7 +331,7 @@ double growth_by_blur(double gamma) {
   const auto truth = oblique(0.0);
   const auto picture = seen(
       truth, {}, [gamma](PrintPoint p) { return grey_of_grid(p, kSeen, gamma); }, 1);
-  const auto fit = fit_patch(picture.view(), truth, kWindow, print, {});
+  const auto fit = fit_patch(picture.view(), truth, {kWindow, print, {}});
   if (!fit) return INFINITY;
   double growth = 0.0;
   for (const std::size_t left : {0U, 3U, 6U}) {
@@ -354,7 +354,7 @@ TEST(PatchFit, FollowedNearerThePrintIsAsLargeAsAFreshFitSays) {
   const auto at_rest = oblique(0.0);
   const auto far_away = seen(
       at_rest, {}, [](PrintPoint p) { return grey_of_grid(p, kBlur_px, 1.0); }, 1);
-  const auto rest = fit_patch(far_away.view(), at_rest, kWindow, print, {});
+  const auto rest = fit_patch(far_away.view(), at_rest, {kWindow, print, {}});
   ASSERT_TRUE(rest);
   struct Case {
     double distance, turn_deg, stretch;  // the camera's distance and rotation, and the error of the start
@@ -368,7 +368,7 @@ TEST(PatchFit, FollowedNearerThePrintIsAsLargeAsAFreshFitSays) {
         truth, {}, [&](PrintPoint p) { return grey_of_grid(p, c.distance * kBlur_px, 1.0); }, 2);
     const auto start = off_by(truth, 0.004, -0.003, c.stretch);
     const auto fresh = fitted(picture.view(), start, kWindow, print, {.passes = 6});
-    const auto followed = follow_patch(picture.view(), start, kWindow, print, {.row_step = 2}, rest->at_rest);
+    const auto followed = follow_patch(picture.view(), start, {kWindow, print, {.row_step = 2}}, rest->at_rest);
     ASSERT_TRUE(fresh && followed);
     const auto growth = [&](const PatchFit& fit) {
       const auto off = [&](std::size_t k) { return fit.print[k].x - truth(fit.image[k]).x; };
@@ -384,7 +384,7 @@ TEST(PatchFit, FollowedNearerThePrintIsAsLargeAsAFreshFitSays) {
 TEST(PatchFit, ATrackedFitDoesNotDependOnItsStart) {
   const auto at_rest = oblique(5.0);
   const auto print = PrintTemplate::cosine(42.5, 42.5);
-  const auto rest = fit_patch(seen(at_rest, {}, crossed, 1).view(), at_rest, kWindow, print, {});
+  const auto rest = fit_patch(seen(at_rest, {}, crossed, 1).view(), at_rest, {kWindow, print, {}});
   ASSERT_TRUE(rest);
   Matrix3 nearer = Matrix3::Identity();
   nearer.diagonal() << 0.9, 0.9, 1.0;
@@ -394,7 +394,7 @@ TEST(PatchFit, ATrackedFitDoesNotDependOnItsStart) {
   for (const double stretch : {0.0, 0.004, 0.008}) {
     for (const double off : {0.001, 0.01, 0.1}) {
       const auto start = off_by(truth, off, -off, stretch);
-      const auto followed = follow_patch(picture.view(), start, kWindow, print, {.row_step = 4}, rest->at_rest);
+      const auto followed = follow_patch(picture.view(), start, {kWindow, print, {.row_step = 4}}, rest->at_rest);
       ASSERT_TRUE(followed);
       EXPECT_LT(largest_error(*followed, truth), 1e-5) << stretch << ' ' << off;
     }

@@ -20,7 +20,7 @@ using Values = Eigen::Matrix<double, kPatchPoints, kFieldColumns>;
 Values made_values() {
   Values values;
   for (int n = 0; n < kPatchPoints; ++n) {
-    const double u = (n % 3 - 1) * 2.0 / 3.0, v = (n / 3 - 1) * 2.0 / 3.0;
+    const auto [u, v] = window_point(n);
     values.row(n) << 1, u, u * u, v, v * u, v * u * u, v * v, v * v * u, v * v * u * u;
   }
   return values;

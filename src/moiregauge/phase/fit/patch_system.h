@@ -15,6 +15,17 @@ namespace moiregauge::internal {
 inline constexpr int kPatchPoints = 9;
 using PatchInformation = Eigen::Matrix<double, 2 * kPatchPoints, 2 * kPatchPoints>;
 
+// Returns the position of point n in its window: u and v are -2/3, 0 or 2/3, u fastest.
+[[nodiscard]] constexpr Point<frame::Window> window_point(int n) {
+  const int column = n % 3, row = n / 3;
+  return {(column - 1) * 2.0 / 3.0, (row - 1) * 2.0 / 3.0};
+}
+// Returns the same position in grating coordinates, pitches.
+[[nodiscard]] constexpr PrintPoint grid_point(const PatchWindow& w, int n) {
+  const Point<frame::Window> at = window_point(n);
+  return {w.centre.x + at.x * w.half_x, w.centre.y + at.y * w.half_y};
+}
+
 struct PatchFitOptions {
   // Passes of fit_patch, each with normal equations of its own. From 0.1 pitch two reach the fixed point.
   int passes = 3;
@@ -57,8 +68,7 @@ class PatchSystem {
   PatchFitOptions options_;
 };
 
-// Returns the matrix from the field's nine coefficients to its values at the nine points. These are at (u, v) = -2/3,
-// 0, 2/3, u fastest.
+// Returns the matrix from the field's nine coefficients to its values at the nine points.
 [[nodiscard]] const Eigen::Matrix<double, kPatchPoints, kFieldColumns>& values_at_points();
 
 }  // namespace moiregauge::internal

@@ -48,6 +48,7 @@ std::vector<Complex> spectrum(const std::vector<double>& value, int side, int hi
   const int wide = 2 * highest + 1;
   Eigen::MatrixXd c(side, highest + 1), s(side, highest + 1);
   std::vector<Complex> turn;
+  turn.reserve(static_cast<std::size_t>(side));
   for (int k = 0; k < side; ++k) turn.push_back(std::polar(1.0, kTwoPi * k / side));
   for (int m = 0; m <= highest; ++m) {
     for (int j = 0; j < side; ++j) {

@@ -134,6 +134,7 @@ std::optional<ToneExponent> edge_exponent(std::span<const ToneSample> samples, c
   std::ranges::sort(logs);
   const double median = 0.5 * (logs[(logs.size() - 1) / 2] + logs[logs.size() / 2]);
   std::vector<double> off;
+  off.reserve(logs.size());
   for (const double l : logs) off.push_back(std::abs(l - median));
   std::ranges::sort(off);
   const double scatter = 1.4826 * 0.5 * (off[(off.size() - 1) / 2] + off[off.size() / 2]);

@@ -119,10 +119,10 @@ void put_rows(const ChannelSeries& channel, Comparison& out) {
   for (Index k = 0; k < n; ++k) {
     const AlignedPair& pair = pairs[static_cast<std::size_t>(k)];
     const double u_k = u[static_cast<std::size_t>(k)];
-    const bool is_in_U = std::abs(difference(k)) <= kComparisonCoverage * u_k;
-    out.rows.push_back({pair.time_s, pair.measured, pair.reference + bias, difference(k), u_k, is_in_U});
+    const bool is_inside = std::abs(difference(k)) <= kComparisonCoverage * u_k;
+    out.rows.push_back({pair.time_s, pair.measured, pair.reference + bias, difference(k), u_k, is_inside});
     squares_u += u_k * u_k;
-    inside += is_in_U ? 1.0 : 0.0;
+    inside += is_inside ? 1.0 : 0.0;
   }
   const double count = static_cast<double>(n), squares = difference.squaredNorm();
   const double deviation = std::sqrt(squares / (count - 1.0));

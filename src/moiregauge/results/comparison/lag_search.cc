@@ -36,7 +36,8 @@ Cells cells_of(const Series& series, double step_s) {
   double sum = 0.0, values = 0.0;
   for (std::size_t i = 0; i < series.time_s.size(); ++i) {
     if (!std::isfinite(series.value[i])) continue;
-    const auto k = std::min(count - 1, static_cast<std::size_t>((series.time_s[i] - cells.start_s) / step_s + 0.5));
+    const auto k =
+        std::min(count - 1, static_cast<std::size_t>(std::lround((series.time_s[i] - cells.start_s) / step_s)));
     cells.value[k] += series.value[i];
     cells.mask[k] += 1.0;
     sum += series.value[i];

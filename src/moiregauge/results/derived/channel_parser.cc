@@ -34,10 +34,9 @@ struct Linear {
   [[nodiscard]] bool is_number() const { return terms.empty(); }
 };
 
-Linear scaled(Linear a, double factor) {
+void scale(Linear& a, double factor) {
   a.constant *= factor;
   for (ChannelTerm& term : a.terms) term.factor *= factor;
-  return a;
 }
 
 bool is_finite(const Linear& a) {
@@ -134,7 +133,8 @@ class ExpressionParser {
       if (is_other && !has_stated_unit_)
         return mistake(at, fmt::format("a sum has two units, {} and {}", value->unit, more->unit),
                        "scale one of them and state the unit, as in NAME [UNIT] = ...");
-      add(*value, scaled(*std::move(more), sign));
+      scale(*more, sign);
+      add(*value, *std::move(more));
       if (value->terms.size() > kMaxChannelTerms)
         return mistake(at, fmt::format("the channel has more than {} terms", kMaxChannelTerms), "divide it in two");
     }
@@ -156,7 +156,7 @@ class ExpressionParser {
         return mistake(at, "two channels are multiplied, which is not linear", "multiply by a number only");
       if (is_quotient && more->constant == 0.0) return mistake(at, "a value is divided by zero", "give another number");
       if (!is_quotient && value->is_number()) std::swap(*value, *more);
-      *value = scaled(*std::move(value), is_quotient ? 1.0 / more->constant : more->constant);
+      scale(*value, is_quotient ? 1.0 / more->constant : more->constant);
       if (!is_finite(*value)) return mistake(at, "a number is too large", "give a smaller one");
     }
     return value;
@@ -170,7 +170,7 @@ class ExpressionParser {
     return value;
   }
   static Result negated(Result value) {
-    if (value) *value = scaled(*std::move(value), -1.0);
+    if (value) scale(*value, -1.0);
     return value;
   }
 
@@ -269,7 +269,8 @@ class ExpressionParser {
         return mistake(at, fmt::format("the channel has more than {} terms", kMaxChannelTerms), "divide it in two");
       count += 1.0;
     } while (take(','));
-    return closed(scaled(std::move(total), 1.0 / count));
+    scale(total, 1.0 / count);
+    return closed(std::move(total));
   }
   Result function_of_targets(const FunctionOfTargets& of, std::size_t at) {
     ChannelTerm term{of.kind, {}, 1.0};

@@ -234,7 +234,7 @@ std::vector<NamedPeak> all_peaks(const std::vector<ModeAxis>& axes, const std::v
 }
 
 // Returns the strongest peak of each frequency.
-std::vector<NamedPeak> distinct_peaks(std::vector<NamedPeak> peaks, double resolution_hz) {
+std::vector<NamedPeak> distinct_peaks(const std::vector<NamedPeak>& peaks, double resolution_hz) {
   std::vector<NamedPeak> out;
   for (const NamedPeak& next : peaks) {
     const bool is_known = std::any_of(out.begin(), out.end(), [&](const NamedPeak& known) {

@@ -16,6 +16,8 @@ namespace moiregauge::internal {
 class OwnedFile {
  public:
   explicit OwnedFile(int file = -1) : file_(file) {}
+  OwnedFile(const OwnedFile&) = delete;
+  OwnedFile& operator=(const OwnedFile&) = delete;
   OwnedFile(OwnedFile&& other) noexcept : file_(other.release()) {}
   OwnedFile& operator=(OwnedFile&& other) noexcept;
   ~OwnedFile();

@@ -101,7 +101,7 @@ std::int64_t bytes_of_images(const std::string& folder, const std::vector<std::s
   std::int64_t bytes = 0;
   for (const std::string& name : names) {
     if (!has_image_extension(name)) continue;
-    const FileFacts facts = file_facts(folder + "/" + name, false);
+    const FileFacts facts = file_facts(fmt::format("{}/{}", folder, name), false);
     if (facts.is_plain) bytes += facts.bytes;
   }
   return bytes;
@@ -182,7 +182,7 @@ bool EntryList::add_run(const std::string& relative, std::vector<Entry>& out) {
 }
 
 void EntryList::add_file(const std::string& path, std::string_view name, std::vector<Entry>& out) {
-  const FileFacts facts = file_facts(root_ + "/" + path, false);
+  const FileFacts facts = file_facts(fmt::format("{}/{}", root_, path), false);
   if (!facts.is_plain) return;
   constexpr std::array<std::string_view, 3> kTables = {"csv", "txt", "tsv"};
   constexpr std::array<std::string_view, 3> kCameras = {"toml", "yaml", "yml"};
@@ -200,7 +200,7 @@ void EntryList::add_folder(const std::string& relative, int depth, std::vector<E
   const std::string folder = relative.empty() ? root_ : root_ + "/" + relative;
   for (const std::string& name : names_in(folder)) {
     if (out.size() >= kMaxEntries) return;
-    const std::string path = relative.empty() ? name : relative + "/" + name;
+    const std::string path = relative.empty() ? name : fmt::format("{}/{}", relative, name);
     const FileFacts facts = file_facts(root_ + "/" + path, false);
     if (!facts.is_folder) {
       add_file(path, name, out);

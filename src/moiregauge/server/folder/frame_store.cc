@@ -103,12 +103,13 @@ tl::expected<std::shared_ptr<const KeptFrame>, std::string> FrameStore::read(Rea
                                                                              long number) {
   const auto open = [&](long first) -> tl::expected<void, std::string> {
     auto source = open_input_from(first, path, {});
-    reader.source = source ? *std::move(source) : nullptr;
+    reader.source.reset();
     reader.last = nullptr;
     reader.is_at_end = false;
     reader.has_skipped = first > 0;
     reader.reached = -1;
     if (!source) return tl::unexpected(source.error().message);
+    reader.source = *std::move(source);
     return {};
   };
   const bool is_behind = reader.last ? reader.last->number > number : reader.reached >= number;

@@ -21,6 +21,6 @@ int HttpServer::port() const { return loop_->port(); }
 void HttpServer::run(HttpHandler& handler, const std::function<bool()>& may_continue) {
   loop_->run(handler, may_continue);
 }
-void HttpServer::publish(std::string event) { loop_->publish(std::move(event)); }
+void HttpServer::publish(const std::string& event) { loop_->publish(event); }
 
 }  // namespace moiregauge::internal

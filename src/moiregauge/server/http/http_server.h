@@ -57,7 +57,7 @@ class HttpServer {
   // Serves until `may_continue` returns false. It is called at least every 100 ms.
   void run(HttpHandler& handler, const std::function<bool()>& may_continue);
   // Sends an event to every stream. Called on any thread; it never waits.
-  void publish(std::string event);
+  void publish(const std::string& event);
 
  private:
   class Loop;

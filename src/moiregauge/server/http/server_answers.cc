@@ -84,7 +84,7 @@ bool HttpServer::Loop::begin_stream(Connection& c, const Answer& answer) {
   return send_output(c) != Transfer::kEnd;
 }
 
-void HttpServer::Loop::publish(std::string event) {
+void HttpServer::Loop::publish(const std::string& event) {
   {
     const std::lock_guard lock(mutex_);
     events_ += event;

@@ -25,7 +25,7 @@ class HttpServer::Loop {
   ~Loop();
   [[nodiscard]] int port() const { return listening_.port; }
   void run(HttpHandler& handler, const std::function<bool()>& may_continue);
-  void publish(std::string event);
+  void publish(const std::string& event);
 
  private:
   using Finished = std::pair<std::uint64_t, Answer>;

@@ -51,9 +51,9 @@ std::string shell_line(const std::vector<std::string>& words) {
     if (!is_plain) {
       for (std::size_t at = 0; (at = quoted.find('\'', at)) != std::string::npos; at += 4)
         quoted.replace(at, 1, "'\\''");
-      quoted = "'" + quoted + "'";
+      quoted = fmt::format("'{}'", quoted);
     }
-    line += (line.empty() ? "" : " ") + quoted;
+    line += fmt::format("{}{}", line.empty() ? "" : " ", quoted);
   }
   return line;
 }

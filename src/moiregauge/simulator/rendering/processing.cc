@@ -115,24 +115,31 @@ Taps low_pass_taps(double cycles_per_px) {
   return unit_sum(taps);
 }
 
+struct Step {
+  int x, y;  // px
+};
+
+// Returns the sum of the taps on both sides of (x, y), along the direction of `step`.
+double weighted_sum(const Taps& taps, const Image<double>& image, int x, int y, Step step) {
+  double sum = taps[0] * image.at(x, y);
+  for (int i = 1; i < static_cast<int>(taps.size()); ++i)
+    sum += taps[static_cast<std::size_t>(i)] *
+           (beyond_edges(image, x + i * step.x, y + i * step.y) + beyond_edges(image, x - i * step.x, y - i * step.y));
+  return sum;
+}
+
 // Returns the filtered image without clipping.
 Image<double> filtered(const Taps& taps, const DrawnParts& parts, const Image<double>& picture) {
   Image<double> across = picture, both = picture;
-  const auto pass = [&](const Image<double>& from_image, Image<double>& made, int step_x, int step_y) {
+  const auto pass = [&](const Image<double>& from_image, Image<double>& made, Step step) {
     tbb::parallel_for(0, picture.height(), [&](int y) {
       parts.for_each_run(y, [&](int from, int to) {
-        for (int x = from; x < to; ++x) {
-          double sum = taps[0] * from_image.at(x, y);
-          for (int i = 1; i < static_cast<int>(taps.size()); ++i)
-            sum += taps[static_cast<std::size_t>(i)] * (beyond_edges(from_image, x + i * step_x, y + i * step_y) +
-                                                        beyond_edges(from_image, x - i * step_x, y - i * step_y));
-          made.at(x, y) = sum;
-        }
+        for (int x = from; x < to; ++x) made.at(x, y) = weighted_sum(taps, from_image, x, y, step);
       });
     });
   };
-  pass(picture, across, 1, 0);
-  pass(across, both, 0, 1);
+  pass(picture, across, {1, 0});
+  pass(across, both, {0, 1});
   return both;
 }
 

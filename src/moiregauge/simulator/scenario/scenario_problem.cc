@@ -156,15 +156,15 @@ std::optional<std::string> problem_with_marker(const SceneMarker& marker) {
 }  // namespace
 
 std::optional<std::string> problem_with(const Scenario& scenario) {
-  if (const auto problem = problem_with_sensor(scenario)) return problem;
-  if (const auto problem = problem_with_processing(scenario.processing)) return problem;
-  if (const auto problem = problem_with_timing(scenario)) return problem;
-  if (const auto problem = problem_with_tracks(scenario)) return problem;
-  if (const auto problem = problem_with_known_to(scenario.known_to)) return problem;
+  if (auto problem = problem_with_sensor(scenario)) return problem;
+  if (auto problem = problem_with_processing(scenario.processing)) return problem;
+  if (auto problem = problem_with_timing(scenario)) return problem;
+  if (auto problem = problem_with_tracks(scenario)) return problem;
+  if (auto problem = problem_with_known_to(scenario.known_to)) return problem;
   if (scenario.markers.empty()) return "the scenario has no marker";
   std::set<std::string> names;
   for (const SceneMarker& marker : scenario.markers) {
-    if (const auto problem = problem_with_marker(marker)) return problem;
+    if (auto problem = problem_with_marker(marker)) return problem;
     if (!names.insert(marker.print.name).second) return fmt::format("two markers are named {}", marker.print.name);
   }
   return std::nullopt;

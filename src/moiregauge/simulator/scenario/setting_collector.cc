@@ -30,7 +30,7 @@ void Collector::number(const std::string& name, double& value) {
   number(name, [&value](double read) { value = read; });
 }
 
-void Collector::number(const std::string& name, std::function<void(double)> take) {
+void Collector::number(const std::string& name, const std::function<void(double)>& take) {
   text(name, "a number", [take](const std::string& words) {
     const auto read = number_in(words);
     if (read) take(*read);
@@ -38,7 +38,7 @@ void Collector::number(const std::string& name, std::function<void(double)> take
   });
 }
 
-void Collector::flag(const std::string& name, std::vector<bool*> values) {
+void Collector::flag(const std::string& name, const std::vector<bool*>& values) {
   text(name, "true or false", [values](const std::string& word) {
     if (word != "true" && word != "false") return false;
     for (bool* value : values) *value = word == "true";
@@ -46,7 +46,7 @@ void Collector::flag(const std::string& name, std::vector<bool*> values) {
   });
 }
 
-void Collector::pair(const std::string& name, std::function<void(double, double)> take) {
+void Collector::pair(const std::string& name, const std::function<void(double, double)>& take) {
   text(name, "two numbers", [take](const std::string& words) {
     const auto read = numbers_in(words);
     if (!read || read->size() != 2) return false;

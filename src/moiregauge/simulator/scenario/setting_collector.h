@@ -22,7 +22,7 @@ class Collector {
   std::vector<Setting> settings;
 
   void number(const std::string& name, double& value);
-  void number(const std::string& name, std::function<void(double)> take);
+  void number(const std::string& name, const std::function<void(double)>& take);
   template <typename Whole>
   void whole(const std::string& name, Whole& value) {
     text(name, "a whole number of 0 or more", [&value](const std::string& words) {
@@ -32,8 +32,8 @@ class Collector {
       return true;
     });
   }
-  void flag(const std::string& name, std::vector<bool*> values);
-  void pair(const std::string& name, std::function<void(double, double)> take);
+  void flag(const std::string& name, const std::vector<bool*>& values);
+  void pair(const std::string& name, const std::function<void(double, double)>& take);
   void text(const std::string& name, const std::string& kind, std::function<bool(const std::string&)> take);
   void frames(const std::string& name, std::vector<FrameSpan>& spans);
   // Adds all values of a track. The bare name sets its offset.

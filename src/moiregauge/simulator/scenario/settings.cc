@@ -98,7 +98,7 @@ void add_site_errors(Collector& all, Scenario& s) {
   all.whole("truth.seed", s.draw.seed);
 }
 
-std::function<bool(const std::string&)> pattern_setter(std::vector<SceneMarker*> markers) {
+std::function<bool(const std::string&)> pattern_setter(const std::vector<SceneMarker*>& markers) {
   return [markers](const std::string& word) {
     const auto pattern = pattern_named(word);
     if (!pattern || *pattern == Pattern::kAuto) return false;
