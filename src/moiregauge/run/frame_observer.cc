@@ -223,10 +223,8 @@ void FrameObserver::pass_skipped(const Frame& frame, const std::function<bool()>
   watch(frame, seen);
 }
 
-// Behind prediction between frames there is no test for an average, so that no templates are needed.
 void FrameObserver::learn_templates(const Frame& frame) {
-  if (options_.method->prepare == nullptr && !frame.quantiser.whole.shows_other_frames())
-    templates_.refer(light_.picture(frame.luma), *out_.reference);
+  if (options_.method->prepare == nullptr) templates_.refer(light_.picture(frame.luma), *out_.reference);
 }
 
 void FrameObserver::watch(const Frame& frame, const Observation& seen) {

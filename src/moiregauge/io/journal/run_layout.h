@@ -50,8 +50,10 @@ template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 // Run.
 template <> inline constexpr std::size_t kFields<InputInfo> = 14;
 template <> inline constexpr std::size_t kFields<CameraProcessing> = 6;
-template <> inline constexpr std::size_t kFields<EchoSums> = 11;
+template <> inline constexpr std::size_t kFields<EchoSums> = 13;
 template <> inline constexpr std::size_t kFields<GratingShares> = 2;
+template <> inline constexpr std::size_t kFields<BlurSlope> = 2;
+template <> inline constexpr std::size_t kFields<EchoShare> = 2;
 template <> inline constexpr std::size_t kFields<GrainSums> = 4;
 template <> inline constexpr std::size_t kFields<SlopeSteps> = 2;
 template <> inline constexpr std::size_t kFields<EdgeGap> = 2;
@@ -86,13 +88,13 @@ inline constexpr int kSinceWidth = 3;
 
 // Version 5: ranges in seconds, slow motion and start time, zero, grey levels at edges, choice of markers. Version 7:
 // the previous frame in the gratings. Version 8: its structure and directions. Version 9: scatter of the grain.
-// Version 10: shares of each grating.
+// Version 10: shares of each grating. Version 11: blur by movement.
 template <>
 inline constexpr std::array kAdded<CameraProcessing>{AddedFields{4, 1, 5}, AddedFields{5, 1, 7}};
 template <>
 inline constexpr std::array kAdded<GrainSums>{AddedFields{3, 1, 9}, AddedFields{}};
 template <>
-inline constexpr std::array kAdded<EchoSums>{AddedFields{8, 2, 8}, AddedFields{10, 1, 10}};
+inline constexpr std::array kAdded<EchoSums>{AddedFields{8, 2, 8}, AddedFields{10, 1, 10}, AddedFields{11, 2, 11}};
 template <>
 inline constexpr std::array kAdded<ObserveOptions>{AddedFields{3, 1, 5}, AddedFields{}};
 template <>

@@ -11,8 +11,14 @@
 // Noise. An echo correlates the residuals of a frame with those of the previous one at the same pixel, and only there.
 // Only pixels count whose prediction changed by several grey levels. Whole grey levels hide a small share of a small
 // change. echo_sums.h has the model of these products.
+//
+// Behind a codec that predicts frames from others there is no noise to compare. It repeats what is below its step, so
+// edges count from a pixel of movement on. For less movement, blur that grows with it is the test (movement_blur.h). A mean
+// of three frames shows the images before and after alike, which is even. From two pixels on, that is no blur of an
+// exposure, which reaches half as far.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -35,7 +41,8 @@ struct SeenPrint {
 struct LightPicture {
   LumaView luma;
   std::span<const std::uint16_t> light;
-  bool shows_noise = true;  // false behind a lossy codec: its errors follow the image content, as an echo does
+  bool shows_noise = true;    // false behind a lossy codec: its errors follow the image content, as an echo does
+  bool is_predicted = false;  // the codec predicts parts of it from other frames
 };
 
 // Collects the sums. The effort ends when one test is decided.
@@ -47,7 +54,7 @@ class EchoWatch {
   void interrupt() { tracks_.clear(); }
   // Returns true if further frames change nothing.
   [[nodiscard]] bool is_finished() const;
-  [[nodiscard]] const EchoSums& sums() const { return sums_; }
+  [[nodiscard]] EchoSums sums() const;
 
  private:
   struct Pixel {
@@ -58,6 +65,8 @@ class EchoWatch {
     ImagePoint centre;  // px
     std::optional<PrintFromImage> map;
     std::vector<double> residuals, predicted;  // per pixel, light; NaN outside the window
+    ImagePoint along;                          // direction of the print's x axis
+    std::array<double, 2> variance{};          // blur along both axes since the reference frame, px^2
   };
   struct Track {
     std::vector<Pixel> pixels;    // by rows
@@ -67,25 +76,34 @@ class EchoWatch {
   // Share by the edges of one grating in one frame.
   struct EdgeShare {
     double share = 0.0, u = 0.0;
+    double both_sides = 0.0;         // share of the images before and after, each
     Extent<frame::Image> direction;  // unit vector along the movement
   };
   // Share by the edges of several gratings of a frame: sums of the weights w, of w s and of w times the direction.
   struct SharesOfGratings {
     double weight = 0.0, weighted = 0.0;
     ImagePoint direction;
+    double both_weight = 0.0, both_sides = 0.0;  // the same of the shares of both sides
   };
   static void place(const LumaView& luma, const PatchWindow& window, const Moment& now, Track& track);
   static void predict(const LightPicture& picture, const SeenPrint& print, const Track& track, Moment& now);
   // Adds a grating to its track. Returns true if it moved within the track.
   static bool follow(const LightPicture& picture, const SeenPrint& print, Track& track);
-  static std::optional<EdgeShare> share_by_edges_of(const SeenPrint& print, const Track& track);
+  // `visible_px`: smallest movement that counts.
+  static std::optional<EdgeShare> share_by_edges_of(const SeenPrint& print, const Track& track, double visible_px);
+  // Adds blur and movement of a grating in the frame before. Each has two axes.
+  void add_blur_of(const SeenPrint& print, Track& track);
   void add_edges(std::size_t marker, const EdgeShare& edges, SharesOfGratings& shares);
   void add_noise(const SeenPrint& print, const Track& track);
   void add_frame(const SharesOfGratings& shares);
 
   std::vector<Track> tracks_;  // per marker
   EchoSums sums_;
-  int examined_ = 0;  // frames with movement
+  std::vector<BlurReading> blurs_;
+  std::vector<double> both_sides_;  // per frame
+  int frame_ = 0;
+  int examined_ = 0;   // frames with movement
+  int predicted_ = 0;  // those that a codec predicts
 };
 
 }  // namespace moiregauge::internal

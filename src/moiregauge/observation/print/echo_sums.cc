@@ -173,6 +173,16 @@ EchoShare share_by_both(const EchoSums& sums) {
   return {(a * edges.share + b * noise.share) / (a + b), 1.0 / std::sqrt(a + b)};
 }
 
+EchoShare share_of_both_sides(const std::vector<double>& shares) {
+  const auto frames = static_cast<double>(shares.size());
+  if (frames < kMinFrames) return {};
+  double sum = 0.0, squares = 0.0;
+  for (const double share : shares) sum += share, squares += share * share;
+  const double mean = sum / frames;
+  const double variance = std::max(0.0, squares / frames - mean * mean) / (frames - 1.0);
+  return {mean, enlargement_of_few(frames - 1.0) * std::sqrt(variance)};
+}
+
 bool is_decided(const EchoSums& sums) {
   return (frames_of(sums) >= kDecidingFrames && share_by_edges(sums).u < kDecidedByEdges) ||
          fit_noise(sums).share.u < kDecidedByNoise;

@@ -28,12 +28,20 @@
 #include <limits>
 #include <vector>
 
+#include "moiregauge/observation/print/movement_blur.h"
+
 namespace moiregauge::internal {
 
 // Edges of one grating over all frames.
 struct GratingShares {
   double weight = 0.0;    // sum of 1 / u^2
   double weighted = 0.0;  // sum of s / u^2
+};
+
+// Share of the previous frame and its standard uncertainty, 1.
+struct EchoShare {
+  double share = 0.0;
+  double u = std::numeric_limits<double>::infinity();
 };
 
 struct EchoSums {
@@ -48,6 +56,9 @@ struct EchoSums {
   // Noise: the rest of the normal equations of all beta, s and the product, lower triangle by rows.
   std::array<double, 99> structure{};
   std::vector<GratingShares> gratings;  // edges, per marker
+  // Behind a codec that predicts.
+  BlurSlope blur;
+  EchoShare both_sides;  // share of the images before and after, each
 };
 
 // Share by the edges of one frame.
@@ -71,16 +82,14 @@ inline constexpr double kLargestDistance_px = 1.2;
 // Adds products of one grating and frame that have the same alpha. `weight`: number of pixels.
 void add_products(const std::vector<NoiseProduct>& products, double weight, EchoSums& sums);
 
-// Share of the previous frame and its standard uncertainty, 1.
-struct EchoShare {
-  double share = 0.0;
-  double u = std::numeric_limits<double>::infinity();
-};
 // Return the share by the edges, by the noise, and by both, weighted. u is infinite if the recording shows no share.
 // Error: u is by the scatter between frames. It is enlarged for few frames, so that 4 u are as rare as 4 sigma.
 [[nodiscard]] EchoShare share_by_edges(const EchoSums& sums);
 [[nodiscard]] EchoShare share_by_noise(const EchoSums& sums);
 [[nodiscard]] EchoShare share_by_both(const EchoSums& sums);
+
+// Returns the mean of the shares of both sides, one per frame. u is infinite for fewer than five frames.
+[[nodiscard]] EchoShare share_of_both_sides(const std::vector<double>& shares);
 
 // Returns true if further frames change nothing.
 [[nodiscard]] bool is_decided(const EchoSums& sums);
