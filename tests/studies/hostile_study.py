@@ -65,7 +65,7 @@ class Study:
         self.simulate("small-1xyz", 12, self.base)
 
     def run(self, *words, **more):
-        return Done([self.program, *words], **more)
+        return Done([self.program, *words], cwd=self.folder, **more)
 
     def simulate(self, scenario, frames, out, *settings):
         done = self.run("simulate", scenario, "--frames", frames, "--quiet", "-o", out, *settings)
