@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "moiregauge/app/frame_range_text.h"
+#include "moiregauge/base/control_characters.h"
 #include "moiregauge/base/duration_text.h"
 #include "moiregauge/base/length_text.h"
 #include "moiregauge/base/plain_file.h"
@@ -29,7 +30,7 @@ std::string method_names() {
 tl::expected<void, UsageError> is_there(const std::string& kind, const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
-    return usage(fmt::format("the {} does not exist: {}: check the name", kind, path));
+    return usage(fmt::format("the {} does not exist: {}: check the name", kind, as_one_line(path)));
   const std::string other = kind_unless_plain(path);
   if (other.empty()) return {};
   return usage(fmt::format("the {} is {}: {}: give a plain file", kind, other, path));
@@ -51,7 +52,7 @@ UsageError no_scale(const std::string& input) {
   std::error_code error;
   const bool is_name = input.find_first_of("%:") == std::string::npos && input != "-";
   if (is_name && !fs::exists(input, error))
-    return {fmt::format("the file or folder does not exist: {}: check the name, and {}", input, remedy)};
+    return {fmt::format("the file or folder does not exist: {}: check the name, and {}", as_one_line(input), remedy)};
   return {fmt::format("the scale is unknown: {}: {}", input, remedy)};
 }
 

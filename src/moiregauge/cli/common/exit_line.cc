@@ -5,13 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "moiregauge/base/control_characters.h"
 #include "moiregauge/cli/common/terminal_text.h"
 
 namespace moiregauge::internal::cli {
 
 int fail(Exit exit, const std::string& message) {
-  print_note(fmt::format("error: {}\n", as_one_line(message)));
+  print_note(fmt::format("error: {}\n", message));
   return static_cast<int>(exit);
 }
 

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/base/control_characters.h"
 #include "moiregauge/base/plain_file.h"
 #include "moiregauge/io/pictures/damaged_pictures.h"
 #include "moiregauge/io/pictures/picture_file.h"
@@ -229,7 +230,7 @@ tl::expected<PictureList, InputError> pictures_of_input(const std::string& path,
   if (!std::filesystem::exists(status)) {
     const bool pattern = path.find('%') != std::string::npos;
     return input_failure(InputErrorKind::kUnreadable,
-                         fmt::format("the file or folder does not exist: {}: {}", path,
+                         fmt::format("the file or folder does not exist: {}: {}", as_one_line(path),
                                      pattern ? "add --sequence if it is a pattern" : "check the name"));
   }
   if (!std::filesystem::is_directory(status)) {
