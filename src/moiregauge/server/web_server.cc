@@ -25,8 +25,7 @@ class FolderServer final : public WebServer, private HttpHandler {
         server_(std::move(server)),
         options_(options),
         state_(
-            std::move(folder), [this](std::string event) { server_->publish(std::move(event)); },
-            options.jobs_at_once) {
+            std::move(folder), [this](const std::string& event) { server_->publish(event); }, options.jobs_at_once) {
     state_.token = rules_.token;
     state_.is_token_in_page = !options.is_beyond_loopback;
     state_.max_upload = options.max_upload;
