@@ -82,7 +82,7 @@ class Study:
         return self.run("measure", clip, "--site", site, "--quiet", "-o", out, *options, **more), out
 
     def lies(self, clip, scene, *options):
-        """Measures a clip of a scene. Returns exit code, ok rows, all rows, lies and the warning's code."""
+        """Measures a clip of a scene. Returns the finished command and the tally of its rows."""
         done, out = self.measured(clip, scene / "site.toml", *options)
         tally = Tally()
         tally.add(out, scene / "truth.csv")

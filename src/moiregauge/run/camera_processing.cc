@@ -246,9 +246,10 @@ std::optional<Averaging> averaging_shown(const CameraProcessing& processing, boo
         1.0};
   const BlurSlope& blur = processing.echo.blur;
   if (blur.slope > kBlurOfExposure + std::max(kBlurOfCodec, kSureOfBlur * blur.u))
-    return Averaging{fmt::format("blur grows with movement {:.1f} times as much as the longest exposure explains",
-                                 blur.slope / kBlurOfExposure),
-                     remedy, 1.0};
+    return Averaging{
+        fmt::format("blur grows with movement {:.1f} times as much as the longest exposure explains, u {:.1f}",
+                    blur.slope / kBlurOfExposure, blur.u / kBlurOfExposure),
+        remedy, 1.0};
   return {};
 }
 

@@ -52,8 +52,9 @@ Image<double> mean_of(const Image<Grey>& now, const std::deque<Picture>& all_bef
     count.at(x, y) += 1.0;
   };
   for (const Picture& held : all_before) {
+    const auto& before = std::get<Image<Grey>>(held);
     for (int y = 0; y < now.height(); ++y) {
-      for (int x = 0; x < now.width(); ++x) add(std::get<Image<Grey>>(held), x, y);
+      for (int x = 0; x < now.width(); ++x) add(before, x, y);
     }
   }
   for (int y = 0; y < now.height(); ++y) {

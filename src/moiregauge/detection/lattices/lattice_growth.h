@@ -27,7 +27,7 @@ enum class SignRule { kAlike, kAlternating };
 struct Cell {
   int column = 0;
   int row = 0;
-  friend auto operator<=>(const Cell&, const Cell&) = default;  // NOLINT(modernize-use-nullptr): finds none
+  friend auto operator<=>(const Cell&, const Cell&) = default;  // NOLINT(modernize-use-nullptr): no pointer here
 };
 
 struct GrownLattice {

@@ -59,11 +59,11 @@ std::string apparent_size_note(const Marker& marker, const SizeDeviation& a, dou
       knows_distance ? fmt::format("{:.3g} mm", std::abs(a.nearer_mm))
                      : fmt::format("{:.2g} % of the camera's distance", 100.0 * std::abs(a.nearer_mm) / distance);
   return fmt::format(
-      "displacements of '{}' may be wrong by {:.2g} %: its grating looks {:.2g} % {} than {}. Either it is {} {} {}, "
+      "displacements of '{}' may be wrong by {:.2g} %{}: its grating looks {:.2g} % {} than {}. Either it is {} {} {}, "
       "or its pitch is {:.4g} mm. Measure both, and give z_mm and pitch_mm in the site file",
-      marker.name, percent, percent, is_larger ? "larger" : "smaller", stated, by,
-      is_larger ? "nearer" : "further away", marker.z_mm ? "than stated" : "than the plane of the references",
-      a.pitch_mm);
+      marker.name, percent, marker.role == Role::kTarget ? ", which u contains" : "", percent,
+      is_larger ? "larger" : "smaller", stated, by, is_larger ? "nearer" : "further away",
+      marker.z_mm ? "than stated" : "than the plane of the references", a.pitch_mm);
 }
 
 }  // namespace
@@ -93,10 +93,11 @@ std::vector<SizeDeviation> size_deviations(const Site& site, const Calibration& 
 
 double depth_u_mm(const SizeDeviation& deviation) { return std::abs(deviation.nearer_mm) / std::sqrt(2.0); }
 
-std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration) {
+std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration,
+                                             std::span<const SizeDeviation> deviations) {
   std::vector<std::string> notes;
   const bool knows = knows_distance(calibration.bundle.scene);
-  for (const SizeDeviation& a : size_deviations(site, calibration))
+  for (const SizeDeviation& a : deviations)
     notes.push_back(apparent_size_note(site.markers[a.marker], a, mean_distance_mm(calibration), knows));
   return notes;
 }

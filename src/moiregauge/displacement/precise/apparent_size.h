@@ -28,6 +28,7 @@ struct SizeDeviation {
 [[nodiscard]] double depth_u_mm(const SizeDeviation& deviation);
 
 // Returns one line per deviation. Apparent size cannot separate pitch from distance, so the line states both as lengths.
-[[nodiscard]] std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration);
+[[nodiscard]] std::vector<std::string> apparent_size_notes(const Site& site, const Calibration& calibration,
+                                                           std::span<const SizeDeviation> deviations);
 
 }  // namespace moiregauge::internal

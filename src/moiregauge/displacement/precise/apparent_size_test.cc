@@ -21,7 +21,7 @@ std::vector<std::string> notes_on_a_reference_larger_by(double ratio) {
   FrameFit& fit = calibration.fits.emplace_back();
   fit.ok = true;
   fit.pose.shift = {0.0, 0.0, 1200.0};
-  return apparent_size_notes(site, calibration);
+  return apparent_size_notes(site, calibration, size_deviations(site, calibration));
 }
 
 // Print scales are known to 0.05 %, and heights to 3 mm of 1200 mm: 0.25 % together. A grating that looks 2 % larger, 8

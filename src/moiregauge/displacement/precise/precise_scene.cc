@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "moiregauge/displacement/bundle_frames.h"
-#include "moiregauge/displacement/precise/apparent_size.h"
 #include "moiregauge/displacement/precise/camera_claim.h"
 #include "moiregauge/displacement/precise/height_claim.h"
 #include "moiregauge/displacement/precise/reference_fault.h"
@@ -214,7 +213,8 @@ class SceneSolver {
 
   // The warning of a target's apparent size says that its depth or its pitch is wrong. Its u covers both.
   void allow_for_wrong_pitches() {
-    for (const SizeDeviation& found : size_deviations(site_, out_.calibration)) {
+    out_.size_deviations = size_deviations(site_, out_.calibration);
+    for (const SizeDeviation& found : out_.size_deviations) {
       if (site_.markers[found.marker].role != Role::kTarget) continue;
       const int row = shape_row(found.marker, MarkerShape::kHeight);
       out_.calibration.bundle.scene.full_covariance(row, row) += std::pow(depth_u_mm(found), 2);

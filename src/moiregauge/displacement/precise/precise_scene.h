@@ -10,6 +10,7 @@
 #include "moiregauge/calibration/model/print_error.h"
 #include "moiregauge/calibration/model/rolling_shutter.h"
 #include "moiregauge/displacement/method.h"
+#include "moiregauge/displacement/precise/apparent_size.h"
 
 namespace moiregauge::internal {
 
@@ -27,6 +28,7 @@ struct PreciseScene {
   std::optional<std::size_t> excluded;  // a reference that moves, not used in `frames`
   std::optional<Shutter> shutter;       // solved rolling shutter
   PrintError print_error;               // to be included in the covariance of `frames`
+  std::vector<SizeDeviation> size_deviations;
 
   bool references_verified = false;
   bool doubtful = false;             // one of the references moves, and it is unknown which

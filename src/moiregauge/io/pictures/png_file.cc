@@ -34,14 +34,15 @@ void pack(std::span<const std::uint16_t> row, std::vector<png_byte>& bytes) {
   }
 }
 
-struct PngDepth {
+// Form of the stored grey levels.
+struct PngSamples {
   int bits;  // significant ones
   PngTone tone;
 };
 
 // Returns false after an error of libpng, which leaves by longjmp. No object with a destructor may be created here.
 template <typename Grey>
-bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view, PngDepth depth,
+bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view, PngSamples samples,
                 std::vector<png_byte>& bytes) {
   if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
   png_init_io(writer.png, file);
@@ -51,9 +52,9 @@ bool write_rows(PngWriter& writer, std::FILE* file, const ImageView<Grey>& view,
                8 * static_cast<int>(sizeof(Grey)), PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_color_8 significant{};
-  significant.gray = static_cast<png_byte>(depth.bits);
-  if (depth.bits != 8 * static_cast<int>(sizeof(Grey))) png_set_sBIT(writer.png, writer.info, &significant);
-  if (depth.tone == PngTone::kLinear) png_set_gAMA(writer.png, writer.info, 1.0);
+  significant.gray = static_cast<png_byte>(samples.bits);
+  if (samples.bits != 8 * static_cast<int>(sizeof(Grey))) png_set_sBIT(writer.png, writer.info, &significant);
+  if (samples.tone == PngTone::kLinear) png_set_gAMA(writer.png, writer.info, 1.0);
   png_write_info(writer.png, writer.info);
   for (int y = 0; y < view.height; ++y) {
     pack(view.row(y), bytes);

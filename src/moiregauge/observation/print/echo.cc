@@ -120,13 +120,6 @@ bool EchoWatch::is_finished() const {
   return is_decided(sums_) || examined_ >= kMostFrames || predicted_ >= kMostPredicted;
 }
 
-EchoSums EchoWatch::sums() const {
-  EchoSums sums = sums_;
-  sums.blur = blur_slope(blurs_);
-  sums.both_sides = share_of_both_sides(both_sides_);
-  return sums;
-}
-
 void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& prints) {
   if (is_finished()) return;
   std::vector<bool> is_seen(tracks_.size());
@@ -151,8 +144,11 @@ void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& p
   }
   examined_ += pixels > 0;
   predicted_ += pixels > 0 && picture.is_predicted;
-  if (picture.is_predicted && shares.both_weight > 0.0) both_sides_.push_back(shares.both_sides / shares.both_weight);
   add_frame(shares);
+  if (!picture.is_predicted) return;
+  if (shares.both_weight > 0.0) both_sides_.push_back(shares.both_sides / shares.both_weight);
+  sums_.both_sides = share_of_both_sides(both_sides_);
+  sums_.blur = blur_slope(blurs_);
 }
 
 bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Track& track) {

@@ -54,7 +54,7 @@ class EchoWatch {
   void interrupt() { tracks_.clear(); }
   // Returns true if further frames change nothing.
   [[nodiscard]] bool is_finished() const;
-  [[nodiscard]] EchoSums sums() const;
+  [[nodiscard]] const EchoSums& sums() const { return sums_; }
 
  private:
   struct Pixel {

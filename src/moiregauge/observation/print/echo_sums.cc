@@ -9,11 +9,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "moiregauge/observation/print/few_frames.h"
+
 namespace moiregauge::internal {
 namespace {
 
 constexpr double kAlikeError = 0.02;  // frames of a smaller u weigh alike, so that no single one decides. Chosen.
-constexpr double kMinFrames = 5.0;    // with movement: a single jump of the target decides nothing
 // A test is decided when u is far below the smallest share that matters. Chosen.
 constexpr double kDecidedByEdges = 0.003, kDecidedByNoise = 0.008;
 constexpr double kDecidingFrames = 12.0;
@@ -62,10 +63,6 @@ ProductRow row_of(const NoiseProduct& product) {
   return row;
 }
 
-// Returns the factor by which few degrees of freedom enlarge u, so that 4 u are as rare as 4 sigma. Student's t is
-// expanded for large degrees of freedom (Abramowitz and Stegun 26.7.5).
-double enlargement_of_few(double freedom) { return 1.0 + 4.25 / freedom + 16.0 / (freedom * freedom); }
-
 // Returns the effective number of frames whose edges moved.
 double frames_of(const EchoSums& sums) {
   return sums.squared_weights > 0.0 ? sums.weights * sums.weights / sums.squared_weights : 0.0;
@@ -93,7 +90,7 @@ struct NoiseFit {
   EchoShare share;
 };
 NoiseFit fit_noise(const EchoSums& sums) {
-  if (sums.equations < 2.0 * kMinFrames + kTerms) return {};
+  if (sums.equations < 2.0 * kMinMovingFrames + kTerms) return {};
   ProductNormal all;
   for_each_product(sums, [&](int i, int j, double sum) { all(i, j) = all(j, i) = sum; });
   using NoiseNormal = Eigen::Matrix<double, kTerms + 1, kTerms + 1>;
@@ -142,7 +139,7 @@ void add_products(const std::vector<NoiseProduct>& products, double weight, Echo
 
 EchoShare share_by_edges(const EchoSums& sums) {
   const double frames = frames_of(sums);
-  if (!(frames >= kMinFrames)) return {};
+  if (!(frames >= kMinMovingFrames)) return {};
   const double structure = std::max(kLeastStructure, fit_noise(sums).structure);
   const auto& [xx, xy, yy, x, y, xs, ys] = sums.directions;
   Eigen::Matrix3d normal;
@@ -175,7 +172,7 @@ EchoShare share_by_both(const EchoSums& sums) {
 
 EchoShare share_of_both_sides(const std::vector<double>& shares) {
   const auto frames = static_cast<double>(shares.size());
-  if (frames < kMinFrames) return {};
+  if (frames < kMinMovingFrames) return {};
   double sum = 0.0, squares = 0.0;
   for (const double share : shares) sum += share, squares += share * share;
   const double mean = sum / frames;

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "moiregauge/observation/print/few_frames.h"
+
 namespace moiregauge::internal {
 namespace {
-
-// Frames that determine a slope: below, a single jump of the target would decide. As for the edges (echo_sums.cc).
-constexpr double kMinBlurFrames = 5.0;
 
 struct Means {
   double frames = 0.0, q = 0.0, y = 0.0;
@@ -44,10 +43,8 @@ BlurSlope blur_slope(std::span<const BlurReading> readings) {
     scatter += std::pow(f.qy - slope * f.qq, 2);
   }
   const double effective = qq * qq / weights;
-  if (!(effective >= kMinBlurFrames)) return {};
-  // Student's t, as in echo_sums.cc.
-  const double freedom = effective - 2.0, few = 1.0 + 4.25 / freedom + 16.0 / (freedom * freedom);
-  return {slope, few * std::sqrt(scatter) / qq};
+  if (!(effective >= kMinMovingFrames)) return {};
+  return {slope, enlargement_of_few(effective - 2.0) * std::sqrt(scatter) / qq};
 }
 
 }  // namespace moiregauge::internal
