@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "moiregauge/image/lane_steps.h"
 #include "moiregauge/image/simd_options.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -23,6 +24,12 @@ constexpr int kLanes = static_cast<int>(hn::MaxLanes(Real()));
 
 constexpr int kMax = 32;  // samples of a ray
 
+// Returns first, first + 1, ... .
+HWY_INLINE auto lanes_from(int first) {
+  const Real d;
+  return hn::Add(hn::Load(d, kLaneSteps<double>), hn::Set(d, first));
+}
+
 // Intermediate values of all samples. Separate passes over arrays avoid a wait for each store before its load.
 struct Samples {
   alignas(64) double fx[kMax], fy[kMax];      // px from the upper left of the four neighbouring pixels
@@ -35,7 +42,7 @@ HWY_INLINE void place(const ImageView<Grey>& view, const RaySteps& ray, Samples&
   const Real d;
   const Whole di;
   for (int j = 0; j < ray.samples; j += kLanes) {
-    const auto along = hn::Add(hn::Set(d, ray.first), hn::Mul(hn::Set(d, ray.step), hn::Iota(d, j)));
+    const auto along = hn::Add(hn::Set(d, ray.first), hn::Mul(hn::Set(d, ray.step), lanes_from(j)));
     const auto x = hn::Add(hn::Set(d, ray.x), hn::Mul(along, hn::Set(d, ray.dx)));
     const auto y = hn::Add(hn::Set(d, ray.y), hn::Mul(along, hn::Set(d, ray.dy)));
     const auto ix = hn::Min(hn::DemoteTo(di, x), hn::Set(di, view.width - 2));
@@ -114,7 +121,7 @@ double Median(const double* values, int count) {
     auto below = hn::Zero(d);
     for (int j = 0; j < count; ++j)
       below = hn::Add(below, hn::IfThenElseZero(hn::Lt(hn::Set(d, values[j]), value), one));
-    const auto is_one = hn::And(hn::Le(below, half), hn::Lt(hn::Iota(d, i), end));
+    const auto is_one = hn::And(hn::Le(below, half), hn::Lt(lanes_from(i), end));
     largest = hn::Max(largest, hn::IfThenElse(is_one, value, least));
   }
   double lanes[kLanes];

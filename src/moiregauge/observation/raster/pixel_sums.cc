@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "moiregauge/image/fetch_row.h"
+#include "moiregauge/image/lane_steps.h"
 #include "moiregauge/image/simd_options.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -69,7 +70,8 @@ HWY_INLINE void sum_strip(const ImageView<Grey>& picture, int x0, int y0, int ro
   Grey edge[kColumns];
   for (int lane = 0; lane < kColumns; lane += kLanes) {
     Lanes window = hn::Zero(d), weighted = window, ring = window, middle = window;
-    const Lanes x = hn::Iota(d, static_cast<std::uint32_t>(first_column + lane));
+    const Lanes x =
+        hn::Add(hn::Load(d, kLaneSteps<std::uint32_t>), hn::Set(d, static_cast<std::uint32_t>(first_column + lane)));
     for (int r = 0; r < rows; ++r) {
       const Grey* const from = pixels_from(picture, x0 + first_column, y0 + r * row_step, edge) + lane;
       const Lanes grey = hn::PromoteTo(d, hn::LoadU(small, from));

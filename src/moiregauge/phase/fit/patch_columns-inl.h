@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include "moiregauge/image/lane_steps.h"
 #include "moiregauge/phase/fit/patch_job.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,6 +25,11 @@ constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
 
 // Returns a + b c. MulAdd would round once on some targets and twice on others.
 HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }
+
+// Returns first, first + 1, ... .
+HWY_INLINE V lanes_from(int first) {
+  return hn::Add(hn::Load(Float(), kLaneSteps<float>), hn::Set(Float(), static_cast<float>(first)));
+}
 
 struct Plane {
   V at_0, per_u, per_v;

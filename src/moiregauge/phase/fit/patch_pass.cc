@@ -27,17 +27,39 @@ namespace HWY_NAMESPACE {
 template <Sum kSum>
 using Registers = V[sums_of(kSum)];
 
-// Adds to the sums of a shift. `left`: residual, zero outside the window.
-HWY_INLINE void add_shift(V left, V inside, const Level& l, Registers<Sum::kShift>& sums) {
-  const V c[kShiftColumns] = {inside, hn::Mul(l.t, inside), hn::Mul(l.tx, inside), hn::Mul(l.ty, inside)};
-  int to = 0;
+// Columns of a shift for several vectors of a row. Their sums are added afterwards in a loop of its own: it needs nearly
+// all registers of some targets, and so does the prediction.
+struct ShiftVectors {
+  static constexpr int kMost = 8;
+  int count = 0;
+  alignas(64) float left[kMost][kBlockWidth], c[kShiftColumns][kMost][kBlockWidth];
+
+  // `residual`: zero outside the window.
+  HWY_INLINE void put(V residual, V inside, const Level& l) {
+    const Float d;
+    hn::Store(residual, d, left[count]), hn::Store(inside, d, c[0][count]);
+    hn::Store(hn::Mul(l.t, inside), d, c[1][count]), hn::Store(hn::Mul(l.tx, inside), d, c[2][count]);
+    hn::Store(hn::Mul(l.ty, inside), d, c[3][count]);
+    ++count;
+  }
+};
+
+HWY_INLINE void add_shifts(const ShiftVectors& vectors, Registers<Sum::kShift>& sums) {
+  const Float d;
+  for (int n = 0; n < vectors.count; ++n) {
+    const V left = hn::Load(d, vectors.left[n]);
+    V c[kShiftColumns];
 #pragma GCC unroll 4
-  for (int i = 0; i < kShiftColumns; ++i, ++to) sums[to] = hn::Add(sums[to], hn::Mul(left, c[i]));
-  sums[to] = hn::Add(sums[to], hn::Mul(left, left)), ++to;
+    for (int i = 0; i < kShiftColumns; ++i) c[i] = hn::Load(d, vectors.c[i][n]);
+    int to = 0;
 #pragma GCC unroll 4
-  for (int i = 0; i < kShiftColumns; ++i) {
+    for (int i = 0; i < kShiftColumns; ++i, ++to) sums[to] = hn::Add(sums[to], hn::Mul(left, c[i]));
+    sums[to] = hn::Add(sums[to], hn::Mul(left, left)), ++to;
 #pragma GCC unroll 4
-    for (int j = 0; j <= i; ++j, ++to) sums[to] = hn::Add(sums[to], hn::Mul(c[i], c[j]));
+    for (int i = 0; i < kShiftColumns; ++i) {
+#pragma GCC unroll 4
+      for (int j = 0; j <= i; ++j, ++to) sums[to] = hn::Add(sums[to], hn::Mul(c[i], c[j]));
+    }
   }
 }
 
@@ -144,12 +166,12 @@ struct SomePositions {
     return patch.table.at(node[n], {hn::Load(Float(), x[n]), hn::Load(Float(), y[n])});
   }
 };
-static_assert(SomePositions::kMost >= kTileRows);
+static_assert(SomePositions::kMost >= kTileRows && SomePositions::kMost <= ShiftVectors::kMost);
 
 // Adds vector n and returns the number of pixels inside the window. `there`: lanes inside the box.
 template <Sum kSum, typename Grey, typename Mask>
 HWY_INLINE int add_vector(const Patch& patch, const Grey* pixels, const SomePositions& at, int n, Mask there, int lane,
-                          LaneSums& lanes, Registers<kSum>& sums) {
+                          LaneSums& lanes, ShiftVectors& shifts, Registers<kSum>& sums) {
   const Float d;
   const V u = hn::Load(d, at.u[n]), v = hn::Load(d, at.v[n]);
   const auto in = hn::And(there, lanes_inside(patch, u, v));
@@ -161,7 +183,7 @@ HWY_INLINE int add_vector(const Patch& patch, const Grey* pixels, const SomePosi
     sums[0] = hn::Add(sums[0], hn::Mul(left, left));
     add_blocks(left, in, u, v, lane, lanes);
   } else {
-    add_shift(left, hn::IfThenElseZero(in, patch.one), scaled(patch, l, gain), sums);
+    shifts.put(left, hn::IfThenElseZero(in, patch.one), scaled(patch, l, gain));
   }
   return static_cast<int>(hn::CountTrue(d, in));
 }
@@ -172,14 +194,12 @@ enum class TilePlace { kInside, kAcross, kOutside };
 // A quantity that is linear in the pixel's position: value at the middle pixel, and changes per pixel.
 struct Line {
   double at_0, per_x, per_y;
+  // Largest difference of a tile's pixels from its middle.
+  double spread = 0.5 * (kBlockWidth - 1) * std::abs(per_x) + 0.5 * (kTileRows - 1) * std::abs(per_y);
 
   // Returns the value in the middle of the tile from (x, y) on, px from the middle pixel.
   [[nodiscard]] HWY_INLINE double middle(int x, int y) const {
     return at_0 + per_x * (x + 0.5 * (kBlockWidth - 1)) + per_y * (y + 0.5 * (kTileRows - 1));
-  }
-  // Returns the largest difference of a tile's pixels from its middle.
-  [[nodiscard]] HWY_INLINE double spread() const {
-    return 0.5 * (kBlockWidth - 1) * std::abs(per_x) + 0.5 * (kTileRows - 1) * std::abs(per_y);
   }
 };
 
@@ -201,11 +221,11 @@ struct Edges {
 
   // Returns the place of the tile from (x, y) on, px from the middle pixel.
   [[nodiscard]] TilePlace place_of(int x, int y) const {
-    if (!(z.middle(x, y) > z.spread())) return TilePlace::kAcross;
+    if (!(z.middle(x, y) > z.spread)) return TilePlace::kAcross;
     bool is_inside = true, is_outside = false;
     for (std::size_t k = 0; k < within.size(); ++k) {
-      is_inside &= within[k].middle(x, y) + within[k].spread() < 0.0;
-      is_outside |= beyond[k].middle(x, y) - beyond[k].spread() > 0.0;
+      is_inside &= within[k].middle(x, y) + within[k].spread < 0.0;
+      is_outside |= beyond[k].middle(x, y) - beyond[k].spread > 0.0;
     }
     return is_inside ? TilePlace::kInside : is_outside ? TilePlace::kOutside : TilePlace::kAcross;
   }
@@ -252,23 +272,32 @@ HWY_INLINE int add_tile_row(const Tiling<Grey>& t, const Grey* pixels, const Som
   return count;
 }
 
+// Pixels of the rows of a tile. They are located before the loop over rows, so that its vectors stay in registers.
+template <typename Grey>
+struct PixelRows {
+  const Grey* from[kTileRows];
+  Grey beyond[kTileRows][kBlockWidth];
+
+  HWY_INLINE PixelRows(const ImageView<Grey>& picture, int x, int y, int count) {
+    for (int row = 0; row < count; ++row) from[row] = pixels_from(picture, x, y + row, beyond[row]);
+  }
+};
+
 // Adds a tile to the sums of its strip and returns the number of pixels inside the window.
 template <Sum kSum, bool kAllInside, typename Grey>
 HWY_INLINE int add_rows(const Tiling<Grey>& t, int x, int y, const RowSpan<kAllInside>& span, int lane, StripSums& sums,
                         LaneSums& lanes) {
-  const V dx = hn::Iota(Float(), static_cast<float>(x - t.job.x + lane));
+  const V dx = lanes_from(x - t.job.x + lane);
   SomePositions at;
   for (int row = 0; row < span.count(); ++row)
     at.put(t.patch, row, Row(t.job, static_cast<float>(y + row - t.job.y)), dx);
   const auto in_box = hn::Le(dx, hn::Set(Float(), static_cast<float>(t.job.box.x1 - t.job.x)));
+  const PixelRows<Grey> greys_of(t.picture, x, y, span.count());
   TileRows rows;
   PendingColumns columns;
-  Grey beyond[kBlockWidth];
   int pixels = 0;
-  for (int row = 0; row < span.count(); ++row) {
-    const Grey* from = pixels_from(t.picture, x, y + row, beyond) + lane;
-    pixels += add_tile_row<kSum, kAllInside>(t, from, at, in_box, row, rows, columns);
-  }
+  for (int row = 0; row < span.count(); ++row)
+    pixels += add_tile_row<kSum, kAllInside>(t, greys_of.from[row] + lane, at, in_box, row, rows, columns);
   add_tile_sums(rows, span, lane, sums);
   if constexpr (kSum == Sum::kNormal) add_pending(columns, lane, lanes);
   return pixels;
@@ -280,8 +309,8 @@ int add_tile(const Tiling<Grey>& t, int x, int y, int count, float eta, int lane
   const TilePlace place = t.edges.place_of(x - t.job.x, y - t.job.y);
   if (place == TilePlace::kOutside) return 0;
   if (place == TilePlace::kInside && !is_cut)
-    return add_rows<kSum, true>(t, x, y, RowSpan<true>{count, eta}, lane, sums, lanes);
-  return add_rows<kSum, false>(t, x, y, RowSpan<false>{count, eta}, lane, sums, lanes);
+    return add_rows<kSum, true>(t, x, y, RowSpan<true>(count, eta), lane, sums, lanes);
+  return add_rows<kSum, false>(t, x, y, RowSpan<false>(count, eta), lane, sums, lanes);
 }
 
 // Adds up to eight blocks of a strip from x on, over the rows first to last. Returns the number of pixels.
@@ -300,7 +329,7 @@ int add_chunk(const Tiling<Grey>& t, int x, int first, int last, int lane, LaneS
       pixels += add_tile<kSum>(t, x + b * kBlockWidth, y, count, eta, lane, sums[b], lanes);
   }
   for (int b = 0; b < blocks; ++b) {
-    const V dx = hn::Iota(Float(), static_cast<float>(x + b * kBlockWidth - t.job.x + lane));
+    const V dx = lanes_from(x + b * kBlockWidth - t.job.x + lane);
     expand_strip(sums[b], t.job, middle - static_cast<float>(t.job.y), dx, lane, lanes);
   }
   return pixels;
@@ -338,18 +367,23 @@ HWY_INLINE int add_row(const PatchJob& job, const Patch& patch, const ImageView<
   const int step = job.steps.blocks * kBlockWidth;
   const int x0 = job.box.x0 + (y - job.box.y0) / job.steps.rows % job.steps.blocks * kBlockWidth;
   const V last = hn::Set(Float(), static_cast<float>(job.box.x1 - job.x));
-  const auto dx = [&](int x) { return hn::Iota(Float(), static_cast<float>(x - job.x + lane)); };
+  const auto dx = [&](int x) { return lanes_from(x - job.x + lane); };
   SomePositions at;
-  Grey edge[kBlockWidth];
+  Grey edge[kBlockWidth];  // used once: only the last vector reaches beyond the image
   int pixels = 0;
   for (int first = x0; first <= job.box.x1; first += SomePositions::kMost * step) {
     const int blocks = std::min(SomePositions::kMost, (job.box.x1 - first) / step + 1);
-    for (int n = 0; n < blocks; ++n) at.put(patch, n, row, dx(first + n * step));
+    const Grey* from[SomePositions::kMost];
     for (int n = 0; n < blocks; ++n) {
-      const int x = first + n * step;
-      const Grey* from = pixels_from(picture, x, y, edge) + lane;
-      pixels += add_vector<kSum>(patch, from, at, n, hn::Le(dx(x), last), lane, lanes, sums);
+      from[n] = pixels_from(picture, first + n * step, y, edge) + lane;
+      at.put(patch, n, row, dx(first + n * step));
     }
+    ShiftVectors shifts;
+    for (int n = 0; n < blocks; ++n) {
+      const auto there = hn::Le(dx(first + n * step), last);
+      pixels += add_vector<kSum>(patch, from[n], at, n, there, lane, lanes, shifts, sums);
+    }
+    if constexpr (kSum == Sum::kShift) add_shifts(shifts, sums);
   }
   return pixels;
 }

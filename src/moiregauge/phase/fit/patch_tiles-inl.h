@@ -58,11 +58,15 @@ struct StripSums {
       squares[1];
 };
 
-// Rows of a tile: their number, known to the compiler if all are there, and eta of the first one.
+// Rows of a tile: their number, known to the compiler if all are there, and their eta.
 template <bool kAll>
 struct RowSpan {
   int some;
-  float eta;
+  float eta[kTileRows];
+
+  HWY_INLINE RowSpan(int rows, float first) : some(rows) {
+    for (int row = 0; row < kTileRows; ++row) eta[row] = first + static_cast<float>(row) / kEtaRows;
+  }
   [[nodiscard]] HWY_INLINE int count() const { return kAll ? kTileRows : some; }
 };
 
@@ -74,7 +78,7 @@ HWY_INLINE void add_moments(const LaneRow* rows, const RowSpan<kAll>& span, int 
 #pragma GCC unroll 5
   for (int k = 0; k < kMoments; ++k) sum[k] = hn::Load(d, sums[k] + lane);
   for (int row = 0; row < span.count(); ++row) {
-    const V at = hn::Set(d, span.eta + static_cast<float>(row) / kEtaRows);
+    const V at = hn::Set(d, span.eta[row]);
     V value = hn::Load(d, rows[row]);
     sum[0] = hn::Add(sum[0], value);
 #pragma GCC unroll 5

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "moiregauge/image/fetch_row.h"
+#include "moiregauge/image/lane_steps.h"
 #include "moiregauge/image/simd_options.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -215,7 +216,7 @@ HWY_INLINE void add_rows(const FringeJob& job, const FringeRow& upper, const Fri
 template <typename Grey, bool kIsBent>
 HWY_INLINE void add_strip(const FringeJob& job, const ImageView<Grey>& picture, int x, int y, int lane,
                           FringeLanes& lanes) {
-  const V dx = hn::Iota(Float(), static_cast<float>(x - job.x + lane));
+  const V dx = hn::Add(hn::Load(Float(), kLaneSteps<float>), all(static_cast<float>(x - job.x + lane)));
   const Strip strip(job, dx);
   Grey edge[kStripWidth];
   const float dy = static_cast<float>(y - job.y);
