@@ -203,7 +203,7 @@ bool fit_in_own_blur(const GreyPicture& picture, const Reference& reference, Rol
     if (reference.site.markers[i].role != role || !is_read || !reference.prints[i]) continue;
     const auto& at_rest = reference.seen.markers[i].points;
     if (!at_rest) continue;
-    auto fit = fit_in_own_blur(picture.luma, *reference.prints[i], *at_rest, *marker.points);
+    auto fit = fit_in_own_blur(picture.luma, *reference.prints[i], *at_rest, *marker.points, picture.rounding);
     if (!fit) continue;
     marker.points = *std::move(fit);
     any = true;

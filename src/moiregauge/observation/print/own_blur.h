@@ -41,8 +41,10 @@ struct TemplateShift {
 
 // Returns the fit by a template with this frame's blur. Light, contrast and fundamentals remain relative to the
 // reference frame's template.
-// Fails (nothing): the residual of `fit` is that of the reference frame (`at_rest`), or this blur does not explain it.
+// `rounding`: error that a lossy codec may leave in a pixel, grey levels, rms; 0 for other footage.
+// Fails (nothing): the residual of `fit` is that of the reference frame (`at_rest`) or of the codec, or this blur does
+// not explain it.
 [[nodiscard]] std::optional<PatchFit> fit_in_own_blur(const LumaView& luma, const PrintModel& model,
-                                                      const PatchFit& at_rest, const PatchFit& fit);
+                                                      const PatchFit& at_rest, const PatchFit& fit, double rounding);
 
 }  // namespace moiregauge::internal
