@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/base/child_process.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -196,7 +197,9 @@ TEST(ChildProcess, TheFirstOfSeveralToEndIsNoticed) {
   EXPECT_FALSE(slow.wait(0ms));
 }
 
-TEST(ChildProcess, OwnProgramIsThisTest) { EXPECT_EQ(std::filesystem::path(own_program()).filename(), "base_test"); }
+TEST(ChildProcess, OwnProgramIsThisTest) {
+  EXPECT_EQ(std::filesystem::path(own_program()).filename(), program_invocation_short_name);
+}
 
 }  // namespace
 }  // namespace moiregauge::internal

@@ -92,7 +92,7 @@ double change_of(const PrintTemplate& now, const PrintTemplate& then, int m, int
   return before > 0.0 ? (now.coefficient(m, n) * std::conj(then.coefficient(m, n))).real() / before : 1.0;
 }
 
-double square(double v) { return v * v; }
+double squared(double v) { return v * v; }
 
 // Returns what the fit of the linear change of blur leaves, grey levels^2. A blur multiplies a harmonic (m, n) by exp(-e)
 // with e = 4 pi^2 (hx m^2 + hy n^2). The fit takes the part that is linear in e, and e^2 / 2 is the next one.
@@ -102,17 +102,17 @@ double left_by_blur2(const PrintTemplate& print, const PatchFit& fit) {
   for (int n = -print.order(); n <= print.order(); ++n) {
     for (int m = -print.order(); m <= print.order(); ++m) {
       const double e = along_x * m * m + along_y * n * n;
-      sum += std::norm(print.coefficient(m, n)) * square(0.5 * e * e);
+      sum += std::norm(print.coefficient(m, n)) * squared(0.5 * e * e);
     }
   }
-  return square(fit.gain[0]) * sum;
+  return squared(fit.gain[0]) * sum;
 }
 
 // Returns true if the codec may have left the residual and the blur has not. A template of the frame would only fit the
 // codec's errors.
 bool is_left_by_codec(const PrintTemplate& print, const PatchFit& at_rest, const PatchFit& fit, double rounding) {
-  const double beyond_noise2 = square(fit.sigma) - square(at_rest.sigma);
-  return beyond_noise2 < square(rounding) && left_by_blur2(print, fit) < square(kBlurShare) * beyond_noise2;
+  const double beyond_noise2 = squared(fit.sigma) - squared(at_rest.sigma);
+  return beyond_noise2 < squared(rounding) && left_by_blur2(print, fit) < squared(kBlurShare) * beyond_noise2;
 }
 
 // Makes one round from the fit of the last one: a template of this frame, its shift, and its fit.
