@@ -2,16 +2,21 @@
 """Times `moiregauge measure` on files, compared with decoding only and with reading the bytes.
 
   bench/files.py BIN WORK --frames N --memory-frames N --repeats N > files.json
+  bench/files.py BIN WORK --frames N --repeats N --guard > guarded.json
 
 BIN contains moiregauge and decode_only. WORK is an empty folder for the recordings (some GB). The three programs run in
-turn, and the results are medians. Peak memory is that of the largest process (/usr/bin/time).
+turn, and the results are medians. Peak memory is that of the largest process. --guard: only one file, in H.264. Its
+residuals exceed the noise of its key frame in most frames, so that all that a codec's errors can set off is in it.
 """
 import argparse
 import json
+import os
 import pathlib
 import statistics
 import subprocess
 import sys
+import tempfile
+import time
 
 SCENARIO, SIZE = "rig-1xyz", (4096, 2168)
 # The principal point is shifted by whole pixels, because the image is larger on all sides.
@@ -21,21 +26,27 @@ ENCODINGS = {
     "ffv1": ("mkv", ["-c:v", "ffv1", "-level", "3", "-slices", "4", "-pix_fmt", "gray"]),
     "h264": ("mkv", ["-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"]),
 }
+GUARDED = ["-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p"]
 RENDERED = 40  # frames; longer recordings repeat them
 
 
 def run(*command):
     """Returns wall time in s, CPU time in s and peak memory in bytes of a program that must succeed."""
-    words = ["/usr/bin/time", "-f", "%e %U %S %M", *map(str, command)]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"error: {' '.join(words)}: {done.stderr.strip()}")
-    wall, user, system, peak_kib = map(float, done.stderr.split()[-4:])
-    return {"wall_s": wall, "cpu_s": user + system, "peak_bytes": 1024 * peak_kib, "output": done.stdout.strip()}
+    words = list(map(str, command))
+    with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
+        begin = time.monotonic()
+        process = subprocess.Popen(words, stdout=output, stderr=errors)
+        _, status, usage = os.wait4(process.pid, 0)
+        wall = time.monotonic() - begin
+        process.returncode = os.waitstatus_to_exitcode(status)
+        output.seek(0), errors.seek(0)
+        if process.returncode != 0:
+            sys.exit(f"error: {' '.join(words)}: {errors.read().strip()}")
+        return {"wall_s": wall, "cpu_s": usage.ru_utime + usage.ru_stime, "peak_bytes": 1024.0 * usage.ru_maxrss,
+                "output": output.read().strip()}
 
 
-def draw(binaries, folder, frames):
-    settings = [word for key, value in CAMERA.items() for word in ("--set", f"{key}={value}")]
+def draw(binaries, folder, frames, *settings):
     run(binaries / "moiregauge", "simulate", SCENARIO, *settings, "--frames", frames, "-o", folder, "--quiet")
 
 
@@ -63,17 +74,32 @@ def times_of(binaries, path, site, repeats):
             for name, rows in results.items()} | {"frames": int(results["decode"][0]["output"])}
 
 
+def guarded(binaries, work, frames, repeats):
+    """Returns the times of the file of --guard."""
+    drawn, path = work / "drawn", work / "guarded.mkv"
+    draw(binaries, drawn, min(RENDERED, frames), "--markers-only")
+    encode(drawn, path, GUARDED, frames, min(RENDERED, frames))
+    return times_of(binaries, path, drawn / "site.toml", repeats)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("binaries", type=pathlib.Path)
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("--frames", type=int, required=True)
-    parser.add_argument("--memory-frames", type=int, required=True)
+    parser.add_argument("--memory-frames", type=int)
     parser.add_argument("--repeats", type=int, required=True)
+    parser.add_argument("--guard", action="store_true")
     words = parser.parse_args()
+    if words.guard:
+        json.dump({"h264": guarded(words.binaries, words.work, words.frames, words.repeats)}, sys.stdout, indent=1)
+        return
+    if words.memory_frames is None:
+        parser.error("--memory-frames is missing")
     rendered = min(RENDERED, words.frames)
     drawn = words.work / "drawn"
-    draw(words.binaries, drawn, rendered)
+    settings = [word for key, value in CAMERA.items() for word in ("--set", f"{key}={value}")]
+    draw(words.binaries, drawn, rendered, *settings)
     files = {}
     for name, (ending, arguments) in ENCODINGS.items():
         path = words.work / f"{name}.{ending}"

@@ -1,14 +1,16 @@
 #!/usr/bin/python3
 """Compares speed with the stored figures of bench/guard.csv, so that no change loses it unnoticed.
 
-  bench/guard.py CHAIN_JSON [MORE_CHAIN_JSON ...] --stored bench/guard.csv [--update COMMIT]
+  bench/guard.py CHAIN_JSON [MORE_CHAIN_JSON ...] --file FILE_JSON --stored bench/guard.csv [--update COMMIT]
 
 CHAIN_JSON is the output of chain_bench (aggregates), one file per instruction set. A figure is the textbook chain's time
-divided by that of a case, within one run. The limit is four fifths of the stored figure. Prints a table. Ends 1 if a
-figure is below its limit. --update: stores the figures instead.
+divided by that of a case, within one run. FILE_JSON is the output of bench/files.py --guard. Its figure is the CPU time
+of decoding divided by that of `measure`, which decodes, too. The limit is four fifths of the stored figure. Prints a
+table. Ends 1 if a figure is below its limit. --update: stores the figures instead.
 """
 import argparse
 import csv
+import json
 import sys
 
 from ratios import LARGE, SMALL, Chain
@@ -29,13 +31,22 @@ def figures(chains):
     return found
 
 
+def file_figure(path):
+    """Returns how much of the CPU time of `measure` is decoding, by (case, size, vectors)."""
+    with open(path, encoding="utf-8") as file:
+        times = json.load(file)["h264"]
+    times_decoding = times["decode"]["cpu_s"] / times["measure"]["cpu_s"]
+    return {("measure of an H.264 file, decoding = 1x", SMALL, "widest"): times_decoding}
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("chains", nargs="+")
+    parser.add_argument("--file", required=True)
     parser.add_argument("--stored", required=True)
     parser.add_argument("--update", metavar="COMMIT")
     options = parser.parse_args()
-    now = figures([Chain(path) for path in options.chains])
+    now = figures([Chain(path) for path in options.chains]) | file_figure(options.file)
     if options.update:
         with open(options.stored, "w", newline="", encoding="utf-8") as file:
             table = csv.writer(file, lineterminator="\n")
@@ -45,7 +56,7 @@ def main():
     with open(options.stored, newline="", encoding="utf-8") as file:
         stored = {(row["case"], row["size"], row["vectors"]): row for row in csv.DictReader(file)}
     slow = 0
-    print("| case | size | vectors | stored, times the textbook chain | now | verdict |\n|---|---|---|---|---|---|")
+    print("| case | size | vectors | stored, textbook chain = 1x | now | verdict |\n|---|---|---|---|---|---|")
     for key, times in now.items():
         old = stored.get(key)
         was = f"{old['times']}x at {old['commit']}" if old else "none"

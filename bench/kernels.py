@@ -15,6 +15,10 @@ import sys
 KERNELS = (
     "src/moiregauge/phase/fit/patch_pass.cc",
     "src/moiregauge/phase/fit/patch_columns-inl.h",
+    "src/moiregauge/phase/fit/patch_products-inl.h",
+    "src/moiregauge/phase/fit/patch_rows-inl.h",
+    "src/moiregauge/phase/fit/patch_strips-inl.h",
+    "src/moiregauge/phase/fit/patch_tiles-inl.h",
     "src/moiregauge/phase/fit/patch_fit.cc",
     "src/moiregauge/phase/fit/patch_system.cc",
     "src/moiregauge/phase/fit/print_template.cc",
@@ -23,6 +27,7 @@ KERNELS = (
     "src/moiregauge/observation/raster/noise.cc",
     "src/moiregauge/observation/frame/disc_centre.cc",
     "src/moiregauge/observation/frame/track.cc",
+    "src/moiregauge/observation/print/own_blur.cc",
     "src/moiregauge/observation/print/template_residuals.cc",
     "src/moiregauge/calibration/scene/patch_residual.cc",
     "src/moiregauge/calibration/scene/frame_fit.cc",

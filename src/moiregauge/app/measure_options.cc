@@ -33,7 +33,7 @@ tl::expected<void, UsageError> is_there(const std::string& kind, const std::stri
     return usage(fmt::format("the {} does not exist: {}: check the name", kind, as_one_line(path)));
   const std::string other = kind_unless_plain(path);
   if (other.empty()) return {};
-  return usage(fmt::format("the {} is {}: {}: give a plain file", kind, other, path));
+  return usage(fmt::format("the {} is {}: {}: give a plain file", kind, other, as_one_line(path)));
 }
 
 // A site file is often in the folder of the images or of the clip. The message names it, but it is not used without
@@ -53,7 +53,7 @@ UsageError no_scale(const std::string& input) {
   const bool is_name = input.find_first_of("%:") == std::string::npos && input != "-";
   if (is_name && !fs::exists(input, error))
     return {fmt::format("the file or folder does not exist: {}: check the name, and {}", as_one_line(input), remedy)};
-  return {fmt::format("the scale is unknown: {}: {}", input, remedy)};
+  return {fmt::format("the scale is unknown: {}: {}", as_one_line(input), remedy)};
 }
 
 }  // namespace

@@ -160,9 +160,8 @@ std::optional<std::string> LockingError::note() const {
   if (worst == nullptr) return std::nullopt;
   return fmt::format(
       "the u of '{:.60}' contains an error of {:.1f} um that repeats with every pixel of movement, because its edges "
-      "are "
-      "sharper than the pixels or processed in the camera. Turn the camera or the print by 2 deg, defocus slightly, or "
-      "switch median filters, sharpening and contrast enhancement off",
+      "are sharper than the pixels or processed in the camera. Turn the camera or the print by 2 deg, defocus "
+      "slightly, or switch median filters, sharpening and contrast enhancement off",
       worst->name, 1e3 * most_mm);
 }
 

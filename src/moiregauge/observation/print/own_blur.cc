@@ -43,8 +43,8 @@ struct Phase {
 double variance_of(const TemplateNoise& noise) { return 0.5 * noise.sigma * noise.sigma / noise.pixels; }
 
 // Appends the phases of one half of the plane, because the series is real.
-std::vector<Phase> phases_of(const PrintTemplate& then, double variance_then, const PrintTemplate& now,
-                             double variance_now, const PatchFitOptions& options) {
+std::vector<Phase> phases_of(const PrintSeries& then, double variance_then, const PrintSeries& now, double variance_now,
+                             const PatchFitOptions& options) {
   std::vector<Phase> all;
   const int order = std::min(then.order(), now.order());
   const double least = kMinSignal * kMinSignal;
@@ -69,7 +69,7 @@ TemplateNoise noise_of(const PatchFit& fit, double contrast) {
 }
 
 // Returns the share of the pixels' degrees of freedom that the template leaves.
-double share_left(const PrintTemplate& print, int pixels) {
+double share_left(const PrintSeries& print, int pixels) {
   const double side = 2.0 * print.order() + 1.0;
   return std::max(0.1, 1.0 - side * side / pixels);
 }
@@ -87,7 +87,7 @@ double enlargement(const TemplateShift& shift, const PatchFit& fit, const PatchF
   return 1.0 + (shift.chi2_dof - 1.0) * largest;
 }
 
-double change_of(const PrintTemplate& now, const PrintTemplate& then, int m, int n) {
+double change_of(const PrintSeries& now, const PrintSeries& then, int m, int n) {
   const double before = std::norm(then.coefficient(m, n));
   return before > 0.0 ? (now.coefficient(m, n) * std::conj(then.coefficient(m, n))).real() / before : 1.0;
 }
@@ -96,7 +96,7 @@ double squared(double v) { return v * v; }
 
 // Returns what the fit of the linear change of blur leaves, grey levels^2. A blur multiplies a harmonic (m, n) by exp(-e)
 // with e = 4 pi^2 (hx m^2 + hy n^2). The fit takes the part that is linear in e, and e^2 / 2 is the next one.
-double left_by_blur2(const PrintTemplate& print, const PatchFit& fit) {
+double left_by_blur2(const PrintSeries& print, const PatchFit& fit) {
   const double along_x = 1.0 - fit.fundamental[0] / fit.gain[0], along_y = 1.0 - fit.fundamental[1] / fit.gain[0];
   double sum = 0.0;
   for (int n = -print.order(); n <= print.order(); ++n) {
@@ -110,7 +110,7 @@ double left_by_blur2(const PrintTemplate& print, const PatchFit& fit) {
 
 // Returns true if the codec may have left the residual and the blur has not. A template of the frame would only fit the
 // codec's errors.
-bool is_left_by_codec(const PrintTemplate& print, const PatchFit& at_rest, const PatchFit& fit, double rounding) {
+bool is_left_by_codec(const PrintSeries& print, const PatchFit& at_rest, const PatchFit& fit, double rounding) {
   const double beyond_noise2 = squared(fit.sigma) - squared(at_rest.sigma);
   return beyond_noise2 < squared(rounding) && left_by_blur2(print, fit) < squared(kBlurShare) * beyond_noise2;
 }
@@ -121,12 +121,12 @@ std::optional<PatchFit> fit_with_new_template(const LumaView& luma, const PrintM
   const PrintFromImage map = map_of(last, model.window);
   PrintBins bins(model.print.order());
   std::visit([&](const auto& picture) { gather_grey(picture, map, model.window, &last, bins); }, luma);
-  const auto print = bins.fit(&model.print);
-  if (!print) return std::nullopt;
-  const auto shift = shift_by_phases(model.print, noise_of(at_rest, at_rest.gain[0]), *print,
+  const auto learned = bins.fit(&model.print);
+  if (!learned) return std::nullopt;
+  const auto shift = shift_by_phases(model.print, noise_of(at_rest, at_rest.gain[0]), *learned,
                                      noise_of(at_rest, last.gain[0]), model.options);
   if (!shift) return std::nullopt;
-  const PrintTemplate moved = with_origin(*print, {-shift->at.x, -shift->at.y});
+  const PrintTemplate moved(with_origin(*learned, {-shift->at.x, -shift->at.y}));
   auto fitted = fit_patch(luma, map, {model.window, moved, model.options});
   if (!fitted) return std::nullopt;
   PatchFit fit = std::move(fitted->fit);
@@ -139,8 +139,8 @@ std::optional<PatchFit> fit_with_new_template(const LumaView& luma, const PrintM
 
 }  // namespace
 
-std::optional<TemplateShift> shift_by_phases(const PrintTemplate& then, const TemplateNoise& noise_then,
-                                             const PrintTemplate& now, const TemplateNoise& noise_now,
+std::optional<TemplateShift> shift_by_phases(const PrintSeries& then, const TemplateNoise& noise_then,
+                                             const PrintSeries& now, const TemplateNoise& noise_now,
                                              const PatchFitOptions& options) {
   const auto phases = phases_of(then, variance_of(noise_then), now, variance_of(noise_now), options);
   TemplateShift shift;

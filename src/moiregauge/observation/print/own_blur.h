@@ -35,8 +35,8 @@ struct TemplateShift {
 // Returns the shift of `now` relative to `then` by the phases of their harmonics. It must be below a tenth of a pitch.
 // Fails (nothing): too few harmonics exceed the noise.
 // Error: the inverse of `information`, times `chi2_dof` if that exceeds 1.
-[[nodiscard]] std::optional<TemplateShift> shift_by_phases(const PrintTemplate& then, const TemplateNoise& noise_then,
-                                                           const PrintTemplate& now, const TemplateNoise& noise_now,
+[[nodiscard]] std::optional<TemplateShift> shift_by_phases(const PrintSeries& then, const TemplateNoise& noise_then,
+                                                           const PrintSeries& now, const TemplateNoise& noise_now,
                                                            const PatchFitOptions& options);
 
 // Returns the fit by a template with this frame's blur. Light, contrast and fundamentals remain relative to the

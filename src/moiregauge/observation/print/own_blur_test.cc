@@ -19,7 +19,7 @@ constexpr int kLineOrder = 5;
 double sinc(double x) { return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x); }
 
 // Returns lines along both axes, shifted by (x, y) pitches and smeared over `smear` pitches along x.
-PrintTemplate smeared(double x, double y, double smear) {
+PrintSeries smeared(double x, double y, double smear) {
   std::vector<Complex> series;
   for (int n = -kLineOrder; n <= kLineOrder; ++n) {
     for (int m = -kLineOrder; m <= kLineOrder; ++m) {
@@ -45,7 +45,7 @@ TEST(OwnBlur, ASmearMovesNoPhase) {
 // Every harmonic has a phase variance of 2 x 1 / (2 N |c|^2), which makes the information a sum over the half plane.
 TEST(OwnBlur, TheInformationOfAShiftIsThatOfItsHarmonics) {
   const double pixels = 10000.0;
-  const PrintTemplate same = smeared(0.0, 0.0, 0.0);
+  const PrintSeries same = smeared(0.0, 0.0, 0.0);
   const auto shift = shift_by_phases(same, {1.0, pixels}, same, {1.0, pixels}, {});
   ASSERT_TRUE(shift);
   double expected = 0.0;
@@ -56,14 +56,14 @@ TEST(OwnBlur, TheInformationOfAShiftIsThatOfItsHarmonics) {
 
 // A shift of only one harmonic is no shift of the grating. The phases then disagree by many times their u.
 TEST(OwnBlur, PhasesThatDisagreeAreReported) {
-  const PrintTemplate then = smeared(0.0, 0.0, 0.0);
+  const PrintSeries then = smeared(0.0, 0.0, 0.0);
   std::vector<Complex> series;
   for (int n = -kLineOrder; n <= kLineOrder; ++n) {
     for (int m = -kLineOrder; m <= kLineOrder; ++m)
       series.push_back(then.coefficient(m, n) * (std::abs(m) == 2 ? std::polar(1.0, 0.4 * m) : 1.0));
   }
   const TemplateNoise noise{1.0, 10000.0};
-  const auto shift = shift_by_phases(then, noise, PrintTemplate(kLineOrder, series), noise, {});
+  const auto shift = shift_by_phases(then, noise, PrintSeries(kLineOrder, series), noise, {});
   ASSERT_TRUE(shift);
   EXPECT_GT(shift->chi2_dof, 10.0);
 }

@@ -134,16 +134,16 @@ class Learning {
     PrintBins bins(std::min(most_orders, order_of(window_, 1.0 / pixel_)));
     std::visit([&](const auto& picture) { gather_grey(picture, map_, window_, fit_ ? &*fit_ : nullptr, bins); },
                *luma_);
-    auto print = bins.fit(model_ ? &model_->print : nullptr);
-    if (!print) return tl::unexpected(Failure::kTooFewPixels);
-    const double px = print->slope_power_x(), py = print->slope_power_y();
+    auto learned = bins.fit(model_ ? &model_->print : nullptr);
+    if (!learned) return tl::unexpected(Failure::kTooFewPixels);
+    const double px = learned->slope_power_x(), py = learned->slope_power_y();
     PatchFitOptions options;
     const Axes shown = axes_of(*grating_);
     options.along_x = shown.x && px > kNoSlope * py;
     options.along_y = shown.y && py > kNoSlope * px;
-    if (!options.along_x || !options.along_y) print = averaged_along_lines(*print, options.along_x);
-    options.has_width = !in_light_ && print->order() > 1;
-    model_ = PrintModel{*std::move(print), window_, options, std::nullopt, std::nullopt, {}, {}, 0.0};
+    if (!options.along_x || !options.along_y) learned = averaged_along_lines(*learned, options.along_x);
+    options.has_width = !in_light_ && learned->order() > 1;
+    model_ = PrintModel{PrintTemplate(*std::move(learned)), window_, options, std::nullopt, std::nullopt, {}, {}, 0.0};
     auto fitted = fit_patch(*luma_, map_, {window_, model_->print, options});
     if (!fitted) return tl::unexpected(fitted.error());
     fit_ = std::move(fitted->fit);
@@ -325,7 +325,7 @@ void take_own_origin(PrintModel& model, double within) {
     return;
   }
   model.u_origin = origin->u;
-  model.print = with_origin(model.print, origin->at);
+  model.print = PrintTemplate(with_origin(model.print, origin->at));
   model.window.centre = {model.window.centre.x - origin->at.x, model.window.centre.y - origin->at.y};
   Matrix3 shift = Matrix3::Identity();
   shift(0, 2) = -origin->at.x, shift(1, 2) = -origin->at.y;

@@ -39,7 +39,7 @@ PrintOrigin of_lines(Complex c, bool is_x) {
 
 }  // namespace
 
-std::optional<PrintOrigin> nearest_symmetry(const PrintTemplate& print, bool along_x, bool along_y) {
+std::optional<PrintOrigin> nearest_symmetry(const PrintSeries& print, bool along_x, bool along_y) {
   const Complex x = print.coefficient(1, 0), y = print.coefficient(0, 1);
   const Complex up = print.coefficient(1, 1), down = print.coefficient(1, -1);
   const bool is_checkered =
@@ -56,7 +56,7 @@ std::optional<PrintOrigin> nearest_symmetry(const PrintTemplate& print, bool alo
     origin = of_lines(along_x ? x : y, along_x);
     strongest = std::abs(along_x ? x : y);
   }
-  const PrintTemplate moved = with_origin(print, origin.at);
+  const PrintSeries moved = with_origin(print, origin.at);
   double odd = 0.0, all = 0.0;
   int count = 0;
   for (int n = -print.order(); n <= print.order(); ++n) {
@@ -72,7 +72,7 @@ std::optional<PrintOrigin> nearest_symmetry(const PrintTemplate& print, bool alo
   return origin;
 }
 
-PrintTemplate with_origin(const PrintTemplate& print, PrintPoint origin) {
+PrintSeries with_origin(const PrintSeries& print, PrintPoint origin) {
   std::vector<Complex> series;
   for (int n = -print.order(); n <= print.order(); ++n) {
     for (int m = -print.order(); m <= print.order(); ++m)

@@ -23,9 +23,9 @@ struct PrintOrigin {
 // dark or of light lines, the centre of a dot or square, or a corner of a checkerboard.
 // Fails (nothing): the grating is not symmetric, because 1 % or more of its power is odd about that point.
 // Error: `u` of the result.
-[[nodiscard]] std::optional<PrintOrigin> nearest_symmetry(const PrintTemplate& print, bool along_x, bool along_y);
+[[nodiscard]] std::optional<PrintOrigin> nearest_symmetry(const PrintSeries& print, bool along_x, bool along_y);
 
-// Returns the same template with its origin moved to `origin`.
-[[nodiscard]] PrintTemplate with_origin(const PrintTemplate& print, PrintPoint origin);
+// Returns the same series with its origin moved to `origin`.
+[[nodiscard]] PrintSeries with_origin(const PrintSeries& print, PrintPoint origin);
 
 }  // namespace moiregauge::internal

@@ -57,7 +57,7 @@ TEST(PrintOrigin, APrintWithoutSymmetryHasNone) {
 
 TEST(PrintOrigin, MovingItMovesNothingOfThePrint) {
   const auto print = shifted_print(dark_grid, 0.0, 0.0);
-  const auto other = with_origin(print, {0.21, -0.37});
+  const PrintTemplate other(with_origin(print, {0.21, -0.37}));
   EXPECT_NEAR(other.at({0.1, 0.2}).t, print.at({0.31, -0.17}).t, 0.5);  // the table's error is 1e-2 of a harmonic
   EXPECT_NEAR(std::abs(other.coefficient(1, 1)), std::abs(print.coefficient(1, 1)), 1e-9);
 }

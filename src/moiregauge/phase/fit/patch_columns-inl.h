@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prediction and columns of a vector of pixels. patch_pass.cc includes this file once for every SIMD target.
+// Prediction and columns of a vector of pixels, and sums of lanes. patch_pass.cc includes this file once for every SIMD
+// target.
 #if defined(MOIREGAUGE_PATCH_COLUMNS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MOIREGAUGE_PATCH_COLUMNS_INL_H
 #undef MOIREGAUGE_PATCH_COLUMNS_INL_H
@@ -22,6 +23,7 @@ using Float = hn::CappedTag<float, kBlockWidth>;
 using Whole = hn::RebindToSigned<Float>;
 using V = hn::Vec<Float>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Float()));
+using LaneRow = float[kBlockWidth];
 
 // Returns a + b c. MulAdd would round once on some targets and twice on others.
 HWY_INLINE V plus(V a, V b, V c) { return hn::Add(a, hn::Mul(b, c)); }
@@ -202,6 +204,56 @@ struct Positions {
     u = hn::Mul(plus(row.x, patch.row_x, dx), per_z), v = hn::Mul(plus(row.y, patch.row_y, dx), per_z);
   }
 };
+
+// Returns the lanes inside the window.
+HWY_INLINE auto lanes_inside(const Patch& patch, V u, V v) {
+  return hn::Le(hn::Max(hn::Abs(u), hn::Abs(v)), patch.one);
+}
+
+// Returns a level with derivatives per pitch, times the gain.
+HWY_INLINE Level scaled(const Patch& patch, const Level& l, V gain) {
+  const V slope = hn::Mul(gain, patch.side), bend = hn::Mul(slope, patch.side);
+  return {
+      l.t, hn::Mul(l.tx, slope), hn::Mul(l.ty, slope), hn::Mul(l.bx, bend), hn::Mul(l.by, bend), hn::Mul(l.edge, bend)};
+}
+
+// Positions of the pixels of several vectors. They are computed for all vectors first: a node's index is then in memory,
+// not on its way to it, when it is read.
+struct SomePositions {
+  static constexpr int kMost = 8;
+  alignas(64) LaneRow u[kMost], v[kMost], per_z[kMost], x[kMost], y[kMost];
+  alignas(64) std::int32_t node[kMost][kBlockWidth];
+
+  // `dx`: distances of the lanes from the middle pixel, px.
+  HWY_INLINE void put(const Patch& patch, int n, const Row& row, V dx) {
+    const Float d;
+    const Positions at(patch, row, dx);
+    const FromNode from =
+        patch.table.find(plus(patch.x0, at.u, patch.half_x), plus(patch.y0, at.v, patch.half_y), node[n]);
+    hn::Store(at.u, d, u[n]), hn::Store(at.v, d, v[n]), hn::Store(at.per_z, d, per_z[n]);
+    hn::Store(from.x, d, x[n]), hn::Store(from.y, d, y[n]);
+  }
+
+  // Returns level and derivatives at vector n.
+  HWY_INLINE Level level(const Patch& patch, int n) const {
+    return patch.table.at(node[n], {hn::Load(Float(), x[n]), hn::Load(Float(), y[n])});
+  }
+};
+
+HWY_INLINE void add_to(float* sums, V value) {
+  const Float d;
+  hn::Store(hn::Add(hn::Load(d, sums), value), d, sums);
+}
+
+// Returns the sum of sixteen lanes, added by halves.
+HWY_INLINE double folded(float* lanes) {
+  const hn::CappedTag<float, 4> d;
+  for (int half = kBlockWidth / 2; half >= 4; half /= 2) {
+    for (int i = 0; i < half; i += static_cast<int>(hn::MaxLanes(d)))
+      hn::Store(hn::Add(hn::Load(d, lanes + i), hn::Load(d, lanes + i + half)), d, lanes + i);
+  }
+  return static_cast<double>((lanes[0] + lanes[2]) + (lanes[1] + lanes[3]));
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace moiregauge::internal

@@ -220,7 +220,7 @@ void PrintBins::add(PrintPoint p, double grey) {
   ++pixels_;
 }
 
-std::optional<PrintTemplate> PrintBins::fit(const PrintTemplate* near) const {
+std::optional<PrintSeries> PrintBins::fit(const PrintSeries* near) const {
   const int wide = 2 * order_ + 1, unknowns = wide * wide;
   if (pixels_ < kMinPixelsPerCoefficient * unknowns) return std::nullopt;
   std::vector<double> count(bins_.size()), sum(bins_.size());
@@ -236,7 +236,7 @@ std::optional<PrintTemplate> PrintBins::fit(const PrintTemplate* near) const {
   const Eigen::VectorXcd c = solved(normal, kRidge * static_cast<double>(pixels_),
                                     Eigen::Map<const Eigen::VectorXcd>(right.data(), unknowns), std::move(start));
   const std::vector<Complex> series(c.data(), c.data() + unknowns);
-  return PrintTemplate(order_, series);
+  return PrintSeries(order_, series);
 }
 
 }  // namespace moiregauge::internal

@@ -19,9 +19,9 @@ class PrintBins {
   void add(PrintPoint p, double grey);
   // Fits the Fourier series to the bins by least squares, each bin weighted by its pixels. Corrects for the width of
   // the bins and drops the mean c(0, 0). A ridge bounds coefficients that the bins do not determine. `near`: a similar
-  // template, from which the iteration starts, or null.
+  // series, from which the iteration starts, or null.
   // Fails (nothing): fewer than four pixels per coefficient.
-  [[nodiscard]] std::optional<PrintTemplate> fit(const PrintTemplate* near = nullptr) const;
+  [[nodiscard]] std::optional<PrintSeries> fit(const PrintSeries* near = nullptr) const;
   [[nodiscard]] long pixels() const { return pixels_; }
 
  private:

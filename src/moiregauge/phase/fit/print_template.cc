@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -134,7 +135,7 @@ PrintNodes nodes_of(const std::vector<Complex>& series, int order) {
 
 }  // namespace
 
-PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : order_(order), series_(series.size()) {
+PrintSeries::PrintSeries(int order, std::span<const Complex> series) : order_(order), series_(series.size()) {
   for (int n = -order; n <= order; ++n) {
     for (int m = -order; m <= order; ++m) {
       series_[index_of(order, m, n)] =
@@ -142,7 +143,6 @@ PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : order
     }
   }
   series_[index_of(order, 0, 0)] = 0.0;
-  nodes_ = nodes_of(series_, order);
   double power = 0.0;
   for (int n = -order; n <= order; ++n) {
     for (int m = -order; m <= order; ++m) {
@@ -153,6 +153,11 @@ PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : order
   }
   contrast_ = std::sqrt(power);
 }
+
+PrintTemplate::PrintTemplate(PrintSeries series)
+    : PrintSeries(std::move(series)), nodes_(nodes_of(PrintSeries::series(), order())) {}
+
+PrintTemplate::PrintTemplate(int order, std::span<const Complex> series) : PrintTemplate(PrintSeries(order, series)) {}
 
 PrintTemplate PrintTemplate::cosine(double amplitude_x, double amplitude_y) {
   std::array<Complex, 9> series{};
@@ -181,12 +186,12 @@ PrintLevel PrintTemplate::at(PrintPoint p) const {
   return level;
 }
 
-Complex PrintTemplate::coefficient(int m, int n) const {
+Complex PrintSeries::coefficient(int m, int n) const {
   if (std::abs(m) > order_ || std::abs(n) > order_) return 0.0;
   return series_[index_of(order_, m, n)];
 }
 
-PrintTemplate averaged_along_lines(const PrintTemplate& print, bool changes_along_x) {
+PrintSeries averaged_along_lines(const PrintSeries& print, bool changes_along_x) {
   std::vector<Complex> series;
   for (int n = -print.order(); n <= print.order(); ++n) {
     for (int m = -print.order(); m <= print.order(); ++m)

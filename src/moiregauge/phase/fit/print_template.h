@@ -53,19 +53,11 @@ inline constexpr std::array kNodePowers{NodePower{0, 0}, NodePower{1, 0}, NodePo
 static_assert(kNodePowers.size() == 2 * PrintNodes::kWords);
 
 // Series t(X, Y) = sum over |m|, |n| <= order of c(m, n) exp(2 pi i (m X + n Y)), real, without its mean (c(0, 0) = 0).
-class PrintTemplate {
+class PrintSeries {
  public:
-  // Builds the template from (2 order + 1)^2 coefficients, n slowest, both from -order. Symmetry makes the series real.
-  // Error of the table: 1e-2 of the highest harmonic (2e-5 of a lone fundamental) for t. For its slopes it is 8 % (0.1
-  // %).
-  PrintTemplate(int order, std::span<const std::complex<double>> series);
+  // Takes (2 order + 1)^2 coefficients, n slowest, both from -order. Symmetry makes the series real.
+  PrintSeries(int order, std::span<const std::complex<double>> series);
 
-  // Returns a template of the fundamentals only: amplitude_x cos(2 pi X) + amplitude_y cos(2 pi Y).
-  [[nodiscard]] static PrintTemplate cosine(double amplitude_x, double amplitude_y);
-
-  // Returns level (grey levels) and derivatives (per pitch) at a grating coordinate (pitches).
-  [[nodiscard]] PrintLevel at(PrintPoint p) const;
-  [[nodiscard]] const PrintNodes& nodes() const { return nodes_; }
   [[nodiscard]] int order() const { return order_; }
   [[nodiscard]] std::complex<double> coefficient(int m, int n) const;
   // Returns the rms of t over a period, grey levels.
@@ -75,17 +67,38 @@ class PrintTemplate {
   [[nodiscard]] double slope_power_x() const { return slope_power_[0]; }
   [[nodiscard]] double slope_power_y() const { return slope_power_[1]; }
 
+ protected:
+  [[nodiscard]] const std::vector<std::complex<double>>& series() const { return series_; }
+
  private:
   int order_ = 0;
   std::vector<std::complex<double>> series_;
-  PrintNodes nodes_;
   double contrast_ = 0.0;
   std::array<double, 2> slope_power_{};
 };
 
-// Returns the template of a grating of lines: its mean along them. `changes_along_x`: its levels change along x,
-// otherwise along y.
-[[nodiscard]] PrintTemplate averaged_along_lines(const PrintTemplate& print, bool changes_along_x);
+// Series with the table of its nodes, which takes longer to make than all the rest.
+class PrintTemplate : public PrintSeries {
+ public:
+  // Makes the table. Its error is 1e-2 of the highest harmonic (2e-5 of a lone fundamental) for t. For its slopes it is
+  // 8 % (0.1 %).
+  explicit PrintTemplate(PrintSeries series);
+  PrintTemplate(int order, std::span<const std::complex<double>> series);
+
+  // Returns a template of the fundamentals only: amplitude_x cos(2 pi X) + amplitude_y cos(2 pi Y).
+  [[nodiscard]] static PrintTemplate cosine(double amplitude_x, double amplitude_y);
+
+  // Returns level (grey levels) and derivatives (per pitch) at a grating coordinate (pitches).
+  [[nodiscard]] PrintLevel at(PrintPoint p) const;
+  [[nodiscard]] const PrintNodes& nodes() const { return nodes_; }
+
+ private:
+  PrintNodes nodes_;
+};
+
+// Returns the series of a grating of lines: its mean along them. `changes_along_x`: its levels change along x, otherwise
+// along y.
+[[nodiscard]] PrintSeries averaged_along_lines(const PrintSeries& print, bool changes_along_x);
 
 // Returns the highest order that pixels resolve at this pitch, at least 1. Beyond P / 2.2, harmonics fold onto lower
 // ones.
