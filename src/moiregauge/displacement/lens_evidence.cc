@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "moiregauge/displacement/reading_noise.h"
 #include "moiregauge/planning/reference_weights.h"
 #include "moiregauge/units/units.h"
 
@@ -105,9 +106,10 @@ constexpr std::size_t channel_of(std::size_t marker, std::size_t k) { return mar
 // Evidence of one run, built frame by frame.
 class EvidenceOfRun {
  public:
-  EvidenceOfRun(const Reference& reference, const Observations& observations)
+  EvidenceOfRun(const Reference& reference, const Observations& observations, double excess)
       : reference_(reference),
         observations_(observations),
+        excess_(excess),
         markers_(reference.site.markers),
         fit_(kLargestDistortion * std::hypot(0.5 * (reference.width - 1), 0.5 * (reference.height - 1)),
              markers_.size() * kPerMarker),
@@ -126,7 +128,7 @@ class EvidenceOfRun {
     LensEvidence out;
     for (std::size_t n = 0; n < observations_.size(); ++n) {
       out.sensitivity.emplace_back(markers_.size());
-      const Observation now = observations_[n];
+      const Observation now = with_noise(observations_[n], excess_);
       if (!now.references_seen) continue;
       add_frame(n, now);
       for (std::size_t t = 0; t < markers_.size(); ++t) {
@@ -183,7 +185,7 @@ class EvidenceOfRun {
   [[nodiscard]] double unexplained(std::size_t n, double kappa_px) const {
     double sum = 0.0;
     int count = 0;
-    const Observation now = observations_[n];
+    const Observation now = with_noise(observations_[n], excess_);
     for (const CirclePoint& p : reference_.circles) {
       if (!now.references_seen) continue;
       const std::size_t i = p.marker;
@@ -205,6 +207,7 @@ class EvidenceOfRun {
 
   const Reference& reference_;
   const Observations& observations_;
+  double excess_;
   const std::vector<Marker>& markers_;
   std::vector<BoardPoint> circles_;
   std::vector<Vector2d> then_at_;
@@ -216,8 +219,8 @@ class EvidenceOfRun {
 
 }  // namespace
 
-LensEvidence lens_evidence(const Reference& reference, const Observations& observations) {
-  return EvidenceOfRun(reference, observations).evidence();
+LensEvidence lens_evidence(const Reference& reference, const Observations& observations, double excess) {
+  return EvidenceOfRun(reference, observations, excess).evidence();
 }
 
 }  // namespace moiregauge::internal

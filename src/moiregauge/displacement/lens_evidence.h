@@ -21,7 +21,8 @@ struct LensEvidence {
   std::vector<double> unexplained_mm;
 };
 
-// Fits kappa to all observations (weighted least squares with a prior).
-[[nodiscard]] LensEvidence lens_evidence(const Reference& reference, const Observations& observations);
+// Fits kappa to all observations (weighted least squares with a prior). `excess`: noise of their readings, relative to
+// that of independent pixels; that of the reference frame's readings contains it.
+[[nodiscard]] LensEvidence lens_evidence(const Reference& reference, const Observations& observations, double excess);
 
 }  // namespace moiregauge::internal

@@ -7,6 +7,7 @@
 #include "moiregauge/displacement/continuity.h"
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/method.h"
+#include "moiregauge/displacement/reading_noise.h"
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/planning/codec_error.h"
 
@@ -141,13 +142,11 @@ void measure_phase(const Reference& reference, const Observation& seen, const Co
   withhold_unshown_axes(sample);
 }
 
-}  // namespace
-
-Solution solve_conventional(const Reference& reference, const Observations& observations, const SolveOptions&) {
+Solution conventional_in_noise(const Reference& reference, const Observations& observations, const CodecHistory& codec,
+                               double excess) {
   Solution solution;
-  const CodecHistory codec(reference, observations);
   for (std::size_t n = 0; n < observations.size(); ++n) {
-    const Observation& seen = observations[n];
+    const Observation seen = with_noise(observations[n], excess);
     const bool moved = !seen.decode_error && camera_moved(reference, seen);
     for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
       if (!is_target(reference, i)) continue;
@@ -168,6 +167,12 @@ Solution solve_conventional(const Reference& reference, const Observations& obse
     if (is_target(reference, i)) follow_orders(reference, i, solution.samples);
   }
   return solution;
+}
+
+}  // namespace
+
+Solution solve_conventional(const Reference& reference, const Observations& observations, const SolveOptions&) {
+  return solve_in_own_noise(reference, observations, conventional_in_noise);
 }
 
 }  // namespace moiregauge::internal

@@ -7,6 +7,7 @@
 #include "moiregauge/displacement/follower.h"
 #include "moiregauge/displacement/lens_evidence.h"
 #include "moiregauge/displacement/method.h"
+#include "moiregauge/displacement/reading_noise.h"
 #include "moiregauge/displacement/sample_parts.h"
 #include "moiregauge/planning/codec_error.h"
 #include "moiregauge/planning/reference_weights.h"
@@ -60,7 +61,7 @@ struct RunEvidence {
   LensEvidence lens;
   std::vector<BoardPoint> circles;
   std::vector<BoardExtent> then_noise;  // noise of the references in the reference frame
-  CodecHistory codec;
+  const CodecHistory& codec;
 };
 
 // Returns the codec's error of target and references, in this frame and the reference frame. The u of a circle without
@@ -112,19 +113,15 @@ void measure_against_references(const RunEvidence& run, const Observation& seen,
   withhold_unshown_axes(sample);
 }
 
-}  // namespace
-
-Solution solve_two_stage(const Reference& reference, const Observations& observations, const SolveOptions&) {
-  RunEvidence run{reference,
-                  lens_evidence(reference, observations),
-                  {},
-                  reference_noise(reference, reference.seen),
-                  CodecHistory(reference, observations)};
+Solution two_stage_in_noise(const Reference& reference, const Observations& observations, const CodecHistory& codec,
+                            double excess) {
+  RunEvidence run{
+      reference, lens_evidence(reference, observations, excess), {}, reference_noise(reference, reference.seen), codec};
   for (const CirclePoint& point : reference.circles) run.circles.push_back(point.board);
   Follower follower(reference);
   Solution solution;
   for (std::size_t n = 0; n < observations.size(); ++n) {
-    const Observation& seen = observations[n];
+    const Observation seen = with_noise(observations[n], excess);
     const auto travel = follower.follow(reference, seen);
     const bool doubtful = seen.references_seen && order_in_doubt(reference, seen);
     for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
@@ -147,6 +144,12 @@ Solution solve_two_stage(const Reference& reference, const Observations& observa
   }
   doubt_after_leaps(reference.site, solution.samples);
   return solution;
+}
+
+}  // namespace
+
+Solution solve_two_stage(const Reference& reference, const Observations& observations, const SolveOptions&) {
+  return solve_in_own_noise(reference, observations, two_stage_in_noise);
 }
 
 }  // namespace moiregauge::internal

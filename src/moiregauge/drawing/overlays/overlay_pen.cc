@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "moiregauge/drawing/surface/surface.h"
 #include "moiregauge/units/units.h"
 
 namespace moiregauge::internal::overlay {
@@ -58,9 +59,7 @@ Pen::Pen(cairo_t* cr, double unit, int scale) : cr_(cr), unit_(unit), scale_(sca
 
 void Pen::letters(double units, bool bold) {
   letters_ = units;
-  cairo_select_font_face(cr_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cr_, letters_ * unit_);
+  choose_font(cr_, letters_ * unit_, bold ? Weight::kBold : Weight::kNormal);
 }
 
 void Pen::ellipse(const DetectedCircle& c) {

@@ -11,10 +11,8 @@
 namespace moiregauge::internal::figure {
 namespace {
 
-void choose_font(cairo_t* cr, const Letters& letters) {
-  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                         letters.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cr, letters.size);
+void choose_letters(cairo_t* cr, const Letters& letters) {
+  choose_font(cr, letters.size, letters.bold ? Weight::kBold : Weight::kNormal);
 }
 
 }  // namespace
@@ -86,7 +84,7 @@ void Canvas::ellipse(Spot centre, double a, double b, double angle_rad, Stroke s
 }
 
 double Canvas::text_width(const std::string& words, const Letters& letters) {
-  choose_font(cr_, letters);
+  choose_letters(cr_, letters);
   cairo_text_extents_t box;
   cairo_text_extents(cr_, words.c_str(), &box);
   return box.x_advance;

@@ -39,8 +39,7 @@ void write_text(Image<std::uint8_t>& page, int x0, int width, int height, const 
   Image<std::uint8_t> strip(width, height, kGround);
   const Surface surface = grey_surface(strip.view());
   const Context context(cairo_create(surface.get()), cairo_destroy);
-  cairo_select_font_face(context.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(context.get(), 0.62 * height);
+  choose_font(context.get(), 0.62 * height, Weight::kNormal);
   cairo_text_extents_t box;
   cairo_text_extents(context.get(), words.c_str(), &box);
   const double room = width - 0.5 * height;

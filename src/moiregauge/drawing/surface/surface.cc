@@ -2,6 +2,7 @@
 #include "moiregauge/drawing/surface/surface.h"
 
 #include <cstddef>
+#include <new>
 #include <string>
 
 namespace moiregauge::internal {
@@ -18,6 +19,15 @@ Surface grey_surface(ImageView<std::uint8_t> picture) {
   }
   cairo_surface_mark_dirty(surface.get());
   return surface;
+}
+
+void choose_font(cairo_t* cr, double size, Weight weight) {
+  // More than the first text takes: the list of fonts, 2 MB, a stack for its parser and the tables of one font. Chosen.
+  constexpr std::size_t kMemoryOfFonts = std::size_t{32} << 20;
+  operator delete(operator new(kMemoryOfFonts));
+  cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         weight == Weight::kBold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cr, size);
 }
 
 cairo_status_t append_bytes(void* text, const unsigned char* data, unsigned int length) {
