@@ -42,8 +42,7 @@ void add_slopes(const RasterPlan& plan, double slope_per_mean, const PatchReadin
 std::string noise_note(double excess) {
   return fmt::format(
       "note: the noise of neighbouring pixels is alike, as after a blur or an enlargement. So u contains {:.1f} times "
-      "the "
-      "noise of independent pixels. Record at the sensor's own resolution without filters to avoid this",
+      "the noise of independent pixels. Record at the sensor's own resolution without filters to avoid this",
       excess);
 }
 
