@@ -4,9 +4,9 @@
   bench/guard.py CHAIN_JSON [MORE_CHAIN_JSON ...] --file FILE_JSON --stored bench/guard.csv [--update COMMIT]
 
 CHAIN_JSON is the output of chain_bench (aggregates), one file per instruction set. A figure is the textbook chain's time
-divided by that of a case, within one run. FILE_JSON is the output of bench/files.py --guard. Its figure is the CPU time
-of decoding divided by that of `measure`, which decodes, too. The limit is four fifths of the stored figure. Prints a
-table. Ends 1 if a figure is below its limit. --update: stores the figures instead.
+divided by that of a case, within one run. FILE_JSON is the output of bench/files.py --guard. Its figure is the share of
+decoding in the CPU time of `measure`. The limit is four fifths of the stored figure. Prints a table. Ends 1 if a figure
+is below its limit. --update: stores the figures instead.
 """
 import argparse
 import csv

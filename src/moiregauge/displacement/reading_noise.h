@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Noise of raster readings, from the readings themselves. The u of a reading is that of pixels with independent noise
-// of the size that the finest detail shows. Behind a blur, an enlargement or a denoiser that detail is smooth, but
-// coarser noise remains, which moves the phase.
+// Noise of raster readings, from the readings themselves. u of a reading assumes independent pixels, with the noise that
+// the finest detail shows. Behind a blur, an enlargement or a denoiser that detail is smooth, but coarser noise remains,
+// which moves the phase.
 //
 // The slope of a grating's phase across its window shows that noise. Camera and target hardly change it from one frame
 // to the next, because the view contains scale and perspective. For independent pixels its u follows from that of the
-// mean phase.
+// mean phase. PatchReading::u_gradient is no measure here: it is an upper bound, 1.5 to 2.6 times larger.
 #pragma once
 
 #include "moiregauge/displacement/method.h"

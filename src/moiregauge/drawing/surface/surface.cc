@@ -22,7 +22,7 @@ Surface grey_surface(ImageView<std::uint8_t> picture) {
 }
 
 void choose_font(cairo_t* cr, double size, Weight weight) {
-  // More than the first text takes: the list of fonts, 2 MB, a stack for its parser and the tables of one font. Chosen.
+  // Chosen. The list of fonts and the tables of one font take less.
   constexpr std::size_t kMemoryOfFonts = std::size_t{32} << 20;
   operator delete(operator new(kMemoryOfFonts));
   cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
