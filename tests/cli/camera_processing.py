@@ -24,18 +24,28 @@ VIBRATING = ["noise.sigma=0.8", "marker.mid.dy.knots=[[0, 0]]", "marker.mid.dy.a
 AT_ONE_PIXEL = ["marker.mid.dy.knots=[[0, 0]]", "marker.mid.dy.amplitude=0.4", "marker.mid.dy.frequency_hz=1.2"]
 
 
+clips = {}  # settings and codec -> folder
+
+
+def simulated(name, settings):
+    """Returns the folder of a clip, which all its filters share."""
+    codec = "mjpeg" if name.startswith("jpeg") else "ffv1"
+    key = (codec, *settings)
+    if key not in clips:
+        clips[key] = work / name
+        runs.run([program, "simulate", "small-still", "--frames", 40, "--markers-only", "--codec", codec, "-o", clips[key],
+                  *[word for setting in settings for word in ("--set", setting)]])
+    return clips[key]
+
+
 def measured(name, settings, video_filter=None, expected=0, codec_of_filter=("-c:v", "ffv1")):
     """Returns the numbers of ok, untrusted and wrong ok rows, and stderr."""
-    clip = work / name
-    codec = "mjpeg" if name.startswith("jpeg") else "ffv1"
-    command = [program, "simulate", "small-still", "--frames", 40, "--markers-only", "--codec", codec, "-o", clip]
-    for setting in settings:
-        command += ["--set", setting]
-    runs.run(command)
+    clip = simulated(name, settings)
     video = clip / "video.mkv"
     if video_filter:
-        runs.run(["ffmpeg", "-nostdin", "-loglevel", "error", "-i", video, "-vf", video_filter, *codec_of_filter, clip / "processed.mkv"])
-        video = clip / "processed.mkv"
+        processed = work / f"{name}.mkv"
+        runs.run(["ffmpeg", "-nostdin", "-loglevel", "error", "-i", video, "-vf", video_filter, *codec_of_filter, processed])
+        video = processed
     said = runs.run([program, "measure", video, "--site", clip / "site.toml", "-o", work / f"{name}-out"], expected).stderr
     with open(clip / "truth.csv", encoding="ascii") as file:
         truth = {(r["frame"], r["marker"]): r for r in csv.DictReader(file)}
