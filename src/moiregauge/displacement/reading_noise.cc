@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,21 +24,6 @@ constexpr std::size_t kMinSlopes = 100;
 // Largest number of pairs of frames, which are spread over the run. Chosen.
 constexpr std::size_t kMaxPairs = 1000;
 constexpr double kMedianOfSquare = 0.4549;  // median of chi2 with one degree of freedom
-
-bool is_readable(const MarkerObservation& seen) { return seen.loss == Loss::kNone && seen.patch.valid; }
-
-// Adds the squares of the changes of a grating's slopes, relative to those of independent pixels.
-void add_slopes(const RasterPlan& plan, double slope_per_mean, const PatchReading& a, const PatchReading& b,
-                std::vector<double>& squares) {
-  const double per_rad = slope_per_mean * plan.pitch_mm / kTwoPi / plan.step_mm;
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    const double u = per_rad * std::hypot(a.u_phase_rad[axis], b.u_phase_rad[axis]);
-    for (std::size_t along = 0; along < 2; ++along) {
-      const double square = std::pow((b.gradient[axis][along] - a.gradient[axis][along]) / u, 2);
-      if (std::isfinite(square)) squares.push_back(square);
-    }
-  }
-}
 
 std::string noise_note(double excess) {
   return fmt::format(
@@ -64,26 +50,58 @@ double slope_noise_per_mean(const RasterPlan& plan) {
   return std::sqrt(slope2 / mean2) * side / lever;
 }
 
-double noise_excess(const Reference& reference, const Observations& observations) {
-  if (observations.size() < 2) return 1.0;
-  std::vector<double> per_mean;
-  for (const RasterPlan& plan : reference.plans)
-    per_mean.push_back(plan.reads_x && plan.reads_y && plan.pitch_mm > 0.0 ? slope_noise_per_mean(plan) : 0.0);
-  std::vector<double> squares;
-  const std::size_t step = observations.size() / kMaxPairs + 1;
-  for (std::size_t n = 1; n < observations.size(); n += step) {
-    const Observation before = observations[n - 1], now = observations[n];
-    if (before.decode_error || now.decode_error) continue;
-    for (std::size_t i = 0; i < per_mean.size(); ++i) {
-      if (!(per_mean[i] > 0.0) || !is_readable(before.markers[i]) || !is_readable(now.markers[i])) continue;
-      add_slopes(reference.plans[i], per_mean[i], before.markers[i].patch, now.markers[i].patch, squares);
+ReadingNoise::ReadingNoise(const Reference& reference, std::size_t max_slopes)
+    : last_(reference.plans.size()), max_slopes_(max_slopes) {
+  for (const RasterPlan& plan : reference.plans) {
+    const bool is_used = plan.reads_x && plan.reads_y && plan.pitch_mm > 0.0;
+    slope_per_rad_.push_back(is_used ? slope_noise_per_mean(plan) * plan.pitch_mm / kTwoPi / plan.step_mm : 0.0);
+  }
+}
+
+void ReadingNoise::add(const Observation& seen) {
+  for (std::size_t i = 0; i < last_.size(); ++i) {
+    const bool is_read = slope_per_rad_[i] > 0.0 && !seen.decode_error && seen.markers[i].loss == Loss::kNone &&
+                         seen.markers[i].patch.valid;
+    std::optional<Slopes> now;
+    if (is_read) now = {seen.markers[i].patch.gradient, seen.markers[i].patch.u_phase_rad};
+    if (now && last_[i]) add_change(*last_[i], *now, slope_per_rad_[i]);
+    last_[i] = now;
+  }
+}
+
+// Adds the squares of the changes of a grating's slopes, relative to those of independent pixels.
+void ReadingNoise::add_change(const Slopes& before, const Slopes& now, double slope_per_rad) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double u = slope_per_rad * std::hypot(before.u_phase_rad[axis], now.u_phase_rad[axis]);
+    for (std::size_t along = 0; along < 2; ++along) {
+      const double square = std::pow((now.gradient[axis][along] - before.gradient[axis][along]) / u, 2);
+      if (!std::isfinite(square)) continue;
+      if (squares_.size() < max_slopes_)
+        squares_.push_back(square);
+      else
+        squares_[next_++ % max_slopes_] = square;
     }
   }
-  if (squares.size() < kMinSlopes) return 1.0;
+}
+
+double ReadingNoise::excess() const {
+  if (squares_.size() < kMinSlopes) return 1.0;
+  std::vector<double> squares = squares_;
   const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
   std::nth_element(squares.begin(), middle, squares.end());
   const double ratio = std::sqrt(*middle / kMedianOfSquare);
   return ratio < kIndependent ? 1.0 : ratio;
+}
+
+double noise_excess(const Reference& reference, const Observations& observations) {
+  ReadingNoise noise(reference, std::numeric_limits<std::size_t>::max());
+  const std::size_t step = observations.size() / kMaxPairs + 1;
+  for (std::size_t n = 1; n < observations.size(); n += step) {
+    noise.forget_frame();
+    noise.add(observations[n - 1]);
+    noise.add(observations[n]);
+  }
+  return noise.excess();
 }
 
 Observation with_noise(Observation seen, double excess) {

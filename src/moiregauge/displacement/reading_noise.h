@@ -8,15 +8,47 @@
 // mean phase. PatchReading::u_gradient is no measure here: it is an upper bound, 1.5 to 2.6 times larger.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/observation/reference/observations.h"
 #include "moiregauge/planning/codec_error.h"
 
 namespace moiregauge::internal {
 
-// Returns the ratio of the scatter of the slopes between successive frames to that of independent pixels. It is the
-// root of the median square, over gratings with two axes. 1 if it is below 1.2, or if fewer than 100 slopes show it.
-// Error: 1.2 / sqrt(n / 2) of the ratio for n slopes.
+// Compares the slopes of successive frames.
+class ReadingNoise {
+ public:
+  // Keeps the latest `max_slopes` changes of a slope. `reference` must outlive this object.
+  ReadingNoise(const Reference& reference, std::size_t max_slopes);
+
+  // Adds a frame, which is compared with the one before.
+  void add(const Observation& seen);
+  // Forgets the frame before, so that the next one is compared with none.
+  void forget_frame() { last_.assign(last_.size(), std::nullopt); }
+  // Returns the ratio of the scatter of the slopes between successive frames to that of independent pixels. It is the
+  // root of the median square, over gratings with two axes. 1 if it is below 1.2, or if fewer than 100 slopes show it.
+  // Error: 1.2 / sqrt(n / 2) of the ratio for n slopes.
+  [[nodiscard]] double excess() const;
+
+ private:
+  // Slopes of both axes along both axes, and u of the phases, of a grating that is read.
+  struct Slopes {
+    std::array<std::array<double, 2>, 2> gradient;
+    std::array<double, 2> u_phase_rad;
+  };
+  void add_change(const Slopes& before, const Slopes& now, double slope_per_rad);
+
+  std::vector<double> slope_per_rad_;  // one per site marker; 0: not used
+  std::vector<std::optional<Slopes>> last_;
+  std::vector<double> squares_;
+  std::size_t next_ = 0, max_slopes_;
+};
+
+// Returns the excess that up to a thousand pairs of successive frames show, spread over the run.
 [[nodiscard]] double noise_excess(const Reference& reference, const Observations& observations);
 
 // Returns an observation whose readings have `excess` times the noise.

@@ -7,6 +7,7 @@
 
 #include "moiregauge/displacement/continuity.h"
 #include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/run/codec.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -17,6 +18,8 @@ constexpr double kMoreMovement = 1.25;
 constexpr double kMinMovement_px = 2.0;
 // One over the share of new key frames that is worth a new scene (chosen).
 constexpr long kReplacedShare = 4;
+// Changes of a slope from which the noise of raster readings is determined: u of the noise is 2 % (chosen).
+constexpr std::size_t kSlopes = 8000;
 
 }  // namespace
 
@@ -26,7 +29,8 @@ SceneFollower::SceneFollower(const Reference& reference, const MeasureOptions& o
       follower_(reference),
       keys_(limits),
       is_far_(reference.site.markers.size(), false),
-      last_travel_(reference.site.markers.size(), {kNotMeasured, kNotMeasured}) {
+      last_travel_(reference.site.markers.size(), {kNotMeasured, kNotMeasured}),
+      noise_(reference, kSlopes) {
   keys_.refer_to(reference);
   if (options.method->name == kDefaultMethod) solver_.emplace(reference, options.solve);
 }
@@ -72,11 +76,24 @@ void SceneFollower::take_scene(const Observation& seen, const Travel& travel) {
   solver_->retire(std::move(next));
 }
 
-// Without a scene, `two-stage` gives the displacement, which is not trusted. The other methods need no scene.
+// Without a scene, `two-stage` gives the displacement, which is not trusted. The other methods need no scene. One frame
+// does not show the noise that its neighbouring pixels share, but the frames before do.
 Samples SceneFollower::without_scene(const Observation& seen) const {
-  Observations one(reference_);
-  one.push_back(seen);
-  Samples samples = (solver_ ? solve_two_stage : options_.method->solve)(reference_, one, options_.solve).samples;
+  const double excess = solver_ || is_lossy(seen) ? 1.0 : noise_.excess();
+  const auto solve = solver_ ? solve_two_stage : options_.method->solve;
+  const auto solve_one = [&](const Reference& reference, const Observation& now) {
+    Observations one(reference);
+    one.push_back(now);
+    return solve(reference, one, options_.solve).samples;
+  };
+  Samples samples;
+  if (excess > 1.0) {
+    Reference noisier = reference_;
+    noisier.seen = with_noise(std::move(noisier.seen), excess);
+    samples = solve_one(noisier, with_noise(seen, excess));
+  } else {
+    samples = solve_one(reference_, seen);
+  }
   if (seen.frame == reference_.seen.frame) return samples;
   for (Sample& sample : samples) {
     if (solver_ && sample.status == Status::kOk) sample.status = Status::kUntrusted;
@@ -89,6 +106,7 @@ Samples SceneFollower::without_scene(const Observation& seen) const {
 
 void SceneFollower::replay(const Observation& seen) {
   mark_leaps(follower_.follow(reference_, seen));
+  if (!solver_) noise_.add(seen);
   ++measured_;
   movement_seen_px_ = std::max(movement_seen_px_, movement_px(seen));
   keys_.add(seen);
@@ -102,6 +120,7 @@ void SceneFollower::solve_replayed() {
 Samples SceneFollower::add(const Observation& seen) {
   const Travel travel = follower_.follow(reference_, seen);
   mark_leaps(travel);
+  if (!solver_) noise_.add(seen);
   ++measured_;
   const double movement = movement_px(seen);
   const bool has_moved = movement > kMoreMovement * movement_seen_px_ + kMinMovement_px;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "moiregauge/displacement/follower.h"
+#include "moiregauge/displacement/reading_noise.h"
 #include "moiregauge/live/key_frames.h"
 #include "moiregauge/live/scene_change.h"
 #include "moiregauge/live/scene_solver.h"
@@ -46,6 +47,7 @@ class SceneFollower {
   Travel last_travel_;
   ScenePtr scene_;
   std::optional<SceneSolver> solver_;  // `precise` only
+  ReadingNoise noise_;                 // other methods only
   long measured_ = 0;                  // frames
   long keys_solved_ = 0;               // KeyFrames::added() at the last request
   double movement_seen_px_ = 0.0;      // largest movement in the key frames of the last request
