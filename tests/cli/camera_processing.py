@@ -120,3 +120,12 @@ runs.run([program, "simulate", "small-1xyz", "--frames", 24, "--codec", "ffv1", 
 ran = runs.run([program, "measure", clip / "video.mkv", "--site", clip / "site.toml", "-o", work / "moving-camera-out"], 4)
 last = [line for line in ran.stderr.splitlines() if line.startswith("error: ")][-1]
 runs.insist("one of the references moves" in ran.stderr and "noise reduction off" in last, ran.stderr)
+
+# Gratings whose residuals differ in structure, moving by half a pixel per frame in one direction.
+clip = work / "lens"
+runs.run([program, "simulate", "rig-1xyz", "--frames", 20, "--markers-only", "--seed", 16, "-o", clip, *[word for setting in (
+    "lens.k1=-0.0451", "lens.p1=0.0005", "lens.p2=-0.0005", "sensor.fps=10", "truth.draw_known_to=true") for word in ("--set", setting)]])
+site = clip / "site.toml"
+site.write_text(site.read_text().split("[known_to]")[0])
+ran = runs.run([program, "measure", clip / "frames", "--site", site, "--fps", 10, "-o", work / "lens-out"])
+runs.insist("20 of 20" in ran.stdout, ran.stdout + ran.stderr)

@@ -17,7 +17,7 @@
 namespace moiregauge::internal {
 
 // Raised when a stored field is added (kAdded of run_layout.h) or changes its meaning. Versions from 2 on can be read.
-inline constexpr int kRunFileVersion = 11;
+inline constexpr int kRunFileVersion = 12;
 inline constexpr std::string_view kRunFileName = "run.mgj";
 
 // Identity of a run, known before its first frame: only the same run can resume.

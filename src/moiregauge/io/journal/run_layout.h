@@ -50,7 +50,8 @@ template <> inline constexpr std::size_t kFields<RejectedOutline> = 4;
 // Run.
 template <> inline constexpr std::size_t kFields<InputInfo> = 14;
 template <> inline constexpr std::size_t kFields<CameraProcessing> = 6;
-template <> inline constexpr std::size_t kFields<EchoSums> = 13;
+template <> inline constexpr std::size_t kFields<EchoSums> = 14;
+template <> inline constexpr std::size_t kFields<NoiseSums> = 5;
 template <> inline constexpr std::size_t kFields<GratingShares> = 2;
 template <> inline constexpr std::size_t kFields<BlurSlope> = 2;
 template <> inline constexpr std::size_t kFields<EchoShare> = 2;
@@ -88,13 +89,13 @@ inline constexpr int kSinceWidth = 3;
 
 // Version 5: ranges in seconds, slow motion and start time, zero, grey levels at edges, choice of markers. Version 7:
 // the previous frame in the gratings. Version 8: its structure and directions. Version 9: scatter of the grain.
-// Version 10: shares of each grating. Version 11: blur by movement.
+// Version 10: shares of each grating. Version 11: blur by movement. Version 12: products of each grating.
 template <>
 inline constexpr std::array kAdded<CameraProcessing>{AddedFields{4, 1, 5}, AddedFields{5, 1, 7}};
 template <>
 inline constexpr std::array kAdded<GrainSums>{AddedFields{3, 1, 9}, AddedFields{}};
 template <>
-inline constexpr std::array kAdded<EchoSums>{AddedFields{8, 2, 8}, AddedFields{10, 1, 10}, AddedFields{11, 2, 11}};
+inline constexpr std::array kAdded<EchoSums>{AddedFields{8, 2, 8}, AddedFields{10, 1, 10}, AddedFields{11, 2, 11}, AddedFields{13, 1, 12}};
 template <>
 inline constexpr std::array kAdded<ObserveOptions>{AddedFields{3, 1, 5}, AddedFields{}};
 template <>

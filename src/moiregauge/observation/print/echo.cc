@@ -320,8 +320,8 @@ void EchoWatch::add_noise(const SeenPrint& print, const Track& track) {
     }
   }
   const double weight = static_cast<double>(changed.index.size());
-  add_products(same, weight, sums_);
-  add_products(others, weight, sums_);
+  add_products(print.marker, same, weight, sums_);
+  add_products(print.marker, others, weight, sums_);
 }
 
 }  // namespace moiregauge::internal

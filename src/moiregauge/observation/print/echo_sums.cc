@@ -34,6 +34,7 @@ constexpr std::array<std::array<int, 2>, 12> kWaves{
     {{1, 0}, {2, 0}, {3, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 1}, {1, 2}, {2, 1}, {2, 2}, {1, 3}, {3, 1}}};
 constexpr int kTerms = static_cast<int>(kWaves.size());
 constexpr int kShare = kTerms, kValue = kTerms + 1;
+constexpr double kLeastEquations = 2.0 * kMinMovingFrames + kTerms;  // chosen
 using ProductRow = Eigen::Matrix<double, kTerms + 2, 1>;
 using ProductNormal = Eigen::Matrix<double, kTerms + 2, kTerms + 2>;
 
@@ -84,30 +85,54 @@ double variance_between(const std::vector<GratingShares>& gratings) {
   return few * few * excess * w2 / (w * w);
 }
 
-// Structure and share by the noise.
-struct NoiseFit {
-  double structure = 0.0;  // variance relative to that of the residuals
-  EchoShare share;
+using NoiseNormal = Eigen::Matrix<double, kTerms, kTerms>;
+using NoiseTerms = Eigen::Matrix<double, kTerms, 1>;
+
+// Normal equations of one beta and s, and beta without s.
+struct NoiseEquations {
+  NoiseTerms structure;                 // beta without an echo
+  double weight = 0.0, weighted = 0.0;  // the share's, and its product with the share
+  double square = 0.0;                  // what beta leaves of the squared products
 };
-NoiseFit fit_noise(const EchoSums& sums) {
-  if (sums.equations < 2.0 * kMinMovingFrames + kTerms) return {};
+
+template <typename Sums>
+NoiseEquations equations_of(const Sums& sums) {
   ProductNormal all;
   for_each_product(sums, [&](int i, int j, double sum) { all(i, j) = all(j, i) = sum; });
-  using NoiseNormal = Eigen::Matrix<double, kTerms + 1, kTerms + 1>;
-  using Unknowns = Eigen::Matrix<double, kTerms + 1, 1>;
-  NoiseNormal normal = all.topLeftCorner<kTerms + 1, kTerms + 1>();
-  const Unknowns right = all.topRightCorner<kTerms + 1, 1>();
-  for (int m = 0; m < kTerms; ++m) normal(m, m) += 1.0 / (kStructure * kStructure);
+  NoiseNormal normal = all.topLeftCorner<kTerms, kTerms>();
+  normal.diagonal().array() += 1.0 / (kStructure * kStructure);
   const Eigen::LDLT<NoiseNormal> solver(normal);
-  const Unknowns found = solver.solve(right);
-  const double inverse = solver.solve(Unknowns::Unit(kShare))(kShare);
-  if (!(normal(kShare, kShare) > 0.0 && inverse > 0.0)) return {};
-  const double squares = all(kValue, kValue) - found.dot(right);
-  const double freedom = sums.equations - kTerms - 1.0;
+  const NoiseTerms by_share = all.block<kTerms, 1>(0, kShare), by_value = all.block<kTerms, 1>(0, kValue);
+  const NoiseTerms structure = solver.solve(by_value);
+  return {structure, all(kShare, kShare) - by_share.dot(solver.solve(by_share)),
+          all(kShare, kValue) - by_share.dot(structure), all(kValue, kValue) - by_value.dot(structure)};
+}
+
+// Returns the structure of all gratings: the mean product of neighbours at distance zero, relative to <r^2>.
+double structure_by_noise(const EchoSums& sums) {
+  return sums.equations < kLeastEquations ? 0.0 : equations_of(sums).structure.sum();
+}
+
+// Eliminates the beta of each grating.
+EchoShare fit_noise(const EchoSums& sums) {
+  if (sums.equations < kLeastEquations) return {};
+  NoiseEquations all;
+  double freedom = -1.0;
+  const auto add = [&](const auto& grating) {
+    if (grating.equations <= kTerms) return;
+    const NoiseEquations one = equations_of(grating);
+    if (!(one.weight > 0.0)) return;
+    all.weight += one.weight, all.weighted += one.weighted, all.square += one.square;
+    freedom += grating.equations - kTerms;
+  };
+  if (sums.noise.empty()) add(sums);
+  for (const NoiseSums& grating : sums.noise) add(grating);
+  if (!(all.weight > 0.0 && freedom >= 1.0)) return {};
+  const double share = all.weighted / all.weight;
   const double few = enlargement_of_few(freedom);
   // The noise of the products is known. What exceeds it is known by their scatter only.
-  const double variance = 1.0 + few * few * std::max(0.0, squares / freedom - 1.0);
-  return {found.head<kTerms>().sum(), {found(kShare), std::sqrt(variance * inverse)}};
+  const double variance = 1.0 + few * few * std::max(0.0, (all.square - share * all.weighted) / freedom - 1.0);
+  return {share, std::sqrt(variance / all.weight)};
 }
 
 }  // namespace
@@ -126,21 +151,25 @@ void add_grating(std::size_t marker, double share, double u, EchoSums& sums) {
   sums.gratings[marker].weighted += share / (u * u);
 }
 
-void add_products(const std::vector<NoiseProduct>& products, double weight, EchoSums& sums) {
+void add_products(std::size_t marker, const std::vector<NoiseProduct>& products, double weight, EchoSums& sums) {
   if (products.size() < 2) return;  // alpha takes a single one
+  if (sums.noise.size() <= marker) sums.noise.resize(marker + 1);
   ProductRow mean = ProductRow::Zero();
   for (const NoiseProduct& one : products) mean += row_of(one) / static_cast<double>(products.size());
+  NoiseSums& grating = sums.noise[marker];
   for (const NoiseProduct& one : products) {
     const ProductRow row = row_of(one) - mean;
-    for_each_product(sums, [&](int i, int j, double& sum) { sum += weight * row(i) * row(j); });
+    const auto add = [&](int i, int j, double& sum) { sum += weight * row(i) * row(j); };
+    for_each_product(sums, add), for_each_product(grating, add);
   }
   sums.equations += static_cast<double>(products.size() - 1);
+  grating.equations += static_cast<double>(products.size() - 1);
 }
 
 EchoShare share_by_edges(const EchoSums& sums) {
   const double frames = frames_of(sums);
   if (!(frames >= kMinMovingFrames)) return {};
-  const double structure = std::max(kLeastStructure, fit_noise(sums).structure);
+  const double structure = std::max(kLeastStructure, structure_by_noise(sums));
   const auto& [xx, xy, yy, x, y, xs, ys] = sums.directions;
   Eigen::Matrix3d normal;
   normal << xx, xy, x, xy, yy, y, x, y, sums.weights;
@@ -159,7 +188,7 @@ EchoShare share_by_edges(const EchoSums& sums) {
 }
 
 EchoShare share_by_noise(const EchoSums& sums) {
-  const EchoShare share = fit_noise(sums).share;
+  const EchoShare share = fit_noise(sums);
   return {share.share, std::hypot(share.u, kLeftStructure)};
 }
 
@@ -182,7 +211,7 @@ EchoShare share_of_both_sides(const std::vector<double>& shares) {
 
 bool is_decided(const EchoSums& sums) {
   return (frames_of(sums) >= kDecidingFrames && share_by_edges(sums).u < kDecidedByEdges) ||
-         fit_noise(sums).share.u < kDecidedByNoise;
+         fit_noise(sums).u < kDecidedByNoise;
 }
 
 }  // namespace moiregauge::internal

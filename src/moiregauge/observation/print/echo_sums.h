@@ -44,21 +44,30 @@ struct EchoShare {
   double u = std::numeric_limits<double>::infinity();
 };
 
+// Products of one grating: weighted normal equations of all beta, s and the product, without alpha.
+struct NoiseSums {
+  // Those of beta_10 and s, lower triangle by rows, and with the product.
+  std::array<double, 3> normal{};
+  std::array<double, 2> right{};
+  double squares = 0.0, equations = 0.0;
+  std::array<double, 99> structure{};  // the rest, lower triangle by rows
+};
+
 struct EchoSums {
   // Edges: sums of w, w^2, w s and w s^2.
   double weights = 0.0, squared_weights = 0.0, shares = 0.0, squared_shares = 0.0;
-  // Noise: weighted normal equations of beta_10 and s, lower triangle by rows. alpha is eliminated.
+  // Noise: sums over all gratings, with the names of NoiseSums.
   std::array<double, 3> normal{};
   std::array<double, 2> right{};
   double squares = 0.0, equations = 0.0;
   // Edges: sums of w x x, w x y, w y y, w x, w y, w x s, w y s.
   std::array<double, 7> directions{};
-  // Noise: the rest of the normal equations of all beta, s and the product, lower triangle by rows.
-  std::array<double, 99> structure{};
+  std::array<double, 99> structure{};   // noise, as above
   std::vector<GratingShares> gratings;  // edges, per marker
   // Behind a codec that predicts.
   BlurSlope blur;
-  EchoShare both_sides;  // share of the images before and after, each
+  EchoShare both_sides;          // share of the images before and after, each
+  std::vector<NoiseSums> noise;  // per marker; empty in a run of an earlier version
 };
 
 // Share by the edges of one frame.
@@ -80,7 +89,7 @@ struct NoiseProduct {
 // Distance up to which the terms describe the structure. Chosen: at 1.8 px, shares without an echo were 0.03 to 0.05.
 inline constexpr double kLargestDistance_px = 1.2;
 // Adds products of one grating and frame that have the same alpha. `weight`: number of pixels.
-void add_products(const std::vector<NoiseProduct>& products, double weight, EchoSums& sums);
+void add_products(std::size_t marker, const std::vector<NoiseProduct>& products, double weight, EchoSums& sums);
 
 // Return the share by the edges, by the noise, and by both, weighted. u is infinite if the recording shows no share.
 // Error: u is by the scatter between frames. It is enlarged for few frames, so that 4 u are as rare as 4 sigma.

@@ -223,6 +223,47 @@ TEST(Echo, ErrorsThatDifferBetweenGratingsAreNoShare) {
   EXPECT_GT(alike.share, 3.0 * alike.u);
 }
 
+// Products of a grating that moves by `step` px per frame. Its structure is a wave of 4 px along both axes with the
+// variance `structure`, relative to that of the residuals.
+void add_moving_grating(std::size_t marker, At step, double structure, double echo, std::mt19937_64& rng,
+                        EchoSums& sums) {
+  constexpr double kPixels = 3000.0;
+  std::normal_distribution<double> noise(0.0, 1.0 / std::sqrt(kPixels));
+  for (int frame = 0; frame < kFrames; ++frame) {
+    std::vector<NoiseProduct> same, others;
+    for (int k = 1; k <= 7; ++k) {
+      for (int e = 0; e < 49; ++e) {
+        const int ex = e % 7 - 3, ey = e / 7 - 3;
+        const double dx = k * step.x - ex, dy = k * step.y - ey;
+        if (std::hypot(dx, dy) > kLargestDistance_px) continue;
+        const bool is_same = ex == 0 && ey == 0, is_echo = is_same && k == 1;
+        const double beta = structure * std::cos(kPi / 2.0 * dx) * std::cos(kPi / 2.0 * dy);
+        (is_same ? same : others).push_back({dx, dy, is_echo, beta + (is_echo ? echo : 0.0) + noise(rng)});
+      }
+    }
+    add_products(marker, same, kPixels, sums);
+    add_products(marker, others, kPixels, sums);
+  }
+}
+
+// The structure of a template differs from grating to grating. Gratings that move by half a pixel in one direction show a
+// share only if two lags are near enough. With one structure for all, the strong one of two such gratings was a share
+// of 0.06 in simulated footage of a lens of -2 %.
+TEST(Echo, AStructureThatDiffersBetweenGratingsIsNoShare) {
+  constexpr std::uint64_t kSeed = 17;
+  const auto share_of = [](double echo) {
+    std::mt19937_64 rng(kSeed);
+    EchoSums sums;
+    for (const std::size_t marker : {0U, 2U}) add_moving_grating(marker, {0.44, -0.52}, 0.05, echo, rng, sums);
+    for (const std::size_t marker : {1U, 3U}) add_moving_grating(marker, {0.45, -0.30}, 0.5, echo, rng, sums);
+    return share_by_noise(sums);
+  };
+  const EchoShare without = share_of(0.0), with = share_of(0.1);
+  EXPECT_LT(std::abs(without.share), 3.0 * without.u) << "seed " << kSeed;
+  EXPECT_NEAR(with.share, 0.1, 3.0 * with.u) << "seed " << kSeed;
+  EXPECT_GT(with.share, 4.0 * with.u) << "seed " << kSeed;
+}
+
 TEST(Echo, AGratingAtRestDecidesNothing) {
   const EchoSums sums = sums_of(0.005, {0.3, 0.0, 0.0}, 14);
   EXPECT_TRUE(std::isinf(share_by_edges(sums).u));
