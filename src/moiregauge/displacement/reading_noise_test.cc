@@ -66,6 +66,22 @@ TEST(ReadingNoise, AFewFramesShowNoExcess) {
   EXPECT_EQ(noise_excess(reference, Observations(reference)), 1.0);
 }
 
+// A live run follows a camera whose software begins to smooth, or ends.
+TEST(ReadingNoise, TheLatestSlopesDecide) {
+  const Reference reference = test::five_markers(Pattern::kGrid);
+  constexpr int kFrames = 40;
+  ReadingNoise noise(reference, 20 * (kFrames - 1));
+  const auto add = [&](double excess) {
+    noise.forget_frame();
+    const Observations frames = noisy_frames(reference, kFrames, excess);
+    for (std::size_t n = 0; n < frames.size(); ++n) noise.add(frames[n]);
+    return noise.excess();
+  };
+  EXPECT_EQ(add(1.0), 1.0) << "seed " << kSeed;
+  EXPECT_NEAR(add(3.0), 3.0, 3.0 * 3.0 * 1.2 / std::sqrt(0.5 * 20 * (kFrames - 1))) << "seed " << kSeed;
+  EXPECT_EQ(add(1.0), 1.0) << "seed " << kSeed;
+}
+
 TEST(ReadingNoise, UOfARowContainsIt) {
   const Reference reference = test::five_markers(Pattern::kGrid);
   const auto u_of = [&](double excess) {

@@ -95,7 +95,8 @@ inline constexpr std::array kAdded<CameraProcessing>{AddedFields{4, 1, 5}, Added
 template <>
 inline constexpr std::array kAdded<GrainSums>{AddedFields{3, 1, 9}, AddedFields{}};
 template <>
-inline constexpr std::array kAdded<EchoSums>{AddedFields{8, 2, 8}, AddedFields{10, 1, 10}, AddedFields{11, 2, 11}, AddedFields{13, 1, 12}};
+inline constexpr std::array kAdded<EchoSums>{AddedFields{8, 2, 8}, AddedFields{10, 1, 10}, AddedFields{11, 2, 11},
+                                             AddedFields{13, 1, 12}};
 template <>
 inline constexpr std::array kAdded<ObserveOptions>{AddedFields{3, 1, 5}, AddedFields{}};
 template <>
