@@ -66,7 +66,7 @@ TEST(ReadingNoise, AFewFramesShowNoExcess) {
   EXPECT_EQ(noise_excess(reference, Observations(reference)), 1.0);
 }
 
-// A live run follows a camera whose software begins to smooth, or ends.
+// In a live run the software of the camera may begin to smooth, and stop.
 TEST(ReadingNoise, TheLatestSlopesDecide) {
   const Reference reference = test::five_markers(Pattern::kGrid);
   constexpr int kFrames = 40;
