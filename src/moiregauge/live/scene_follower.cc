@@ -20,6 +20,7 @@ constexpr double kMinMovement_px = 2.0;
 constexpr long kReplacedShare = 4;
 // Changes of a slope from which the noise of raster readings is determined: u of the noise is 2 % (chosen).
 constexpr std::size_t kSlopes = 8000;
+constexpr long kFramesPerExcess = 8;  // between two sorts of these slopes (chosen)
 
 }  // namespace
 
@@ -76,24 +77,24 @@ void SceneFollower::take_scene(const Observation& seen, const Travel& travel) {
   solver_->retire(std::move(next));
 }
 
-// Without a scene, `two-stage` gives the displacement, which is not trusted. The other methods need no scene. One frame
-// does not show the noise that its neighbouring pixels share, but the frames before do.
+// One frame does not show the noise that its neighbouring pixels share, but the frames before do.
+void SceneFollower::listen_to_noise(const Observation& seen) {
+  if (solver_ || is_lossy(seen)) return;
+  noise_.add(seen);
+  if (measured_ % kFramesPerExcess != 0) return;
+  const double excess = noise_.excess();
+  if (excess == excess_) return;
+  excess_ = excess;
+  noisier_ = reference_;
+  noisier_->seen = with_noise(std::move(noisier_->seen), excess);
+}
+
+// Without a scene, `two-stage` gives the displacement, which is not trusted. The other methods need no scene.
 Samples SceneFollower::without_scene(const Observation& seen) const {
-  const double excess = solver_ || is_lossy(seen) ? 1.0 : noise_.excess();
-  const auto solve = solver_ ? solve_two_stage : options_.method->solve;
-  const auto solve_one = [&](const Reference& reference, const Observation& now) {
-    Observations one(reference);
-    one.push_back(now);
-    return solve(reference, one, options_.solve).samples;
-  };
-  Samples samples;
-  if (excess > 1.0) {
-    Reference noisier = reference_;
-    noisier.seen = with_noise(std::move(noisier.seen), excess);
-    samples = solve_one(noisier, with_noise(seen, excess));
-  } else {
-    samples = solve_one(reference_, seen);
-  }
+  const Reference& reference = noisier_ ? *noisier_ : reference_;
+  Observations one(reference);
+  one.push_back(with_noise(seen, excess_));
+  Samples samples = (solver_ ? solve_two_stage : options_.method->solve)(reference, one, options_.solve).samples;
   if (seen.frame == reference_.seen.frame) return samples;
   for (Sample& sample : samples) {
     if (solver_ && sample.status == Status::kOk) sample.status = Status::kUntrusted;
@@ -106,8 +107,8 @@ Samples SceneFollower::without_scene(const Observation& seen) const {
 
 void SceneFollower::replay(const Observation& seen) {
   mark_leaps(follower_.follow(reference_, seen));
-  if (!solver_) noise_.add(seen);
   ++measured_;
+  listen_to_noise(seen);
   movement_seen_px_ = std::max(movement_seen_px_, movement_px(seen));
   keys_.add(seen);
 }
@@ -120,8 +121,8 @@ void SceneFollower::solve_replayed() {
 Samples SceneFollower::add(const Observation& seen) {
   const Travel travel = follower_.follow(reference_, seen);
   mark_leaps(travel);
-  if (!solver_) noise_.add(seen);
   ++measured_;
+  listen_to_noise(seen);
   const double movement = movement_px(seen);
   const bool has_moved = movement > kMoreMovement * movement_seen_px_ + kMinMovement_px;
   const bool may_solve = solver_ && solver_->is_idle();

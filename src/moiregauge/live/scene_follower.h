@@ -36,6 +36,7 @@ class SceneFollower {
   [[nodiscard]] double movement_px(const Observation& seen) const;
   void solve_if_due(bool has_moved);
   void take_scene(const Observation& seen, const Travel& travel);
+  void listen_to_noise(const Observation& seen);
   [[nodiscard]] Samples without_scene(const Observation& seen) const;
 
   const Reference& reference_;
@@ -47,10 +48,13 @@ class SceneFollower {
   Travel last_travel_;
   ScenePtr scene_;
   std::optional<SceneSolver> solver_;  // `precise` only
-  ReadingNoise noise_;                 // other methods only
-  long measured_ = 0;                  // frames
-  long keys_solved_ = 0;               // KeyFrames::added() at the last request
-  double movement_seen_px_ = 0.0;      // largest movement in the key frames of the last request
+  // Other methods only: noise that neighbouring pixels share, and the reference frame with it if there is any.
+  ReadingNoise noise_;
+  double excess_ = 1.0;
+  std::optional<Reference> noisier_;
+  long measured_ = 0;              // frames
+  long keys_solved_ = 0;           // KeyFrames::added() at the last request
+  double movement_seen_px_ = 0.0;  // largest movement in the key frames of the last request
 };
 
 }  // namespace moiregauge::internal
