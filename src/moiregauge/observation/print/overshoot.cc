@@ -22,8 +22,13 @@ double overshoot_of(const PrintModel& print) {
   const auto origin = nearest_symmetry(print.print, print.options.along_x, print.options.along_y);
   if (!origin) return 0.0;
   Levels plateaus, all;
+  // Only a checkerboard has its symmetry points that near: the centres of its squares, and the corners between them.
+  const bool has_corners = origin->spacing < 0.5;
   for (const double y : {0.0, 0.5}) {
-    for (const double x : {0.0, 0.5}) plateaus.add(print.print.at({origin->at.x + x, origin->at.y + y}).t);
+    for (const double x : {0.0, 0.5}) {
+      plateaus.add(print.print.at({origin->at.x + x, origin->at.y + y}).t);
+      if (has_corners) plateaus.add(print.print.at({origin->at.x + x + 0.25, origin->at.y + y + 0.25}).t);
+    }
   }
   for (int j = 0; j < kSide; ++j) {
     for (int i = 0; i < kSide; ++i)

@@ -45,6 +45,25 @@ TEST(Overshoot, IsWhatSharpeningAddsBeyondThePlateaus) {
 
 TEST(Overshoot, OfAPrintThatIsOnlyBlurredIsNone) { EXPECT_LT(overshoot_of(squares_of_light(0.0, 0.0)), 0.02); }
 
+// The symmetry points of a checkerboard are centres of squares, of full contrast, and corners, of none. The template
+// may begin at either.
+TEST(Overshoot, OfACheckerboardIsThatOfItsSquares) {
+  for (const double amount : {0.0, 0.5}) {
+    double most = 0.0;
+    for (double x = 0.0; x < 0.25; x += 0.001) most = std::max(most, sharpened_step(x, amount));
+    for (const PrintPoint begin : {PrintPoint{0.0, 0.0}, PrintPoint{0.25, 0.25}, PrintPoint{0.13, 0.02}}) {
+      const auto wave = [&](double x) {
+        return 2.0 * sharpened_step(std::abs(std::remainder(x, 1.0)) - 0.25, amount) - 1.0;
+      };
+      PrintModel model;
+      model.print = testing::template_of(
+          kOrder, [&](double x, double y) { return 100.0 + 80.0 * wave(x + begin.x) * wave(y + begin.y); });
+      const double seam = 2.0 * most - 1.0, expected = 0.5 * (seam * seam - 1.0);
+      EXPECT_NEAR(overshoot_of(model), expected, 0.02) << amount << " from " << begin.x << ", " << begin.y;
+    }
+  }
+}
+
 TEST(Overshoot, IsTheSameWhereverTheTemplateHasItsOrigin) {
   EXPECT_NEAR(overshoot_of(squares_of_light(0.5, 0.13)), overshoot_of(squares_of_light(0.5, 0.0)), 0.01);
 }
