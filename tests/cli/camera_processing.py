@@ -129,3 +129,12 @@ site = clip / "site.toml"
 site.write_text(site.read_text().split("[known_to]")[0])
 ran = runs.run([program, "measure", clip / "frames", "--site", site, "--fps", 10, "-o", work / "lens-out"])
 runs.insist("20 of 20" in ran.stdout, ran.stdout + ran.stderr)
+
+# Small circles and fine dots before a moving camera: no tile is flat, and edges change twice as much in two frames as in one.
+clip = work / "small-circles"
+small = [f"marker.{name}.{setting}" for name in ("NW", "NE", "SW", "SE") for setting in (
+    "circle_diameter_mm=8", "pattern=dots", "pitch_mm=4")]
+runs.run([program, "simulate", "small-1xyz", "--frames", 30, "--markers-only", "-o", clip, *[word for setting in (
+    *small, "noise.sigma=0.4", "sensor.defocus_px=0.8") for word in ("--set", setting)]])
+ran = runs.run([program, "measure", clip / "frames", "--site", clip / "site.toml", "--fps", 10, "-o", work / "small-circles-out"])
+runs.insist("30 of 30" in ran.stdout and "averages" not in ran.stderr, ran.stdout + ran.stderr)

@@ -155,8 +155,10 @@ void GrainSampler::place(std::vector<PixelPosition> tiles) {
   interrupt();
 }
 
-void GrainSampler::add(const LumaView& luma, int white, GrainConditions conditions) {
+void GrainSampler::add(const LumaView& luma, int white, const GrainConditions& conditions) {
   const bool is_still = conditions.is_still;
+  std::rotate(is_even_.begin(), is_even_.begin() + 2, is_even_.end());
+  is_even_[0] = conditions.is_even;
   std::rotate(frames_.begin(), frames_.begin() + 2, frames_.end());
   auto& newest = frames_[0];
   newest.clear();
@@ -173,7 +175,9 @@ void GrainSampler::add(const LumaView& luma, int white, GrainConditions conditio
   filled_ = std::min(filled_ + 1, 3);
   if (filled_ < 3) return;
   std::vector<std::array<TilePixels, 3>> whole;
+  const auto is_uneven = [](const std::vector<bool>& even, std::size_t t) { return !even.empty() && !even[t]; };
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    if (!is_still && std::ranges::any_of(is_even_, [&](const auto& even) { return is_uneven(even, t); })) continue;
     std::array<TilePixels, 3> tile;
     for (std::size_t n = 0; n < tile.size(); ++n)
       tile[n] = TilePixels(frames_[n]).subspan(t * kTilePixels, kTilePixels);

@@ -19,6 +19,7 @@ constexpr std::size_t kMaxTiles = 96;
 // tile is linear: at 0.1 px it leaves 0.1^2 / 2 = 0.005 of the second derivative.
 constexpr double kStill_px = 0.1;
 constexpr double kAnchor = 0.2;     // largest shift of a circle from its tiles, in diameters (chosen)
+constexpr double kEdge_px = 3.0;    // px, width of the blurred edge of a circle: 3 sigma of a usual point spread
 constexpr double kDiscTiles = 0.6;  // side of the square of tiles inside a circle, in diameters (inscribed: 0.71)
 
 // Upper limit of the grain ratio (one frame apart to two apart) for frames that are not independent, camera still.
@@ -104,6 +105,23 @@ std::vector<PixelPosition> tiles_of(const Reference& reference, const View& view
   const std::size_t step = prints.size() / kMaxTiles + 1;
   for (std::size_t k = 0; k < prints.size(); k += step) all.push_back(prints[k]);
   return all;
+}
+
+// Returns for each tile whether it lies inside a circle. Elsewhere edges move through a tile. They change grey levels
+// twice as much in two frames as in one, and an average over time looks the same.
+std::vector<bool> lie_on_discs(const std::vector<PixelPosition>& tiles, const Reference& reference, const View& view) {
+  std::vector<bool> on(tiles.size(), false);
+  for (const CirclePoint& point : reference.circles) {
+    const ImagePoint at = view(point.board);
+    const double radius = 0.5 * reference.diameter_px(point, view) - kEdge_px;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      constexpr double kHalf = 0.5 * (kGrainTile - 1);
+      const double far_x = std::abs(tiles[t].x + kHalf - at.x) + kHalf;
+      const double far_y = std::abs(tiles[t].y + kHalf - at.y) + kHalf;
+      if (radius > 0.0 && std::hypot(far_x, far_y) <= radius) on[t] = true;
+    }
+  }
+  return on;
 }
 
 double contrast_of(const LumaView& part) {
@@ -341,7 +359,10 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
   }
   last_.insert(last_.begin(), std::move(centres));
   if (last_.size() > 3) last_.pop_back();
-  sampler_.add(frame.luma, (1 << bits) - 1, {.is_still = is_still(last_), .is_lossless = codec.is_lossless()});
+  sampler_.add(frame.luma, (1 << bits) - 1,
+               {.is_still = is_still(last_),
+                .is_lossless = codec.is_lossless(),
+                .is_even = lie_on_discs(sampler_.tiles(), reference, view)});
 }
 
 CameraProcessing ProcessingWatch::result(long since) const {
