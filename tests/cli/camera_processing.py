@@ -130,6 +130,14 @@ site.write_text(site.read_text().split("[known_to]")[0])
 ran = runs.run([program, "measure", clip / "frames", "--site", site, "--fps", 10, "-o", work / "lens-out"])
 runs.insist("20 of 20" in ran.stdout, ran.stdout + ran.stderr)
 
+# A vibration of four frames per period, in exposures as long as a frame. Its blur returns with its phase.
+clip = work / "fast-vibration"
+runs.run([program, "simulate", "small-1xyz", "--frames", 40, "--markers-only", "-o", clip, *[word for setting in (
+    "noise.sigma=0.8", "sensor.exposure_s=0.1", "marker.mid.dy.knots=[[0, 0]]", "marker.mid.dy.amplitude=0.3",
+    "marker.mid.dy.frequency_hz=2.45") for word in ("--set", setting)]])
+ran = runs.run([program, "measure", clip / "frames", "--site", clip / "site.toml", "--fps", 10, "-o", work / "fast-vibration-out"])
+runs.insist("40 of 40" in ran.stdout and "averages" not in ran.stderr, ran.stdout + ran.stderr)
+
 # Small circles and fine dots before a moving camera: no tile is flat, and edges change twice as much in two frames as in one.
 clip = work / "small-circles"
 small = [f"marker.{name}.{setting}" for name in ("NW", "NE", "SW", "SE") for setting in (

@@ -75,7 +75,12 @@ constexpr double kStrong = 0.35;
 // exposure has the variance of 1/24, two equal frames show 0.1, and three 1/3. Without an average, four codecs had 0.005
 // at most. Chosen.
 constexpr double kBothSides = 0.06, kSureOfBothSides = 2.5;
-// Blur behind a codec that predicts: distance of its growth with movement from that of the longest exposure, in u, and
+// Least grain ratio of noise that is known to be independent, and the distance from it in u. Chosen.
+constexpr double kKeepsNoise = 0.9, kSureOfKept = 2.0;
+// Share of the previous frame by noise that excludes equal frames. Means of two frames showed 0.18 to 0.24, because structure
+// and whole grey levels take a part. Chosen.
+constexpr double kEqualFrames = 0.15;
+// Blur where no noise is left to compare: distance of its growth with movement from that of the longest exposure, in u, and
 // least distance. Without an average, eight codecs had up to 0.04 above zero. Chosen.
 constexpr double kSureOfBlur = 2.0, kBlurOfCodec = 0.02;
 
@@ -159,6 +164,16 @@ bool is_alike(const GrainSums& grain, double independent) {
   if (grain.values < kMinValues) return false;
   const double limit = std::min(independent, 1.0 - kSureOfGrain * u_of_ratio(grain));
   return grain.one_apart < limit * grain.two_apart;
+}
+
+// Returns true if noise shows that no frames are averaged. A mean of two frames leaves half of the ratio, or 0.8 where
+// whole grey levels hide the noise.
+bool is_independent(const GrainSums& grain) {
+  if (grain.values < kMinValues) return false;
+  return grain.one_apart > (kKeepsNoise + kSureOfKept * u_of_ratio(grain)) * grain.two_apart;
+}
+bool excludes_equal_frames(const EchoShare& by_noise) {
+  return by_noise.share + kSureOfEcho * by_noise.u < kEqualFrames;
 }
 
 // Returns true if a target moves significantly within a few samples.
@@ -257,6 +272,9 @@ std::optional<Averaging> averaging_shown(const CameraProcessing& processing, boo
   if (const auto by = echo_share(processing.echo, is_lossy))
     return Averaging{fmt::format("the gratings show {:.3f} of the previous frame, u {:.3f}", by->share, by->u),
                      remedy + "; if it was off, halve the camera's frame rate", by->share};
+  // Long exposures of vibrations with few frames per period are blurred as much. So noise decides where there is any.
+  if (is_independent(still) || is_independent(moving) || excludes_equal_frames(share_by_noise(processing.echo)))
+    return {};
   const EchoShare& both = processing.echo.both_sides;
   if (both.share > std::max(kBothSides, kSureOfBothSides * both.u))
     return Averaging{

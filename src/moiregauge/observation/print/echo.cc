@@ -21,8 +21,11 @@ constexpr double kReplaced_px = 4.0;  // movement from which on other pixels are
 constexpr double kMoves_px = 0.03;    // below, an edge of 100 grey levels/px changes by less than kChange
 constexpr int kNeighbours = 3;        // px, largest e
 constexpr double kChange = 3.0;       // grey levels, of which whole levels show a share of 0.1 a third of the time
-constexpr int kMinChanged = 100;      // pixels
-constexpr double kVisible_px = 0.3;   // smallest D. A beyond the fit's columns has third order in D.
+// Largest mean square of the residuals, in that of the grating's best fit. Blur by a vibration returns with its phase, and looks
+// like an echo: with three frames per period, a share of 0.3 without an average. Chosen.
+constexpr double kNoiseOnly = 1.2;
+constexpr int kMinChanged = 100;     // pixels
+constexpr double kVisible_px = 0.3;  // smallest D. A beyond the fit's columns has third order in D.
 // The same behind a codec that predicts. Its own lag is 0.12 px at most (quantiser.h). Without an average the shares are
 // then below 0.004 (tests/studies/averaged_study.py).
 constexpr double kVisiblePredicted_px = 1.0;
@@ -30,7 +33,9 @@ constexpr double kBothSides_px = 2.0;    // smallest D for the images before and
 constexpr int kMinForEdges = 300;        // pixels, for 17 unknowns
 constexpr double kMaxShareError = 0.05;  // u of one frame's share. Chosen.
 constexpr int kMostFrames = 400;         // with movement, examined in vain. Chosen.
-constexpr int kMostPredicted = 120;      // the same behind a codec that predicts. Chosen.
+constexpr int kMostPredicted = 120;      // the same behind a codec that predicts, and for the blur. Chosen.
+constexpr double kKnownBlur =
+    0.01;  // u of the blur's slope: an eighth of the difference of two equal frames from an exposure
 constexpr int kNuisances = 16;
 using Row = Eigen::Matrix<double, kNuisances + 1, 1>;
 using Normal = Eigen::Matrix<double, kNuisances + 1, kNuisances + 1>;
@@ -59,6 +64,15 @@ Row row_of(const PrintTemplate& print, PrintPoint now, PrintPoint before, PrintP
       at.x * level.dy, at.y * level.dy, level.dxx, level.dyy, level.dx * level.dx + level.dy * level.dy,
       past + mirrored - 2.0 * level.t, past - mirrored;
   return row;
+}
+
+// Returns the mean square of the residuals inside the window.
+double mean_square(const std::vector<double>& residuals) {
+  double sum = 0.0, count = 0.0;
+  for (const double r : residuals) {
+    if (!std::isnan(r)) sum += r * r, count += 1.0;
+  }
+  return count > 0.0 ? sum / count : 0.0;
 }
 
 // Pixels whose prediction changed, and the mean square of their residuals.
@@ -116,24 +130,31 @@ ImagePoint x_axis_of(const PatchFit& fit) {
 
 }  // namespace
 
-bool EchoWatch::is_finished() const {
+bool EchoWatch::is_finished() const { return has_shares() && has_blur(); }
+
+bool EchoWatch::has_shares() const {
   return is_decided(sums_) || examined_ >= kMostFrames || predicted_ >= kMostPredicted;
 }
 
+bool EchoWatch::has_blur() const { return sums_.blur.u <= kKnownBlur || examined_ >= kMostPredicted; }
+
 void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& prints) {
   if (is_finished()) return;
+  const bool needs_shares = !has_shares(), needs_blur = !has_blur();
   std::vector<bool> is_seen(tracks_.size());
   SharesOfGratings shares;
   std::size_t pixels = 0;
+  bool any_moved = false;
   ++frame_;
   for (const SeenPrint& print : prints) {
     if (tracks_.size() <= print.marker) tracks_.resize(print.marker + 1), is_seen.resize(print.marker + 1);
     Track& track = tracks_[print.marker];
     if (pixels >= kFramePixels) break;
     is_seen[print.marker] = true;
-    const bool moved = follow(picture, print, track);
-    if (picture.is_predicted) add_blur_of(print, track);
-    if (!moved) continue;
+    if (!follow(picture, print, track, needs_shares)) continue;
+    any_moved = true;
+    if (needs_blur) add_blur_of(print, track);
+    if (!needs_shares) continue;
     pixels += track.pixels.size();
     const double visible_px = picture.is_predicted ? kVisiblePredicted_px : kVisible_px;
     if (const auto edges = share_by_edges_of(print, track, visible_px)) add_edges(print.marker, *edges, shares);
@@ -142,22 +163,23 @@ void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& p
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!is_seen[i]) tracks_[i].moments.clear();
   }
-  examined_ += pixels > 0;
-  predicted_ += pixels > 0 && picture.is_predicted;
+  examined_ += any_moved;
+  predicted_ += any_moved && picture.is_predicted;
   add_frame(shares);
-  if (!picture.is_predicted) return;
   if (shares.both_weight > 0.0) both_sides_.push_back(shares.both_sides / shares.both_weight);
-  sums_.both_sides = share_of_both_sides(both_sides_);
-  sums_.blur = blur_slope(blurs_);
+  if (needs_shares) sums_.both_sides = share_of_both_sides(both_sides_);
+  if (needs_blur && any_moved) sums_.blur = blur_slope(blurs_);
 }
 
-bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Track& track) {
+bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Track& track, bool needs_shares) {
   const PatchWindow& window = print.model->window;
   Moment now{.centre = centre_of(*print.fit, window), .map = {}, .residuals = {}, .predicted = {}, .along = {}};
   const bool moved = std::any_of(track.moments.begin(), track.moments.end(),
                                  [&](const Moment& then) { return length(now.centre - then.centre) > kMoves_px; });
   if (moved) {
     now.map = map_of(*print.fit, window);
+  }
+  if (moved && needs_shares) {
     if (track.pixels.empty() || length(now.centre - track.placed) > kReplaced_px)
       place(picture.luma, window, now, track);
     predict(picture, print, track, now);
@@ -292,8 +314,12 @@ void EchoWatch::add_blur_of(const SeenPrint& print, Track& track) {
 }
 
 // Adds products of this frame's residuals with those of earlier frames, at the same pixels and at neighbours.
-void EchoWatch::add_noise(const SeenPrint& print, const Track& track) {
-  const Moment& now = track.moments[0];
+void EchoWatch::add_noise(const SeenPrint& print, Track& track) {
+  Moment& now = track.moments[0];
+  // The fit of a blurred frame may have a template of its own. Its sigma is then that of the noise.
+  const double sigma = print.fit->sigma;
+  if (sigma > 0.0) track.least_square = std::min(track.least_square, sigma * sigma);
+  if (!(mean_square(now.residuals) <= kNoiseOnly * track.least_square)) return now.residuals.clear();
   const auto is_alike = [&](const Moment& then) { return then.residuals.size() == now.residuals.size(); };
   if (track.moments.size() < 2 || !is_alike(track.moments[1])) return;
   const Changed changed =

@@ -20,6 +20,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -72,6 +73,8 @@ class EchoWatch {
     std::vector<Pixel> pixels;    // by rows
     ImagePoint placed;            // px, centre for which the pixels were chosen
     std::vector<Moment> moments;  // newest first
+    double least_square =
+        std::numeric_limits<double>::infinity();  // least mean square of a moment's residuals, light^2
   };
   // Share by the edges of one grating in one frame.
   struct EdgeShare {
@@ -85,16 +88,18 @@ class EchoWatch {
     ImagePoint direction;
     double both_weight = 0.0, both_sides = 0.0;  // the same of the shares of both sides
   };
+  [[nodiscard]] bool has_shares() const;
+  [[nodiscard]] bool has_blur() const;
   static void place(const LumaView& luma, const PatchWindow& window, const Moment& now, Track& track);
   static void predict(const LightPicture& picture, const SeenPrint& print, const Track& track, Moment& now);
-  // Adds a grating to its track. Returns true if it moved within the track.
-  static bool follow(const LightPicture& picture, const SeenPrint& print, Track& track);
+  // Adds a grating to its track, with the residuals that its shares need. Returns true if it moved within the track.
+  static bool follow(const LightPicture& picture, const SeenPrint& print, Track& track, bool needs_shares);
   // `visible_px`: smallest movement that counts.
   static std::optional<EdgeShare> share_by_edges_of(const SeenPrint& print, const Track& track, double visible_px);
   // Adds blur and movement of a grating in the frame before. Each has two axes.
   void add_blur_of(const SeenPrint& print, Track& track);
   void add_edges(std::size_t marker, const EdgeShare& edges, SharesOfGratings& shares);
-  void add_noise(const SeenPrint& print, const Track& track);
+  void add_noise(const SeenPrint& print, Track& track);
   void add_frame(const SharesOfGratings& shares);
 
   std::vector<Track> tracks_;  // per marker

@@ -117,12 +117,14 @@ double structure_by_noise(const EchoSums& sums) {
 EchoShare fit_noise(const EchoSums& sums) {
   if (sums.equations < kLeastEquations) return {};
   NoiseEquations all;
+  std::vector<GratingShares> shares;
   double freedom = -1.0;
   const auto add = [&](const auto& grating) {
     if (grating.equations <= kTerms) return;
     const NoiseEquations one = equations_of(grating);
     if (!(one.weight > 0.0)) return;
     all.weight += one.weight, all.weighted += one.weighted, all.square += one.square;
+    shares.push_back({one.weight, one.weighted});
     freedom += grating.equations - kTerms;
   };
   if (sums.noise.empty()) add(sums);
@@ -132,7 +134,8 @@ EchoShare fit_noise(const EchoSums& sums) {
   const double few = enlargement_of_few(freedom);
   // The noise of the products is known. What exceeds it is known by their scatter only.
   const double variance = 1.0 + few * few * std::max(0.0, (all.square - share * all.weighted) / freedom - 1.0);
-  return {share, std::sqrt(variance / all.weight)};
+  for (GratingShares& one : shares) one.weight /= variance, one.weighted /= variance;
+  return {share, std::sqrt(variance / all.weight + variance_between(shares))};
 }
 
 }  // namespace

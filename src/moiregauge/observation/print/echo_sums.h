@@ -32,7 +32,7 @@
 
 namespace moiregauge::internal {
 
-// Edges of one grating over all frames.
+// Shares of one grating over all frames.
 struct GratingShares {
   double weight = 0.0;    // sum of 1 / u^2
   double weighted = 0.0;  // sum of s / u^2
