@@ -118,8 +118,8 @@ TEST(Grain, IsSeenInFlatTilesOfASceneThatMoves) {
   }
 }
 
-// An edge that moves changes grey levels more in two frames than in one. The ratio is 1/4 for small movements, and 1/2 where
-// the edge leaves its blur. So tiles count only where the ink is even in all three frames.
+// An edge that moves changes grey levels more in two frames than in one. The ratio is 1/4 for small movements, and 1/2
+// where the edge leaves its blur. So tiles count only where the ink is even in all three frames.
 TEST(Grain, IsNotTakenFromTilesThatAnEdgeEnters) {
   GrainSampler sampler({{0, 0}}), informed({{0, 0}, {8, 0}});
   std::mt19937 random(7);

@@ -77,11 +77,11 @@ constexpr double kStrong = 0.35;
 constexpr double kBothSides = 0.06, kSureOfBothSides = 2.5;
 // Least grain ratio of noise that is known to be independent, and the distance from it in u. Chosen.
 constexpr double kKeepsNoise = 0.9, kSureOfKept = 2.0;
-// Share of the previous frame by noise that excludes equal frames. Means of two frames showed 0.18 to 0.24, because structure
-// and whole grey levels take a part. Chosen.
+// Share of the previous frame by noise that excludes equal frames. Means of two frames showed 0.18 to 0.24, because
+// structure and whole grey levels take a part. Chosen.
 constexpr double kEqualFrames = 0.15;
-// Blur where no noise is left to compare: distance of its growth with movement from that of the longest exposure, in u, and
-// least distance. Without an average, eight codecs had up to 0.04 above zero. Chosen.
+// Blur where no noise is left to compare: distance of its growth with movement from that of the longest exposure, in
+// u, and least distance. Without an average, eight codecs had up to 0.04 above zero. Chosen.
 constexpr double kSureOfBlur = 2.0, kBlurOfCodec = 0.02;
 
 constexpr double kMoves = 2.5;  // significant movement within the longest lag, in u (chosen)

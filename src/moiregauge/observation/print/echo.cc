@@ -21,8 +21,8 @@ constexpr double kReplaced_px = 4.0;  // movement from which on other pixels are
 constexpr double kMoves_px = 0.03;    // below, an edge of 100 grey levels/px changes by less than kChange
 constexpr int kNeighbours = 3;        // px, largest e
 constexpr double kChange = 3.0;       // grey levels, of which whole levels show a share of 0.1 a third of the time
-// Largest mean square of the residuals, in that of the grating's best fit. Blur by a vibration returns with its phase, and looks
-// like an echo: with three frames per period, a share of 0.3 without an average. Chosen.
+// Largest mean square of the residuals, in that of the grating's best fit. Blur by a vibration returns with its phase,
+// and looks like an echo: with three frames per period, a share of 0.3 without an average. Chosen.
 constexpr double kNoiseOnly = 1.2;
 constexpr int kMinChanged = 100;     // pixels
 constexpr double kVisible_px = 0.3;  // smallest D. A beyond the fit's columns has third order in D.
@@ -34,8 +34,8 @@ constexpr int kMinForEdges = 300;        // pixels, for 17 unknowns
 constexpr double kMaxShareError = 0.05;  // u of one frame's share. Chosen.
 constexpr int kMostFrames = 400;         // with movement, examined in vain. Chosen.
 constexpr int kMostPredicted = 120;      // the same behind a codec that predicts, and for the blur. Chosen.
-constexpr double kKnownBlur =
-    0.01;  // u of the blur's slope: an eighth of the difference of two equal frames from an exposure
+// u of the blur's slope. Equal frames differ from the longest exposure by eight times as much.
+constexpr double kKnownBlur = 0.01;
 constexpr int kNuisances = 16;
 using Row = Eigen::Matrix<double, kNuisances + 1, 1>;
 using Normal = Eigen::Matrix<double, kNuisances + 1, kNuisances + 1>;

@@ -15,7 +15,8 @@
 // Behind a codec that predicts frames from others there is no noise to compare. It repeats what is below its step, so
 // edges count from a pixel of movement on. For less movement, blur that grows with it is the test (movement_blur.h). A mean
 // of three frames shows the images before and after alike, which is even. From two pixels on, that is no blur of an
-// exposure, which reaches half as far.
+// exposure, which reaches half as far. Without a codec, these two tests find the mean of equal frames: it lies in the
+// middle of its images, so its odd column is zero.
 #pragma once
 
 #include <array>
@@ -46,7 +47,7 @@ struct LightPicture {
   bool is_predicted = false;  // the codec predicts parts of it from other frames
 };
 
-// Collects the sums. The effort ends when one test is decided.
+// Collects the sums. The effort ends when the shares are decided, and the blur is.
 class EchoWatch {
  public:
   // Adds the gratings of the next frame.
@@ -73,8 +74,8 @@ class EchoWatch {
     std::vector<Pixel> pixels;    // by rows
     ImagePoint placed;            // px, centre for which the pixels were chosen
     std::vector<Moment> moments;  // newest first
-    double least_square =
-        std::numeric_limits<double>::infinity();  // least mean square of a moment's residuals, light^2
+    // Least mean square of the residuals of a fit, light^2.
+    double least_square = std::numeric_limits<double>::infinity();
   };
   // Share by the edges of one grating in one frame.
   struct EdgeShare {

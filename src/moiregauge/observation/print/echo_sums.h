@@ -64,7 +64,7 @@ struct EchoSums {
   std::array<double, 7> directions{};
   std::array<double, 99> structure{};   // noise, as above
   std::vector<GratingShares> gratings;  // edges, per marker
-  // Behind a codec that predicts.
+  // Behind a codec that predicts, and for equal frames.
   BlurSlope blur;
   EchoShare both_sides;          // share of the images before and after, each
   std::vector<NoiseSums> noise;  // per marker; empty in a run of an earlier version

@@ -138,8 +138,9 @@ TEST(Echo, AnExposureAndStructureOfThePaperAreNone) {
 }
 
 // The mean of two frames lies in the middle of its images, so their edges are alike on both sides and show no share. It
-// adds the variance D^2 / 4, three times that of the longest exposure. D is a chord of sines of w = 0.43 and 0.61 per frame.
-// The slope of D^2 is then too small by cos(w), and in a mean also by cos^2(w / 2). So b is larger by 1.10 to 1.34.
+// adds the variance D^2 / 4, three times that of the longest exposure. D is a chord of sines of w = 0.43 and 0.61 per
+// frame. The slope of D^2 is then too small by cos(w), and in a mean also by cos^2(w / 2). So b is larger by 1.10 to
+// 1.34.
 TEST(Echo, AMeanOfTwoFramesShowsAsBlur) {
   const EchoSums mean = sums_of(1.5, {.averages = true}, 21), exposed = sums_of(1.5, {.exposure = 1.0}, 21);
   EXPECT_LT(std::abs(share_by_edges(mean).share), 0.03);
