@@ -15,7 +15,7 @@
 // Behind a codec that predicts frames from others there is no noise to compare. It repeats what is below its step, so
 // edges count from a pixel of movement on. For less movement, blur that grows with it is the test (movement_blur.h). A mean
 // of three frames shows the images before and after alike, which is even. From two pixels on, that is no blur of an
-// exposure, which reaches half as far. Without a codec, these two tests find the mean of equal frames: it lies in the
+// exposure, which reaches half as far. Without a codec, these two tests find the mean of equal frames. It lies in the
 // middle of its images, so its odd column is zero.
 #pragma once
 
