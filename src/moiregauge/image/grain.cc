@@ -157,8 +157,8 @@ void GrainSampler::place(std::vector<PixelPosition> tiles) {
 
 void GrainSampler::add(const LumaView& luma, int white, const GrainConditions& conditions) {
   const bool is_still = conditions.is_still;
-  std::rotate(is_even_.begin(), is_even_.begin() + 2, is_even_.end());
-  is_even_[0] = conditions.is_even;
+  std::rotate(is_uniform_.begin(), is_uniform_.begin() + 2, is_uniform_.end());
+  is_uniform_[0] = conditions.is_uniform;
   std::rotate(frames_.begin(), frames_.begin() + 2, frames_.end());
   auto& newest = frames_[0];
   newest.clear();
@@ -175,9 +175,12 @@ void GrainSampler::add(const LumaView& luma, int white, const GrainConditions& c
   filled_ = std::min(filled_ + 1, 3);
   if (filled_ < 3) return;
   std::vector<std::array<TilePixels, 3>> whole;
-  const auto is_uneven = [](const std::vector<bool>& even, std::size_t t) { return !even.empty() && !even[t]; };
+  const auto has_edges = [](const std::vector<bool>& uniform, std::size_t t) {
+    return !uniform.empty() && !uniform[t];
+  };
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
-    if (!is_still && std::ranges::any_of(is_even_, [&](const auto& even) { return is_uneven(even, t); })) continue;
+    if (!is_still && std::ranges::any_of(is_uniform_, [&](const auto& uniform) { return has_edges(uniform, t); }))
+      continue;
     std::array<TilePixels, 3> tile;
     for (std::size_t n = 0; n < tile.size(); ++n)
       tile[n] = TilePixels(frames_[n]).subspan(t * kTilePixels, kTilePixels);

@@ -35,9 +35,9 @@ struct GrainSums {
 
 // Properties of a recording at one frame.
 struct GrainConditions {
-  bool is_still = false;           // the scene moved by at most 0.1 px in this frame and the last two
-  bool is_lossless = false;        // no codec changed the grain
-  std::vector<bool> is_even = {};  // for each tile: it shows even ink in this frame. Empty: unknown
+  bool is_still = false;              // the scene moved by at most 0.1 px in this frame and the last two
+  bool is_lossless = false;           // no codec changed the grain
+  std::vector<bool> is_uniform = {};  // for each tile: it shows uniform ink in this frame. Empty: unknown
 };
 
 // Samples the grain of tiles at fixed positions in the image.
@@ -49,7 +49,7 @@ class GrainSampler {
   // Continues at other positions, with a new sequence.
   void place(std::vector<PixelPosition> tiles);
   // Adds a frame. It is evaluated together with the last two, unless the sequence was interrupted. If the scene moved,
-  // only flat tiles count that show even ink in all three frames, in sums of their own. Tiles that touch black (0) or
+  // only flat tiles count that show uniform ink in all three frames, in sums of their own. Tiles that touch black (0) or
   // `white` are excluded, because clipping removes grain. Without a codec, tiles are excluded that something covers or
   // uncovers.
   void add(const LumaView& luma, int white, const GrainConditions& conditions);
@@ -62,7 +62,7 @@ class GrainSampler {
  private:
   std::vector<PixelPosition> tiles_;
   std::array<std::vector<std::uint16_t>, 3> frames_;  // the tiles' pixels, the newest first
-  std::array<std::vector<bool>, 3> is_even_;          // as GrainConditions::is_even, the newest first
+  std::array<std::vector<bool>, 3> is_uniform_;       // as GrainConditions::is_uniform, the newest first
   int filled_ = 0;
   GrainSums still_, moving_;
 };

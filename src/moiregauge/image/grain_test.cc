@@ -119,7 +119,7 @@ TEST(Grain, IsSeenInFlatTilesOfASceneThatMoves) {
 }
 
 // An edge that moves changes grey levels more in two frames than in one. The ratio is 1/4 for small movements, and 1/2
-// where the edge leaves its blur. So tiles count only where the ink is even in all three frames.
+// where the edge leaves its blur. So tiles count only where the ink is uniform in all three frames.
 TEST(Grain, IsNotTakenFromTilesThatAnEdgeEnters) {
   GrainSampler sampler({{0, 0}}), informed({{0, 0}, {8, 0}});
   std::mt19937 random(7);
@@ -134,7 +134,7 @@ TEST(Grain, IsNotTakenFromTilesThatAnEdgeEnters) {
       }
     }
     sampler.add(frame.view(), 255, {.is_lossless = true});
-    informed.add(frame.view(), 255, {.is_lossless = true, .is_even = {false, n != 6}});
+    informed.add(frame.view(), 255, {.is_lossless = true, .is_uniform = {false, n != 6}});
   }
   EXPECT_LT(sampler.moving().one_apart, 0.6 * sampler.moving().two_apart);
   // Ten triples of frames, without the three that contain frame 6. 21 independent values per tile.

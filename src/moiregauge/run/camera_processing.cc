@@ -123,7 +123,7 @@ std::vector<bool> lie_on_discs(const std::vector<PixelPosition>& tiles, const Re
       constexpr double kHalf = 0.5 * (kGrainTile - 1);
       const double far_x = std::abs(tiles[t].x + kHalf - at.x) + kHalf;
       const double far_y = std::abs(tiles[t].y + kHalf - at.y) + kHalf;
-      if (radius > 0.0 && std::hypot(far_x, far_y) <= radius) on[t] = true;
+      if (radius > 0.0 && far_x * far_x + far_y * far_y <= radius * radius) on[t] = true;
     }
   }
   return on;
@@ -380,7 +380,7 @@ void ProcessingWatch::add(const Reference& reference, const Observation& seen, c
   sampler_.add(frame.luma, (1 << bits) - 1,
                {.is_still = is_still(last_),
                 .is_lossless = codec.is_lossless(),
-                .is_even = lie_on_discs(sampler_.tiles(), reference, view)});
+                .is_uniform = lie_on_discs(sampler_.tiles(), reference, view)});
 }
 
 CameraProcessing ProcessingWatch::result(long since) const {

@@ -130,17 +130,8 @@ ImagePoint x_axis_of(const PatchFit& fit) {
 
 }  // namespace
 
-bool EchoWatch::is_finished() const { return has_shares() && has_blur(); }
-
-bool EchoWatch::has_shares() const {
-  return is_decided(sums_) || examined_ >= kMostFrames || predicted_ >= kMostPredicted;
-}
-
-bool EchoWatch::has_blur() const { return sums_.blur.u <= kKnownBlur || examined_ >= kMostPredicted; }
-
 void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& prints) {
   if (is_finished()) return;
-  const bool needs_shares = !has_shares(), needs_blur = !has_blur();
   std::vector<bool> is_seen(tracks_.size());
   SharesOfGratings shares;
   std::size_t pixels = 0;
@@ -151,10 +142,10 @@ void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& p
     Track& track = tracks_[print.marker];
     if (pixels >= kFramePixels) break;
     is_seen[print.marker] = true;
-    if (!follow(picture, print, track, needs_shares)) continue;
+    if (!follow(picture, print, track, !has_shares_)) continue;
     any_moved = true;
-    if (needs_blur) add_blur_of(print, track);
-    if (!needs_shares) continue;
+    if (!has_blur_) add_blur_of(print, track);
+    if (has_shares_) continue;
     pixels += track.pixels.size();
     const double visible_px = picture.is_predicted ? kVisiblePredicted_px : kVisible_px;
     if (const auto edges = share_by_edges_of(print, track, visible_px)) add_edges(print.marker, *edges, shares);
@@ -167,8 +158,10 @@ void EchoWatch::add(const LightPicture& picture, const std::vector<SeenPrint>& p
   predicted_ += any_moved && picture.is_predicted;
   add_frame(shares);
   if (shares.both_weight > 0.0) both_sides_.push_back(shares.both_sides / shares.both_weight);
-  if (needs_shares) sums_.both_sides = share_of_both_sides(both_sides_);
-  if (needs_blur && any_moved) sums_.blur = blur_slope(blurs_);
+  if (!has_shares_) sums_.both_sides = share_of_both_sides(both_sides_);
+  if (!has_blur_ && any_moved) sums_.blur = blur_slope(blurs_);
+  has_shares_ = has_shares_ || is_decided(sums_) || examined_ >= kMostFrames || predicted_ >= kMostPredicted;
+  has_blur_ = has_blur_ || sums_.blur.u <= kKnownBlur || examined_ >= kMostPredicted;
 }
 
 bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Track& track, bool needs_shares) {
@@ -176,9 +169,7 @@ bool EchoWatch::follow(const LightPicture& picture, const SeenPrint& print, Trac
   Moment now{.centre = centre_of(*print.fit, window), .map = {}, .residuals = {}, .predicted = {}, .along = {}};
   const bool moved = std::any_of(track.moments.begin(), track.moments.end(),
                                  [&](const Moment& then) { return length(now.centre - then.centre) > kMoves_px; });
-  if (moved) {
-    now.map = map_of(*print.fit, window);
-  }
+  if (moved) now.map = map_of(*print.fit, window);
   if (moved && needs_shares) {
     if (track.pixels.empty() || length(now.centre - track.placed) > kReplaced_px)
       place(picture.luma, window, now, track);

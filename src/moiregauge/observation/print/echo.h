@@ -55,7 +55,7 @@ class EchoWatch {
   // Interrupts the sequence: the next frame has no predecessors.
   void interrupt() { tracks_.clear(); }
   // Returns true if further frames change nothing.
-  [[nodiscard]] bool is_finished() const;
+  [[nodiscard]] bool is_finished() const { return has_shares_ && has_blur_; }
   [[nodiscard]] const EchoSums& sums() const { return sums_; }
 
  private:
@@ -89,8 +89,6 @@ class EchoWatch {
     ImagePoint direction;
     double both_weight = 0.0, both_sides = 0.0;  // the same of the shares of both sides
   };
-  [[nodiscard]] bool has_shares() const;
-  [[nodiscard]] bool has_blur() const;
   static void place(const LumaView& luma, const PatchWindow& window, const Moment& now, Track& track);
   static void predict(const LightPicture& picture, const SeenPrint& print, const Track& track, Moment& now);
   // Adds a grating to its track, with the residuals that its shares need. Returns true if it moved within the track.
@@ -110,6 +108,8 @@ class EchoWatch {
   int frame_ = 0;
   int examined_ = 0;   // frames with movement
   int predicted_ = 0;  // those that a codec predicts
+  // Further frames change neither the shares, nor the blur.
+  bool has_shares_ = false, has_blur_ = false;
 };
 
 }  // namespace moiregauge::internal
