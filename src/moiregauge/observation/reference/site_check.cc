@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/format.h>
+
 #include "moiregauge/observation/reference/reference.h"
 #include "moiregauge/observation/reference/scale_check.h"
 
@@ -37,6 +39,11 @@ ScaleUncertainty scale_uncertainty(const Reference& reference) {
 
 // Coverage factor k from which on the site is wrong, and not only uncertain. Chosen.
 constexpr double kSure = 3.0;
+
+// Hint at the tone curve: least ratio of two circles' differences, number of circles, and largest difference. sRGB levels
+// read as light made circles 1.3 px too small. Chosen.
+constexpr double kAlike = 0.5, kLargestByTone_px = 3.0;
+constexpr std::size_t kCirclesForTone = 3;
 
 // Returns the relative stretch of a pitch in the image against the site, by the scale of the circle spacing. It is the
 // phase gradient beyond the nominal carrier. A displacement gradient g along its own axis means that the grating is
@@ -149,22 +156,44 @@ std::optional<std::string> pitch_disagreement(const Reference& reference, std::s
   return pitch_text(marker, stretch);
 }
 
-std::optional<std::string> diameter_disagreement(const Reference& reference, std::size_t i) {
+// Returns how much larger a circle is in the image than stated, px. Nothing: it has no circle, or that is not seen.
+std::optional<double> excess_px(const Reference& reference, std::size_t i) {
   const Marker& marker = reference.site.markers[i];
   const auto& seen = reference.seen.markers[i].circle;
   if (!seen || !marker.circle || marker.circle->diameter_mm <= 0.0) return std::nullopt;
+  return seen->diameter_px - marker.circle->diameter_mm / reference.view.mm_per_px(marker.circle->centre);
+}
+
+// Returns a hint if all circles differ from their diameters by about `found_px`, as one of them does. Grey levels that are
+// not light shift every edge by a part of its width.
+std::string tone_hint(const Reference& reference, double found_px) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {
+    const auto excess = excess_px(reference, i);
+    if (!excess) continue;
+    if (!(*excess / found_px > kAlike && found_px / *excess > kAlike)) return "";
+    ++count;
+  }
+  if (count < kCirclesForTone || std::abs(found_px) > kLargestByTone_px) return "";
+  return fmt::format(
+      ". All circles look about {:.1f} px too {}. If the grey levels are not proportional to light, state their tone "
+      "curve, for example --tone srgb",
+      std::abs(found_px), found_px < 0.0 ? "small" : "large");
+}
+
+std::optional<std::string> diameter_disagreement(const Reference& reference, std::size_t i) {
+  const Marker& marker = reference.site.markers[i];
+  const auto difference_px = excess_px(reference, i);
+  if (!difference_px || std::abs(*difference_px) <= kDiameterTolerance) return std::nullopt;
   const double mm_per_px = reference.view.mm_per_px(marker.circle->centre);
-  const double difference_px = seen->diameter_px - marker.circle->diameter_mm / mm_per_px;
-  if (std::abs(difference_px) <= kDiameterTolerance) return std::nullopt;
-  if (std::abs(difference_px) * mm_per_px <=
+  if (std::abs(*difference_px) * mm_per_px <=
       std::max(kSiteTolerance, kSure * scale_uncertainty(reference).alone) * marker.circle->diameter_mm)
     return std::nullopt;
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "circle_diameter_mm = %.4g of marker '%s' contradicts the spacing of the reference circles, which gives %.4g mm",
-      marker.circle->diameter_mm, marker.name.c_str(), seen->diameter_px * mm_per_px);
-  return text;
+  return fmt::format(
+             "circle_diameter_mm = {:.4g} of marker '{}' contradicts the spacing of the reference circles, which gives "
+             "{:.4g} mm",
+             marker.circle->diameter_mm, marker.name, marker.circle->diameter_mm + *difference_px * mm_per_px) +
+         tone_hint(reference, *difference_px);
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/observation/reference/site_check.h"
 
+#include <array>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "moiregauge/observation/reference/reference.h"
@@ -44,6 +47,27 @@ TEST(SiteCheck, APitchMustAgreeWithinThreeUncertaintiesOfTheCircles) {
 TEST(SiteCheck, ACommonPitchMustAgreeWithinThreeUncertaintiesOfTheMeanScale) {
   EXPECT_FALSE(site_disagreement(board_known_to(3.0, 0.022, 4)));
   EXPECT_TRUE(site_disagreement(board_known_to(3.0, 0.035, 4)));
+}
+
+// Circles of 20 mm at 3 px/mm: 60 px. A tone curve moves all edges alike, a wrong diameter is that of one marker.
+Reference circles_larger_by(std::array<double, 4> px) {
+  Reference reference = board_known_to(0.1, 0.0, 0);
+  for (std::size_t i = 0; i < px.size(); ++i) {
+    reference.site.markers[i].circle->diameter_mm = 20.0;
+    reference.seen.markers[i].circle.emplace().diameter_px = 60.0 + px[i];
+  }
+  return reference;
+}
+
+TEST(SiteCheck, CirclesThatAllLookTooSmallHintAtTheToneCurve) {
+  const auto all = site_disagreement(circles_larger_by({-1.5, -1.4, -1.6, -1.5}));
+  ASSERT_TRUE(all);
+  EXPECT_NE(all->find("All circles look about 1.5 px too small"), std::string::npos) << *all;
+  for (const auto& others : {std::array{-1.5, 0.1, 0.0, -0.1}, {-1.5, -1.4, 1.6, -1.5}, {-6.0, -6.0, -6.0, -6.0}}) {
+    const auto text = site_disagreement(circles_larger_by(others));
+    ASSERT_TRUE(text);
+    EXPECT_EQ(text->find("--tone"), std::string::npos) << *text;
+  }
 }
 
 }  // namespace
