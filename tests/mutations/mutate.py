@@ -130,7 +130,8 @@ def readers(work, labels, names):
     if stored.exists() and stored.stat().st_mtime > newest:
         return json.loads(stored.read_text())
     label = "^(" + "|".join(labels) + ")$"
-    every, chosen = (re.findall(r"Test +#(\d+):", ctest(work, [], "--show-only", *more)) for more in ([], ["-L", label, "-R", names]))
+    only = ["-L", label] + (["-R", names] if names else [])  # an empty expression matches no test
+    every, chosen = (re.findall(r"Test +#(\d+):", ctest(work, [], "--show-only", *more)) for more in ([], only))
     places = [n for n, number in enumerate(every, 1) if number in set(chosen)]
     found = {}
     with tempfile.TemporaryDirectory() as folder, multiprocessing.pool.ThreadPool(2) as pool:

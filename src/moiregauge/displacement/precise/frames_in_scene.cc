@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "moiregauge/displacement/precise/frames_in_scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -62,7 +64,13 @@ FramesInScene::FramesInScene(const Reference& reference, const PreciseScene& sce
       by_noise_(std::move(by_noise)),
       // The reference frame is the first key frame.
       budget_(site_, scene_.full_covariance, scene.calibration.fits.front(),
-              scene.shutter ? scene.shutter->u_readout_s : 0.0) {}
+              scene.shutter ? scene.shutter->u_readout_s : 0.0),
+      heights_then_(shown_heights(site_, scene_, solved_.frames.front(), budget_.then())) {}
+
+std::optional<OutOfPlane> FramesInScene::movement_out_of_plane(std::size_t marker, const SolvedFrame& frame) const {
+  if (frame.heights.empty() || !frame.heights[marker] || !heights_then_[marker]) return std::nullopt;
+  return out_of_plane(*frame.heights[marker], *heights_then_[marker]);
+}
 
 Sample FramesInScene::sample_of(const Observation& seen, std::size_t marker, const SolvedFrame& frame,
                                 bool is_far) const {
@@ -81,14 +89,17 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   SolvedFrame solved;
   if (by_noise_) solved.by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
   const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames.starts());
+  std::vector<RowOutOfPlane> out_of_plane_rows;
   for (std::size_t n = 0; n < observations.size(); ++n) {
     const Observation& seen = observations[n];
     const FrameFit& now = solved.now;
     solved.budget.reset();
     solved.now = {};
+    solved.heights.clear();
     if (place[n] > 0) {
       const BundleFrame frame = placed(solved_.frames[place[n]]);
       solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
+      solved.heights = shown_heights(site_, scene_, solved_.frames[place[n]], solved.now);
       if (by_noise_) solved.by_noise.now = fit_by_noise(place[n], frame);
     }
     solution.poses.push_back(budget_.pose(seen.frame == reference_.seen.frame ? budget_.then() : now));
@@ -99,9 +110,18 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
       Sample sample = sample_of(seen, i, solved, outruns[i]);
       if (seen.frame != reference_.seen.frame && solved_.shutter && has_numbers(sample.status))
         widen_by_target(sample, *solved_.shutter, place[n]);
+      const auto moved = movement_out_of_plane(i, solved);
+      if (moved && sample.status == Status::kOk && may_matter(*moved, sample))
+        out_of_plane_rows.push_back({solution.samples.size(), *moved});
       solution.samples.push_back(judged(sample));
     }
   }
+  auto notes = distrust_out_of_plane(site_, out_of_plane_rows, solution.samples);
+  // Such a target bends the camera's pose, and the references then seem to move.
+  if (!notes.empty() && solved_.doubtful)
+    solution.remedy =
+        "record from straight in front of the targets: one moves out of its plane, which looks like a moving reference";
+  std::ranges::move(notes, std::back_inserter(solution.notes));
 }
 
 // The fit of the reference frame is that of the budget, so its rotation uses the same noise.
@@ -140,11 +160,18 @@ JointErrors FramesInScene::joint_errors(const Observations& observations, const 
 Samples FramesInScene::measure_one(const Observation& seen, const std::optional<BundleFrame>& read,
                                    const std::vector<bool>& is_far) const {
   SolvedFrame solved;
-  if (read) solved.now = fit_frame(site_, scene_, placed(*read), FrameDetail::kSamples);
+  if (read) {
+    solved.now = fit_frame(site_, scene_, placed(*read), FrameDetail::kSamples);
+    solved.heights = shown_heights(site_, scene_, *read, solved.now);
+  }
   if (solved.now.ok && budget_.then().ok) solved.budget.emplace(budget_.of_frame(solved.now));
   Samples samples;
   for (std::size_t i = 0; i < site_.markers.size(); ++i) {
-    if (is_target(reference_, i)) samples.push_back(judged(sample_of(seen, i, solved, is_far[i])));
+    if (!is_target(reference_, i)) continue;
+    Sample sample = sample_of(seen, i, solved, is_far[i]);
+    const auto moved = movement_out_of_plane(i, solved);
+    if (moved && sample.status == Status::kOk && is_out_of_plane(*moved, sample)) sample.status = Status::kUntrusted;
+    samples.push_back(judged(sample));
   }
   return samples;
 }

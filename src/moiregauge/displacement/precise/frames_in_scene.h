@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "moiregauge/calibration/scene/out_of_plane.h"
 #include "moiregauge/displacement/precise/joint_in_scene.h"
 #include "moiregauge/displacement/precise/precise_budget.h"
 #include "moiregauge/displacement/precise/precise_scene.h"
@@ -23,6 +24,7 @@ class FramesInScene {
     FrameFit now;
     FitsByNoise by_noise;
     std::optional<FrameBudget> budget;
+    std::vector<std::optional<ShownHeight>> heights;  // per site marker
   };
 
   // `reference` and `scene` must outlive this object. `by_noise`: for compressed footage, its frames without the codec's
@@ -51,6 +53,8 @@ class FramesInScene {
   [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const SolvedFrame& frame,
                                  bool is_far) const;
   [[nodiscard]] Sample judged(Sample sample) const;
+  // Returns the target's movement out of the plane since the reference frame, if both frames show its size.
+  [[nodiscard]] std::optional<OutOfPlane> movement_out_of_plane(std::size_t marker, const SolvedFrame& frame) const;
 
   const Reference& reference_;
   const Site& site_;
@@ -58,6 +62,7 @@ class FramesInScene {
   const Scene& scene_;
   std::optional<FrameSeries> by_noise_;
   PreciseBudget budget_;
+  std::vector<std::optional<ShownHeight>> heights_then_;  // in the reference frame, per site marker
 };
 
 }  // namespace moiregauge::internal

@@ -2,7 +2,12 @@
 // Status of a row of `precise`.
 #pragma once
 
+#include <span>
+#include <string>
+#include <vector>
+
 #include "moiregauge/calibration/scene/frame_fit.h"
+#include "moiregauge/calibration/scene/out_of_plane.h"
 #include "moiregauge/displacement/method.h"
 
 namespace moiregauge::internal {
@@ -15,5 +20,24 @@ inline constexpr double kUntrustedChi2 = 25.0;
 // row is kUntrusted.
 [[nodiscard]] Status precise_status(const Reference& reference, const Observation& seen, std::size_t i,
                                     const FrameFit& fit, double untrusted_chi2);
+
+// A run has one height for each target. So a movement towards the camera appears as a displacement wherever the line of
+// sight is oblique.
+
+// Returns true if the movement may change the displacement by more than its u.
+[[nodiscard]] bool may_matter(const OutOfPlane& moved, const Sample& sample);
+// Returns true if it does so, and is significant in a single row.
+[[nodiscard]] bool is_out_of_plane(const OutOfPlane& moved, const Sample& sample);
+
+// A row for which may_matter() is true.
+struct RowOutOfPlane {
+  std::size_t sample = 0;  // index in the samples
+  OutOfPlane moved;
+};
+
+// Marks rows as untrusted. A target counts as moving if one of its rows is significant among all samples. Returns one
+// warning per such target.
+[[nodiscard]] std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
+                                                             Samples& samples);
 
 }  // namespace moiregauge::internal

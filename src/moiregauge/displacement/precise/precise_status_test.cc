@@ -86,5 +86,37 @@ TEST(PreciseStatus, AFringeWithATenthOfItsPixelsClippedIsSaturated) {
   EXPECT_EQ(frame.status(), Status::kOk);
 }
 
+// Rows of one target, all at `u` = 0.01 mm. Height `height` is known to 0.1 mm and appears as a tenth of it.
+struct Rows {
+  Samples samples;
+  std::vector<RowOutOfPlane> out_of_plane;
+  void add(double height_mm) {
+    Sample sample;
+    sample.status = Status::kOk;
+    sample.u = {0.01, 0.01};
+    const OutOfPlane moved{height_mm, 0.1, std::abs(height_mm) / 0.1, {0.1 * height_mm, 0.0}};
+    if (may_matter(moved, sample)) out_of_plane.push_back({samples.size(), moved});
+    samples.push_back(sample);
+  }
+};
+
+// Chance gives 3 u in one of 400 rows. A target that moves out of the plane shows far more in some row. Then all rows
+// count in which it may have moved: beyond 2 u.
+TEST(PreciseStatus, ATargetThatMovesTowardsTheCameraIsUntrusted) {
+  Site site;
+  site.markers.resize(1);
+  site.markers[0].name = "T1";
+  Rows still, moving;
+  for (int n = 0; n < 400; ++n) still.add(n == 100 ? 0.3 : 0.0), moving.add(n < 300 ? 0.0 : n == 300 ? 0.3 : -2.0);
+  EXPECT_TRUE(distrust_out_of_plane(site, still.out_of_plane, still.samples).empty());
+  EXPECT_EQ(still.samples[100].status, Status::kOk);
+  const auto notes = distrust_out_of_plane(site, moving.out_of_plane, moving.samples);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("'T1' moves by up to 2 mm (u 0.61 mm) away from the camera"), std::string::npos) << notes[0];
+  EXPECT_EQ(moving.samples[299].status, Status::kOk);
+  EXPECT_EQ(moving.samples[300].status, Status::kUntrusted);
+  EXPECT_EQ(moving.samples[399].status, Status::kUntrusted);
+}
+
 }  // namespace
 }  // namespace moiregauge::internal

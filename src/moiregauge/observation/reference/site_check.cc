@@ -40,8 +40,8 @@ ScaleUncertainty scale_uncertainty(const Reference& reference) {
 // Coverage factor k from which on the site is wrong, and not only uncertain. Chosen.
 constexpr double kSure = 3.0;
 
-// Hint at the tone curve: least ratio of two circles' differences, number of circles, and largest difference. sRGB levels
-// read as light made circles 1.3 px too small. Chosen.
+// Hint at the tone curve: least ratio of two circles' differences, largest difference, and number of circles. Chosen.
+// Levels of sRGB that were read as light made circles 1.3 px too small.
 constexpr double kAlike = 0.5, kLargestByTone_px = 3.0;
 constexpr std::size_t kCirclesForTone = 3;
 
@@ -164,8 +164,8 @@ std::optional<double> excess_px(const Reference& reference, std::size_t i) {
   return seen->diameter_px - marker.circle->diameter_mm / reference.view.mm_per_px(marker.circle->centre);
 }
 
-// Returns a hint if all circles differ from their diameters by about `found_px`, as one of them does. Grey levels that are
-// not light shift every edge by a part of its width.
+// Returns a hint if all circles differ from their diameters by about `found_px`, as one of them does. Grey levels that
+// are not light shift every edge by a part of its width.
 std::string tone_hint(const Reference& reference, double found_px) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < reference.site.markers.size(); ++i) {

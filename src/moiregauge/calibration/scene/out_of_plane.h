@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Movement of a target towards the camera, in one frame of a solved scene. A fit with fixed heights shows it as a
+// displacement wherever the line of sight is oblique.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "moiregauge/calibration/scene/frame_fit.h"
+
+namespace moiregauge::internal {
+
+// Height of a target in one frame, by the size of its grating.
+struct ShownHeight {
+  double height_mm = 0.0;  // above the height of the scene
+  double stretch = 0.0;    // relative: longer along the print's x than along its y. A rolling shutter does that.
+  double u_height_mm = 0.0, u_stretch = 0.0;  // by the stated noise
+  double distance_mm = 0.0;                   // from the camera, along its axis
+  Extent<frame::Board> per_mm;                // apparent displacement per mm of height
+};
+
+// Fits height, stretch and rotation of every target, with its shift and the pose of `fit`.
+// `frame`, `fit`: a frame and its fit in this scene. The points should have the u of noise alone.
+// Fails (nothing): the target was not read, or its grating does not show its size along both axes.
+// Error: u is without that of the pose. The pose is fitted as if the target were unmoved. That hides up to three tenths
+// of the movement if the references are near to each other.
+[[nodiscard]] std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Scene& scene,
+                                                                    const BundleFrame& frame, const FrameFit& fit);
+
+// Movement out of the plane between two frames.
+struct OutOfPlane {
+  double height_mm = 0.0, u_mm = 0.0;
+  double in_u = 0.0;              // what both axes of the grating show of it, in u
+  Extent<frame::Board> apparent;  // mm, the displacement as which it appears
+};
+
+[[nodiscard]] OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then);
+
+}  // namespace moiregauge::internal
