@@ -44,7 +44,7 @@ struct Budget {
   Extent<frame::Board> axis;             // direction of the board's axes, which follows from reference positions only
   Extent<frame::Board> print_scale;      // scale and stretch of the gratings
   Extent<frame::Board> codec;            // error of a lossy codec, in both frames
-  Extent<frame::Board> shutter;          // motion during the readout time
+  Extent<frame::Board> shutter;          // motion during readout and exposure
 };
 
 // Parts of the budget with their names in run.json.

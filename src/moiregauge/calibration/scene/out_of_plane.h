@@ -22,8 +22,8 @@ struct ShownHeight {
 // Fits height, stretch and rotation of every target, with its shift and the pose of `fit`.
 // `frame`, `fit`: a frame and its fit in this scene. The points should have the u of noise alone.
 // Fails (nothing): the target was not read, or its grating does not show its size along both axes.
-// Error: u is without that of the pose. The pose is fitted as if the target were unmoved. That hides up to three tenths
-// of the movement if the references are near to each other.
+// Error: u is without that of the pose. The pose is fitted as if the target were unmoved. That hides up to three tenths if
+// the references are near to each other.
 [[nodiscard]] std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Scene& scene,
                                                                     const BundleFrame& frame, const FrameFit& fit);
 

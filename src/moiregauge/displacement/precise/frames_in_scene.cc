@@ -44,9 +44,10 @@ void fill(Sample& sample, const Marker& marker, const FramesInScene::SolvedFrame
   withhold_unshown_axes(sample);
 }
 
-// Adds the uncertainty of the target's own motion between the time of its rows and the frame time.
-void widen_by_target(Sample& sample, const Shutter& shutter, std::size_t place) {
-  const auto now = shutter.u_target[place][sample.marker], then = shutter.u_target.front()[sample.marker];
+// Adds the uncertainty of the target's own motion, within its exposure or until the frame time. `u`: by place.
+void widen_by_motion(Sample& sample, const std::vector<std::vector<Extent<frame::Board>>>& u, std::size_t place) {
+  if (u.empty()) return;
+  const auto now = u[place][sample.marker], then = u.front()[sample.marker];
   sample.budget.shutter = hypot3(sample.budget.shutter, now, then);
   const auto all = total(sample.budget);
   for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
@@ -108,8 +109,10 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
     for (std::size_t i = 0; i < site_.markers.size(); ++i) {
       if (!is_target(reference_, i)) continue;
       Sample sample = sample_of(seen, i, solved, outruns[i]);
-      if (seen.frame != reference_.seen.frame && solved_.shutter && has_numbers(sample.status))
-        widen_by_target(sample, *solved_.shutter, place[n]);
+      if (seen.frame != reference_.seen.frame && has_numbers(sample.status)) {
+        if (solved_.shutter) widen_by_motion(sample, solved_.shutter->u_target, place[n]);
+        widen_by_motion(sample, solved_.smear, place[n]);
+      }
       const auto moved = movement_out_of_plane(i, solved);
       if (moved && sample.status == Status::kOk && may_matter(*moved, sample))
         out_of_plane_rows.push_back({solution.samples.size(), *moved});
@@ -130,7 +133,7 @@ FittedFrame FramesInScene::reference_fit() const {
   const BundleFrame frame =
       with_print_error(site_, std::span(&solved_.calibration.bundle.frames.front(), 1), share).front();
   FittedFrame out{budget_.then(), {}, fit_rotations(site_, scene_, frame, budget_.then()), {}};
-  if (solved_.shutter) out.u_motion = solved_.shutter->u_target.front();
+  out.u_motion = u_motion(0);
   return out;
 }
 
@@ -140,7 +143,20 @@ FittedFrame FramesInScene::fit_of(std::size_t place) const {
   out.fit = fit_frame(site_, scene_, frame);
   out.rotations = fit_rotations(site_, scene_, frame, out.fit);
   if (by_noise_) out.by_noise = fit_by_noise(place, frame);
-  if (solved_.shutter) out.u_motion = solved_.shutter->u_target[place];
+  out.u_motion = u_motion(place);
+  return out;
+}
+
+// Returns the uncertainties by the targets' own motion, one per site marker. Empty: there is none.
+std::vector<Extent<frame::Board>> FramesInScene::u_motion(std::size_t place) const {
+  std::vector<Extent<frame::Board>> out;
+  if (solved_.shutter) out = solved_.shutter->u_target[place];
+  if (solved_.smear.empty()) return out;
+  out.resize(site_.markers.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const auto& smear = solved_.smear[place][i];
+    out[i] = {std::hypot(out[i].x, smear.x), std::hypot(out[i].y, smear.y)};
+  }
   return out;
 }
 

@@ -50,6 +50,7 @@ class FramesInScene {
   [[nodiscard]] FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const;
   [[nodiscard]] FittedFrame reference_fit() const;
   [[nodiscard]] FittedFrame fit_of(std::size_t place) const;
+  [[nodiscard]] std::vector<Extent<frame::Board>> u_motion(std::size_t place) const;
   [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const SolvedFrame& frame,
                                  bool is_far) const;
   [[nodiscard]] Sample judged(Sample sample) const;

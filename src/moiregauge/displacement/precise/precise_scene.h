@@ -11,6 +11,7 @@
 #include "moiregauge/calibration/model/rolling_shutter.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/precise/apparent_size.h"
+#include "moiregauge/displacement/smear_error.h"
 
 namespace moiregauge::internal {
 
@@ -27,6 +28,7 @@ struct PreciseScene {
   FrameSeries frames;                   // frames without a moving reference, corrected to frame time
   std::optional<std::size_t> excluded;  // a reference that moves, not used in `frames`
   std::optional<Shutter> shutter;       // solved rolling shutter
+  SmearError smear;                     // uneven movement within the exposures of `frames`
   PrintError print_error;               // to be included in the covariance of `frames`
   std::vector<SizeDeviation> size_deviations;
 
