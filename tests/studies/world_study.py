@@ -12,6 +12,8 @@ import collections
 import csv
 import json
 import math
+import multiprocessing.pool
+import os
 import pathlib
 import shutil
 import subprocess
@@ -112,19 +114,22 @@ def measured(options, f, clip, processing):
     return out, f"exit {done.returncode} {done.stderr.strip()}"
 
 
-def one_recording(options, group, seed, tallies):
+def one_recording(options, group, seed):
+    """Renders and measures one recording. Returns what it adds to the tallies, and its part of the list."""
+    found, listed = [], []
     with tempfile.TemporaryDirectory() as temporary:
         clip = pathlib.Path(options.keep or temporary) / f"{group.replace(' ', '-').replace(',', '')}-{seed}"
         f = rendered(options, group, seed, clip)
         for processing in options.processing:
             out, said = measured(options, f, clip, processing)
             errors, words, warnings = judge(out, clip)
-            add(tallies.setdefault(("group", group), Errors()), errors) if processing == "png" else None
-            add(tallies.setdefault(("processing", processing), Errors()), errors)
+            if processing == "png":
+                found.append((("group", group), errors))
+            found.append((("processing", processing), errors))
             if options.verbose or errors.lies or errors.ok < errors.rows:
-                print(f"- {group}, seed {seed}, {processing}: {errors.columns()} {said}", file=sys.stderr)
-                for text in [*words, *(warnings if options.verbose or errors.refused else [])]:
-                    print(f"    {text}", file=sys.stderr, flush=True)
+                listed.append(f"- {group}, seed {seed}, {processing}: {errors.columns()} {said}")
+                listed += [f"    {text}" for text in [*words, *(warnings if options.verbose or errors.refused else [])]]
+    return found, listed
 
 
 def add(tally, errors):
@@ -135,7 +140,7 @@ def add(tally, errors):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("seeds", type=int, nargs="*", default=[1, 8], metavar="SEED", help="FIRST LAST")
+    parser.add_argument("seeds", type=int, nargs="*", default=[1, 6], metavar="SEED", help="FIRST LAST")
     parser.add_argument("--program", required=True, type=pathlib.Path)
     parser.add_argument("--world", required=True, type=pathlib.Path, help="the renderer")
     parser.add_argument("--groups", default="", help="names, separated by semicolons")
@@ -148,9 +153,13 @@ def main():
     options.program, options.world = options.program.resolve(), options.world.resolve()
     options.processing = list(PROCESSINGS) if options.processing == "all" else options.processing.split(";")
     tallies = {}
-    for group in options.groups.split(";") if options.groups else GROUPS:
-        for seed in range(options.seeds[0], options.seeds[-1] + 1):
-            one_recording(options, group, seed, tallies)
+    groups = options.groups.split(";") if options.groups else GROUPS
+    seeds = range(options.seeds[0], options.seeds[-1] + 1)
+    with multiprocessing.pool.ThreadPool(os.cpu_count()) as pool:
+        for found, listed in pool.imap(lambda one: one_recording(options, *one), [(g, s) for g in groups for s in seeds]):
+            print("".join(f"{line}\n" for line in listed), end="", file=sys.stderr, flush=True)
+            for key, errors in found:
+                add(tallies.setdefault(key, Errors()), errors)
     for kind in options.only.split():
         print(HEADER % kind)
         for (of_kind, name), tally in tallies.items():

@@ -73,7 +73,7 @@ double movement_squared(const PatchFit& now, ImagePoint then, double pitch_mm) {
 // Readings of one marker by frame, mm^2. That of the reference frame is missing, because its fit has another template.
 using Series = std::vector<AxisPair>;
 
-// Blur of all frames, mm^2: of each target, and the median over the references, without the constants of the prints.
+// Blur of all frames, mm^2: of each target, and the largest of the references, without the constants of the prints.
 struct Blurs {
   std::vector<Series> targets;  // by marker; empty for references
   Series references;
@@ -94,23 +94,23 @@ std::vector<double> along(const Series& series, std::size_t axis) {
   return out;
 }
 
-// Subtracts the median over the frames.
-void centre(Series& series) {
+// Subtracts the value of the sharpest frames.
+void from_sharpest(Series& series) {
   for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
-    const double median = quantile(along(series, axis), 0.5);
-    for (AxisPair& one : series) one[axis] -= median;
+    const double sharpest = quantile(along(series, axis), kSharpest);
+    for (AxisPair& one : series) one[axis] -= sharpest;
   }
 }
 
-// Returns the median over the references in each frame; zero if none shows its blur.
-Series median_of(const std::vector<Series>& references, std::size_t frames) {
+// Returns the largest of the references in each frame; zero if none shows its blur. A camera that rolls blurs markers at the
+// edge of the image more than those in its middle.
+Series largest_of(const std::vector<Series>& references, std::size_t frames) {
   Series out(frames, {0.0, 0.0});
   for (std::size_t k = 0; k < frames; ++k) {
     for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
-      std::vector<double> all;
-      for (const Series& one : references) all.push_back(one[k][axis]);
-      const double median = quantile(std::move(all), 0.5);
-      if (!std::isnan(median)) out[k][axis] = median;
+      double largest = kNaN;
+      for (const Series& one : references) largest = std::fmax(largest, one[k][axis]);
+      if (!std::isnan(largest)) out[k][axis] = largest;
     }
   }
   return out;
@@ -137,13 +137,13 @@ Blurs blurs_of(const Site& site, const FrameSeries& frames) {
   out.targets.resize(markers);
   for (std::size_t i = 0; i < markers; ++i) {
     if (!site.markers[i].grating) continue;
-    centre(all[i]);
+    from_sharpest(all[i]);
     if (site.markers[i].role == Role::kTarget)
       out.targets[i] = std::move(all[i]);
     else if (site.markers[i].grating->pattern != Pattern::kCheckerboard)  // whose fits confuse blur and contrast
       references.push_back(std::move(all[i]));
   }
-  out.references = median_of(references, frames.size());
+  out.references = largest_of(references, frames.size());
   return out;
 }
 
@@ -174,16 +174,16 @@ std::vector<double> along_axis(const Blurs& blurs, std::size_t marker, std::size
   const std::vector<double> all = along(blurs.targets[marker], axis);
   std::vector<double> own, u;
   for (std::size_t k = 0; k < all.size(); ++k) own.push_back(all[k] - blurs.references[k][axis]);
-  const double sharpest = quantile(all, kSharpest), least = quantile(own, kSharpest);
-  const double constant = constant_part(quantile(own, kSoftest) - least, positions);
+  for (double& one : own) one = one < 0.0 ? 0.0 : one;  // keeps NaN
+  const double constant = constant_part(quantile(own, kSoftest), positions);
   const double most = kHidden * positions;
   double squares = 0.0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     // Light changes contrast, too. But an exposure is no longer than the frame interval, and a uniform movement by d in it
     // has the variance d^2 / 12.
     const double moved = std::max(blurs.movement[k], k + 1 < all.size() ? blurs.movement[k + 1] : 0.0);
-    const double camera = std::min(std::max(0.0, all[k] - sharpest), moved / 12.0);
-    const double square = std::min(std::max(0.0, own[k] - least) + constant, most);
+    const double camera = std::min(std::max(0.0, all[k]), moved / 12.0);
+    const double square = std::min(own[k] + constant, most);
     const double part = std::sqrt(square) * (kOwn * square + kWithCamera * camera);
     const double found = std::pow(kTwoPi / pitch_mm, 2) * part;
     u.push_back(found > kLeast * pitch_mm ? found : 0.0);  // 0, too, if the target was not read

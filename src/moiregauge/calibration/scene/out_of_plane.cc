@@ -11,8 +11,9 @@
 namespace moiregauge::internal {
 namespace {
 
-// Standard uncertainty of a grating's size between frames beyond noise, relative. Chosen.
-constexpr double kSteadySize = 2e-5;
+// Standard uncertainty of a grating's size between frames beyond noise, relative: the same view, and per unit by which the
+// view differs, up to 0.3. Photographs of a board from all sides showed up to 6e-4, of which half is noise. Chosen.
+constexpr double kSteadySize = 2e-5, kSizeByView = 1e-3, kOtherView = 0.3;
 // Largest u of a relative size that says something. Lines show one axis only.
 constexpr double kShownSize = 0.02;
 
@@ -22,7 +23,19 @@ using Columns = Eigen::Matrix<double, PatchResidual::kSize, kUnknowns>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 
-std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, double distance_mm) {
+double distance_of(const Pose& camera) { return camera.shift[2]; }
+
+// Returns the difference of two views: rotation in rad and movement relative to the distance.
+double difference_of(const Pose& a, const Pose& b) {
+  double turned = 0.0, moved = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    turned += (a.turn[k] - b.turn[k]) * (a.turn[k] - b.turn[k]);
+    moved += (a.shift[k] - b.shift[k]) * (a.shift[k] - b.shift[k]);
+  }
+  return std::sqrt(turned) + std::sqrt(moved) / distance_of(a);
+}
+
+std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, const Pose& camera) {
   Columns columns;
   columns << design.middleCols<3>(PatchColumn::kShape), design.col(PatchColumn::kShape + MarkerShape::kHeight),
       design.col(kStretchParameter);
@@ -37,9 +50,9 @@ std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, dou
                   .stretch = step(kStretchAt),
                   .u_height_mm = std::sqrt(covariance(kHeightAt, kHeightAt)),
                   .u_stretch = std::sqrt(covariance(kStretchAt, kStretchAt)),
-                  .distance_mm = distance_mm,
+                  .camera = camera,
                   .per_mm = {taken.x(), taken.y()}};
-  const bool is_shown = out.u_height_mm < kShownSize * distance_mm && out.u_stretch < kShownSize;
+  const bool is_shown = out.u_height_mm < kShownSize * distance_of(camera) && out.u_stretch < kShownSize;
   return is_shown ? std::optional(out) : std::nullopt;
 }
 
@@ -59,16 +72,18 @@ std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Sc
       const RowDesign::Columns rows = patch.root() * frame.rows->by_marker[i];
       design.col(PatchColumn::kResidual) += rows.leftCols<kMotionParameters>() * fit.motion;
     }
-    out[i] = shown_height(design, fit.pose.shift[2]);
+    out[i] = shown_height(design, fit.pose);
   }
   return out;
 }
 
 OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then) {
   const double height_mm = now.height_mm - then.height_mm;
-  const double u_mm = std::hypot(now.u_height_mm, then.u_height_mm, kSteadySize * now.distance_mm);
+  const double distance_mm = distance_of(now.camera);
+  const double u_size = kSteadySize + kSizeByView * std::min(kOtherView, difference_of(now.camera, then.camera));
+  const double u_mm = std::hypot(now.u_height_mm, then.u_height_mm, u_size * distance_mm);
   // One axis may be stretched, by half of it more than the mean. The height that the other one shows counts.
-  const double to_mm = 0.5 * now.distance_mm;
+  const double to_mm = 0.5 * distance_mm;
   const double both_mm = std::abs(height_mm) - to_mm * std::abs(now.stretch - then.stretch);
   const double u_both_mm = std::hypot(u_mm, to_mm * std::hypot(now.u_stretch, then.u_stretch));
   return {height_mm,

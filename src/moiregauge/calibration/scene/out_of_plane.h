@@ -15,8 +15,8 @@ struct ShownHeight {
   double height_mm = 0.0;  // above the height of the scene
   double stretch = 0.0;    // relative: longer along the print's x than along its y. A rolling shutter does that.
   double u_height_mm = 0.0, u_stretch = 0.0;  // by the stated noise
-  double distance_mm = 0.0;                   // from the camera, along its axis
-  Extent<frame::Board> per_mm;                // apparent displacement per mm of height
+  Pose camera;
+  Extent<frame::Board> per_mm;  // apparent displacement per mm of height
 };
 
 // Fits height, stretch and rotation of every target, with its shift and the pose of `fit`.

@@ -98,9 +98,9 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
     solved.now = {};
     solved.heights.clear();
     if (place[n] > 0) {
-      const BundleFrame frame = placed(solved_.frames[place[n]]);
+      const BundleFrame read = solved_.frames[place[n]], frame = placed(read);
       solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
-      solved.heights = shown_heights(site_, scene_, solved_.frames[place[n]], solved.now);
+      solved.heights = shown_heights(site_, scene_, read, solved.now);
       if (by_noise_) solved.by_noise.now = fit_by_noise(place[n], frame);
     }
     solution.poses.push_back(budget_.pose(seen.frame == reference_.seen.frame ? budget_.then() : now));
