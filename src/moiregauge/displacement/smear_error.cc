@@ -162,6 +162,30 @@ AxisPair positions_of(std::span<const FrameStart> frames, std::size_t marker) {
   return {sum[0] / count, sum[1] / count};
 }
 
+// Returns by frame the variance of a uniform movement within the frame interval, mm^2. The movement before and after the
+// frame must be alike. Such a smear is symmetric.
+Series uniform_part(std::span<const FrameStart> frames, std::size_t marker) {
+  Series out(frames.size(), {0.0, 0.0});
+  const auto part = [](double before, double after) {
+    return before * after > 0.0 ? std::min(before * before, after * after) / 12.0 : 0.0;
+  };
+  for (std::size_t k = 1; k + 1 < frames.size(); ++k) {
+    if (!frames[k - 1].has_points[marker] || !frames[k].has_points[marker] || !frames[k + 1].has_points[marker])
+      continue;
+    const auto before = frames[k].shift[marker] - frames[k - 1].shift[marker];
+    const auto after = frames[k + 1].shift[marker] - frames[k].shift[marker];
+    out[k] = {part(before.x, after.x), part(before.y, after.y)};
+  }
+  if (frames.size() > 2) out.back() = out[frames.size() - 2];
+  return out;
+}
+
+// Movement of a target between frames.
+struct TargetMotion {
+  AxisPair positions;  // variance of the mean positions, mm^2
+  Series uniform;      // by frame, mm^2
+};
+
 // Returns the least variance within any exposure, mm^2. `range`: of the variances. `positions`: variance of the means.
 double constant_part(double range, double positions) {
   if (!(range > 0.0 && positions > 0.0)) return 0.0;
@@ -170,13 +194,14 @@ double constant_part(double range, double positions) {
 
 // Returns the uncertainties of a target along one axis by frame, mm. That of the reference frame is the rms over the others.
 std::vector<double> along_axis(const Blurs& blurs, std::size_t marker, std::size_t axis, double pitch_mm,
-                               double positions) {
+                               const TargetMotion& motion) {
   const std::vector<double> all = along(blurs.targets[marker], axis);
   std::vector<double> own, u;
-  for (std::size_t k = 0; k < all.size(); ++k) own.push_back(all[k] - blurs.references[k][axis]);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    own.push_back(all[k] - blurs.references[k][axis] - motion.uniform[k][axis]);
   for (double& one : own) one = one < 0.0 ? 0.0 : one;  // keeps NaN
-  const double constant = constant_part(quantile(own, kSoftest), positions);
-  const double most = kHidden * positions;
+  const double constant = constant_part(quantile(own, kSoftest), motion.positions[axis]);
+  const double most = kHidden * motion.positions[axis];
   double squares = 0.0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     // Light changes contrast, too. But an exposure is no longer than the frame interval, and a uniform movement by d in it
@@ -202,9 +227,9 @@ SmearError smear_error(const Site& site, const FrameSeries& frames) {
   const Blurs blurs = blurs_of(site, frames);
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
     if (blurs.targets[i].empty()) continue;
-    const AxisPair positions = positions_of(frames.starts(), i);
+    const TargetMotion motion{positions_of(frames.starts(), i), uniform_part(frames.starts(), i)};
     for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
-      const auto u = along_axis(blurs, i, axis, site.markers[i].grating->pitch_mm, positions[axis]);
+      const auto u = along_axis(blurs, i, axis, site.markers[i].grating->pitch_mm, motion);
       if (std::ranges::none_of(u, [](double one) { return one > 0.0; })) continue;
       if (out.empty()) out.assign(frames.size(), std::vector<Extent<frame::Board>>(site.markers.size()));
       for (std::size_t k = 0; k < u.size(); ++k) (axis == 0 ? out[k][i].x : out[k][i].y) = u[k];
