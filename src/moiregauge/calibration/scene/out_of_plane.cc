@@ -89,7 +89,8 @@ OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then) {
   return {height_mm,
           u_mm,
           std::min(std::abs(height_mm) / u_mm, both_mm / u_both_mm),
-          {height_mm * now.per_mm.x, height_mm * now.per_mm.y}};
+          {now.height_mm * now.per_mm.x - then.height_mm * then.per_mm.x,
+           now.height_mm * now.per_mm.y - then.height_mm * then.per_mm.y}};
 }
 
 }  // namespace moiregauge::internal

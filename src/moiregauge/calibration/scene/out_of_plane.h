@@ -22,16 +22,17 @@ struct ShownHeight {
 // Fits height, stretch and rotation of every target, with its shift and the pose of `fit`.
 // `frame`, `fit`: a frame and its fit in this scene. The points should have the u of noise alone.
 // Fails (nothing): the target was not read, or its grating does not show its size along both axes.
-// Error: u is without that of the pose. The pose is fitted as if the target were unmoved. That hides up to three tenths if
-// the references are near to each other.
+// Error: u is without that of the pose. The pose is fitted as if the target were unmoved. That hides a part of
+// the height, most of it if the references are near to each other.
 [[nodiscard]] std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Scene& scene,
                                                                     const BundleFrame& frame, const FrameFit& fit);
 
 // Movement out of the plane between two frames.
 struct OutOfPlane {
   double height_mm = 0.0, u_mm = 0.0;
-  double in_u = 0.0;              // what both axes of the grating show of it, in u
-  Extent<frame::Board> apparent;  // mm, the displacement as which it appears
+  double in_u = 0.0;  // what both axes of the grating show of it, in u
+  // Displacement as which both heights appear, mm. One that differs from the scene's appears by a change of view alone.
+  Extent<frame::Board> apparent;
 };
 
 [[nodiscard]] OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then);

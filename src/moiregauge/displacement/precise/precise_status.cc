@@ -17,9 +17,8 @@ namespace {
 // corresponds to a sixteenth of hidden grating. Blur by half a pitch, with the contrast fitted, leaves 0.17. Chosen.
 constexpr double kHiddenContrast = 0.25;
 
-constexpr double kMay = 2.0;           // coverage factor once the target is known to move. Chosen.
 constexpr double kSureAlone = 6.0;     // coverage factor of a single row, whose number of frames is unknown. Chosen.
-constexpr double kHidden = 0.3;        // share of a height that the camera's pose may take. Chosen.
+constexpr double kSurely = 2.0;        // coverage factor of a least value
 constexpr double kFalseAlarms = 1e-3;  // per run; chosen
 
 // Returns the status of a grating's image: kOk, or its fault.
@@ -37,22 +36,14 @@ Status quality_of(const Reference& reference, const MarkerObservation& seen, std
 // Returns the coverage factor that the largest of `rows` normal variables exceeds with less than that chance.
 double sure_among(std::size_t rows) { return std::sqrt(2.0 * std::log(static_cast<double>(rows) / kFalseAlarms)); }
 
-bool exceeds_u(const OutOfPlane& moved, const Sample& sample) {
-  return std::abs(moved.apparent.x) > sample.u.x || std::abs(moved.apparent.y) > sample.u.y;
-}
-
-struct MovingTarget {
-  OutOfPlane largest;
-  long rows = 0;
-};
-
-std::string note_on(const std::string& name, const MovingTarget& target) {
-  const OutOfPlane& moved = target.largest;
+// The pose takes a part of the movement, so the height is a least value.
+std::string note_on(const std::string& name, const OutOfPlane& moved) {
+  const double least_mm = std::abs(moved.height_mm) - kSurely * moved.u_mm;
+  const double appears_mm = std::hypot(moved.apparent.x, moved.apparent.y) * least_mm / std::abs(moved.height_mm);
   return fmt::format(
-      "'{}' moves by up to {:.3g} mm (u {:.2g} mm) {} the camera, which appears as a displacement of ({:.3g}, {:.3g}) "
-      "mm: {} of its rows are untrusted. Remedy: record from straight in front of '{}'",
-      name, std::abs(moved.height_mm), std::hypot(moved.u_mm, kHidden * moved.height_mm),
-      moved.height_mm > 0.0 ? "towards" : "away from", moved.apparent.x, moved.apparent.y, target.rows, name);
+      "'{}' moves {} the camera by at least {:.2g} mm, which appears as a displacement of at least {:.2g} mm. None of "
+      "its rows is trusted. Remedy: record from straight in front of '{}', with the references far apart",
+      name, moved.height_mm > 0.0 ? "towards" : "away from", least_mm, appears_mm, name);
 }
 
 }  // namespace
@@ -69,30 +60,30 @@ Status precise_status(const Reference& reference, const Observation& seen, std::
   return quality_of(reference, seen.markers[i], i);
 }
 
-bool may_matter(const OutOfPlane& moved, const Sample& sample) { return moved.in_u > kMay && exceeds_u(moved, sample); }
+bool may_matter(const OutOfPlane& moved, const Sample& sample) {
+  return std::abs(moved.apparent.x) > sample.u.x || std::abs(moved.apparent.y) > sample.u.y;
+}
 
 bool is_out_of_plane(const OutOfPlane& moved, const Sample& sample) {
-  return moved.in_u > kSureAlone && exceeds_u(moved, sample);
+  return moved.in_u > kSureAlone && may_matter(moved, sample);
 }
 
 std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
                                                Samples& samples) {
-  std::map<std::size_t, MovingTarget> targets;
+  std::map<std::size_t, OutOfPlane> targets;  // largest movement
   const double sure = sure_among(samples.size());
   for (const RowOutOfPlane& row : rows) {
     if (!(row.moved.in_u > sure)) continue;
-    OutOfPlane& largest = targets[samples[row.sample].marker].largest;
+    OutOfPlane& largest = targets[samples[row.sample].marker];
     if (std::abs(row.moved.height_mm) > std::abs(largest.height_mm)) largest = row.moved;
   }
-  for (const RowOutOfPlane& row : rows) {
-    Sample& sample = samples[row.sample];
-    const auto target = targets.find(sample.marker);
-    if (target == targets.end()) continue;
-    if (sample.status == Status::kOk) sample.status = Status::kUntrusted;
-    target->second.rows += sample.status == Status::kUntrusted;
+  for (Sample& sample : samples) {
+    const bool is_reference = sample.u.x == 0.0 && sample.u.y == 0.0;  // zero by definition
+    if (targets.contains(sample.marker) && !is_reference && sample.status == Status::kOk)
+      sample.status = Status::kUntrusted;
   }
   std::vector<std::string> notes;
-  for (const auto& [marker, target] : targets) notes.push_back(note_on(site.markers[marker].name, target));
+  for (const auto& [marker, moved] : targets) notes.push_back(note_on(site.markers[marker].name, moved));
   return notes;
 }
 

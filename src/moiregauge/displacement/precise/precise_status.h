@@ -24,7 +24,7 @@ inline constexpr double kUntrustedChi2 = 25.0;
 // A run has one height for each target. So a movement towards the camera appears as a displacement wherever the line of
 // sight is oblique.
 
-// Returns true if the movement may change the displacement by more than its u.
+// Returns true if the heights may change the displacement by more than its u.
 [[nodiscard]] bool may_matter(const OutOfPlane& moved, const Sample& sample);
 // Returns true if it does so, and is significant in a single row.
 [[nodiscard]] bool is_out_of_plane(const OutOfPlane& moved, const Sample& sample);
@@ -35,8 +35,8 @@ struct RowOutOfPlane {
   OutOfPlane moved;
 };
 
-// Marks rows as untrusted. A target counts as moving if one of its rows is significant among all samples. Returns one
-// warning per such target.
+// Marks all rows of targets that move out of their plane as untrusted. One row must be significant among all samples. The
+// scene's one height is then wrong in all frames, and the pose hides an unknown part. Returns one warning per such target.
 [[nodiscard]] std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
                                                              Samples& samples);
 
