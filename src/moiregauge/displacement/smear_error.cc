@@ -23,11 +23,11 @@ constexpr double kLeast = 5e-5;     // pitches, least uncertainty that matters. 
 constexpr double kFaintest = 0.05;  // least amplitude that counts. Chosen.
 // Quantiles of the frames that count as the least and the most blur. Chosen.
 constexpr double kSharpest = 0.05, kSoftest = 0.95;
-// Least variance of a vibration within any exposure: 0.11 R (R / D)^1.2. R is the range of the variances, and D the variance
-// of the mean positions. It is within a tenth for 0.3 to 0.9 periods per exposure. At most 4 R, its value for 0.9.
+// Least variance of a vibration within any exposure: 0.11 R (R / D)^1.2. R is the range of the variances. D is the
+// variance of the mean positions. It is within a tenth for 0.3 to 0.9 periods per exposure. At most 4 R, its value for 0.9.
 constexpr double kConstant = 0.11, kPower = 1.2, kMostConstant = 4.0;
-// Largest variance within an exposure in that of the mean positions. A vibration of 0.9 periods per exposure shows a ninth
-// of its amplitude. One of a whole period shows nothing, and is symmetric.
+// Largest variance within an exposure in that of the mean positions. With 0.9 periods per exposure, a vibration shows
+// a ninth of its amplitude. With a whole period it shows nothing, and is symmetric.
 constexpr double kHidden = 100.0;
 constexpr std::size_t kLags = 8;
 constexpr double kTurned = 0.1;  // rad, up to which the print's axes are those of the board

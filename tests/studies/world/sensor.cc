@@ -1,67 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "studies/world/sensor.h"
 
+#include <png.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <stdexcept>
 
 namespace world {
-namespace {
-
-using Bytes = std::vector<unsigned char>;
-
-void append_number(Bytes& to, std::uint32_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8) to.push_back(static_cast<unsigned char>(value >> shift));
-}
-
-std::uint32_t crc32(const Bytes& bytes, std::size_t from) {
-  static const std::array<std::uint32_t, 256> table = [] {
-    std::array<std::uint32_t, 256> t{};
-    for (std::uint32_t n = 0; n < 256; ++n) {
-      std::uint32_t c = n;
-      for (int k = 0; k < 8; ++k) c = (c & 1U) != 0U ? 0xEDB88320U ^ (c >> 1U) : c >> 1U;
-      t[n] = c;
-    }
-    return t;
-  }();
-  std::uint32_t c = 0xFFFFFFFFU;
-  for (std::size_t i = from; i < bytes.size(); ++i) c = table[(c ^ bytes[i]) & 0xFFU] ^ (c >> 8U);
-  return ~c;
-}
-
-void append_chunk(Bytes& to, const char* type, const Bytes& content) {
-  append_number(to, static_cast<std::uint32_t>(content.size()));
-  const std::size_t begin = to.size();
-  to.insert(to.end(), type, type + 4);
-  to.insert(to.end(), content.begin(), content.end());
-  append_number(to, crc32(to, begin));
-}
-
-// Wraps bytes in stored blocks of deflate (RFC 1950 and 1951).
-Bytes stored_stream(const Bytes& raw) {
-  Bytes out = {0x78, 0x01};
-  std::uint32_t a = 1, b = 0;
-  for (std::size_t at = 0; at < raw.size();) {
-    const std::size_t count = std::min<std::size_t>(65535, raw.size() - at);
-    const auto size = static_cast<unsigned>(count), complement = size ^ 0xFFFFU;
-    out.push_back(at + count == raw.size() ? 1 : 0);
-    for (const unsigned value : {size, complement}) {
-      out.push_back(static_cast<unsigned char>(value & 0xFFU));
-      out.push_back(static_cast<unsigned char>(value >> 8U));
-    }
-    for (const std::size_t end = at + count; at < end; ++at) {
-      out.push_back(raw[at]);
-      a = (a + raw[at]) % 65521U;
-      b = (b + a) % 65521U;
-    }
-  }
-  append_number(out, (b << 16U) | a);
-  return out;
-}
-
-}  // namespace
 
 Sensor::Sensor(const DrawFile& draw) : random_(static_cast<std::uint64_t>(draw.number("seed"))) {
   tone_ = draw.words("sensor.tone").at(0);
@@ -112,22 +61,32 @@ std::vector<std::uint16_t> Sensor::levels(const Picture& light) {
 }
 
 void write_png(const std::string& path, const std::vector<std::uint16_t>& levels, int width, int bits) {
-  Bytes raw, header, file = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  const auto columns = static_cast<std::size_t>(width);
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (i % columns == 0) raw.push_back(0);
-    if (bits > 8) raw.push_back(static_cast<unsigned char>(levels[i] >> 8U));
-    raw.push_back(static_cast<unsigned char>(levels[i] & 0xFFU));
+  const int depth = bits > 8 ? 16 : 8;
+  const auto row_bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(depth / 8);
+  std::vector<png_byte> bytes;  // high byte first
+  for (const std::uint16_t level : levels) {
+    if (depth == 16) bytes.push_back(static_cast<png_byte>(level >> 8U));
+    bytes.push_back(static_cast<png_byte>(level & 0xFFU));
   }
-  append_number(header, static_cast<std::uint32_t>(width));
-  append_number(header, static_cast<std::uint32_t>(levels.size() / columns));
-  header.insert(header.end(), {static_cast<unsigned char>(bits > 8 ? 16 : 8), 0, 0, 0, 0});
-  append_chunk(file, "IHDR", header);
-  append_chunk(file, "IDAT", stored_stream(raw));
-  append_chunk(file, "IEND", {});
-  std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
-  if (!out) throw std::runtime_error("cannot write " + path);
+  std::vector<png_bytep> rows;
+  for (std::size_t at = 0; at < bytes.size(); at += row_bytes) rows.push_back(bytes.data() + at);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"), std::fclose);
+  // An exception must not pass through a C library.
+  const auto fail = [](png_structp, png_const_charp what) {
+    std::fprintf(stderr, "error: %s\n", what);
+    std::exit(1);
+  };
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, nullptr);
+  png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  if (!file || info == nullptr) throw std::runtime_error("cannot write " + path);
+  png_init_io(png, file.get());
+  png_set_compression_level(png, 1);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(rows.size()), depth,
+               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_rows(png, info, rows.data());
+  png_write_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr);
+  png_destroy_write_struct(&png, &info);
+  if (std::fflush(file.get()) != 0) throw std::runtime_error("cannot write " + path);
 }
 
 }  // namespace world

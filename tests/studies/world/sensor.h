@@ -28,7 +28,7 @@ class Sensor {
   int bits_;
 };
 
-// Writes a grey PNG without compression. Throws std::runtime_error if the file cannot be written.
+// Writes a grey PNG without tags of tone. Throws std::runtime_error or ends the program if the file cannot be written.
 void write_png(const std::string& path, const std::vector<std::uint16_t>& levels, int width, int bits);
 
 }  // namespace world

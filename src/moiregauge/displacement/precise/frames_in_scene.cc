@@ -120,10 +120,11 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
     }
   }
   auto notes = distrust_out_of_plane(site_, out_of_plane_rows, solution.samples);
-  // Such a target bends the camera's pose, and the references then seem to move.
-  if (!notes.empty() && solved_.doubtful)
+  // Such a target bends the camera's pose, and the references may then seem to move.
+  if (!notes.empty())
     solution.remedy =
-        "record from straight in front of the targets: one moves out of its plane, which looks like a moving reference";
+        "record from straight in front of the targets, with the references far apart, because a target "
+        "moves out of its plane";
   std::ranges::move(notes, std::back_inserter(solution.notes));
 }
 

@@ -176,9 +176,9 @@ std::string tone_hint(const Reference& reference, double found_px) {
   }
   if (count < kCirclesForTone || std::abs(found_px) > kLargestByTone_px) return "";
   return fmt::format(
-      ". All circles look about {:.1f} px too {}. If the grey levels are not proportional to light, state their tone "
-      "curve, for example --tone srgb",
-      std::abs(found_px), found_px < 0.0 ? "small" : "large");
+      ". All circles look too {} by about the same number of pixels. If the grey levels are not proportional to light, "
+      "state their tone curve, for example --tone srgb",
+      found_px < 0.0 ? "small" : "large");
 }
 
 std::optional<std::string> diameter_disagreement(const Reference& reference, std::size_t i) {
