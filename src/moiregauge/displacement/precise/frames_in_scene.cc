@@ -44,15 +44,19 @@ void fill(Sample& sample, const Marker& marker, const FramesInScene::SolvedFrame
   withhold_unshown_axes(sample);
 }
 
-// Adds the uncertainty of the target's own motion, within its exposure or until the frame time. `u`: by place.
-void widen_by_motion(Sample& sample, const std::vector<std::vector<Extent<frame::Board>>>& u, std::size_t place) {
-  if (u.empty()) return;
-  const auto now = u[place][sample.marker], then = u.front()[sample.marker];
-  sample.budget.shutter = hypot3(sample.budget.shutter, now, then);
+void add_to_part(Extent<frame::Board> Budget::*part, Extent<frame::Board> u, Sample& sample) {
+  sample.budget.*part = hypot3(sample.budget.*part, u, {});
   const auto all = total(sample.budget);
   for (const auto axis : {&BoardExtent::x, &BoardExtent::y}) {
     if (!std::isnan(sample.u.*axis)) sample.u.*axis = all.*axis;
   }
+}
+
+// Adds the uncertainty of the target's own motion, within its exposure or until the frame time. `u`: by place.
+void widen_by_motion(Sample& sample, const std::vector<std::vector<Extent<frame::Board>>>& u, std::size_t place) {
+  if (u.empty()) return;
+  const auto now = u[place][sample.marker], then = u.front()[sample.marker];
+  add_to_part(&Budget::shutter, hypot3(now, then, {}), sample);
 }
 
 }  // namespace
@@ -68,6 +72,14 @@ FramesInScene::FramesInScene(const Reference& reference, const PreciseScene& sce
               scene.shutter ? scene.shutter->u_readout_s : 0.0),
       heights_then_(shown_heights(site_, scene_, solved_.frames.front(), budget_.then())) {}
 
+// Returns the uncertainty by the centres of the targets' rotations, mm. Empty: no target rotates.
+std::vector<double> FramesInScene::u_by_centre(const BundleFrame& read) const {
+  std::vector<double> out;
+  for (std::size_t i = 0; solved_.rotations && i < site_.markers.size(); ++i)
+    out.push_back(solved_.rotations->u_by_centre(i, read, solved_.calibration.bundle.frames.front()));
+  return out;
+}
+
 std::optional<OutOfPlane> FramesInScene::movement_out_of_plane(std::size_t marker, const SolvedFrame& frame) const {
   if (frame.heights.empty() || !frame.heights[marker] || !heights_then_[marker]) return std::nullopt;
   return out_of_plane(*frame.heights[marker], *heights_then_[marker]);
@@ -82,6 +94,8 @@ Sample FramesInScene::sample_of(const Observation& seen, std::size_t marker, con
   if (unproven && has_numbers(sample.status)) sample.status = Status::kOrderUnproven;
   if (has_numbers(sample.status))
     fill(sample, site_.markers[marker], frame, budget_.then(), scene_.markers[marker].value[MarkerShape::kRotation]);
+  if (!frame.u_by_centre.empty() && has_numbers(sample.status))
+    add_to_part(&Budget::geometry, {frame.u_by_centre[marker], frame.u_by_centre[marker]}, sample);
   return sample;
 }
 
@@ -97,8 +111,10 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
     solved.budget.reset();
     solved.now = {};
     solved.heights.clear();
+    solved.u_by_centre.clear();
     if (place[n] > 0) {
       const BundleFrame read = solved_.frames[place[n]], frame = placed(read);
+      solved.u_by_centre = u_by_centre(read);
       solved.now = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
       solved.heights = shown_heights(site_, scene_, read, solved.now);
       if (by_noise_) solved.by_noise.now = fit_by_noise(place[n], frame);
@@ -128,12 +144,27 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   std::ranges::move(notes, std::back_inserter(solution.notes));
 }
 
+// Returns the rotations of all targets. `frame`, `fit`: at this place, without the rotations that were removed. That fit
+// leaves them open, so the covariance of noise is used again.
+FrameRotations FramesInScene::rotations_in(std::size_t place, BundleFrame frame, const FrameFit& fit) const {
+  if (!solved_.rotations) return fit_rotations(site_, scene_, frame, fit);
+  const BundleFrame by_noise = weighed(solved_.with_rotations[place]);
+  for (std::size_t i = 0; i < frame.points.size(); ++i) {
+    if (frame.points[i]) frame.points[i]->information = by_noise.points[i]->information;
+  }
+  FrameRotations out = fit_rotations(site_, scene_, frame, fit_frame(site_, scene_, frame));
+  for (std::size_t i = 0; i < frame.removed_rad.size(); ++i) {
+    if (out.row[i] >= 0) out.angle_rad(out.row[i]) += frame.removed_rad[i].z();
+  }
+  return out;
+}
+
 // The fit of the reference frame is that of the budget, so its rotation uses the same noise.
 FittedFrame FramesInScene::reference_fit() const {
   const PrintError share{.noise_share = solved_.print_error.noise_share};
   const BundleFrame frame =
       with_print_error(site_, std::span(&solved_.calibration.bundle.frames.front(), 1), share).front();
-  FittedFrame out{budget_.then(), {}, fit_rotations(site_, scene_, frame, budget_.then()), {}};
+  FittedFrame out{budget_.then(), {}, rotations_in(0, frame, budget_.then()), {}};
   out.u_motion = u_motion(0);
   return out;
 }
@@ -142,9 +173,13 @@ FittedFrame FramesInScene::fit_of(std::size_t place) const {
   FittedFrame out;
   const BundleFrame frame = placed(solved_.frames[place]);
   out.fit = fit_frame(site_, scene_, frame);
-  out.rotations = fit_rotations(site_, scene_, frame, out.fit);
+  out.rotations = rotations_in(place, frame, out.fit);
   if (by_noise_) out.by_noise = fit_by_noise(place, frame);
   out.u_motion = u_motion(place);
+  const auto by_centre = u_by_centre(frame);
+  if (!by_centre.empty()) out.u_motion.resize(by_centre.size());
+  for (std::size_t i = 0; i < by_centre.size(); ++i)
+    out.u_motion[i] = {std::hypot(out.u_motion[i].x, by_centre[i]), std::hypot(out.u_motion[i].y, by_centre[i])};
   return out;
 }
 
@@ -180,6 +215,7 @@ Samples FramesInScene::measure_one(const Observation& seen, const std::optional<
   if (read) {
     solved.now = fit_frame(site_, scene_, placed(*read), FrameDetail::kSamples);
     solved.heights = shown_heights(site_, scene_, *read, solved.now);
+    solved.u_by_centre = u_by_centre(*read);
   }
   if (solved.now.ok && budget_.then().ok) solved.budget.emplace(budget_.of_frame(solved.now));
   Samples samples;

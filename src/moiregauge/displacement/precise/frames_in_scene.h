@@ -25,6 +25,7 @@ class FramesInScene {
     FitsByNoise by_noise;
     std::optional<FrameBudget> budget;
     std::vector<std::optional<ShownHeight>> heights;  // per site marker
+    std::vector<double> u_by_centre;                  // per site marker, mm; empty: no target rotates
   };
 
   // `reference` and `scene` must outlive this object. `by_noise`: for compressed footage, its frames without the codec's
@@ -48,9 +49,11 @@ class FramesInScene {
   [[nodiscard]] BundleFrame weighed(const BundleFrame& frame) const;
   [[nodiscard]] BundleFrame placed(const BundleFrame& seen) const;
   [[nodiscard]] FrameFit fit_by_noise(std::size_t place, const BundleFrame& from) const;
+  [[nodiscard]] FrameRotations rotations_in(std::size_t place, BundleFrame frame, const FrameFit& fit) const;
   [[nodiscard]] FittedFrame reference_fit() const;
   [[nodiscard]] FittedFrame fit_of(std::size_t place) const;
   [[nodiscard]] std::vector<Extent<frame::Board>> u_motion(std::size_t place) const;
+  [[nodiscard]] std::vector<double> u_by_centre(const BundleFrame& read) const;
   [[nodiscard]] Sample sample_of(const Observation& seen, std::size_t marker, const SolvedFrame& frame,
                                  bool is_far) const;
   [[nodiscard]] Sample judged(Sample sample) const;

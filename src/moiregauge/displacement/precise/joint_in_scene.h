@@ -14,7 +14,7 @@ struct FittedFrame {
   FrameFit fit;
   FrameFit by_noise;
   FrameRotations rotations;
-  std::vector<Extent<frame::Board>> u_motion;  // rolling shutter: u of a target's motion, one per site marker, mm
+  std::vector<Extent<frame::Board>> u_motion;  // u by a target's motion and rotation, one per site marker, mm
 };
 
 class JointInScene {

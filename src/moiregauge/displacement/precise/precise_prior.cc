@@ -6,6 +6,7 @@
 
 #include "moiregauge/calibration/rolling_shutter/row_motion.h"
 #include "moiregauge/displacement/sample_parts.h"
+#include "moiregauge/observation/print/print_origin.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -45,6 +46,24 @@ void widen_places(const Reference& reference, ScenePrior& prior) {
   }
 }
 
+// Largest part of a grating's half size that its window may lack, pitches. The window ends before the edge of the grating,
+// by up to three sigma of blur. A covered grating lacks more. Chosen.
+constexpr double kWholeWithin = 0.5;
+
+bool is_whole(double half, double size_mm, double pitch_mm) { return half > 0.5 * size_mm / pitch_mm - kWholeWithin; }
+
+RotationCentre rotation_centre(const Grating& grating, Extent<frame::Board> shift, const PrintModel& model,
+                               double u_mm) {
+  const PatchWindow& window = model.window;
+  const PrintPoint middle{window.centre.x, window.centre.y};
+  const auto own = nearest_symmetry(with_origin(model.print, middle), model.options.along_x, model.options.along_y);
+  if (own && is_whole(window.half_x, grating.width_mm, grating.pitch_mm) &&
+      is_whole(window.half_y, grating.height_mm, grating.pitch_mm))
+    return {{middle.x + own->at.x, middle.y + own->at.y}, own->u * grating.pitch_mm};
+  const double c = std::cos(grating.angle_rad) / grating.pitch_mm, s = std::sin(grating.angle_rad) / grating.pitch_mm;
+  return {{-c * shift.x - s * shift.y, s * shift.x - c * shift.y}, std::hypot(u_mm, length(shift))};
+}
+
 }  // namespace
 
 ScenePrior precise_prior(const Reference& reference, const SolveOptions& options) {
@@ -62,6 +81,16 @@ ScenePrior precise_prior(const Reference& reference, const SolveOptions& options
     if (is_target(reference, i)) u[MarkerShape::kX] = u[MarkerShape::kY] = kRestPlace;
   }
   return prior;
+}
+
+std::vector<RotationCentre> rotation_centres(const Reference& reference, const FrameFit& then) {
+  const Site& site = reference.site;
+  std::vector<RotationCentre> out(site.markers.size());
+  for (std::size_t i = 0; i < out.size() && i < reference.prints.size(); ++i) {
+    if (!then.ok || then.shift_row[i] < 0 || !reference.prints[i]) continue;
+    out[i] = rotation_centre(*site.markers[i].grating, then.shift[i], *reference.prints[i], site.known_to.position_mm);
+  }
+  return out;
 }
 
 }  // namespace moiregauge::internal

@@ -8,9 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "moiregauge/calibration/scene/frame_pose.h"
 #include "moiregauge/displacement/bundle_frames.h"
 #include "moiregauge/displacement/precise/camera_claim.h"
 #include "moiregauge/displacement/precise/height_claim.h"
+#include "moiregauge/displacement/precise/precise_prior.h"
 #include "moiregauge/displacement/precise/reference_fault.h"
 #include "moiregauge/observation/frame/slipped_circle.h"
 #include "moiregauge/observation/print/overshoot.h"
@@ -53,6 +55,7 @@ class SceneSolver {
 
   PreciseScene solved(bool lossy) {
     solve();
+    if (is_solved()) remove_rotations();
     if (is_solved() && !judged_) leave_out_what_moves();
     if (is_solved() && out_.excluded) test_the_rest(*out_.excluded);
     const ShutterTest& shutter = out_.calibration.shutter;
@@ -100,6 +103,25 @@ class SceneSolver {
     out_.frames = shutter.frames;
     out_.calibration = std::move(shutter.calibration);
     out_.shutter = std::move(shutter);
+  }
+
+  // Solves again without the rotations of targets, if any target rotates.
+  void remove_rotations() {
+    const Scene& scene = out_.calibration.bundle.scene;
+    auto frames = key_frames_of(out_.frames);
+    // The pose from the prior's camera is too far from the solved camera's for the few steps of a fit.
+    for (BundleFrame& frame : frames) frame.pose = pose_of(site_, scene, frame).value_or(frame.pose);
+    RotationPrior prior = find_rotations(site_, scene, frames);
+    if (prior.empty()) return;
+    PreciseScene again;
+    again.with_rotations = read_;
+    again.rotations = std::make_shared<const RotationRemoval>(
+        site_, scene, std::move(prior), rotation_centres(reference_, fit_frame(site_, scene, frames.front())));
+    again.frames = read_ = without_rotations(read_, again.rotations);
+    out_ = std::move(again);
+    judged_ = false;
+    at_once_.reset();
+    solve();
   }
 
   // Returns true if a slipped reference explains the suggested rolling shutter: without it none is suggested. This test
@@ -256,7 +278,7 @@ class SceneSolver {
 
   const Reference& reference_;
   const Site& site_;
-  const FrameSeries& read_;
+  FrameSeries read_;
   const ScenePrior& prior_;
   const SolveOptions& options_;
   bool judged_ = false;                      // the references have been tested against each other

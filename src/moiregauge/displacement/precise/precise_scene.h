@@ -3,12 +3,14 @@
 // and print errors.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "moiregauge/calibration/model/print_error.h"
 #include "moiregauge/calibration/model/rolling_shutter.h"
+#include "moiregauge/calibration/model/target_rotation.h"
 #include "moiregauge/displacement/method.h"
 #include "moiregauge/displacement/precise/apparent_size.h"
 #include "moiregauge/displacement/smear_error.h"
@@ -25,7 +27,10 @@ struct PreciseScene {
   // Rolling shutter that no camera path explains: no row of any method is trusted.
   bool rolls = false;
 
-  FrameSeries frames;                   // frames without a moving reference, corrected to frame time
+  // Frames without a moving reference and without the rotations of targets, corrected to frame time.
+  FrameSeries frames;
+  std::shared_ptr<const RotationRemoval> rotations;  // of targets that rotate; null if none does
+  FrameSeries with_rotations;                        // frames as read, if targets rotate
   std::optional<std::size_t> excluded;  // a reference that moves, not used in `frames`
   std::optional<Shutter> shutter;       // solved rolling shutter
   SmearError smear;                     // uneven movement within the exposures of `frames`

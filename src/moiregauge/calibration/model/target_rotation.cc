@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "moiregauge/calibration/model/target_rotation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "moiregauge/calibration/scene/frame_fit.h"
+#include "moiregauge/calibration/scene/frame_pose.h"
+#include "moiregauge/calibration/scene/patch_residual.h"
+
+namespace moiregauge::internal {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kPasses = 3;       // largest number of Gauss-Newton steps; chosen
+constexpr double kSmall = 1e-6;  // rad, step that ends them: 0.1 um at the edge of a print of 200 mm
+constexpr double kStep = 1e-4;   // rad, central difference. Its relative error is the square of it
+constexpr double kWide = 1.0;    // rad, prior of an unknown rotation
+// The prior is this many times the rms rotation, so that it does not draw the estimates towards zero. Chosen.
+constexpr double kTimesRms = 3.0;
+// Largest u of a rotation that is removed without being proven, rad. Its square shortens the print by 5e-6. Chosen.
+constexpr double kHarmless = 3e-3;
+
+constexpr int kUnknowns = 5;  // displacement along x and y, rotation about three axes
+constexpr int kRotationAt = 2;
+using RotationColumns = Eigen::Matrix<double, PatchResidual::kSize, 3>;
+using Columns = Eigen::Matrix<double, PatchResidual::kSize, kUnknowns>;
+using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+
+// Camera and place of one target in one frame.
+class TargetView {
+ public:
+  // `about`: the point of the grating that does not move, pitches.
+  TargetView(const Site& site, const Scene& scene, const FrameFit& fit, std::size_t marker, PrintPoint about = {})
+      : marker_(marker),
+        site_marker_(site.markers[marker]),
+        camera_(numbers_of(scene)),
+        turned_(fit.pose),
+        pose_{fit.pose.turn[0],  fit.pose.turn[1],  fit.pose.turn[2],
+              fit.pose.shift[0], fit.pose.shift[1], fit.pose.shift[2]},
+        shape_(scene.markers[marker]),
+        shift_(fit.shift[marker]) {
+    const Grating& grating = *site_marker_.grating;
+    const double angle = grating.angle_rad + shape_.value[MarkerShape::kRotation];
+    const double c = grating.pitch_mm * std::cos(angle), s = grating.pitch_mm * std::sin(angle);
+    centre_ = {grating.centre.x + shape_.value[MarkerShape::kX] + shift_.x + c * about.x - s * about.y,
+               grating.centre.y + shape_.value[MarkerShape::kY] + shift_.y + s * about.x + c * about.y,
+               shape_.value[MarkerShape::kHeight]};
+  }
+
+  // Returns the movement in the image by which a rotation moves point n, px.
+  [[nodiscard]] Vector2d moved_by(const PatchResidual& patch, std::size_t n, const Rotation3& rotation) const {
+    const auto at = patch.board(camera_[kStretchParameter], shape_, shift_, n);
+    const Vector3d from_centre = Vector3d(at.data()) - centre_;
+    const auto turned = turned_by(rotation.data(), std::array{from_centre.x(), from_centre.y(), from_centre.z()});
+    const auto there = projected(camera_.data(), pose_.data(),
+                                 {centre_.x() + turned[0], centre_.y() + turned[1], centre_.z() + turned[2]});
+    const auto here = projected(camera_.data(), pose_.data(), at);
+    return {there[0] - here[0], there[1] - here[1]};
+  }
+
+  // Returns the derivatives of the residuals by the rotation, pitches/rad.
+  [[nodiscard]] RotationColumns columns(const PatchResidual& patch) const {
+    RotationColumns out;
+    for (std::size_t n = 0; n < kPatchPoints; ++n) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const Rotation3 step = kStep * Rotation3::Unit(axis);
+        const Vector2d off =
+            patch.pitches_per_px(n) * (moved_by(patch, n, step) - moved_by(patch, n, -step)) / (2.0 * kStep);
+        out(static_cast<Eigen::Index>(n), axis) = off.x();
+        out(static_cast<Eigen::Index>(n + kPatchPoints), axis) = off.y();
+      }
+    }
+    return out;
+  }
+
+  [[nodiscard]] std::size_t marker() const { return marker_; }
+  [[nodiscard]] PatchResidual patch(const BundleFrame& frame) const { return {*frame.points[marker_], site_marker_}; }
+  [[nodiscard]] PatchResidual::Design design(const PatchResidual& patch) const {
+    return patch.design(camera_, shape_, turned_, shift_);
+  }
+
+ private:
+  std::size_t marker_;
+  const Marker& site_marker_;
+  CommonNumbers camera_;
+  TurnedPose turned_;
+  std::array<double, 6> pose_;
+  MarkerShape shape_;
+  Extent<frame::Board> shift_;
+  Vector3d centre_;
+};
+
+// Rotation that one target shows beyond the one that was removed.
+struct ShownRotation {
+  Rotation3 rad, variance;
+  double chi2 = 0.0;  // that remains
+  int dof = 0;
+};
+
+// Rotation that was removed from a frame, and the standard uncertainty of the whole rotation.
+struct KnownRotation {
+  Rotation3 removed_rad = Rotation3::Zero(), u_rad = Rotation3::Constant(kWide);
+};
+
+ShownRotation shown_rotation(const TargetView& view, const BundleFrame& frame, const FrameFit& fit,
+                             const KnownRotation& known = {}) {
+  const PatchResidual patch = view.patch(frame);
+  const auto design = view.design(patch);
+  PatchResidual::Vector residual = design.col(PatchColumn::kResidual);
+  if (frame.rows)
+    residual += patch.root() * (frame.rows->by_marker[view.marker()].leftCols<kMotionParameters>() * fit.motion);
+  Columns columns;
+  columns << design.middleCols<2>(PatchColumn::kShape),
+      patch.root() * view.columns(patch);
+  Normal normal = columns.transpose() * columns;
+  Unknowns right = columns.transpose() * residual;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double information = 1.0 / std::max(known.u_rad(axis) * known.u_rad(axis), kSmall * kSmall);
+    normal(kRotationAt + axis, kRotationAt + axis) += information;
+    right(kRotationAt + axis) += information * known.removed_rad(axis);
+  }
+  const Eigen::LDLT<Normal> root(normal);
+  const Unknowns step = -root.solve(right);
+  const Normal covariance = root.solve(Normal::Identity());
+  return {.rad = step.tail<3>(),
+          .variance = covariance.diagonal().tail<3>(),
+          .chi2 = (residual + columns * step).squaredNorm(),
+          .dof = std::max(1, patch.rank() - kUnknowns)};
+}
+
+// Rotations of one target over the frames.
+struct RotationSeries {
+  std::vector<Rotation3> rad, variance;
+  double chi2 = 0.0;
+  int dof = 0;
+
+  void add(const ShownRotation& shown) {
+    rad.push_back(shown.rad);
+    variance.push_back(shown.variance);
+    chi2 += shown.chi2;
+    dof += shown.dof;
+  }
+  [[nodiscard]] double unit() const { return dof > 0 ? std::max(1.0, chi2 / dof) : 1.0; }
+  // Returns the mean square about `about`, in units of that of noise.
+  [[nodiscard]] Rotation3 in_noise(const Rotation3& about) const {
+    Rotation3 sum = Rotation3::Zero();
+    for (std::size_t k = 0; k < rad.size(); ++k)
+      sum += (rad[k] - about).cwiseAbs2().cwiseQuotient(unit() * variance[k]);
+    return sum / static_cast<double>(rad.size());
+  }
+  [[nodiscard]] Rotation3 mean() const {
+    Rotation3 sum = Rotation3::Zero();
+    for (const Rotation3& one : rad) sum += one;
+    return sum / static_cast<double>(rad.size());
+  }
+};
+
+// Returns the prior of a target that rotates, and zero for one that does not.
+Rotation3 prior_of(const RotationSeries& series) {
+  if (series.rad.size() < 3 || !(series.in_noise(series.mean()).maxCoeff() > kRotates)) return Rotation3::Zero();
+  const Rotation3 proven = series.in_noise(Rotation3::Zero());
+  Rotation3 square = Rotation3::Zero(), noise = Rotation3::Zero();
+  for (std::size_t k = 0; k < series.rad.size(); ++k) {
+    square += series.rad[k].cwiseAbs2() / static_cast<double>(series.rad.size());
+    noise += series.unit() * series.variance[k] / static_cast<double>(series.rad.size());
+  }
+  Rotation3 out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool is_removed = proven(axis) > kRotates || noise(axis) < kHarmless * kHarmless;
+    out(axis) = is_removed ? kTimesRms * std::sqrt(std::max(square(axis) - noise(axis), noise(axis))) : 0.0;
+  }
+  return out;
+}
+
+// Adds the prior's rotations to the covariance of the points.
+void add_prior(const RotationColumns& columns, const Rotation3& prior, PatchInformation& information) {
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (prior(axis) > 0.0) free.push_back(axis);
+  }
+  const auto size = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd used(PatchResidual::kSize, size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const Eigen::Index axis = free[static_cast<std::size_t>(k)];
+    used.col(k) = prior(axis) * columns.col(axis);
+  }
+  // Woodbury's formula
+  const Eigen::MatrixXd across = information * used;
+  const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(size, size) + used.transpose() * across;
+  const PatchInformation out = information - across * inner.ldlt().solve(across.transpose());
+  information = 0.5 * (out + out.transpose());
+}
+
+}  // namespace
+
+RotationPrior find_rotations(const Site& site, const Scene& scene, std::span<const BundleFrame> frames) {
+  std::vector<RotationSeries> series(site.markers.size());
+  for (const BundleFrame& frame : frames) {
+    const FrameFit fit = fit_frame(site, scene, frame, FrameDetail::kSamples);
+    for (std::size_t i = 0; fit.ok && i < series.size(); ++i) {
+      if (fit.shift_row[i] < 0) continue;
+      series[i].add(shown_rotation(TargetView(site, scene, fit, i), frame, fit));
+    }
+  }
+  RotationPrior prior;
+  for (const RotationSeries& one : series) prior.push_back(prior_of(one));
+  const bool any = std::ranges::any_of(prior, [](const Rotation3& u) { return u.maxCoeff() > 0.0; });
+  return any ? prior : RotationPrior{};
+}
+
+double RotationRemoval::remove(std::size_t marker, const BundleFrame& read, const FrameFit& fit,
+                               BundleFrame& frame) const {
+  const PatchFit& as_read = *read.points[marker];
+  PatchFit& points = *frame.points[marker];
+  points.information = as_read.information;
+  Rotation3& rotation = frame.removed_rad[marker];
+  const TargetView view(site_, scene_, fit, marker, centres_[marker].at);
+  const Rotation3 step = shown_rotation(view, frame, fit, {rotation, prior_[marker]}).rad;
+  rotation += step;
+  const PatchResidual patch(as_read, site_.markers[marker]);
+  for (std::size_t n = 0; n < kPatchPoints; ++n) {
+    const Vector2d moved = view.moved_by(patch, n, rotation);
+    points.image[n] = {as_read.image[n].x - moved.x(), as_read.image[n].y - moved.y()};
+  }
+  add_prior(view.columns(PatchResidual(points, site_.markers[marker])), prior_[marker], points.information);
+  return step.cwiseAbs().maxCoeff();
+}
+
+BundleFrame RotationRemoval::unrotated(const BundleFrame& read) const {
+  BundleFrame out = read;
+  out.removed_rad.assign(site_.markers.size(), Rotation3::Zero());
+  for (int pass = 0; pass < kPasses; ++pass) {
+    BundleFrame frame = out;
+    frame.at_rest = false;
+    frame.pose = pose_of(site_, scene_, frame).value_or(frame.pose);
+    const FrameFit fit = fit_frame(site_, scene_, frame, FrameDetail::kSamples);
+    if (!fit.ok) return read;
+    double most = 0.0;
+    for (std::size_t i = 0; i < site_.markers.size(); ++i) {
+      if (fit.shift_row[i] >= 0 && prior_[i].maxCoeff() > 0.0) most = std::max(most, remove(i, read, fit, out));
+    }
+    if (most < kSmall) break;
+  }
+  return out;
+}
+
+double RotationRemoval::u_by_centre(std::size_t marker, const BundleFrame& now, const BundleFrame& then) const {
+  if (now.removed_rad.empty() || then.removed_rad.empty()) return 0.0;
+  return centres_[marker].u_mm * std::abs(now.removed_rad[marker].z() - then.removed_rad[marker].z());
+}
+
+FrameSeries without_rotations(const FrameSeries& frames, std::shared_ptr<const RotationRemoval> removal) {
+  if (!removal) return frames;
+  return frames.with([frames, removal = std::move(removal)](std::size_t k) { return removal->unrotated(frames[k]); });
+}
+
+}  // namespace moiregauge::internal
