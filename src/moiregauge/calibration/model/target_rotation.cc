@@ -29,8 +29,10 @@ constexpr double kTimesRms = 3.0;
 // Largest u of a rotation that is removed without being proven, rad. Its square shortens the print by 5e-6. Chosen.
 constexpr double kHarmless = 3e-3;
 
-constexpr int kUnknowns = 5;  // displacement along x and y, rotation about three axes
-constexpr int kRotationAt = 2;
+// Displacement along x and y, height, and rotation about three axes. A movement towards the camera would otherwise look
+// like a tilt, because a target that is seen from the side becomes longer by both.
+constexpr int kUnknowns = 6;
+constexpr int kRotationAt = 3;
 using RotationColumns = Eigen::Matrix<double, PatchResidual::kSize, 3>;
 using Columns = Eigen::Matrix<double, PatchResidual::kSize, kUnknowns>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -120,7 +122,7 @@ ShownRotation shown_rotation(const TargetView& view, const BundleFrame& frame, c
   if (frame.rows)
     residual += patch.root() * (frame.rows->by_marker[view.marker()].leftCols<kMotionParameters>() * fit.motion);
   Columns columns;
-  columns << design.middleCols<2>(PatchColumn::kShape),
+  columns << design.middleCols<2>(PatchColumn::kShape), design.col(PatchColumn::kShape + MarkerShape::kHeight),
       patch.root() * view.columns(patch);
   Normal normal = columns.transpose() * columns;
   Unknowns right = columns.transpose() * residual;

@@ -25,21 +25,32 @@ using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 
 double distance_of(const Pose& camera) { return camera.shift[2]; }
 
-// Returns the difference of two views: rotation in rad and movement relative to the distance.
-double difference_of(const Pose& a, const Pose& b) {
+// Returns the difference of two views: rotations in rad and movement relative to the distance.
+double difference_of(const ShownHeight& a, const ShownHeight& b) {
   double turned = 0.0, moved = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
-    turned += (a.turn[k] - b.turn[k]) * (a.turn[k] - b.turn[k]);
-    moved += (a.shift[k] - b.shift[k]) * (a.shift[k] - b.shift[k]);
+    turned += std::pow(a.camera.turn[k] - b.camera.turn[k], 2);
+    moved += std::pow(a.camera.shift[k] - b.camera.shift[k], 2);
   }
-  return std::sqrt(turned) + std::sqrt(moved) / distance_of(a);
+  return std::sqrt(turned) + (a.rotation_rad - b.rotation_rad).norm() + std::sqrt(moved) / distance_of(a.camera);
 }
 
-std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, const Pose& camera) {
+// Returns the standard uncertainty of a grating's size between two views beyond noise, relative.
+double u_of_size(const ShownHeight& a, const ShownHeight& b) {
+  return kSteadySize + kSizeByView * std::min(kOtherView, difference_of(a, b));
+}
+
+// `rotation_rad`: that was removed from a target that rotates, otherwise zero. A tilt stretches it, too, so its stretch is
+// not fitted. The covariance of its points has the tilt.
+std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, const Pose& camera,
+                                        const Eigen::Vector3d& rotation_rad) {
+  const bool rotates = !rotation_rad.isZero(0.0);
   Columns columns;
   columns << design.middleCols<3>(PatchColumn::kShape), design.col(PatchColumn::kShape + MarkerShape::kHeight),
       design.col(kStretchParameter);
-  const Normal normal = columns.transpose() * columns;
+  if (rotates) columns.col(kStretchAt).setZero();
+  Normal normal = columns.transpose() * columns;
+  if (rotates) normal(kStretchAt, kStretchAt) = 1.0;
   const Eigen::LLT<Normal> root(normal);
   if (root.info() != Eigen::Success) return std::nullopt;
   const Unknowns step = -root.solve(columns.transpose() * design.col(PatchColumn::kResidual));
@@ -49,8 +60,9 @@ std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, con
   ShownHeight out{.height_mm = step(kHeightAt),
                   .stretch = step(kStretchAt),
                   .u_height_mm = std::sqrt(covariance(kHeightAt, kHeightAt)),
-                  .u_stretch = std::sqrt(covariance(kStretchAt, kStretchAt)),
+                  .u_stretch = rotates ? 0.0 : std::sqrt(covariance(kStretchAt, kStretchAt)),
                   .camera = camera,
+                  .rotation_rad = rotation_rad,
                   .per_mm = {taken.x(), taken.y()}};
   const bool is_shown = out.u_height_mm < kShownSize * distance_of(camera) && out.u_stretch < kShownSize;
   return is_shown ? std::optional(out) : std::nullopt;
@@ -72,7 +84,7 @@ std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Sc
       const RowDesign::Columns rows = patch.root() * frame.rows->by_marker[i];
       design.col(PatchColumn::kResidual) += rows.leftCols<kMotionParameters>() * fit.motion;
     }
-    out[i] = shown_height(design, fit.pose);
+    out[i] = shown_height(design, fit.pose, frame.removed_rad.empty() ? Eigen::Vector3d::Zero() : frame.removed_rad[i]);
   }
   return out;
 }
@@ -80,7 +92,7 @@ std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Sc
 OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then) {
   const double height_mm = now.height_mm - then.height_mm;
   const double distance_mm = distance_of(now.camera);
-  const double u_size = kSteadySize + kSizeByView * std::min(kOtherView, difference_of(now.camera, then.camera));
+  const double u_size = u_of_size(now, then);
   const double u_mm = std::hypot(now.u_height_mm, then.u_height_mm, u_size * distance_mm);
   // One axis may be stretched, by half of it more than the mean. The height that the other one shows counts.
   const double to_mm = 0.5 * distance_mm;
@@ -91,6 +103,30 @@ OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then) {
           std::min(std::abs(height_mm) / u_mm, both_mm / u_both_mm),
           {now.height_mm * now.per_mm.x - then.height_mm * then.per_mm.x,
            now.height_mm * now.per_mm.y - then.height_mm * then.per_mm.y}};
+}
+
+void HeightScatter::add(const ShownHeight& shown) {
+  if (!first_) first_ = shown;
+  const double to_mm = 0.5 * distance_of(shown.camera);
+  const double u_mm =
+      std::hypot(shown.u_height_mm, to_mm * shown.u_stretch, distance_of(shown.camera) * u_of_size(shown, *first_));
+  const double weight = 1.0 / (u_mm * u_mm);
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    const double side = axis == 0 ? to_mm : -to_mm;
+    const double height_mm = shown.height_mm - first_->height_mm + side * (shown.stretch - first_->stretch);
+    Sums& sums = axes_[axis];
+    sums.weight += weight, sums.first += weight * height_mm, sums.second += weight * height_mm * height_mm;
+  }
+  ++frames_;
+}
+
+double HeightScatter::mean_square() const {
+  constexpr long kMinFrames = 10;  // chosen
+  if (frames_ < kMinFrames) return 0.0;
+  const auto of = [this](const Sums& sums) {
+    return (sums.second - sums.first * sums.first / sums.weight) / static_cast<double>(frames_ - 1);
+  };
+  return std::min(of(axes_[0]), of(axes_[1]));
 }
 
 }  // namespace moiregauge::internal

@@ -3,6 +3,7 @@
 // displacement wherever the line of sight is oblique.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -16,10 +17,12 @@ struct ShownHeight {
   double stretch = 0.0;    // relative: longer along the print's x than along its y. A rolling shutter does that.
   double u_height_mm = 0.0, u_stretch = 0.0;  // by the stated noise
   Pose camera;
-  Extent<frame::Board> per_mm;  // apparent displacement per mm of height
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  // of the target itself, if it rotates
+  Extent<frame::Board> per_mm;                             // apparent displacement per mm of height
 };
 
 // Fits height, stretch and rotation of every target, with its shift and the pose of `fit`.
+// The stretch of a target that rotates is not fitted, because a tilt stretches it, too.
 // `frame`, `fit`: a frame and its fit in this scene. The points should have the u of noise alone.
 // Fails (nothing): the target was not read, or its grating does not show its size along both axes.
 // Error: u is without that of the pose. The pose is fitted as if the target were unmoved. That hides a part of
@@ -36,5 +39,22 @@ struct OutOfPlane {
 };
 
 [[nodiscard]] OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then);
+
+// Scatter of a target's heights over many frames, as each axis of its grating shows them. It is independent of the noise
+// of the reference frame, and small movements in many frames add up.
+class HeightScatter {
+ public:
+  void add(const ShownHeight& shown);
+  // Returns the mean square deviation from the mean in units of u^2: the smaller one of both axes. 0 below ten frames.
+  [[nodiscard]] double mean_square() const;
+
+ private:
+  struct Sums {
+    double weight = 0.0, first = 0.0, second = 0.0;  // of 1, h and h^2
+  };
+  std::array<Sums, 2> axes_;
+  std::optional<ShownHeight> first_;
+  long frames_ = 0;
+};
 
 }  // namespace moiregauge::internal

@@ -105,6 +105,7 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   if (by_noise_) solved.by_noise.then = fit_by_noise(0, solved_.calibration.bundle.frames.front());
   const std::vector<bool> outruns = outruns_continuity(site_, solved_.frames.starts());
   std::vector<RowOutOfPlane> out_of_plane_rows;
+  std::vector<HeightScatter> scatter(site_.markers.size());
   for (std::size_t n = 0; n < observations.size(); ++n) {
     const Observation& seen = observations[n];
     const FrameFit& now = solved.now;
@@ -130,12 +131,13 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
         widen_by_motion(sample, solved_.smear, place[n]);
       }
       const auto moved = movement_out_of_plane(i, solved);
+      if (moved && sample.status == Status::kOk) scatter[i].add(*solved.heights[i]);
       if (moved && sample.status == Status::kOk && may_matter(*moved, sample))
         out_of_plane_rows.push_back({solution.samples.size(), *moved});
       solution.samples.push_back(judged(sample));
     }
   }
-  auto notes = distrust_out_of_plane(site_, out_of_plane_rows, solution.samples);
+  auto notes = distrust_out_of_plane(site_, out_of_plane_rows, scatter, solution.samples);
   // Such a target bends the camera's pose, and the references may then seem to move.
   if (!notes.empty())
     solution.remedy =

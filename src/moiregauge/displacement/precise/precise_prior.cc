@@ -50,18 +50,29 @@ void widen_places(const Reference& reference, ScenePrior& prior) {
 // by up to three sigma of blur. A covered grating lacks more. Chosen.
 constexpr double kWholeWithin = 0.5;
 
+constexpr double kSamePoint = 0.1;  // pitches: symmetry points are 0.35 apart or more
+
 bool is_whole(double half, double size_mm, double pitch_mm) { return half > 0.5 * size_mm / pitch_mm - kWholeWithin; }
+
+// Returns the symmetry point nearest to a point of the grating, pitches.
+std::optional<RotationCentre> symmetry_point(const PrintModel& model, PrintPoint near, double pitch_mm) {
+  const auto own = nearest_symmetry(with_origin(model.print, near), model.options.along_x, model.options.along_y);
+  if (!own) return std::nullopt;
+  return RotationCentre{{near.x + own->at.x, near.y + own->at.y}, own->u * pitch_mm};
+}
 
 RotationCentre rotation_centre(const Grating& grating, Extent<frame::Board> shift, const PrintModel& model,
                                double u_mm) {
   const PatchWindow& window = model.window;
-  const PrintPoint middle{window.centre.x, window.centre.y};
-  const auto own = nearest_symmetry(with_origin(model.print, middle), model.options.along_x, model.options.along_y);
-  if (own && is_whole(window.half_x, grating.width_mm, grating.pitch_mm) &&
-      is_whole(window.half_y, grating.height_mm, grating.pitch_mm))
-    return {{middle.x + own->at.x, middle.y + own->at.y}, own->u * grating.pitch_mm};
   const double c = std::cos(grating.angle_rad) / grating.pitch_mm, s = std::sin(grating.angle_rad) / grating.pitch_mm;
-  return {{-c * shift.x - s * shift.y, s * shift.x - c * shift.y}, std::hypot(u_mm, length(shift))};
+  const PrintPoint stated{-c * shift.x - s * shift.y, s * shift.x - c * shift.y};
+  const auto middle = symmetry_point(model, window.centre, grating.pitch_mm);
+  const auto nearest = symmetry_point(model, stated, grating.pitch_mm);
+  if (!middle || !nearest) return {stated, std::hypot(u_mm, length(shift))};
+  const bool is_same = std::hypot(middle->at.x - nearest->at.x, middle->at.y - nearest->at.y) < kSamePoint;
+  const bool is_sure = is_same || (is_whole(window.half_x, grating.width_mm, grating.pitch_mm) &&
+                                   is_whole(window.half_y, grating.height_mm, grating.pitch_mm));
+  return is_sure ? *middle : RotationCentre{stated, std::hypot(u_mm, length(shift))};
 }
 
 }  // namespace

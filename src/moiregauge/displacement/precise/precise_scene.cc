@@ -28,6 +28,7 @@ constexpr std::size_t kMaxKeyFrames = 120;  // chosen
 // error up to 0.011 and 0.016 px.
 constexpr double kEdgeOfLight = 0.0025, kEdgeOfGrey = 0.003;
 constexpr double kEdgePerOvershoot = 0.07;  // px per unit of overshoot
+constexpr int kRotationRounds = 2;          // chosen
 constexpr double kRollingShare = 0.6;       // least share of chi2 that free rotation during readout removes; chosen
 
 // Returns the indices of the key frames, the reference frame first.
@@ -113,15 +114,19 @@ class SceneSolver {
     for (BundleFrame& frame : frames) frame.pose = pose_of(site_, scene, frame).value_or(frame.pose);
     RotationPrior prior = find_rotations(site_, scene, frames);
     if (prior.empty()) return;
-    PreciseScene again;
-    again.with_rotations = read_;
-    again.rotations = std::make_shared<const RotationRemoval>(
-        site_, scene, std::move(prior), rotation_centres(reference_, fit_frame(site_, scene, frames.front())));
-    again.frames = read_ = without_rotations(read_, again.rotations);
-    out_ = std::move(again);
-    judged_ = false;
-    at_once_.reset();
-    solve();
+    const FrameSeries with_rotations = read_;
+    const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
+    // The first scene is bent by the rotations, and so is their removal.
+    for (int round = 0; round < kRotationRounds && is_solved(); ++round) {
+      PreciseScene again;
+      again.with_rotations = with_rotations;
+      again.rotations = std::make_shared<const RotationRemoval>(site_, out_.calibration.bundle.scene, prior, centres);
+      again.frames = read_ = without_rotations(with_rotations, again.rotations);
+      out_ = std::move(again);
+      judged_ = false;
+      at_once_.reset();
+      solve();
+    }
   }
 
   // Returns true if a slipped reference explains the suggested rolling shutter: without it none is suggested. This test

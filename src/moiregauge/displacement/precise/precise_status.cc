@@ -17,8 +17,11 @@ namespace {
 // corresponds to a sixteenth of hidden grating. Blur by half a pitch, with the contrast fitted, leaves 0.17. Chosen.
 constexpr double kHiddenContrast = 0.25;
 
-constexpr double kSureAlone = 6.0;     // coverage factor of a single row, whose number of frames is unknown. Chosen.
-constexpr double kSurely = 2.0;        // coverage factor of a least value
+constexpr double kSureAlone = 6.0;  // coverage factor of a single row, whose number of frames is unknown. Chosen.
+constexpr double kSurely = 2.0;     // coverage factor of a least value
+// Mean square of the heights about their mean, in u^2, that proves a movement. Noise in ten frames exceeds 4 once in 30 000
+// runs. Chosen.
+constexpr double kScatters = 4.0;
 constexpr double kFalseAlarms = 1e-3;  // per run; chosen
 
 // Returns the status of a grating's image: kOk, or its fault.
@@ -38,7 +41,7 @@ double sure_among(std::size_t rows) { return std::sqrt(2.0 * std::log(static_cas
 
 // The pose takes a part of the movement, so the height is a least value.
 std::string note_on(const std::string& name, const OutOfPlane& moved) {
-  const double least_mm = std::abs(moved.height_mm) - kSurely * moved.u_mm;
+  const double least_mm = std::max(0.0, std::abs(moved.height_mm) - kSurely * moved.u_mm);
   const double appears_mm = std::hypot(moved.apparent.x, moved.apparent.y) * least_mm / std::abs(moved.height_mm);
   return fmt::format(
       "'{}' moves {} the camera by at least {:.2g} mm, which appears as a displacement of at least {:.2g} mm. None of "
@@ -69,12 +72,13 @@ bool is_out_of_plane(const OutOfPlane& moved, const Sample& sample) {
 }
 
 std::vector<std::string> distrust_out_of_plane(const Site& site, std::span<const RowOutOfPlane> rows,
-                                               Samples& samples) {
+                                               std::span<const HeightScatter> scatter, Samples& samples) {
   std::map<std::size_t, OutOfPlane> targets;  // largest movement
   const double sure = sure_among(samples.size());
   for (const RowOutOfPlane& row : rows) {
-    if (!(row.moved.in_u > sure)) continue;
-    OutOfPlane& largest = targets[samples[row.sample].marker];
+    const std::size_t marker = samples[row.sample].marker;
+    if (!(row.moved.in_u > sure || scatter[marker].mean_square() > kScatters)) continue;
+    OutOfPlane& largest = targets[marker];
     if (std::abs(row.moved.height_mm) > std::abs(largest.height_mm)) largest = row.moved;
   }
   for (Sample& sample : samples) {

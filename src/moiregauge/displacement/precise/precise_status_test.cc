@@ -90,6 +90,7 @@ TEST(PreciseStatus, AFringeWithATenthOfItsPixelsClippedIsSaturated) {
 struct Rows {
   Samples samples;
   std::vector<RowOutOfPlane> out_of_plane;
+  std::vector<HeightScatter> scatter{1};
   void add(double height_mm) {
     Sample sample;
     sample.status = Status::kOk;
@@ -108,9 +109,9 @@ TEST(PreciseStatus, ATargetThatMovesTowardsTheCameraIsUntrusted) {
   site.markers[0].name = "T1";
   Rows still, moving;
   for (int n = 0; n < 400; ++n) still.add(n == 100 ? 0.3 : 0.0), moving.add(n < 300 ? 0.0 : n == 300 ? 0.3 : -2.0);
-  EXPECT_TRUE(distrust_out_of_plane(site, still.out_of_plane, still.samples).empty());
+  EXPECT_TRUE(distrust_out_of_plane(site, still.out_of_plane, still.scatter, still.samples).empty());
   EXPECT_EQ(still.samples[100].status, Status::kOk);
-  const auto notes = distrust_out_of_plane(site, moving.out_of_plane, moving.samples);
+  const auto notes = distrust_out_of_plane(site, moving.out_of_plane, moving.scatter, moving.samples);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_NE(notes[0].find("'T1' moves away from the camera by at least 1.8 mm"), std::string::npos) << notes[0];
   EXPECT_EQ(moving.samples[299].status, Status::kUntrusted);
