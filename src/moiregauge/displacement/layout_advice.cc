@@ -92,4 +92,21 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
       lens, turn_deg);
 }
 
+std::vector<std::string> rotation_notes(const Site& site, std::span<const BundleFrame> frames) {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    double most_rad = 0.0;
+    for (const BundleFrame& frame : frames) {
+      if (!frame.removed_rad.empty() && !frames.front().removed_rad.empty())
+        most_rad = std::max(most_rad, (frame.removed_rad[i] - frames.front().removed_rad[i]).norm());
+    }
+    if (!(most_rad > 0.0)) continue;
+    out.push_back(fmt::format(
+        "note: '{}' rotates by up to {:.2g} mrad. Its displacement is that of the middle of its grating. Other points "
+        "of the structure move by up to {:.2g} mm more per 100 mm",
+        site.markers[i].name, 1e3 * most_rad, 100.0 * most_rad));
+  }
+  return out;
+}
+
 }  // namespace moiregauge::internal

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "moiregauge/calibration/model/calibrate.h"
 #include "moiregauge/observation/reference/reference.h"
@@ -21,5 +22,9 @@ namespace moiregauge::internal {
 
 // Returns one line if the camera hardly rotates and moves in these frames. Its lens was then hardly tested.
 [[nodiscard]] std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames);
+
+// Returns one line per target whose rotation was removed from these frames, with the largest rotation. The reference
+// frame is the first one.
+[[nodiscard]] std::vector<std::string> rotation_notes(const Site& site, std::span<const BundleFrame> frames);
 
 }  // namespace moiregauge::internal

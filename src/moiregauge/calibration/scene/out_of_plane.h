@@ -17,7 +17,7 @@ struct ShownHeight {
   double stretch = 0.0;    // relative: longer along the print's x than along its y. A rolling shutter does that.
   double u_height_mm = 0.0, u_stretch = 0.0;  // by the stated noise
   Pose camera;
-  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  // of the target itself, if it rotates
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  // the target's own, if it rotates
   Extent<frame::Board> per_mm;                             // apparent displacement per mm of height
 };
 
@@ -50,7 +50,7 @@ class HeightScatter {
 
  private:
   struct Sums {
-    double weight = 0.0, first = 0.0, second = 0.0;  // of 1, h and h^2
+    double weight = 0.0, first = 0.0, second = 0.0;  // sums of 1, h and h^2, weighted
   };
   std::array<Sums, 2> axes_;
   std::optional<ShownHeight> first_;

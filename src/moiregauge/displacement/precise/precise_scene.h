@@ -29,7 +29,7 @@ struct PreciseScene {
 
   // Frames without a moving reference and without the rotations of targets, corrected to frame time.
   FrameSeries frames;
-  std::shared_ptr<const RotationRemoval> rotations;  // of targets that rotate; null if none does
+  std::shared_ptr<const RotationRemoval> rotations;  // null if no target rotates
   FrameSeries with_rotations;                        // frames as read, if targets rotate
   std::optional<std::size_t> excluded;  // a reference that moves, not used in `frames`
   std::optional<Shutter> shutter;       // solved rolling shutter
