@@ -29,6 +29,10 @@ constexpr double kTimesRms = 3.0;
 // Largest u of a rotation that is removed without being proven, rad. Its square shortens the print by 5e-6. Chosen.
 constexpr double kHarmless = 3e-3;
 
+constexpr std::size_t kMinFrames = 4;
+// Largest misfit of a frame, relative to the median. Chosen.
+constexpr double kWorseThanMedian = 5.0;
+
 // Displacement along x and y, height, and rotation about three axes. A movement towards the camera would otherwise look
 // like a tilt, because a target that is seen from the side becomes longer by both.
 constexpr int kUnknowns = 6;
@@ -106,7 +110,8 @@ class TargetView {
 struct ShownRotation {
   Rotation3 rad, variance;
   double chi2 = 0.0;  // that remains
-  int dof = 0;
+  int dof = 1;
+  [[nodiscard]] double misfit() const { return chi2 / dof; }
 };
 
 // Rotation that was removed from a frame, and the standard uncertainty of the whole rotation.
@@ -141,41 +146,63 @@ ShownRotation shown_rotation(const TargetView& view, const BundleFrame& frame, c
 }
 
 // Rotations of one target over the frames.
-struct RotationSeries {
-  std::vector<Rotation3> rad, variance;
-  double chi2 = 0.0;
-  int dof = 0;
+class RotationSeries {
+ public:
+  void add(const ShownRotation& shown) { shown_.push_back(shown); }
+  [[nodiscard]] std::size_t frames() const { return shown_.size(); }
 
-  void add(const ShownRotation& shown) {
-    rad.push_back(shown.rad);
-    variance.push_back(shown.variance);
-    chi2 += shown.chi2;
-    dof += shown.dof;
+  // Removes frames that no rotation explains, as of a target that is covered or blurred.
+  void keep_what_fits() {
+    std::vector<double> misfits;
+    for (const ShownRotation& one : shown_) misfits.push_back(one.misfit());
+    if (misfits.empty()) return;
+    const auto middle = misfits.begin() + static_cast<long>(misfits.size() / 2);
+    std::nth_element(misfits.begin(), middle, misfits.end());
+    const double most = kWorseThanMedian * std::max(1.0, *middle);
+    std::erase_if(shown_, [most](const ShownRotation& one) { return one.misfit() > most; });
   }
-  [[nodiscard]] double unit() const { return dof > 0 ? std::max(1.0, chi2 / dof) : 1.0; }
-  // Returns the mean square about `about`, in units of that of noise.
+  // Returns the variance of unit weight, at least 1.
+  [[nodiscard]] double unit() const {
+    double sum = 0.0;
+    for (const ShownRotation& one : shown_) sum += one.misfit() / static_cast<double>(shown_.size());
+    return std::max(1.0, sum);
+  }
+  // Returns the mean square about `about`, in units of that of noise. The largest square does not count, so one frame
+  // proves nothing.
   [[nodiscard]] Rotation3 in_noise(const Rotation3& about) const {
-    Rotation3 sum = Rotation3::Zero();
-    for (std::size_t k = 0; k < rad.size(); ++k)
-      sum += (rad[k] - about).cwiseAbs2().cwiseQuotient(unit() * variance[k]);
-    return sum / static_cast<double>(rad.size());
+    Rotation3 sum = Rotation3::Zero(), most = sum;
+    for (const ShownRotation& one : shown_) {
+      const Rotation3 square = (one.rad - about).cwiseAbs2().cwiseQuotient(unit() * one.variance);
+      sum += square;
+      most = most.cwiseMax(square);
+    }
+    return (sum - most) / static_cast<double>(shown_.size());
   }
   [[nodiscard]] Rotation3 mean() const {
-    Rotation3 sum = Rotation3::Zero();
-    for (const Rotation3& one : rad) sum += one;
-    return sum / static_cast<double>(rad.size());
+    return mean_of([](const ShownRotation& one) { return one.rad; });
   }
+  [[nodiscard]] Rotation3 mean_square() const {
+    return mean_of([](const ShownRotation& one) { return Rotation3(one.rad.cwiseAbs2()); });
+  }
+  [[nodiscard]] Rotation3 noise() const {
+    return unit() * mean_of([](const ShownRotation& one) { return one.variance; });
+  }
+
+ private:
+  template <typename Value>
+  [[nodiscard]] Rotation3 mean_of(const Value& value) const {
+    Rotation3 sum = Rotation3::Zero();
+    for (const ShownRotation& one : shown_) sum += value(one);
+    return sum / static_cast<double>(shown_.size());
+  }
+  std::vector<ShownRotation> shown_;
 };
 
 // Returns the prior of a target that rotates, and zero for one that does not.
-Rotation3 prior_of(const RotationSeries& series) {
-  if (series.rad.size() < 3 || !(series.in_noise(series.mean()).maxCoeff() > kRotates)) return Rotation3::Zero();
-  const Rotation3 proven = series.in_noise(Rotation3::Zero());
-  Rotation3 square = Rotation3::Zero(), noise = Rotation3::Zero();
-  for (std::size_t k = 0; k < series.rad.size(); ++k) {
-    square += series.rad[k].cwiseAbs2() / static_cast<double>(series.rad.size());
-    noise += series.unit() * series.variance[k] / static_cast<double>(series.rad.size());
-  }
+Rotation3 prior_of(RotationSeries series) {
+  series.keep_what_fits();
+  if (series.frames() < kMinFrames || !(series.in_noise(series.mean()).maxCoeff() > kRotates)) return Rotation3::Zero();
+  const Rotation3 proven = series.in_noise(Rotation3::Zero()), square = series.mean_square(), noise = series.noise();
   Rotation3 out;
   for (int axis = 0; axis < 3; ++axis) {
     const bool is_removed = proven(axis) > kRotates || noise(axis) < kHarmless * kHarmless;
@@ -215,7 +242,7 @@ RotationPrior find_rotations(const Site& site, const Scene& scene, std::span<con
     }
   }
   RotationPrior prior;
-  for (const RotationSeries& one : series) prior.push_back(prior_of(one));
+  for (RotationSeries& one : series) prior.push_back(prior_of(std::move(one)));
   const bool any = std::ranges::any_of(prior, [](const Rotation3& u) { return u.maxCoeff() > 0.0; });
   return any ? prior : RotationPrior{};
 }

@@ -15,7 +15,7 @@ namespace {
 
 using test::Footage, test::Recording;
 
-constexpr int kFrames = 24;
+constexpr int kFramesOfRotation = 24;
 constexpr std::size_t kTarget = 6;  // after six references
 
 Recording rotating_rig() {
@@ -29,7 +29,7 @@ Rotation3 rotation_at(double s, double strength_rad) {
 
 // Returns a second of footage in which the target also rotates, about a point `about_mm` from the middle of its grating.
 Footage rotating_footage(const Recording& truth, double strength_rad, Extent<frame::Board> about_mm = {}) {
-  Footage run = test::footage_of(truth, kFrames);
+  Footage run = test::footage_of(truth, kFramesOfRotation);
   std::mt19937_64 rng(test::kFootageSeed);
   const Grating& grating = *truth.site.markers[kTarget].grating;
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
@@ -137,12 +137,12 @@ TEST(TargetRotation, AnUncertainCentreIsInTheUncertainty) {
 TEST(TargetRotation, NoiseAndAMovementTowardsTheCameraAreNone) {
   Recording truth = rotating_rig();
   truth.site.markers[kTarget].grating->centre = {230.0, 0.0};
-  const Footage still = test::footage_of(truth, kFrames);
+  const Footage still = test::footage_of(truth, kFramesOfRotation);
   truth.height_mm.assign(truth.site.markers.size(), 0.0);
   truth.height_mm[kTarget] = 3.0;
-  const Footage raised = test::footage_of(truth, kFrames);
+  const Footage raised = test::footage_of(truth, kFramesOfRotation);
   std::vector<BundleFrame> moving = still.frames;
-  for (std::size_t k = kFrames / 2; k < kFrames; ++k) moving[k] = raised.frames[k];
+  for (std::size_t k = kFramesOfRotation / 2; k < kFramesOfRotation; ++k) moving[k] = raised.frames[k];
   for (const auto& frames : {still.frames, moving}) {
     const Scene scene = solved(truth, frames).bundle.scene;
     EXPECT_TRUE(find_rotations(truth.site, scene, placed(truth, scene, frames)).empty())
