@@ -23,6 +23,9 @@ constexpr double kLeast = 5e-5;     // pitches, least uncertainty that matters. 
 constexpr double kFaintest = 0.05;  // least amplitude that counts. Chosen.
 // Quantiles of the frames that count as the least and the most blur. Chosen.
 constexpr double kSharpest = 0.05, kSoftest = 0.95;
+// Quantile of the uncertainties that is that of the reference frame, whose blur is unknown. In a vibration it is near the rms.
+// A jump in few exposures does not count. Chosen.
+constexpr double kUsual = 0.7;
 // Least variance of a vibration within any exposure: 0.11 R (R / D)^1.2. R is the range of the variances. D is the
 // variance of the mean positions. It is within a tenth for 0.3 to 0.9 periods per exposure. At most 4 R, its value for 0.9.
 constexpr double kConstant = 0.11, kPower = 1.2, kMostConstant = 4.0;
@@ -192,7 +195,7 @@ double constant_part(double range, double positions) {
   return range * std::min(kMostConstant, kConstant * std::pow(range / positions, kPower));
 }
 
-// Returns the uncertainties of a target along one axis by frame, mm. That of the reference frame is the rms over the others.
+// Returns the uncertainties of a target along one axis by frame, mm. That of the reference frame is usual for the others.
 std::vector<double> along_axis(const Blurs& blurs, std::size_t marker, std::size_t axis, double pitch_mm,
                                const TargetMotion& motion) {
   const std::vector<double> all = along(blurs.targets[marker], axis);
@@ -202,7 +205,6 @@ std::vector<double> along_axis(const Blurs& blurs, std::size_t marker, std::size
   for (double& one : own) one = one < 0.0 ? 0.0 : one;  // keeps NaN
   const double constant = constant_part(quantile(own, kSoftest), motion.positions[axis]);
   const double most = kHidden * motion.positions[axis];
-  double squares = 0.0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     // Light changes contrast, too. But an exposure is no longer than the frame interval, and a uniform movement by d in it
     // has the variance d^2 / 12.
@@ -212,9 +214,8 @@ std::vector<double> along_axis(const Blurs& blurs, std::size_t marker, std::size
     const double part = std::sqrt(square) * (kOwn * square + kWithCamera * camera);
     const double found = std::pow(kTwoPi / pitch_mm, 2) * part;
     u.push_back(found > kLeast * pitch_mm ? found : 0.0);  // 0, too, if the target was not read
-    squares += u.back() * u.back();
   }
-  const double usual = std::sqrt(squares / static_cast<double>(u.size()));
+  const double usual = quantile(u, kUsual);
   if (usual > kLeast * pitch_mm) u.front() = usual;
   return u;
 }

@@ -126,13 +126,16 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration, scene.size_deviations))
     solution.findings.push_back(std::move(line));
   const auto in_scene = [&reference](const SolvedRun& by) {
-    return FramesInScene(reference, by.scene, by.lossy ? std::optional(without_rotations(by.seen.frames, by.scene.rotations)) : std::nullopt);
+    return FramesInScene(
+        reference, by.scene,
+        by.lossy ? std::optional(without_rotations(by.seen.frames, by.scene.rotations)) : std::nullopt);
   };
   in_scene(run).measure(observations, run.seen.place, solution);
   solution.joint_errors = [kept, in_scene, &observations] {
     return in_scene(*kept).joint_errors(observations, kept->seen.place);
   };
-  if (scene.shutter) report_shutter(solution, reference, *scene.shutter, without_rotations(run.read, scene.rotations),
+  if (scene.shutter)
+    report_shutter(solution, reference, *scene.shutter, without_rotations(run.read, scene.rotations),
                    options.readout_s.has_value());
   return solution;
 }
