@@ -33,9 +33,23 @@ class Rms {
   Sum x_, y_;
 };
 
-struct Sums {
-  Rms u;
-  std::array<Rms, kBudgetParts.size()> parts;
+class Sums {
+ public:
+  void add(const Sample& sample) {
+    u_.add(sample.u);
+    for (std::size_t k = 0; k < kBudgetParts.size(); ++k) parts_[k].add(sample.budget.*kBudgetParts[k].value);
+    ++rows_;
+  }
+  [[nodiscard]] bool is_empty() const { return rows_ == 0; }
+  void put(TargetSummary& s) const {
+    s.u = u_.value();
+    for (std::size_t k = 0; k < kBudgetParts.size(); ++k) s.budget.*kBudgetParts[k].value = parts_[k].value();
+  }
+
+ private:
+  Rms u_;
+  std::array<Rms, kBudgetParts.size()> parts_;
+  long rows_ = 0;
 };
 
 // Standard deviation of the measured values of one axis (Welford 1962).
@@ -83,7 +97,7 @@ std::vector<TargetSummary> summarise(const Reference& reference, const Samples& 
     TargetSummary s;
     s.marker = i;
     s.lowest = s.highest = {kNotMeasured, kNotMeasured};
-    Sums sums;
+    Sums of_ok, of_all;
     Scatter x, y;
     for (const Sample& sample : samples) {
       if (sample.marker != i) continue;
@@ -98,12 +112,11 @@ std::vector<TargetSummary> summarise(const Reference& reference, const Samples& 
         y.add(sample.displacement.y);
       }
       if (sample.frame == reference.seen.frame) continue;
-      sums.u.add(sample.u);
-      for (std::size_t k = 0; k < kBudgetParts.size(); ++k) sums.parts[k].add(sample.budget.*kBudgetParts[k].value);
+      of_all.add(sample);
+      if (sample.status == Status::kOk) of_ok.add(sample);
     }
     s.rms = {x.rms(), y.rms()};
-    s.u = sums.u.value();
-    for (std::size_t k = 0; k < kBudgetParts.size(); ++k) s.budget.*kBudgetParts[k].value = sums.parts[k].value();
+    (of_ok.is_empty() ? of_all : of_ok).put(s);
     summaries.push_back(std::move(s));
   }
   return summaries;

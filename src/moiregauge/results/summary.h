@@ -15,10 +15,10 @@ struct TargetSummary {
   long frames = 0;                            // rows
   long ok = 0;                                // rows with status ok, with the reference frame's
   std::map<std::string, long> status_counts;  // by word, only those that occur
-  Extent<frame::Board> u;                     // mm, rms over the measured rows; NaN if there are none
-  Budget budget;                              // mm, rms over the measured rows
-  Extent<frame::Board> lowest, highest;       // mm, of the ok rows; NaN if there are none
-  Extent<frame::Board> rms;                   // mm, about the mean, of the ok rows; NaN if there are none
+  Extent<frame::Board> u;  // mm, rms over the ok rows, or the measured ones if none is ok; NaN if there are none
+  Budget budget;           // mm, rms over the same rows
+  Extent<frame::Board> lowest, highest;  // mm, of the ok rows; NaN if there are none
+  Extent<frame::Board> rms;              // mm, about the mean, of the ok rows; NaN if there are none
 
   [[nodiscard]] Extent<frame::Board> peak_to_peak() const { return highest - lowest; }
   [[nodiscard]] double largest_movement_mm() const;  // the larger peak to peak of both axes; 0 if there are no ok rows
