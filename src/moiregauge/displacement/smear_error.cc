@@ -23,11 +23,12 @@ constexpr double kLeast = 5e-5;     // pitches, least uncertainty that matters. 
 constexpr double kFaintest = 0.05;  // least amplitude that counts. Chosen.
 // Quantiles of the frames that count as the least and the most blur. Chosen.
 constexpr double kSharpest = 0.05, kSoftest = 0.95;
-// Quantile of the uncertainties that is that of the reference frame, whose blur is unknown. In a vibration it is near the rms.
-// A jump in few exposures does not count. Chosen.
+// Quantile of the uncertainties that is that of the reference frame, whose blur is unknown. In a vibration it is near
+// the rms. A jump in few exposures does not count. Chosen.
 constexpr double kUsual = 0.7;
 // Least variance of a vibration within any exposure: 0.11 R (R / D)^1.2. R is the range of the variances. D is the
-// variance of the mean positions. It is within a tenth for 0.3 to 0.9 periods per exposure. At most 4 R, its value for 0.9.
+// variance of the mean positions. It is within a tenth for 0.3 to 0.9 periods per exposure. At most 4 R, its value for
+// 0.9.
 constexpr double kConstant = 0.11, kPower = 1.2, kMostConstant = 4.0;
 // Largest variance within an exposure in that of the mean positions. With 0.9 periods per exposure, a vibration shows
 // a ninth of its amplitude. With a whole period it shows nothing, and is symmetric.
@@ -45,9 +46,10 @@ std::optional<bool> is_swapped(const Grating& grating) {
   return std::fmod(std::abs(nearest), 2.0) == 1.0;
 }
 
-// Returns the variance of the blur along both axes, mm^2, up to a constant. Oblique prints and checkerboards, whose waves
-// are diagonal, give the mean for both. The contrast of a print is in proportion to its light, and the mean level does not
-// change by blur. The fit's own contrast is no measure: blur and contrast of a print with few harmonics are alike.
+// Returns the variance of the blur along both axes, mm^2, up to a constant. Oblique prints and checkerboards, whose
+// waves are diagonal, give the mean for both. The contrast of a print is in proportion to its light, and the mean level
+// does not change by blur. The fit's own contrast is no measure: blur and contrast of a print with few harmonics are
+// alike.
 AxisPair blur_variance(const PatchFit& fit, const Grating& grating) {
   AxisPair variance{kNaN, kNaN};
   const double unit = grating.pitch_mm * grating.pitch_mm / (2.0 * kPi * kPi);
@@ -105,8 +107,8 @@ void from_sharpest(Series& series) {
   }
 }
 
-// Returns the largest of the references in each frame; zero if none shows its blur. A camera that rolls blurs markers at the
-// edge of the image more than those in its middle.
+// Returns the largest of the references in each frame; zero if none shows its blur. A camera that rolls blurs markers
+// at the edge of the image more than those in its middle.
 Series largest_of(const std::vector<Series>& references, std::size_t frames) {
   Series out(frames, {0.0, 0.0});
   for (std::size_t k = 0; k < frames; ++k) {
@@ -165,8 +167,8 @@ AxisPair positions_of(std::span<const FrameStart> frames, std::size_t marker) {
   return {sum[0] / count, sum[1] / count};
 }
 
-// Returns by frame the variance of a uniform movement within the frame interval, mm^2. The movement before and after the
-// frame must be alike. Such a smear is symmetric.
+// Returns by frame the variance of a uniform movement within the frame interval, mm^2. The movement before and after
+// the frame must be alike. Such a smear is symmetric.
 Series uniform_part(std::span<const FrameStart> frames, std::size_t marker) {
   Series out(frames.size(), {0.0, 0.0});
   const auto part = [](double before, double after) {
@@ -195,7 +197,8 @@ double constant_part(double range, double positions) {
   return range * std::min(kMostConstant, kConstant * std::pow(range / positions, kPower));
 }
 
-// Returns the uncertainties of a target along one axis by frame, mm. That of the reference frame is usual for the others.
+// Returns the uncertainties of a target along one axis by frame, mm. That of the reference frame is usual for the
+// others.
 std::vector<double> along_axis(const Blurs& blurs, std::size_t marker, std::size_t axis, double pitch_mm,
                                const TargetMotion& motion) {
   const std::vector<double> all = along(blurs.targets[marker], axis);
@@ -206,8 +209,8 @@ std::vector<double> along_axis(const Blurs& blurs, std::size_t marker, std::size
   const double constant = constant_part(quantile(own, kSoftest), motion.positions[axis]);
   const double most = kHidden * motion.positions[axis];
   for (std::size_t k = 0; k < all.size(); ++k) {
-    // Light changes contrast, too. But an exposure is no longer than the frame interval, and a uniform movement by d in it
-    // has the variance d^2 / 12.
+    // Light changes contrast, too. But an exposure is no longer than the frame interval, and a uniform movement by d in
+    // it has the variance d^2 / 12.
     const double moved = std::max(blurs.movement[k], k + 1 < all.size() ? blurs.movement[k + 1] : 0.0);
     const double camera = std::min(std::max(0.0, all[k]), moved / 12.0);
     const double square = std::min(own[k] + constant, most);

@@ -27,7 +27,8 @@ Rotation3 rotation_at(double s, double strength_rad) {
   return strength_rad * Rotation3(0.7 * std::sin(4.0 * s), 0.5 * std::cos(3.0 * s), std::sin(6.0 * s + 0.4));
 }
 
-// Returns a second of footage in which the target also rotates, about a point `about_mm` from the middle of its grating.
+// Returns a second of footage in which the target also rotates, about a point `about_mm` from the middle of its
+// grating.
 Footage rotating_footage(const Recording& truth, double strength_rad, Extent<frame::Board> about_mm = {}) {
   Footage run = test::footage_of(truth, kFramesOfRotation);
   std::mt19937_64 rng(test::kFootageSeed);
@@ -90,8 +91,9 @@ double worst_error_mm(const Recording& truth, const Calibration& calibration, co
   return worst;
 }
 
-// Noise of 2 um for each of nine points gives 2 um / 3 sqrt(1 + 1/6) sqrt(2) = 1.02 um. The limit is four times that, for 46
-// values. With rotations of 20 mrad the edges of the print, 20 mm from its middle, are 0.4 mm off, 200 times the noise.
+// Noise of 2 um for each of nine points gives 2 um / 3 sqrt(1 + 1/6) sqrt(2) = 1.02 um. The limit is four times that,
+// for 46 values. With rotations of 20 mrad the edges of the print, 20 mm from its middle, are 0.4 mm off, 200 times the
+// noise.
 TEST(TargetRotation, DoesNotChangeTheDisplacement) {
   const Recording truth = rotating_rig();
   const Footage run = rotating_footage(truth, 0.020);
@@ -104,8 +106,8 @@ TEST(TargetRotation, DoesNotChangeTheDisplacement) {
   EXPECT_LT(worst_error_mm(truth, calibration, run), 4.1e-3) << "seed " << test::kFootageSeed;
 }
 
-// The print rotates about a point 4 mm from its middle. Displacement is that of this point only if it is known. An arm of 4 mm
-// and 20 mrad would give an error of 0.08 mm.
+// The print rotates about a point 4 mm from its middle. Displacement is that of this point only if it is known. An arm
+// of 4 mm and 20 mrad would give an error of 0.08 mm.
 TEST(TargetRotation, DisplacementIsThatOfTheCentre) {
   const Recording truth = rotating_rig();
   const Extent<frame::Board> about{4.0, -3.0};

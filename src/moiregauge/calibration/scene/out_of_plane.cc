@@ -11,8 +11,8 @@
 namespace moiregauge::internal {
 namespace {
 
-// Standard uncertainty of a grating's size between frames beyond noise, relative: the same view, and per unit by which the
-// view differs, up to 0.3. Photographs of a board from all sides showed up to 6e-4, of which half is noise. Chosen.
+// Standard uncertainty of a grating's size between frames beyond noise, relative: the same view, and per unit by which
+// the view differs, up to 0.3. Photographs of a board from all sides showed up to 6e-4, of which half is noise. Chosen.
 constexpr double kSteadySize = 2e-5, kSizeByView = 1e-3, kOtherView = 0.3;
 // Largest u of a relative size that says something. Lines show one axis only.
 constexpr double kShownSize = 0.02;
@@ -40,8 +40,8 @@ double u_of_size(const ShownHeight& a, const ShownHeight& b) {
   return kSteadySize + kSizeByView * std::min(kOtherView, difference_of(a, b));
 }
 
-// `rotation_rad`: that was removed from a target that rotates, otherwise zero. A tilt stretches it, too, so its stretch is
-// not fitted. The covariance of its points has the tilt.
+// `rotation_rad`: that was removed from a target that rotates, otherwise zero. A tilt stretches it, too, so its stretch
+// is not fitted. The covariance of its points has the tilt.
 std::optional<ShownHeight> shown_height(const PatchResidual::Design& design, const Pose& camera,
                                         const Eigen::Vector3d& rotation_rad) {
   const bool rotates = !rotation_rad.isZero(0.0);

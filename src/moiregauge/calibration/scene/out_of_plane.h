@@ -40,8 +40,8 @@ struct OutOfPlane {
 
 [[nodiscard]] OutOfPlane out_of_plane(const ShownHeight& now, const ShownHeight& then);
 
-// Scatter of a target's heights over many frames, as each axis of its grating shows them. It is independent of the noise
-// of the reference frame, and small movements in many frames add up.
+// Scatter of a target's heights over many frames, as each axis of its grating shows them. It is independent of the
+// noise of the reference frame, and small movements in many frames add up.
 class HeightScatter {
  public:
   void add(const ShownHeight& shown);

@@ -146,8 +146,8 @@ void FramesInScene::measure(const Observations& observations, const std::vector<
   std::ranges::move(notes, std::back_inserter(solution.notes));
 }
 
-// Returns the rotations of all targets. `frame`, `fit`: at this place, without the rotations that were removed. That fit
-// leaves them open, so the covariance of noise is used again.
+// Returns the rotations of all targets. `frame`, `fit`: at this place, without the rotations that were removed. That
+// fit leaves them open, so the covariance of noise is used again.
 FrameRotations FramesInScene::rotations_in(std::size_t place, BundleFrame frame, const FrameFit& fit) const {
   if (!solved_.rotations) return fit_rotations(site_, scene_, frame, fit);
   const BundleFrame by_noise = weighed(solved_.with_rotations[place]);

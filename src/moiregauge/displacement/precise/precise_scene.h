@@ -31,10 +31,10 @@ struct PreciseScene {
   FrameSeries frames;
   std::shared_ptr<const RotationRemoval> rotations;  // null if no target rotates
   FrameSeries with_rotations;                        // frames as read, if targets rotate
-  std::optional<std::size_t> excluded;  // a reference that moves, not used in `frames`
-  std::optional<Shutter> shutter;       // solved rolling shutter
-  SmearError smear;                     // uneven movement within the exposures of `frames`
-  PrintError print_error;               // to be included in the covariance of `frames`
+  std::optional<std::size_t> excluded;               // a reference that moves, not used in `frames`
+  std::optional<Shutter> shutter;                    // solved rolling shutter
+  SmearError smear;                                  // uneven movement within the exposures of `frames`
+  PrintError print_error;                            // to be included in the covariance of `frames`
   std::vector<SizeDeviation> size_deviations;
 
   bool references_verified = false;
