@@ -31,7 +31,7 @@ def base_factors(rng):
         "paper": rng.uniform(0.85, 1.0), "black": rng.uniform(0.06, 0.2), "ink_rms": rng.uniform(0, 0.05), "paper_rms": rng.uniform(0, 0.01),
         "gloss": rng.uniform(0, 0.05), "move_pitch": 10 ** rng.uniform(-2.5, -0.45), "move_hz": 10 ** rng.uniform(-1, 0.5),
         "move": rng.choice(["sine", "step", "ramp", "mixed", "still"]), "turn_mrad": rng.choice([0.0, 0.0, rng.uniform(0, 2)]),
-        "dz_mm": 0.0, "target_z_share": rng.choice([0.0, 0.0, rng.uniform(-0.02, 0.01)]), "leaf": 0.0, "state_readout": 0,
+        "mount_mrad": 0.0, "dz_mm": 0.0, "target_z_share": rng.choice([0.0, 0.0, rng.uniform(-0.02, 0.01)]), "leaf": 0.0, "state_readout": 0,
     }
     return f
 
@@ -208,6 +208,11 @@ def sheet_lines(f, rng, name, m, truth):
     left, right = -half - 0.9 * p, half + 0.9 * p
     key = f"sheet.{name}."
     lines = []
+    # Tilts by which the print is mounted do not change any other draw.
+    mounting = random.Random(f"mount {name} {m['x']:.3f}")
+    mount = {axis: mounting.gauss(0, f["mount_mrad"] / 1e3) for axis in "xy"} | {"z": 0.0}
+    if m["role"] != "target" and f["mount_mrad"]:
+        lines += [f"{key}turn_{axis}_rad {word(tilt)} 0" for axis, tilt in mount.items()]
     if m["circle"]:
         cx, cy, d = (v * p for v in m["circle"])
         left, right = min(left, cx - d / 2 - 0.8 * p), max(right, cx + d / 2 + 0.8 * p)
@@ -217,7 +222,7 @@ def sheet_lines(f, rng, name, m, truth):
         amplitude = f["move_pitch"] * m["pitch"]
         for axis in "xy":
             lines.append(f"{key}d{axis}_mm {movement(f, rng, f['move'], amplitude * rng.uniform(0.3, 1))}")
-        turns = {axis: f"0 0 sin {word(f['turn_mrad'] / 1e3 * rng.uniform(0.3, 1), rng.uniform(0.2, 1), rng.uniform(0, 6.28))}" for axis in "xyz"}
+        turns = {axis: f"{word(mount[axis])} 0 sin {word(f['turn_mrad'] / 1e3 * rng.uniform(0.3, 1), rng.uniform(0.2, 1), rng.uniform(0, 6.28))}" for axis in "xyz"}
         lines += [f"{key}turn_{axis}_rad {track}" for axis, track in turns.items()]
         depth = movement(f, rng, rng.choice(["sine", "step", "ramp"]), f["dz_mm"])
         lines.append(f"{key}dz_mm {depth}")

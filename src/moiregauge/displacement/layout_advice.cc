@@ -98,13 +98,14 @@ std::vector<std::string> rotation_notes(const Site& site, std::span<const Bundle
     double most_rad = 0.0;
     for (const BundleFrame& frame : frames) {
       if (!frame.removed_rad.empty() && !frames.front().removed_rad.empty())
-        most_rad = std::max(most_rad, (frame.removed_rad[i] - frames.front().removed_rad[i]).norm());
+        most_rad = std::max(most_rad, std::abs(frame.removed_rad[i].z() - frames.front().removed_rad[i].z()));
     }
     if (!(most_rad > 0.0)) continue;
-    out.push_back(fmt::format(
-        "note: '{}' rotates by up to {:.2g} mrad. Its displacement is that of the middle of its grating. Other points "
-        "of the structure move by up to {:.2g} mm more per 100 mm",
-        site.markers[i].name, 1e3 * most_rad, 100.0 * most_rad));
+    out.push_back(
+        fmt::format("note: '{}' rotates (by up to {:.2g} mrad in its plane). Its displacement is that of the middle of "
+                    "its grating. "
+                    "Points 100 mm from there move by up to {:.2g} mm more",
+                    site.markers[i].name, 1e3 * most_rad, 100.0 * most_rad));
   }
   return out;
 }

@@ -23,8 +23,8 @@ namespace moiregauge::internal {
 // Returns one line if the camera hardly rotates and moves in these frames. Its lens was then hardly tested.
 [[nodiscard]] std::optional<std::string> still_camera_note(const Scene& scene, std::span<const BundleFrame> frames);
 
-// Returns one line per target whose rotation was removed from these frames, with the largest rotation. The reference
-// frame is the first one.
+// Returns one line per target whose rotation was removed from these frames, with the largest rotation in
+// its plane. The reference frame is the first one.
 [[nodiscard]] std::vector<std::string> rotation_notes(const Site& site, std::span<const BundleFrame> frames);
 
 }  // namespace moiregauge::internal

@@ -198,14 +198,32 @@ class RotationSeries {
   std::vector<ShownRotation> shown_;
 };
 
-// Returns the prior of a target that rotates, and zero for one that does not.
-Rotation3 prior_of(RotationSeries series) {
-  series.keep_what_fits();
-  if (series.frames() < kMinFrames || !(series.in_noise(series.mean()).maxCoeff() > kRotates)) return Rotation3::Zero();
+// Returns the mean square about the mean that the median reference shows, in units of that of noise, at least 1.
+// References do not rotate, so this is what a rolling shutter or hot air leave.
+Rotation3 shown_by_references(const Site& site, const std::vector<RotationSeries>& series) {
+  Rotation3 out = Rotation3::Ones();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> shown;
+    for (std::size_t i = 0; i < series.size(); ++i) {
+      if (site.markers[i].role == Role::kReference && series[i].frames() >= kMinFrames)
+        shown.push_back(series[i].in_noise(series[i].mean())(axis));
+    }
+    if (shown.empty()) continue;
+    const auto middle = shown.begin() + static_cast<long>(shown.size() / 2);
+    std::nth_element(shown.begin(), middle, shown.end());
+    out(axis) = std::max(1.0, *middle);
+  }
+  return out;
+}
+
+// Returns the prior of a target that rotates, and zero for one that does not. `least`: mean squares that prove it.
+Rotation3 prior_of(const RotationSeries& series, const Rotation3& least) {
+  if (series.frames() < kMinFrames || !((series.in_noise(series.mean()) - least).maxCoeff() > 0.0))
+    return Rotation3::Zero();
   const Rotation3 proven = series.in_noise(Rotation3::Zero()), square = series.mean_square(), noise = series.noise();
   Rotation3 out;
   for (int axis = 0; axis < 3; ++axis) {
-    const bool is_removed = proven(axis) > kRotates || noise(axis) < kHarmless * kHarmless;
+    const bool is_removed = proven(axis) > least(axis) || noise(axis) < kHarmless * kHarmless;
     out(axis) = is_removed ? kTimesRms * std::sqrt(std::max(square(axis) - noise(axis), noise(axis))) : 0.0;
   }
   return out;
@@ -237,12 +255,18 @@ RotationPrior find_rotations(const Site& site, const Scene& scene, std::span<con
   for (const BundleFrame& frame : frames) {
     const FrameFit fit = fit_frame(site, scene, frame, FrameDetail::kSamples);
     for (std::size_t i = 0; fit.ok && i < series.size(); ++i) {
-      if (fit.shift_row[i] < 0) continue;
+      const bool is_target = site.markers[i].role != Role::kReference;
+      if (!frame.points[i] || !site.markers[i].grating || (is_target && fit.shift_row[i] < 0)) continue;
       series[i].add(shown_rotation(TargetView(site, scene, fit, i), frame, fit));
     }
   }
   RotationPrior prior;
-  for (RotationSeries& one : series) prior.push_back(prior_of(std::move(one)));
+  for (RotationSeries& one : series) one.keep_what_fits();
+  const Rotation3 least = kRotates * shown_by_references(site, series);
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const bool is_target = site.markers[i].role != Role::kReference;
+    prior.push_back(is_target ? prior_of(series[i], least) : Rotation3(Rotation3::Zero()));
+  }
   const bool any = std::ranges::any_of(prior, [](const Rotation3& u) { return u.maxCoeff() > 0.0; });
   return any ? prior : RotationPrior{};
 }

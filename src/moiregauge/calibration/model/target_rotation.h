@@ -24,7 +24,7 @@ using RotationPrior = std::vector<Rotation3>;
 
 // Returns which targets rotate from frame to frame, with three times their rms rotation. Each target is fitted with
 // displacement and rotation, and the pose stays that of the frame. It rotates if the mean square about any axis,
-// without the largest, exceeds kRotates times that of noise. Empty: none rotates.
+// without the largest, exceeds kRotates times that of noise, and of the median reference. Empty: none rotates.
 // `frames`: with the covariance of noise alone, and their poses in this scene.
 [[nodiscard]] RotationPrior find_rotations(const Site& site, const Scene& scene, std::span<const BundleFrame> frames);
 inline constexpr double kRotates = 9.0;
