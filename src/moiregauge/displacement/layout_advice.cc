@@ -92,20 +92,25 @@ std::optional<std::string> still_camera_note(const Scene& scene, std::span<const
       lens, turn_deg);
 }
 
-std::vector<std::string> rotation_notes(const Site& site, std::span<const BundleFrame> frames) {
+std::vector<std::string> rotation_notes(const Site& site, const RotationRemoval& removal,
+                                        std::span<const BundleFrame> frames) {
   std::vector<std::string> out;
   for (std::size_t i = 0; i < site.markers.size(); ++i) {
+    if (!removal.rotation(i).rotates()) continue;
     double most_rad = 0.0;
     for (const BundleFrame& frame : frames) {
       if (!frame.removed_rad.empty() && !frames.front().removed_rad.empty())
         most_rad = std::max(most_rad, std::abs(frame.removed_rad[i].z() - frames.front().removed_rad[i].z()));
     }
-    if (!(most_rad > 0.0)) continue;
-    out.push_back(
-        fmt::format("note: '{}' rotates (by up to {:.2g} mrad in its plane). Its displacement is that of the middle of "
-                    "its grating. "
-                    "Points 100 mm from there move by up to {:.2g} mm more",
-                    site.markers[i].name, 1e3 * most_rad, 100.0 * most_rad));
+    const RotationCentre& centre = removal.centre(i);
+    const std::string point = centre.is_middle
+                                  ? "the middle of its grating"
+                                  : fmt::format("its grating_mm, known to {:.2g} mm on the print", centre.u_mm);
+    out.push_back(fmt::format(
+        "note: '{}' rotates, in its plane by up to {:.3g} mrad (u {:.2g} mrad). Its displacement is that of {}. Points "
+        "100 mm from there move by up to {:.2g} mm more",
+        site.markers[i].name, 1e3 * most_rad, 1e3 * std::sqrt(2.0) * removal.rotation(i).u_in_plane_rad, point,
+        100.0 * most_rad));
   }
   return out;
 }

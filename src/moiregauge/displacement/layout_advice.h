@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "moiregauge/calibration/model/calibrate.h"
+#include "moiregauge/calibration/model/target_rotation.h"
 #include "moiregauge/observation/reference/reference.h"
 
 namespace moiregauge::internal {
@@ -25,6 +26,7 @@ namespace moiregauge::internal {
 
 // Returns one line per target whose rotation was removed from these frames, with the largest rotation in
 // its plane. The reference frame is the first one.
-[[nodiscard]] std::vector<std::string> rotation_notes(const Site& site, std::span<const BundleFrame> frames);
+[[nodiscard]] std::vector<std::string> rotation_notes(const Site& site, const RotationRemoval& removal,
+                                                      std::span<const BundleFrame> frames);
 
 }  // namespace moiregauge::internal

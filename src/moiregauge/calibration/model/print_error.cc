@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "moiregauge/calibration/model/chi2.h"
-#include "moiregauge/calibration/scene/patch_residual.h"
+#include "moiregauge/calibration/scene/fitted_patch.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -48,10 +48,8 @@ struct Whitened {
 Whitened whitened(const BundleFrame& frame, std::size_t i, const Marker& marker, const Scene& scene,
                   const FrameFit& fit) {
   const PatchResidual residual(*frame.points[i], marker);
-  Vector18 r = residual.design(numbers_of(scene), scene.markers[i], TurnedPose(fit.pose), fit.shift[i])
-                   .col(PatchColumn::kResidual);
+  const Vector18 r = fitted_design(residual, scene, frame, fit, i).col(PatchColumn::kResidual);
   const Matrix18& root = residual.root();
-  if (frame.rows) r += root * (frame.rows->by_marker[i].leftCols<kMotionParameters>() * fit.motion);
   const Matrix18 error =
       root * covariance_of(1.0, 1.0) * root.transpose() / (marker.grating->pitch_mm * marker.grating->pitch_mm);
   const Eigen::SelfAdjointEigenSolver<Matrix18> eigen(error);

@@ -4,15 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 
-#include "moiregauge/calibration/scene/frame_fit.h"
+#include "moiregauge/calibration/scene/fitted_patch.h"
 #include "moiregauge/calibration/scene/frame_pose.h"
-#include "moiregauge/calibration/scene/patch_residual.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -47,15 +44,12 @@ class TargetView {
  public:
   // `about`: the point of the grating that does not move, pitches.
   TargetView(const Site& site, const Scene& scene, const FrameFit& fit, std::size_t marker, PrintPoint about = {})
-      : marker_(marker),
-        site_marker_(site.markers[marker]),
-        camera_(numbers_of(scene)),
-        turned_(fit.pose),
+      : camera_(numbers_of(scene)),
         pose_{fit.pose.turn[0],  fit.pose.turn[1],  fit.pose.turn[2],
               fit.pose.shift[0], fit.pose.shift[1], fit.pose.shift[2]},
         shape_(scene.markers[marker]),
         shift_(fit.shift[marker]) {
-    const Grating& grating = *site_marker_.grating;
+    const Grating& grating = *site.markers[marker].grating;
     const double angle = grating.angle_rad + shape_.value[MarkerShape::kRotation];
     const double c = grating.pitch_mm * std::cos(angle), s = grating.pitch_mm * std::sin(angle);
     centre_ = {grating.centre.x + shape_.value[MarkerShape::kX] + shift_.x + c * about.x - s * about.y,
@@ -89,17 +83,8 @@ class TargetView {
     return out;
   }
 
-  [[nodiscard]] std::size_t marker() const { return marker_; }
-  [[nodiscard]] PatchResidual patch(const BundleFrame& frame) const { return {*frame.points[marker_], site_marker_}; }
-  [[nodiscard]] PatchResidual::Design design(const PatchResidual& patch) const {
-    return patch.design(camera_, shape_, turned_, shift_);
-  }
-
  private:
-  std::size_t marker_;
-  const Marker& site_marker_;
   CommonNumbers camera_;
-  TurnedPose turned_;
   std::array<double, 6> pose_;
   MarkerShape shape_;
   Extent<frame::Board> shift_;
@@ -119,13 +104,9 @@ struct KnownRotation {
   Rotation3 removed_rad = Rotation3::Zero(), u_rad = Rotation3::Constant(kWide);
 };
 
-ShownRotation shown_rotation(const TargetView& view, const BundleFrame& frame, const FrameFit& fit,
+ShownRotation shown_rotation(const PatchResidual& patch, const PatchResidual::Design& design, const TargetView& view,
                              const KnownRotation& known = {}) {
-  const PatchResidual patch = view.patch(frame);
-  const auto design = view.design(patch);
-  PatchResidual::Vector residual = design.col(PatchColumn::kResidual);
-  if (frame.rows)
-    residual += patch.root() * (frame.rows->by_marker[view.marker()].leftCols<kMotionParameters>() * fit.motion);
+  const PatchResidual::Vector residual = design.col(PatchColumn::kResidual);
   Columns columns;
   columns << design.middleCols<2>(PatchColumn::kShape), design.col(PatchColumn::kShape + MarkerShape::kHeight),
       patch.root() * view.columns(patch);
@@ -171,8 +152,9 @@ class RotationSeries {
   // proves nothing.
   [[nodiscard]] Rotation3 in_noise(const Rotation3& about) const {
     Rotation3 sum = Rotation3::Zero(), most = sum;
+    const double unit = this->unit();
     for (const ShownRotation& one : shown_) {
-      const Rotation3 square = (one.rad - about).cwiseAbs2().cwiseQuotient(unit() * one.variance);
+      const Rotation3 square = (one.rad - about).cwiseAbs2().cwiseQuotient(unit * one.variance);
       sum += square;
       most = most.cwiseMax(square);
     }
@@ -216,15 +198,15 @@ Rotation3 shown_by_references(const Site& site, const std::vector<RotationSeries
   return out;
 }
 
-// Returns the prior of a target that rotates, and zero for one that does not. `least`: mean squares that prove it.
-Rotation3 prior_of(const RotationSeries& series, const Rotation3& least) {
-  if (series.frames() < kMinFrames || !((series.in_noise(series.mean()) - least).maxCoeff() > 0.0))
-    return Rotation3::Zero();
+// Returns the rotation of a target, zero if it does not rotate. `least`: mean squares that prove it.
+TargetRotation rotation_of(const RotationSeries& series, const Rotation3& least) {
+  if (series.frames() < kMinFrames || !((series.in_noise(series.mean()) - least).maxCoeff() > 0.0)) return {};
   const Rotation3 proven = series.in_noise(Rotation3::Zero()), square = series.mean_square(), noise = series.noise();
-  Rotation3 out;
+  TargetRotation out;
+  out.u_in_plane_rad = std::sqrt(noise.z());
   for (int axis = 0; axis < 3; ++axis) {
     const bool is_removed = proven(axis) > least(axis) || noise(axis) < kHarmless * kHarmless;
-    out(axis) = is_removed ? kTimesRms * std::sqrt(std::max(square(axis) - noise(axis), noise(axis))) : 0.0;
+    if (is_removed) out.prior_rad(axis) = kTimesRms * std::sqrt(std::max(square(axis) - noise(axis), noise(axis)));
   }
   return out;
 }
@@ -250,25 +232,24 @@ void add_prior(const RotationColumns& columns, const Rotation3& prior, PatchInfo
 
 }  // namespace
 
-RotationPrior find_rotations(const Site& site, const Scene& scene, std::span<const BundleFrame> frames) {
+TargetRotations find_rotations(const Site& site, const Scene& scene, std::span<const BundleFrame> frames) {
   std::vector<RotationSeries> series(site.markers.size());
   for (const BundleFrame& frame : frames) {
     const FrameFit fit = fit_frame(site, scene, frame, FrameDetail::kSamples);
     for (std::size_t i = 0; fit.ok && i < series.size(); ++i) {
       const bool is_target = site.markers[i].role != Role::kReference;
       if (!frame.points[i] || !site.markers[i].grating || (is_target && fit.shift_row[i] < 0)) continue;
-      series[i].add(shown_rotation(TargetView(site, scene, fit, i), frame, fit));
+      const PatchResidual patch(*frame.points[i], site.markers[i]);
+      series[i].add(shown_rotation(patch, fitted_design(patch, scene, frame, fit, i), {site, scene, fit, i}));
     }
   }
-  RotationPrior prior;
   for (RotationSeries& one : series) one.keep_what_fits();
   const Rotation3 least = kRotates * shown_by_references(site, series);
+  TargetRotations out(series.size());
   for (std::size_t i = 0; i < series.size(); ++i) {
-    const bool is_target = site.markers[i].role != Role::kReference;
-    prior.push_back(is_target ? prior_of(series[i], least) : Rotation3(Rotation3::Zero()));
+    if (site.markers[i].role != Role::kReference) out[i] = rotation_of(series[i], least);
   }
-  const bool any = std::ranges::any_of(prior, [](const Rotation3& u) { return u.maxCoeff() > 0.0; });
-  return any ? prior : RotationPrior{};
+  return std::ranges::any_of(out, &TargetRotation::rotates) ? out : TargetRotations{};
 }
 
 double RotationRemoval::remove(std::size_t marker, const BundleFrame& read, const FrameFit& fit,
@@ -278,14 +259,16 @@ double RotationRemoval::remove(std::size_t marker, const BundleFrame& read, cons
   points.information = as_read.information;
   Rotation3& rotation = frame.removed_rad[marker];
   const TargetView view(site_, scene_, fit, marker, centres_[marker].at);
-  const Rotation3 step = shown_rotation(view, frame, fit, {rotation, prior_[marker]}).rad;
+  const PatchResidual patch(points, site_.markers[marker]);
+  const KnownRotation known{rotation, rotations_[marker].prior_rad};
+  const Rotation3 step = shown_rotation(patch, fitted_design(patch, scene_, frame, fit, marker), view, known).rad;
   rotation += step;
-  const PatchResidual patch(as_read, site_.markers[marker]);
+  const PatchResidual before(as_read, site_.markers[marker]);
   for (std::size_t n = 0; n < kPatchPoints; ++n) {
-    const Vector2d moved = view.moved_by(patch, n, rotation);
+    const Vector2d moved = view.moved_by(before, n, rotation);
     points.image[n] = {as_read.image[n].x - moved.x(), as_read.image[n].y - moved.y()};
   }
-  add_prior(view.columns(PatchResidual(points, site_.markers[marker])), prior_[marker], points.information);
+  add_prior(view.columns(PatchResidual(points, site_.markers[marker])), known.u_rad, points.information);
   return step.cwiseAbs().maxCoeff();
 }
 
@@ -300,7 +283,7 @@ BundleFrame RotationRemoval::unrotated(const BundleFrame& read) const {
     if (!fit.ok) return read;
     double most = 0.0;
     for (std::size_t i = 0; i < site_.markers.size(); ++i) {
-      if (fit.shift_row[i] >= 0 && prior_[i].maxCoeff() > 0.0) most = std::max(most, remove(i, read, fit, out));
+      if (fit.shift_row[i] >= 0 && rotations_[i].rotates()) most = std::max(most, remove(i, read, fit, out));
     }
     if (most < kSmall) break;
   }

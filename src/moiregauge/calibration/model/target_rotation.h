@@ -19,33 +19,44 @@ namespace moiregauge::internal {
 // Rotation about the board's x, y and z axes (right, up, towards the camera) through the centre of a grating, rad.
 using Rotation3 = Eigen::Vector3d;
 
-// Standard uncertainty of every target's rotation about zero, one per site marker, rad. Zero: it does not rotate.
-using RotationPrior = std::vector<Rotation3>;
+// Rotation of one target over a run. Zero: it does not rotate.
+struct TargetRotation {
+  Rotation3 prior_rad = Rotation3::Zero();  // standard uncertainty about zero of the rotation in any frame
+  double u_in_plane_rad = 0.0;              // standard uncertainty by noise of one frame's rotation about z
+  [[nodiscard]] bool rotates() const { return prior_rad.maxCoeff() > 0.0; }
+};
+using TargetRotations = std::vector<TargetRotation>;  // one per site marker
 
 // Returns which targets rotate from frame to frame, with three times their rms rotation. Each target is fitted with
 // displacement and rotation, and the pose stays that of the frame. It rotates if the mean square about any axis,
 // without the largest, exceeds kRotates times that of noise, and of the median reference. Empty: none rotates.
 // `frames`: with the covariance of noise alone, and their poses in this scene.
-[[nodiscard]] RotationPrior find_rotations(const Site& site, const Scene& scene, std::span<const BundleFrame> frames);
+[[nodiscard]] TargetRotations find_rotations(const Site& site, const Scene& scene, std::span<const BundleFrame> frames);
 inline constexpr double kRotates = 9.0;
 
 // Point of a grating whose displacement is measured, in the coordinates of its template.
 struct RotationCentre {
-  PrintPoint at{};    // pitches
-  double u_mm = 0.0;  // standard uncertainty of its position on the print
+  PrintPoint at{};         // pitches
+  double u_mm = 0.0;       // standard uncertainty of its position on the print
+  bool is_middle = false;  // the symmetry point in the middle of the print; otherwise where the site has the grating
 };
 
 // Removes the rotations of targets from frames.
 class RotationRemoval {
  public:
   // `centres`: one per site marker.
-  RotationRemoval(Site site, Scene scene, RotationPrior prior, std::vector<RotationCentre> centres)
-      : site_(std::move(site)), scene_(std::move(scene)), prior_(std::move(prior)), centres_(std::move(centres)) {}
+  RotationRemoval(Site site, Scene scene, TargetRotations rotations, std::vector<RotationCentre> centres)
+      : site_(std::move(site)),
+        scene_(std::move(scene)),
+        rotations_(std::move(rotations)),
+        centres_(std::move(centres)) {}
 
   // Returns the frame with its points where they would be without the rotations (at most three Gauss-Newton steps).
   // The points' covariance then includes the prior's rotations, so a fit does not depend on them to first order.
   // `read`: a frame as read. It is returned as it is if its gratings determine no pose.
   [[nodiscard]] BundleFrame unrotated(const BundleFrame& read) const;
+  [[nodiscard]] const TargetRotation& rotation(std::size_t marker) const { return rotations_[marker]; }
+  [[nodiscard]] const RotationCentre& centre(std::size_t marker) const { return centres_[marker]; }
   // Returns the uncertainty of a target's displacement by that of the centre of its rotation, mm.
   [[nodiscard]] double u_by_centre(std::size_t marker, const BundleFrame& now, const BundleFrame& then) const;
 
@@ -55,7 +66,7 @@ class RotationRemoval {
 
   Site site_;
   Scene scene_;
-  RotationPrior prior_;
+  TargetRotations rotations_;
   std::vector<RotationCentre> centres_;
 };
 

@@ -63,11 +63,11 @@ std::vector<BundleFrame> placed(const Recording& truth, const Scene& scene, std:
 Calibration solved_without_rotations(const Recording& truth, const std::vector<BundleFrame>& frames,
                                      RotationCentre centre = {}) {
   Calibration calibration = solved(truth, frames);
-  const RotationPrior prior =
+  const TargetRotations rotations =
       find_rotations(truth.site, calibration.bundle.scene, placed(truth, calibration.bundle.scene, frames));
-  EXPECT_FALSE(prior.empty());
-  for (int round = 0; round < 2 && !prior.empty(); ++round) {
-    const RotationRemoval removal(truth.site, calibration.bundle.scene, prior,
+  EXPECT_FALSE(rotations.empty());
+  for (int round = 0; round < 2 && !rotations.empty(); ++round) {
+    const RotationRemoval removal(truth.site, calibration.bundle.scene, rotations,
                                   std::vector(truth.site.markers.size(), centre));
     std::vector<BundleFrame> unrotated;
     for (const BundleFrame& frame : frames) unrotated.push_back(removal.unrotated(frame));
@@ -123,9 +123,9 @@ TEST(TargetRotation, AnUncertainCentreIsInTheUncertainty) {
   const Recording truth = rotating_rig();
   const Footage run = rotating_footage(truth, 0.020);
   const Calibration calibration = solved(truth, run.frames);
-  RotationPrior prior(truth.site.markers.size(), Rotation3::Zero());
-  prior[kTarget] = Rotation3::Constant(0.05);
-  const RotationRemoval removal(truth.site, calibration.bundle.scene, prior,
+  TargetRotations rotations(truth.site.markers.size());
+  rotations[kTarget].prior_rad = Rotation3::Constant(0.05);
+  const RotationRemoval removal(truth.site, calibration.bundle.scene, rotations,
                                 std::vector(truth.site.markers.size(), RotationCentre{{}, 0.5}));
   const BundleFrame then = removal.unrotated(run.frames[0]), now = removal.unrotated(run.frames[6]);
   const double turned = rotation_at(run.frames[6].time_s, 0.020).z() - rotation_at(0.0, 0.020).z();

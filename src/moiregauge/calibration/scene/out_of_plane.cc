@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "moiregauge/calibration/scene/patch_residual.h"
+#include "moiregauge/calibration/scene/fitted_patch.h"
 
 namespace moiregauge::internal {
 namespace {
@@ -74,17 +74,11 @@ std::vector<std::optional<ShownHeight>> shown_heights(const Site& site, const Sc
                                                       const FrameFit& fit) {
   std::vector<std::optional<ShownHeight>> out(site.markers.size());
   if (!fit.ok) return out;
-  const CommonNumbers camera = numbers_of(scene);
-  const TurnedPose pose(fit.pose);
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (fit.shift_row[i] < 0 || !frame.points[i]) continue;
     const PatchResidual patch(*frame.points[i], site.markers[i]);
-    PatchResidual::Design design = patch.design(camera, scene.markers[i], pose, fit.shift[i]);
-    if (frame.rows) {
-      const RowDesign::Columns rows = patch.root() * frame.rows->by_marker[i];
-      design.col(PatchColumn::kResidual) += rows.leftCols<kMotionParameters>() * fit.motion;
-    }
-    out[i] = shown_height(design, fit.pose, frame.removed_rad.empty() ? Eigen::Vector3d::Zero() : frame.removed_rad[i]);
+    out[i] = shown_height(fitted_design(patch, scene, frame, fit, i), fit.pose,
+                          frame.removed_rad.empty() ? Eigen::Vector3d::Zero() : frame.removed_rad[i]);
   }
   return out;
 }

@@ -58,7 +58,7 @@ bool is_whole(double half, double size_mm, double pitch_mm) { return half > 0.5 
 std::optional<RotationCentre> symmetry_point(const PrintModel& model, PrintPoint near, double pitch_mm) {
   const auto own = nearest_symmetry(with_origin(model.print, near), model.options.along_x, model.options.along_y);
   if (!own) return std::nullopt;
-  return RotationCentre{{near.x + own->at.x, near.y + own->at.y}, own->u * pitch_mm};
+  return RotationCentre{{near.x + own->at.x, near.y + own->at.y}, own->u * pitch_mm, true};
 }
 
 RotationCentre rotation_centre(const Grating& grating, Extent<frame::Board> shift, const PrintModel& model,

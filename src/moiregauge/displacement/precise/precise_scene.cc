@@ -112,15 +112,16 @@ class SceneSolver {
     auto frames = key_frames_of(out_.frames);
     // The pose from the prior's camera is too far from the solved camera's for the few steps of a fit.
     for (BundleFrame& frame : frames) frame.pose = pose_of(site_, scene, frame).value_or(frame.pose);
-    RotationPrior prior = find_rotations(site_, scene, frames);
-    if (prior.empty()) return;
+    const TargetRotations rotations = find_rotations(site_, scene, frames);
+    if (rotations.empty()) return;
     const FrameSeries with_rotations = read_;
     const auto centres = rotation_centres(reference_, fit_frame(site_, scene, frames.front()));
     // The first scene is bent by the rotations, and so is their removal.
     for (int round = 0; round < kRotationRounds && is_solved(); ++round) {
       PreciseScene again;
       again.with_rotations = with_rotations;
-      again.rotations = std::make_shared<const RotationRemoval>(site_, out_.calibration.bundle.scene, prior, centres);
+      again.rotations =
+          std::make_shared<const RotationRemoval>(site_, out_.calibration.bundle.scene, rotations, centres);
       again.frames = read_ = without_rotations(with_rotations, again.rotations);
       out_ = std::move(again);
       judged_ = false;

@@ -121,8 +121,10 @@ Solution measured_in_scene(const Reference& reference, const Observations& obser
   add_to(solution.notes, weak_axis_note(reference));
   add_to(solution.notes, run.locking_note);
   add_to(solution.findings, stretched_prints_note(reference.site, scene.calibration));
-  for (std::string& line : rotation_notes(reference.site, scene.calibration.bundle.frames))
-    solution.findings.push_back(std::move(line));
+  if (scene.rotations) {
+    for (std::string& line : rotation_notes(reference.site, *scene.rotations, scene.calibration.bundle.frames))
+      solution.findings.push_back(std::move(line));
+  }
   for (std::string& line : apparent_size_notes(reference.site, scene.calibration, scene.size_deviations))
     solution.findings.push_back(std::move(line));
   const auto in_scene = [&reference](const SolvedRun& by) {
